@@ -8,9 +8,11 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <limits>
 #include <optional>
 #include <tuple>
+#include <variant>
 #include <vector>
 
 namespace estimator_test {
@@ -32,14 +34,20 @@ struct AnyStrapdown : AnyEstimator {
       : AnyEstimator(settings, {.kind = EstimatorKind::strapdown}) {}
 };
 
-/// A body that departs on a bend: IMU at 100 Hz, fixes and headings at 12.5 Hz.
+constexpr double speed_mps = 1.5;
+
+/// A body that departs on a bend.
+test::Truth drive(double time_s) {
+  return test::departure(speed_mps, 0.3)(time_s);
+}
+
+/// What its sensors measure: IMU at 100 Hz, fixes and headings at 12.5 Hz.
 std::vector<Event> events(double duration_s) {
-  const auto motion = test::departure(1.5, 0.3);
   std::vector<Event> events;
   std::uint64_t sequence = 0;
   for (int k = 0; k < static_cast<int>(duration_s * 100.0); ++k) {
     const double time_s = 0.01 * k;
-    const test::Truth truth = motion(time_s);
+    const test::Truth truth = drive(time_s);
     const TimeNs now_ns = test::epoch_ns + to_ns(time_s);
     ImuSample imu = test::imu_on(truth, now_ns);
     imu.sequence = ++sequence;
@@ -50,11 +58,11 @@ std::vector<Event> events(double duration_s) {
     fix.sequence = ++sequence;
     fix.emission_time_ns = now_ns - to_ns(0.068);
     fix.received_time_ns = now_ns;
-    fix.position_world_m = motion(time_s - 0.068).position_world_m;
+    fix.position_world_m = drive(time_s - 0.068).position_world_m;
     fix.measured_delay_s = 0.068;
     events.emplace_back(fix);
     events.emplace_back(
-        PairHeading{7, ++sequence, fix.emission_time_ns, now_ns, motion(time_s - 0.068).yaw_rad, true});
+        PairHeading{7, ++sequence, fix.emission_time_ns, now_ns, drive(time_s - 0.068).yaw_rad, true});
   }
   return events;
 }
@@ -209,6 +217,64 @@ TEMPLATE_LIST_TEST_CASE("a stamp that goes backward is counted and gives no pose
   CHECK(estimator.counters().samples_invalid == 2);
 }
 
+/// Those that use fixes.
+using FusingEstimators = std::tuple<documented::Engine, kalman::Engine, AnyDocumented, AnyKalman>;
+
+/// The IMU samples of a log, in their order.
+template <class Change>
+void for_each_imu(std::vector<Event>& log, Change change) {
+  std::size_t index = 0;
+  for (Event& event : log) {
+    if (auto* imu = std::get_if<ImuSample>(&event)) change(index++, *imu);
+  }
+}
+
+double error_m(const FusedPose& pose) {
+  const test::Truth truth = drive(seconds_between(test::epoch_ns, pose.time_ns));
+  return (pose.position_world_m - truth.position_world_m).norm();
+}
+
+TEMPLATE_LIST_TEST_CASE("one corrupt stamp costs one sample", "", FusingEstimators) {
+  auto log = events(10.0);
+  for_each_imu(log, [](std::size_t index, ImuSample& imu) {
+    if (index == 500) imu.sensor_time_ns += to_ns(1000.0);
+  });
+  TestType estimator{settings::Settings{}};
+  const Run all = run(estimator, log);
+  CHECK(all.poses.size() == 999);
+  CHECK(estimator.counters().samples_invalid == 1);
+  CHECK(estimator.reset_counter() == 0);
+  CHECK(error_m(all.poses.back()) < 0.03);
+}
+
+TEMPLATE_LIST_TEST_CASE("samples without any specific force are counted and not integrated as a free fall",
+                        "", FusingEstimators) {
+  auto log = events(10.0);
+  for_each_imu(log, [](std::size_t index, ImuSample& imu) {
+    if (index >= 700 && index < 719) imu.specific_force_body_mps2.setZero();
+  });
+  TestType estimator{settings::Settings{}};
+  const Run all = run(estimator, log);
+  CHECK(estimator.counters().samples_invalid == 19);
+  CHECK(error_m(all.poses.back()) < 0.03);
+}
+
+TEMPLATE_LIST_TEST_CASE("samples that share a stamp are no duplicates", "", FusingEstimators) {
+  auto log = events(20.0);
+  constexpr TimeNs coarse_ns = 20'000'000;
+  for_each_imu(log, [](std::size_t, ImuSample& imu) {
+    imu.sensor_time_ns -= (imu.sensor_time_ns - test::epoch_ns) % coarse_ns;
+  });
+  TestType estimator{settings::Settings{}};
+  const Run all = run(estimator, log);
+  CHECK(all.poses.size() == 2000);
+  CHECK(estimator.counters().samples_invalid == 0);
+  CHECK(estimator.counters().imu_gaps == 0);
+  // Stamps are up to 10 ms early: 1.5 cm at this speed.
+  CHECK(error_m(all.poses.back()) < 0.05);
+  CHECK(all.poses.back().velocity_world_mps.norm() == Approx(speed_mps).epsilon(0.05));
+}
+
 TEMPLATE_LIST_TEST_CASE("a reset discards the state, keeps the counters and raises reset_counter", "",
                         AllEstimators) {
   TestType estimator{settings::Settings{}};
@@ -256,7 +322,11 @@ TEMPLATE_LIST_TEST_CASE("a fix that is not used says so and names itself", "", A
 }
 
 TEMPLATE_LIST_TEST_CASE("events do not allocate", "", AllEstimators) {
-  const auto log = events(4.0);
+  const auto is_heading = [](const Event& event) { return std::holds_alternative<PairHeading>(event); };
+  std::vector<Event> log = events(12.0);
+  if (GENERATE(false, true)) log.erase(std::remove_if(log.begin(), log.end(), is_heading), log.end());
+  if (GENERATE(false, true)) log = with_late_and_refused(log);
+  if (GENERATE(false, true)) log.erase(log.begin() + 600, log.begin() + 900);
   TestType estimator{settings::Settings{}};
   const std::size_t before = test::allocations();
   for (const Event& event : log) static_cast<void>(process(estimator, event));

@@ -4,31 +4,39 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
-#include <string>
 #include <utility>
+#include <vector>
 
 namespace beacon_estimators_test {
 
 using namespace sonopose;
 using namespace sonopose::fusion;
 using namespace sonopose::fusion::test;
+using settings::EngineKind;
 
 constexpr TimeNs ms = 1'000'000;
 
+/// The poses of a bare engine.
+std::vector<FusedPose> poses_with(EngineKind engine, const std::vector<Event>& events) {
+  estimation::AnyEstimator estimator{settings_of(engine)};
+  return sonopose::test::poses_of(estimator, events);
+}
+
 SCENARIO("each beacon has its own estimator") {
+  const EngineKind engine = GENERATE(EngineKind::documented, EngineKind::kalman);
   const bool lossless = GENERATE(false, true);
   GIVEN("two beacons whose events come mixed") {
     const auto seven = walk(7, 5.0);
     const auto eight = walk(8, 5.0);
-    Feeder feeder(lossless);
+    Feeder feeder(lossless, config_of(engine));
     for (std::size_t i = 0; i < std::max(seven.size(), eight.size()); ++i) {
       if (i < seven.size()) feeder.push(seven[i]);
       if (i < eight.size()) feeder.push(eight[i]);
     }
     THEN("each one's poses are those of a bare engine that hears it alone, to the last bit") {
       CHECK(feeder.poses_of(7).size() == 500);
-      CHECK(same(feeder.poses_of(7), poses_of_estimator(seven)));
-      CHECK(same(feeder.poses_of(8), poses_of_estimator(eight)));
+      CHECK(same(feeder.poses_of(7), poses_with(engine, seven)));
+      CHECK(same(feeder.poses_of(8), poses_with(engine, eight)));
       CHECK_FALSE(same(feeder.poses_of(7), feeder.poses_of(8)));
     }
     THEN("each one's status counts its own") {
@@ -71,11 +79,8 @@ SCENARIO("each beacon has its own estimator") {
     feeder.push_all(walk(7, 5.0));
     feeder.push_all(walk(8, 5.0));
     THEN("that one alone has its poses, and estimates what only that engine does") {
-      settings::Settings kalman;
-      kalman.engine.engine = settings::EngineKind::kalman;
-      CHECK(same(feeder.poses_of(7), poses_of_estimator(walk(7, 5.0))));
-      estimation::AnyEstimator estimator{kalman};
-      CHECK(same(feeder.poses_of(8), sonopose::test::poses_of(estimator, walk(8, 5.0))));
+      CHECK(same(feeder.poses_of(7), poses_with(EngineKind::documented, walk(7, 5.0))));
+      CHECK(same(feeder.poses_of(8), poses_with(EngineKind::kalman, walk(8, 5.0))));
       CHECK_FALSE(feeder.estimate(7).lever_arm_body_m);
       CHECK(feeder.estimate(8).lever_arm_body_m);
     }
@@ -97,10 +102,7 @@ SCENARIO("each beacon has its own estimator") {
     }
   }
   GIVEN("a fix that comes two seconds after its measurement, and an impossible one") {
-    const std::string engine = GENERATE("documented", "kalman");
-    config::FusionConfig config;
-    config.assign("fusion.engine=" + engine);
-    Feeder feeder(lossless, config);
+    Feeder feeder(lossless, config_of(engine));
     const auto events = walk(7, 5.0);
     feeder.push_all(events);
     const auto before = feeder.status(7);
@@ -125,33 +127,34 @@ SCENARIO("each beacon has its own estimator") {
     }
   }
   GIVEN("a setting that differs for one beacon: its pair stands across") {
-    config::FusionConfig config = documented_config();
+    config::FusionConfig config = config_of(engine);
     config.assign("beacon.8.heading.mount_offset_deg=90");
     Feeder feeder(lossless, config);
     feeder.push_all(walk(7, 5.0));
     feeder.push_all(walk(8, 5.0));
     THEN("that one alone is turned by it") {
-      CHECK(same(feeder.poses_of(7), poses_of_estimator(walk(7, 5.0))));
-      CHECK_FALSE(same(feeder.poses_of(8), poses_of_estimator(walk(8, 5.0))));
+      CHECK(same(feeder.poses_of(7), poses_with(engine, walk(7, 5.0))));
+      CHECK_FALSE(same(feeder.poses_of(8), poses_with(engine, walk(8, 5.0))));
     }
   }
 }
 
 SCENARIO("events that arrive out of order are put in order") {
+  const EngineKind engine = GENERATE(EngineKind::documented, EngineKind::kalman);
   const auto events = walk(7, 5.0);
   GIVEN("neighbours that are swapped here and there, as three topics do") {
-    Feeder feeder(false);
+    Feeder feeder(false, config_of(engine));
     auto mixed = events;
     for (std::size_t i = 10; i + 1 < mixed.size(); i += 7) std::swap(mixed[i], mixed[i + 1]);
     SteadyTime arrival{begin_ns};
     for (const Event& event : mixed) feeder.push(event, arrival += ms / 10);
     THEN("the poses are those of the right order") {
-      CHECK(same(feeder.poses_of(7), poses_of_estimator(events)));
+      CHECK(same(feeder.poses_of(7), poses_with(engine, events)));
       CHECK(feeder.status(7)->events_lost == 0);
     }
   }
   GIVEN("an event that never comes") {
-    Feeder feeder(false);
+    Feeder feeder(false, config_of(engine));
     auto missing = events;
     const auto lost = std::find_if(missing.begin() + 200, missing.end(), [](const Event& event) {
       return std::holds_alternative<PairHeading>(event);
@@ -164,7 +167,7 @@ SCENARIO("events that arrive out of order are put in order") {
     }
   }
   GIVEN("the same where nothing may be lost") {
-    Feeder feeder(true);
+    Feeder feeder(true, config_of(engine));
     auto late = events;
     const Event straggler = late[200];
     late.erase(late.begin() + 200);
@@ -173,14 +176,14 @@ SCENARIO("events that arrive out of order are put in order") {
     THEN("all wait for it without a time limit and are then released together") {
       CHECK(before < 250);
       feeder.push(straggler);
-      CHECK(same(feeder.poses, poses_of_estimator(events)));
+      CHECK(same(feeder.poses, poses_with(engine, events)));
       CHECK(feeder.status(7)->events_lost == 0);
     }
   }
 }
 
 SCENARIO("a repeated reset does nothing") {
-  Feeder feeder(false);
+  Feeder feeder(false, config_of(GENERATE(EngineKind::documented, EngineKind::kalman)));
   feeder.push_all(walk(7, 1.0));
   feeder.reset(7, 41);
   feeder.reset(7, 41);
@@ -216,9 +219,10 @@ SCENARIO("missed deadlines and the loss of a bridge are counted") {
 }
 
 SCENARIO("a bridge that restarts") {
+  const EngineKind engine = GENERATE(EngineKind::documented, EngineKind::kalman);
   const bool lossless = GENERATE(false, true);
   GIVEN("an engine that has followed a beacon") {
-    Feeder feeder(lossless);
+    Feeder feeder(lossless, config_of(engine));
     feeder.push_all(walk(7, 5.0));
     WHEN("the same recording is played again: its times are older") {
       feeder.poses.clear();
@@ -229,7 +233,7 @@ SCENARIO("a bridge that restarts") {
         REQUIRE(feeder.poses.size() >= 495);  // live, the first numbers pass before the restart is certain
         CHECK(feeder.poses.back().reset_counter == 1);
         CHECK(
-            (feeder.poses.back().position_world_m - poses_of_estimator(walk(7, 5.0)).back().position_world_m)
+            (feeder.poses.back().position_world_m - poses_with(engine, walk(7, 5.0)).back().position_world_m)
                 .norm() < 0.05);
       }
     }

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -33,17 +34,26 @@ inline SettingsRequest request(BeaconAddress address, std::vector<SettingAssignm
           .assignments = std::move(assignments)};
 }
 
-/// The documented engine, which reads every setting, so that each change shows.
-inline settings::Settings documented() {
+inline settings::Settings settings_of(settings::EngineKind engine) {
   settings::Settings settings;
-  settings.engine.engine = settings::EngineKind::documented;
+  settings.engine.engine = engine;
   return settings;
 }
 
-inline config::FusionConfig documented_config() {
+inline config::FusionConfig config_of(settings::EngineKind engine) {
   config::FusionConfig config;
-  config.assign("fusion.engine=documented");
+  config.assign("fusion.engine=" +
+                std::string(engine == settings::EngineKind::kalman ? "kalman" : "documented"));
   return config;
+}
+
+/// The documented engine, which reads every setting, so that each change shows.
+inline settings::Settings documented() {
+  return settings_of(settings::EngineKind::documented);
+}
+
+inline config::FusionConfig documented_config() {
+  return config_of(settings::EngineKind::documented);
 }
 
 /// Feeds estimators and records their output.
