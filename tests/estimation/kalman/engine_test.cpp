@@ -136,6 +136,18 @@ SCENARIO("the Kalman engine starts with any noise of the fixes") {
   }
 }
 
+SCENARIO("the Kalman engine starts on a moving body") {
+  GIVEN("a body that moves from the first sample on") {
+    const std::uint64_t seed = GENERATE(range(91U, 100U));
+    CAPTURE(seed);
+    const sim::Recording moving = record("moving_start", 6.0, seed);
+    kalman::Engine engine{settings::Settings{}};
+    THEN("after two seconds the position is better than a fix, with 2 cm of noise on each axis") {
+      CHECK(rms_m(poses_of(engine, moving.events), moving.truth, 2.0) < 0.02 * std::sqrt(3.0));
+    }
+  }
+}
+
 SCENARIO("the Kalman engine finds an error of the reported delay") {
   GIVEN("a kart whose fixes report a delay that is wrong by 20 ms") {
     const double reported_minus_true_s = GENERATE(-0.02, 0.02);
