@@ -136,6 +136,22 @@ SCENARIO("the Kalman engine starts with any noise of the fixes") {
   }
 }
 
+SCENARIO("the Kalman engine is as accurate with any rate of the IMU") {
+  GIVEN("a walk with an IMU of 50 Hz to 1 kHz") {
+    const double imu_rate_hz = GENERATE(50.0, 200.0, 1000.0);
+    const std::uint64_t seed = GENERATE(range(101U, 104U));
+    CAPTURE(imu_rate_hz, seed);
+    sim::Scenario walk = sim::find_scenario("walk");
+    walk.sensors.imu_rate_hz = imu_rate_hz;
+    const sim::Recording run = sim::record(walk, {.seed = seed, .duration_s = 30.0});
+    kalman::Engine engine{settings::Settings{}};
+    THEN("the position is better than a fix") {
+      CHECK(rms_m(poses_of(engine, run.events), run.truth, 6.0) < 0.02);
+      CHECK(engine.counters().imu_gaps == 0);
+    }
+  }
+}
+
 SCENARIO("the Kalman engine starts on a moving body") {
   GIVEN("a body that moves from the first sample on") {
     const std::uint64_t seed = GENERATE(range(91U, 100U));
