@@ -54,10 +54,11 @@ Arguments settings_of(const std::string& engine) {
 
 }  // namespace
 
-CarRun play_car(const std::string& source, const std::string& engine) {
+CarRun play_car(const std::string& source, const std::string& engine, const Arguments& more) {
   const Bus bus;
   Listeners listeners(bus);
   Arguments settings = settings_of(engine);
+  settings.insert(settings.end(), more.begin(), more.end());
   settings.emplace_back("--lossless");
   const auto fusion = bus.fusion(settings);
   REQUIRE(listeners.poses.wait_for_writers());

@@ -26,8 +26,8 @@ struct CarRun {
   std::vector<FixReport> reports;
 };
 
-/// Plays the log folder (`source` "log") or the bytes ("stream") as fast as possible.
-CarRun play_car(const std::string& source, const std::string& engine);
+/// Plays the log folder (`source` "log") or the bytes ("stream") as fast as possible, with more settings.
+CarRun play_car(const std::string& source, const std::string& engine, const Arguments& more = {});
 
 /// Sends the bytes over a serial line at the rate of their contents, like a beacon. Returns the poses up to
 /// that of the event `until_sequence`. A busy machine makes the fusion skip some.

@@ -149,6 +149,20 @@ SCENARIO("the fused pose of the recorded car agrees with its wheel speed", "[car
   }
 }
 
+SCENARIO("the Kalman engine follows the recorded car better with the delay that its fixes show", "[car]") {
+  if (!car_is_here()) return;
+  GIVEN("80 ms more than its fixes state, with which the engine predicts them best") {
+    const CarRun run = play_car("log", "kalman", {"--set", "delay.correction_s=0.08"});
+    REQUIRE(run.poses.size() == car_imu_samples);
+    THEN("the fused speed follows the wheel speed between 45 s and 94 s") {
+      const SpeedCheck speed = compare_with_wheels(run.poses);
+      std::cout << "kalman, delay corrected: speed against the wheels: " << speed.difference_rms_mps
+                << " m/s RMS, fastest " << speed.fastest_mps << " m/s\n";
+      CHECK(speed.difference_rms_mps <= 0.17);
+    }
+  }
+}
+
 SCENARIO("the car's raw bytes give the poses of its log, up to the resolution of the protocol", "[car]") {
   if (!car_is_here()) return;
   GIVEN("the log and the raw bytes, played as fast as possible to the documented engine") {
