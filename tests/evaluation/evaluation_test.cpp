@@ -116,7 +116,7 @@ TEST_CASE("the pose follows a relocation within the fixes of item 19 and the dec
   }
 }
 
-TEST_CASE("recorded flights: the position error is below 2 cm, and below 3 cm with the documented engine") {
+TEST_CASE("recorded flights: the position error is below 2 cm, and below 4 cm with the documented engine") {
   const std::filesystem::path folder = test::beacon_recordings();
   if (!test::is_here(folder)) return;
   const auto recordings = evaluation::recordings_in(folder).folders;
@@ -129,7 +129,7 @@ TEST_CASE("recorded flights: the position error is below 2 cm, and below 3 cm wi
     CHECK(result.prediction.fixes.size() > 400);
     if (!is_documented) CHECK(result.prediction.distance_p50_m < 0.05);
     if (!result.has_truth) continue;
-    CHECK(result.fused.position_m.rmse < (is_documented ? 0.03 : 0.02));
+    CHECK(result.fused.position_m.rmse < (is_documented ? 0.04 : 0.02));
     CHECK(result.fused.position_m.rmse < 0.5 * result.last_fix_m.rmse);
   }
 }

@@ -91,7 +91,7 @@ std::size_t Timeline::insert(const Aiding& aiding) {
   const auto place = std::find_if(aiding_.begin(), aiding_.end(), [&](const Aiding& other) {
     return turn_ns < turn_of(other) || (turn_of(other) == turn_ns && aiding.index() < other.index());
   });
-  const auto inserted = aiding_.insert(place, aiding);  // may move all of them in a copied timeline
+  const auto inserted = aiding_.insert(place, aiding);  // reallocates in a copy, which has no reserve
   return static_cast<std::size_t>(inserted - aiding_.begin());
 }
 

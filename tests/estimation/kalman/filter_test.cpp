@@ -199,7 +199,7 @@ TEST_CASE("the covariance stays symmetric and positive over a million random ste
   Filter filter = random_filter(dice);
   filter.covariance = StateCovariance::Identity();
   filter.estimate_delay(1e-4);
-  const auto is_positive = [&] {
+  const auto is_symmetric_and_positive = [&] {
     using Joint = Eigen::Matrix<double, state_size + 1, state_size + 1>;  // with the delay
     Joint joint;
     joint << filter.covariance, filter.delay_covariance, filter.delay_covariance.transpose(),
@@ -233,7 +233,7 @@ TEST_CASE("the covariance stays symmetric and positive over a million random ste
       filter.decorrelate(at_position, Vector3d::Constant(dice.between(1e-4, 1.0)));
     }
     if (i % 4 != 0) continue;
-    REQUIRE(is_positive());
+    REQUIRE(is_symmetric_and_positive());
     REQUIRE(filter.is_finite());
   }
 }
