@@ -14,9 +14,8 @@ using namespace sonopose::fusion::test;
 
 SCENARIO("a live event does not allocate, even while a change waits and when it applies") {
   const auto events = walk(7, 10.0);
-  config::FusionConfig config;
-  config.assign("fusion.engine=" + std::string(GENERATE("documented", "kalman")));
-  process::Guarded<BeaconEstimators> estimators(config, false);
+  const auto engine = GENERATE(settings::EngineKind::documented, settings::EngineKind::kalman);
+  process::Guarded<BeaconEstimators> estimators(config_of(engine), false);
   std::size_t poses = 0;
   std::size_t changes = 0;
   const auto allocated_by = [&](std::size_t first, std::size_t last) {
@@ -47,8 +46,7 @@ SCENARIO("a live event does not allocate, even while a change waits and when it 
 SCENARIO("a live event does not allocate with any attitude filter") {
   const auto events = walk(7, 4.0);
   for (const std::string_view filter : choices_of(attitude::FilterKind{})) {
-    config::FusionConfig config;
-    config.assign("fusion.engine=documented");
+    config::FusionConfig config = documented_config();
     config.assign("attitude.filter=" + std::string(filter));
     config.assign("attitude.magnetometer=true");
     BeaconEstimators estimators(config, false);
