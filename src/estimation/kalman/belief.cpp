@@ -264,17 +264,8 @@ FixOutcome Belief::judge(const settings::Settings& settings, const FixMeasuremen
   const double ahead_s = seconds_between(state_ns, fix.time_ns);
   const Matrix3d covariance = covariance_of(fix);
   outcome.covariance_world_m2 = covariance;
-  Innovations innovations;
-  double least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < candidate_count; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    innovations[at] = candidates[at].filter.fix_innovation(fix.position_world_m, covariance, ahead_s);
-    // The start that explains this fix best speaks for all of them.
-    if (phase == Phase::searching_yaw && innovations[at].squared_norm < least) {
-      least = innovations[at].squared_norm;
-      best = i;
-    }
-  }
+  const Innovations innovations = innovations_of(fix, covariance, ahead_s);
+  if (phase == Phase::searching_yaw) choose_start(innovations);
   outcome.innovation = innovations[static_cast<std::size_t>(best)];
   outcome.has_innovation = true;
   const double d = outcome.innovation.squared_norm;
@@ -286,16 +277,43 @@ FixOutcome Belief::judge(const settings::Settings& settings, const FixMeasuremen
     reject(settings, fix, covariance, ahead_s, outcome);
     return outcome;
   }
-  fixes_since_start = std::min(fixes_since_start + 1, proven_fixes);
+  trust += (1.0 - trust) / trust_memory;
   const double scale = scale_of(outcome.innovation);
   // After rejected fixes the estimate is uncertain too.
   const Matrix3d more_covariance =
       (scale - 1.0) * (fixes_rejected_in_row > 0 ? outcome.innovation.covariance_m2 : covariance);
-  fixes_rejected_in_row = 0;
-  trust += (1.0 - trust) / trust_memory;
   outcome.weight = 1.0 / scale;
   outcome.covariance_world_m2 += more_covariance;
   outcome.flags = fix_used;
+  correct_candidates(fix, covariance, more_covariance, innovations, ahead_s);
+  note_used(fix);
+  return outcome;
+}
+
+Belief::Innovations Belief::innovations_of(const FixMeasurement& fix, const Matrix3d& covariance,
+                                           double ahead_s) const {
+  Innovations innovations;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(candidate_count); ++i) {
+    innovations[i] = candidates[i].filter.fix_innovation(fix.position_world_m, covariance, ahead_s);
+  }
+  return innovations;
+}
+
+/// The start that explains a fix best speaks for all of them.
+void Belief::choose_start(const Innovations& innovations) {
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < candidate_count; ++i) {
+    const double squared_norm = innovations[static_cast<std::size_t>(i)].squared_norm;
+    if (!(squared_norm < least)) continue;
+    least = squared_norm;
+    best = i;
+  }
+}
+
+/// Registers a fix that the best filter has used.
+void Belief::note_used(const FixMeasurement& fix) {
+  fixes_since_start = std::min(fixes_since_start + 1, proven_fixes);
+  fixes_rejected_in_row = 0;
   if (rival.alive) {
     // The rival lives on rejected fixes alone; one that only explains the same track is none.
     constexpr TimeNs idle_ns = 1'500'000'000;
@@ -303,13 +321,11 @@ FixOutcome Belief::judge(const settings::Settings& settings, const FixMeasuremen
     ++rival.fixes_of_best;
   }
   former.fixes_in_row = 0;
-  correct_candidates(fix, covariance, more_covariance, innovations, ahead_s);
   last_fix_ns = fix.time_ns;
   quality_percent = fix.quality_percent;
   slowed_ns = std::max(slowed_ns, fix.time_ns);
   rest::add_fix(rest, fix.time_ns, fix.position_world_m);
   drop_anchor(fix.time_ns);
-  return outcome;
 }
 
 void Belief::correct_candidates(const FixMeasurement& fix, const Matrix3d& covariance,

@@ -1,4 +1,6 @@
-#include <sonopose/estimation/kalman/filter.hpp>
+// The corrections of a filter, and what is read from its state.
+
+#include "estimation/kalman/filter_parts.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
 #include <algorithm>
@@ -10,200 +12,13 @@ namespace {
 
 using Scalar = Eigen::Matrix<double, 1, 1>;
 
-const Vector3d gravity_world_mps2{0.0, 0.0, -standard_gravity_mps2};
-
-Matrix3d cross_matrix(const Vector3d& v) {
-  Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
-
 /// The columns times L⁻ᵀ.
 StateColumns whitened(const StateColumns& columns, const Eigen::LLT<Matrix3d>& factor) {
   const Matrix3d inverse = factor.matrixL().solve(Matrix3d::Identity());
   return columns.lazyProduct(inverse.transpose());
 }
 
-/// Copies the upper triangle to the lower one.
-void mirror_upper(StateCovariance& covariance) {
-  for (int column = 0; column < state_size; ++column) {
-    for (int row = column + 1; row < state_size; ++row) covariance(row, column) = covariance(column, row);
-  }
-}
-
 }  // namespace
-
-NominalStep Filter::step(const Vector3d& rate_body_radps, const Vector3d& specific_force_body_mps2,
-                         double dt_s) const {
-  NominalStep step;
-  NominalState& after = step.after;
-  after.angular_velocity_body_radps = rate_body_radps - gyro_bias_body_radps;
-  const Quaterniond half = geometry::rotation_by((0.5 * dt_s * after.angular_velocity_body_radps).eval());
-  const Quaterniond q_middle = q_body_to_world * half;
-  step.rotation_middle = q_middle.toRotationMatrix();
-  step.force_world_mps2 = step.rotation_middle * (specific_force_body_mps2 - accel_bias_body_mps2);
-  after.acceleration_world_mps2 = step.force_world_mps2 + gravity_world_mps2;
-  after.position_world_m =
-      position_world_m + dt_s * velocity_world_mps + 0.5 * dt_s * dt_s * after.acceleration_world_mps2;
-  after.velocity_world_mps = velocity_world_mps + dt_s * after.acceleration_world_mps2;
-  after.q_body_to_world = (q_middle * half).normalized();
-  return step;
-}
-
-void Filter::predict(const Vector3d& rate_body_radps, const Vector3d& specific_force_body_mps2, double dt_s) {
-  const NominalStep step = this->step(rate_body_radps, specific_force_body_mps2, dt_s);
-  // In the world frame an attitude error stays as it is but for the gyro bias.
-  begin_transition();
-  Transition& f = pending;
-  f.duration_s += dt_s;
-  f.position_velocity_s += dt_s;
-  f.impulse_sum_m += dt_s * f.impulse_mps;
-  f.rotation_double_sum_s2 += dt_s * f.rotation_sum_s;
-  f.position_gyro_bias += dt_s * f.velocity_gyro_bias;
-  for (int i = 0; i < 3; ++i) {
-    f.velocity_gyro_bias.col(i) += dt_s * step.force_world_mps2.cross(f.rotation_sum_s.col(i));
-  }
-  f.impulse_mps += dt_s * step.force_world_mps2;
-  f.rotation_sum_s += dt_s * step.rotation_middle;
-  position_world_m = step.after.position_world_m;
-  velocity_world_mps = step.after.velocity_world_mps;
-  q_body_to_world = step.after.q_body_to_world;
-  acceleration_world_mps2 = step.after.acceleration_world_mps2;
-  angular_velocity_body_radps = step.after.angular_velocity_body_radps;
-}
-
-void Filter::begin_transition() {
-  if (pending.duration_s == 0.0) pending.rotation_start = q_body_to_world.toRotationMatrix();
-}
-
-void Filter::coast(double duration_s, const UnknownMotion& motion) {
-  const double tau_s = motion.slowing_s;
-  const double left = std::exp(-duration_s / tau_s);
-  const double moving_s = tau_s * (1.0 - left);
-  position_world_m += moving_s * velocity_world_mps;
-  velocity_world_mps *= left;
-  acceleration_world_mps2.setZero();
-  angular_velocity_body_radps.setZero();
-
-  StateCovariance& P = covariance;  // NOLINT(readability-identifier-naming): the symbol of the equations
-  P.middleRows<3>(at_position) += moving_s * P.middleRows<3>(at_velocity);
-  P.middleRows<3>(at_velocity) *= left;
-  P.middleCols<3>(at_position) += moving_s * P.middleCols<3>(at_velocity);
-  P.middleCols<3>(at_velocity) *= left;
-  delay_covariance.segment<3>(at_position) += moving_s * delay_covariance.segment<3>(at_velocity);
-  delay_covariance.segment<3>(at_velocity) *= left;
-  // The integrals of white acceleration whose velocity falls.
-  const double accel = motion.accel_mps2_rthz * motion.accel_mps2_rthz;
-  P.diagonal().segment<3>(at_position).array() +=
-      accel * tau_s * tau_s * (duration_s - 2.0 * moving_s + 0.5 * tau_s * (1.0 - left * left));
-  for (int i = 0; i < 3; ++i) P(at_position + i, at_velocity + i) += 0.5 * accel * moving_s * moving_s;
-  P.diagonal().segment<3>(at_velocity).array() += 0.5 * accel * tau_s * (1.0 - left * left);
-  P.diagonal().segment<3>(at_attitude).array() += motion.tilt_rad_rts * motion.tilt_rad_rts * duration_s;
-  add_yaw_variance(motion.yaw_rad_rts * motion.yaw_rad_rts * duration_s);
-  mirror_upper(P);
-}
-
-StateCovariance Filter::transition() const {
-  const Matrix3d to_body = q_body_to_world.toRotationMatrix().transpose();
-  StateCovariance transition = StateCovariance::Identity();
-  if (!(pending.duration_s > 0.0)) return transition;
-  const auto block = [&transition](StateIndex row, StateIndex column) {
-    return transition.block<3, 3>(row, column);
-  };
-  block(at_position, at_velocity) = pending.position_velocity_s * Matrix3d::Identity();
-  block(at_position, at_attitude) = -cross_matrix(pending.impulse_sum_m) * pending.rotation_start;
-  block(at_position, at_gyro_bias) = pending.position_gyro_bias;
-  block(at_position, at_accel_bias) = -pending.rotation_double_sum_s2;
-  block(at_velocity, at_attitude) = -cross_matrix(pending.impulse_mps) * pending.rotation_start;
-  block(at_velocity, at_gyro_bias) = pending.velocity_gyro_bias;
-  block(at_velocity, at_accel_bias) = -pending.rotation_sum_s;
-  block(at_attitude, at_attitude) = to_body * pending.rotation_start;
-  block(at_attitude, at_gyro_bias) = -to_body * pending.rotation_sum_s;
-  return transition;
-}
-
-void Filter::propagate(const ProcessNoise& noise) {
-  const double t = pending.position_velocity_s;
-  const double duration_s = pending.duration_s;
-  if (!(duration_s > 0.0)) return;
-  const Matrix3d to_body = q_body_to_world.toRotationMatrix().transpose();
-  const Matrix3d attitude_attitude = to_body * pending.rotation_start;
-  const Matrix3d attitude_gyro_bias = -to_body * pending.rotation_sum_s;
-  const Matrix3d velocity_attitude = -cross_matrix(pending.impulse_mps) * pending.rotation_start;
-  const Matrix3d position_attitude = -cross_matrix(pending.impulse_sum_m) * pending.rotation_start;
-  const Matrix3d velocity_accel_bias = -pending.rotation_sum_s;
-  const Matrix3d position_accel_bias = -pending.rotation_double_sum_s2;
-  const Matrix3d& velocity_gyro_bias = pending.velocity_gyro_bias;
-  const Matrix3d& position_gyro_bias = pending.position_gyro_bias;
-  StateCovariance& P = covariance;  // NOLINT(readability-identifier-naming): the symbol of the equations
-  // P Φᵀ by the columns of position, velocity and attitude.
-  const auto column = [&P](StateIndex index) { return P.middleCols<3>(index); };
-  const auto times = [](const auto& columns, const Matrix3d& block) {
-    return columns.lazyProduct(block.transpose());
-  };
-  const StateColumns position =
-      column(at_position) + t * column(at_velocity) + times(column(at_attitude), position_attitude) +
-      times(column(at_gyro_bias), position_gyro_bias) + times(column(at_accel_bias), position_accel_bias);
-  const StateColumns velocity = column(at_velocity) + times(column(at_attitude), velocity_attitude) +
-                                times(column(at_gyro_bias), velocity_gyro_bias) +
-                                times(column(at_accel_bias), velocity_accel_bias);
-  const StateColumns attitude =
-      times(column(at_attitude), attitude_attitude) + times(column(at_gyro_bias), attitude_gyro_bias);
-
-  // Φ (P Φᵀ): the blocks of the upper triangle that change.
-  const auto rows = [](const auto& columns, StateIndex index) {
-    return columns.template middleRows<3>(index);
-  };
-  const auto by_position =
-      [&]<int count>(
-          const Eigen::Matrix<double, state_size, count>& columns) -> Eigen::Matrix<double, 3, count> {
-    return rows(columns, at_position) + t * rows(columns, at_velocity) +
-           position_attitude.lazyProduct(rows(columns, at_attitude)) +
-           position_gyro_bias.lazyProduct(rows(columns, at_gyro_bias)) +
-           position_accel_bias.lazyProduct(rows(columns, at_accel_bias));
-  };
-  const auto by_velocity =
-      [&]<int count>(
-          const Eigen::Matrix<double, state_size, count>& columns) -> Eigen::Matrix<double, 3, count> {
-    return rows(columns, at_velocity) + velocity_attitude.lazyProduct(rows(columns, at_attitude)) +
-           velocity_gyro_bias.lazyProduct(rows(columns, at_gyro_bias)) +
-           velocity_accel_bias.lazyProduct(rows(columns, at_accel_bias));
-  };
-  const auto by_attitude =
-      [&]<int count>(
-          const Eigen::Matrix<double, state_size, count>& columns) -> Eigen::Matrix<double, 3, count> {
-    return attitude_attitude.lazyProduct(rows(columns, at_attitude)) +
-           attitude_gyro_bias.lazyProduct(rows(columns, at_gyro_bias));
-  };
-  P.block<3, 3>(at_position, at_position) = by_position(position);
-  P.block<3, 3>(at_position, at_velocity) = by_position(velocity);
-  P.block<3, 3>(at_position, at_attitude) = by_position(attitude);
-  P.block<3, 3>(at_velocity, at_velocity) = by_velocity(velocity);
-  P.block<3, 3>(at_velocity, at_attitude) = by_velocity(attitude);
-  P.block<3, 3>(at_attitude, at_attitude) = by_attitude(attitude);
-  P.block<3, 9>(at_position, at_gyro_bias) = position.bottomRows<9>().transpose();
-  P.block<3, 9>(at_velocity, at_gyro_bias) = velocity.bottomRows<9>().transpose();
-  P.block<3, 9>(at_attitude, at_gyro_bias) = attitude.bottomRows<9>().transpose();
-
-  const double accel = noise.accel_mps2_rthz * noise.accel_mps2_rthz;
-  P.diagonal().segment<3>(at_position).array() += accel * t * t * t / 3.0;
-  for (int i = 0; i < 3; ++i) P(at_position + i, at_velocity + i) += 0.5 * accel * t * t;
-  P.diagonal().segment<3>(at_velocity).array() += accel * duration_s;
-  P.diagonal().segment<3>(at_attitude).array() += noise.gyro_radps_rthz * noise.gyro_radps_rthz * duration_s;
-  P.diagonal().segment<3>(at_gyro_bias).array() +=
-      noise.gyro_bias_radps_rts * noise.gyro_bias_radps_rts * duration_s;
-  P.diagonal().segment<3>(at_accel_bias).array() +=
-      noise.accel_bias_mps2_rts * noise.accel_bias_mps2_rts * duration_s;
-  mirror_upper(P);
-  if (estimates_delay()) {
-    const StateVector before = delay_covariance;
-    delay_covariance.segment<3>(at_position) = by_position(before);
-    delay_covariance.segment<3>(at_velocity) = by_velocity(before);
-    delay_covariance.segment<3>(at_attitude) = by_attitude(before);
-    delay_variance_s2 += noise.delay_s_rts * noise.delay_s_rts * duration_s;
-  }
-  pending = Transition{};
-}
 
 /// P Hᵀ of a fix.
 StateColumns Filter::fix_columns(double ahead_s) const {

@@ -11,49 +11,77 @@ namespace {
 constexpr double full_below = 6.6;  // χ², 1 degree of freedom: 1 % is above
 constexpr double heading_rejected_above = 25.0;
 
+/// Student's t with six degrees of freedom, up to a constant.
+double log_likelihood(const Filter::HeadingInnovation& innovation) {
+  return -3.5 * std::log1p(square(innovation.value_rad) / innovation.variance_rad2 / 6.0) -
+         0.5 * std::log(innovation.variance_rad2);
+}
+
+/// By how much the variance of a heading grows with its innovation.
+double scale_of(const Filter::HeadingInnovation& innovation) {
+  return std::max(1.0, square(innovation.value_rad) / innovation.variance_rad2 / full_below);
+}
+
 }  // namespace
 
 HeadingOutcome Belief::on_heading(const settings::Settings& settings, const HeadingMeasurement& heading) {
   see_heading(heading);
-  const auto remember = [&] {
-    const double since_sample_s = seconds_between(time_ns, heading.time_ns);
-    const bool in_motion = time_ns != 0 && since_sample_s < settings.outage.imu_gap_s;
-    last_heading_ns = heading.time_ns;
-    last_heading_rad = heading.heading_world_rad - (in_motion ? since_sample_s * up_rate_radps() : 0.0);
-    heading_is_current = true;
-  };
   if (phase == Phase::waiting || repetition.frozen || restart_pending) {
-    remember();
+    keep_heading(settings, heading);
     return {};
   }
   propagate();
   coast_if_silent(settings, heading.time_ns);
+  HeadingOutcome outcome;
+  if (phase == Phase::searching_yaw) {
+    keep_heading(settings, heading);
+    outcome = score_starts(settings, heading);
+  } else {
+    outcome = judge(settings, heading);
+  }
+  recover_if_not_finite();
+  return outcome;
+}
+
+/// Keeps it for a start, turned to the latest sample.
+void Belief::keep_heading(const settings::Settings& settings, const HeadingMeasurement& heading) {
+  const double since_sample_s = seconds_between(time_ns, heading.time_ns);
+  const bool in_motion = time_ns != 0 && since_sample_s < settings.outage.imu_gap_s;
+  last_heading_ns = heading.time_ns;
+  last_heading_rad = heading.heading_world_rad - (in_motion ? since_sample_s * up_rate_radps() : 0.0);
+  heading_is_current = true;
+}
+
+HeadingOutcome Belief::score_starts(const settings::Settings& settings, const HeadingMeasurement& heading) {
   const double mount_rad = radians(settings.heading.mount_offset_deg);
   const double ahead_s = seconds_between(state_ns, heading.time_ns);
   const double variance = noise.heading_rad2.variance;
   HeadingOutcome outcome{.variance_rad2 = variance};
-  if (phase == Phase::searching_yaw) {
-    remember();
-    for (int i = 0; i < candidate_count; ++i) {
-      Candidate& candidate = candidates[static_cast<std::size_t>(i)];
-      const auto innovation =
-          candidate.filter.heading_innovation(heading.heading_world_rad, mount_rad, variance, ahead_s);
-      if (!innovation.observable) continue;
-      const double d = square(innovation.value_rad) / innovation.variance_rad2;
-      if (i == best) outcome = {.used = true, .variance_rad2 = std::max(1.0, d / full_below) * variance};
-      candidate.score += -3.5 * std::log1p(d / 6.0) - 0.5 * std::log(innovation.variance_rad2);
-      candidate.filter.correct_heading(heading.heading_world_rad, mount_rad,
-                                       std::max(1.0, d / full_below) * variance, ahead_s);
-    }
-    prune_starts();
-    recover_if_not_finite();
-    return outcome;
+  for (int i = 0; i < candidate_count; ++i) {
+    Candidate& candidate = candidates[static_cast<std::size_t>(i)];
+    const auto innovation =
+        candidate.filter.heading_innovation(heading.heading_world_rad, mount_rad, variance, ahead_s);
+    if (!innovation.observable) continue;
+    const double own_variance = scale_of(innovation) * variance;
+    if (i == best) outcome = {.used = true, .variance_rad2 = own_variance};
+    candidate.score += log_likelihood(innovation);
+    candidate.filter.correct_heading(heading.heading_world_rad, mount_rad, own_variance, ahead_s);
   }
-  const auto innovation =
-      filter().heading_innovation(heading.heading_world_rad, mount_rad, variance, ahead_s);
+  prune_starts();
+  return outcome;
+}
+
+HeadingOutcome Belief::judge(const settings::Settings& settings, const HeadingMeasurement& heading) {
+  const double mount_rad = radians(settings.heading.mount_offset_deg);
+  const double ahead_s = seconds_between(state_ns, heading.time_ns);
+  const double variance = noise.heading_rad2.variance;
+  HeadingOutcome outcome{.variance_rad2 = variance};
+  const auto innovation_of = [&](const Filter& each) {
+    return each.heading_innovation(heading.heading_world_rad, mount_rad, variance, ahead_s);
+  };
+  const auto innovation = innovation_of(filter());
   if (!innovation.observable) return outcome;
-  const double d = square(innovation.value_rad) / innovation.variance_rad2;
-  const bool rejected = d > heading_rejected_above;
+  const bool rejected = square(innovation.value_rad) / innovation.variance_rad2 > heading_rejected_above;
   if (rejected && !reject_heading(heading.time_ns, innovation.value_rad)) {
     turn_rival(heading, mount_rad, innovation.value_rad);
     return outcome;
@@ -62,21 +90,18 @@ HeadingOutcome Belief::on_heading(const settings::Settings& settings, const Head
   if (rejected) {
     outcome.added_variance_rad2 = square(innovation.value_rad);
   } else {
-    outcome.variance_rad2 *= std::max(1.0, d / full_below);
+    outcome.variance_rad2 *= scale_of(innovation);
   }
   heading_rejected_since_ns = 0;
   headings_rejected_in_row = 0;
-  remember();
+  keep_heading(settings, heading);
   for_each_filter([&](Filter& each, const ProcessNoise&) {
     if (rejected) each.add_yaw_variance(outcome.added_variance_rad2);
-    const auto own = each.heading_innovation(heading.heading_world_rad, mount_rad, variance, ahead_s);
-    const double own_d = square(own.value_rad) / own.variance_rad2;
-    each.correct_heading(heading.heading_world_rad, mount_rad, std::max(1.0, own_d / full_below) * variance,
+    each.correct_heading(heading.heading_world_rad, mount_rad, scale_of(innovation_of(each)) * variance,
                          ahead_s);
   });
-  const auto after = filter().heading_innovation(heading.heading_world_rad, mount_rad, variance, ahead_s);
+  const auto after = innovation_of(filter());
   noise.add_heading(after.value_rad, after.variance_rad2 - variance);
-  recover_if_not_finite();
   return outcome;
 }
 

@@ -13,51 +13,24 @@ namespace sonopose::estimation::kalman {
 
 void Belief::start_at(const FixMeasurement& fix, const settings::Settings& settings) {
   const bool at_rest = rest.still_windows >= 1;
-  const bool again = phase != Phase::waiting;
-  Filter start;
-  const Vector3d up = at_rest ? rest.still_accel_mean
-                      : again ? geometry::up_in_body(filter().q_body_to_world)
-                              : mean_force_body_mps2;
-  const double tilt_std = at_rest ? radians(1.7) : radians(5.0);
-  const double speed_std = at_rest ? 0.1 : 2.0;
-  start.covariance.setZero();
-  auto variances = start.covariance.diagonal();
-  variances.segment<3>(at_position).setConstant(square(0.05));
-  variances.segment<3>(at_velocity).setConstant(square(speed_std));
-  variances.segment<3>(at_attitude).setConstant(square(tilt_std));
-  variances.segment<3>(at_gyro_bias).setConstant(square(start_gyro_bias_std_radps));
-  variances.segment<3>(at_accel_bias).setConstant(square(start_accel_bias_std_mps2));
-  variances.segment<3>(at_lever_arm).setConstant(square(start_lever_arm_std_m));
-  if (again) {
-    const Filter& before = filter();
-    start.gyro_bias_body_radps = before.gyro_bias_body_radps;
-    start.accel_bias_body_mps2 = before.accel_bias_body_mps2;
-    start.lever_arm_body_m = before.lever_arm_body_m;
-    start.delay_error_s = before.delay_error_s;
-    start.delay_variance_s2 = before.delay_variance_s2;
-    for (const StateIndex index : {at_gyro_bias, at_accel_bias, at_lever_arm}) {
-      start.covariance.block<3, 3>(index, index) = before.covariance.block<3, 3>(index, index);
-    }
-  }
-
+  const Vector3d up = at_rest                   ? rest.still_accel_mean
+                      : phase != Phase::waiting ? geometry::up_in_body(filter().q_body_to_world)
+                                                : mean_force_body_mps2;
+  const Filter start = start_filter(at_rest);
   const bool has_heading = heading_is_current && fix.time_ns - last_heading_ns < heading_kept_ns;
+  const double first_yaw_rad = has_heading ? kept_yaw_rad(fix.time_ns, settings) : 0.0;
+  const double yaw_std_rad = has_heading ? radians(4.0) : radians(15.0);
   candidate_count = has_heading ? 1 : start_count;
-  const double yaw_std = has_heading ? radians(4.0) : radians(15.0);
-  const double since_sample_s = seconds_between(time_ns, fix.time_ns);
-  const double turned_rad =
-      since_sample_s < settings.outage.imu_gap_s ? since_sample_s * up_rate_radps() : 0.0;
-  const double first_yaw =
-      has_heading ? last_heading_rad + turned_rad - radians(settings.heading.mount_offset_deg) : 0.0;
   for (int i = 0; i < candidate_count; ++i) {
     Candidate& candidate = candidates[static_cast<std::size_t>(i)];
     candidate = Candidate{};
     candidate.filter = start;
     candidate.filter.q_body_to_world =
-        geometry::level_with(up, first_yaw + i * 2.0 * std::numbers::pi / start_count);
+        geometry::level_with(up, first_yaw_rad + i * 2.0 * std::numbers::pi / start_count);
     candidate.filter.position_world_m =
         fix.position_world_m + candidate.filter.q_body_to_world * start.lever_arm_body_m;
     candidate.filter.angular_velocity_body_radps = rate_body_radps;
-    candidate.filter.add_yaw_variance(square(yaw_std));
+    candidate.filter.add_yaw_variance(square(yaw_std_rad));
   }
   best = 0;
   fixes_since_start = 1;
@@ -72,6 +45,40 @@ void Belief::start_at(const FixMeasurement& fix, const settings::Settings& setti
   headings_rejected_in_row = 0;
   quality_percent = fix.quality_percent;
   if (has_heading) adopt(filter());
+}
+
+/// The biases and the lever arm that are known, and the covariance of a start without that of yaw.
+Filter Belief::start_filter(bool at_rest) const {
+  const double tilt_std_rad = at_rest ? radians(1.7) : radians(5.0);
+  const double speed_std_mps = at_rest ? 0.1 : 2.0;
+  Filter start;
+  start.covariance.setZero();
+  auto variances = start.covariance.diagonal();
+  variances.segment<3>(at_position).setConstant(square(0.05));
+  variances.segment<3>(at_velocity).setConstant(square(speed_std_mps));
+  variances.segment<3>(at_attitude).setConstant(square(tilt_std_rad));
+  variances.segment<3>(at_gyro_bias).setConstant(square(start_gyro_bias_std_radps));
+  variances.segment<3>(at_accel_bias).setConstant(square(start_accel_bias_std_mps2));
+  variances.segment<3>(at_lever_arm).setConstant(square(start_lever_arm_std_m));
+  if (phase == Phase::waiting) return start;
+  const Filter& before = filter();
+  start.gyro_bias_body_radps = before.gyro_bias_body_radps;
+  start.accel_bias_body_mps2 = before.accel_bias_body_mps2;
+  start.lever_arm_body_m = before.lever_arm_body_m;
+  start.delay_error_s = before.delay_error_s;
+  start.delay_variance_s2 = before.delay_variance_s2;
+  for (const StateIndex index : {at_gyro_bias, at_accel_bias, at_lever_arm}) {
+    start.covariance.block<3, 3>(index, index) = before.covariance.block<3, 3>(index, index);
+  }
+  return start;
+}
+
+/// The yaw by the last heading, turned from the latest sample to a fix.
+double Belief::kept_yaw_rad(TimeNs fix_ns, const settings::Settings& settings) const {
+  const double since_sample_s = seconds_between(time_ns, fix_ns);
+  const double turned_rad =
+      since_sample_s < settings.outage.imu_gap_s ? since_sample_s * up_rate_radps() : 0.0;
+  return last_heading_rad + turned_rad - radians(settings.heading.mount_offset_deg);
 }
 
 /// One filter per noise model, all on this track.

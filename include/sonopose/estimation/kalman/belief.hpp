@@ -241,6 +241,8 @@ private:
   template <class Visit>
   void for_each_filter(const Visit& visit);
   void start_at(const FixMeasurement& fix, const settings::Settings& settings);
+  [[nodiscard]] Filter start_filter(bool at_rest) const;
+  [[nodiscard]] double kept_yaw_rad(TimeNs fix_ns, const settings::Settings& settings) const;
   void coast_to(TimeNs to_ns);
   void coast_if_silent(const settings::Settings& settings, TimeNs measured_ns);
   void end_imu_gap(TimeNs to_ns);
@@ -250,6 +252,9 @@ private:
   [[nodiscard]] bool map_has_turned(TimeNs now_ns) const;
   bool reject_heading(TimeNs now_ns, double innovation_rad);
   void see_heading(const HeadingMeasurement& heading);
+  void keep_heading(const settings::Settings& settings, const HeadingMeasurement& heading);
+  HeadingOutcome score_starts(const settings::Settings& settings, const HeadingMeasurement& heading);
+  HeadingOutcome judge(const settings::Settings& settings, const HeadingMeasurement& heading);
   [[nodiscard]] double heading_run_ends_s() const;
   void turn_rival(const HeadingMeasurement& heading, double mount_rad, double innovation_rad);
   [[nodiscard]] double up_rate_radps() const;
@@ -257,7 +262,11 @@ private:
   void update_rest(const ImuMeasurement& imu, ImuOutcome& outcome);
   void bound_dead_reckoning(ImuOutcome& outcome);
   using Innovations = std::array<Innovation, start_count>;  ///< of each candidate
+  [[nodiscard]] Innovations innovations_of(const FixMeasurement& fix, const Matrix3d& covariance,
+                                           double ahead_s) const;
   FixOutcome judge(const settings::Settings& settings, const FixMeasurement& fix);
+  void choose_start(const Innovations& innovations);
+  void note_used(const FixMeasurement& fix);
   void correct_candidates(const FixMeasurement& fix, const Matrix3d& covariance,
                           const Matrix3d& more_covariance, const Innovations& innovations, double ahead_s);
   void prune_starts();

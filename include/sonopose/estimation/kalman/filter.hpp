@@ -195,6 +195,7 @@ public:
 
 private:
   void begin_transition();
+  void add_process_noise(const ProcessNoise& noise);
   [[nodiscard]] StateColumns fix_columns(double ahead_s) const;
   template <int count>
   [[nodiscard]] Eigen::Matrix<double, 3, count> times_columns(
