@@ -1,5 +1,6 @@
 #include "doctor/motion/integral.hpp"
 
+#include <sonopose/geometry/cross_matrix.hpp>
 #include <sonopose/geometry/rotation.hpp>
 
 #include <algorithm>
@@ -14,7 +15,7 @@ void advance(IntegralState& state, const Vector3d& rate_radps, const Vector3d& f
   const Eigen::Matrix3d half_back = half.toRotationMatrix().transpose();
   const Eigen::Matrix3d middle_by_gyro =
       half_back * state.attitude_by_gyro - 0.5 * dt_s * Eigen::Matrix3d::Identity();
-  const Eigen::Matrix3d force_by_gyro = -to_start * cross_matrix(force_mps2) * middle_by_gyro;
+  const Eigen::Matrix3d force_by_gyro = -to_start * geometry::cross_matrix(force_mps2) * middle_by_gyro;
   const Vector3d force = to_start * force_mps2;
   const double half_square = 0.5 * dt_s * dt_s;
   state.position_m += dt_s * state.velocity_mps + half_square * force;
@@ -29,12 +30,6 @@ void advance(IntegralState& state, const Vector3d& rate_radps, const Vector3d& f
 }
 
 }  // namespace
-
-Eigen::Matrix3d cross_matrix(const Vector3d& v) {
-  Eigen::Matrix3d matrix;
-  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return matrix;
-}
 
 std::vector<IntegralState> integral_of(std::span<const Reading> imu, const Vector3d& signs,
                                        const Vector3d& gyro_bias_radps, const Vector3d& accel_bias_mps2) {

@@ -35,7 +35,4 @@ std::vector<IntegralState> integral_of(std::span<const Reading> imu, const Vecto
 /// The state at a time, from the sample before it; outside of the segment, from the nearest sample.
 IntegralState state_at(const std::vector<IntegralState>& states, double since_start_s);
 
-/// The matrix of the cross product with `v` from the left.
-Eigen::Matrix3d cross_matrix(const Vector3d& v);
-
 }  // namespace sonopose::doctor::motion::detail

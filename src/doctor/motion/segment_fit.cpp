@@ -1,6 +1,7 @@
 #include "doctor/motion/segment_fit.hpp"
 
 #include "doctor/motion/integral.hpp"
+#include <sonopose/geometry/cross_matrix.hpp>
 #include <sonopose/geometry/rotation.hpp>
 
 #include <Eigen/Cholesky>
@@ -148,7 +149,7 @@ private:
       Row row = Row::Zero();
       row.block<3, 3>(0, at_position).setIdentity();
       row.block<3, 3>(0, at_velocity) = time_s * Eigen::Matrix3d::Identity();
-      row.block<3, 3>(0, at_attitude) = cross_matrix(arm - moved);
+      row.block<3, 3>(0, at_attitude) = geometry::cross_matrix(arm - moved);
       row.block<3, 3>(0, at_gyro_bias) = to_world * state.position_by_gyro;
       row.block<3, 3>(0, at_accel_bias) = to_world * state.position_by_accel;
       row.block<3, 3>(0, at_lever_arm) = -body_to_world;

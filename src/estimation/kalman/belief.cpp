@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace sonopose::estimation::kalman {
 
@@ -32,6 +33,7 @@ void Belief::copy_from(const Belief& other) {
   } else {
     former.alive = false;
   }
+  open_steps = other.open_steps;
   wrong_tracks = other.wrong_tracks;
   last_fix_ns = other.last_fix_ns;
   fixes_since_start = other.fixes_since_start;
@@ -53,6 +55,7 @@ void Belief::copy_from(const Belief& other) {
 }
 
 void Belief::propagate() {
+  close_steps();
   for_each_filter([](Filter& each, const ProcessNoise& model) { each.propagate(model); });
 }
 
@@ -108,9 +111,7 @@ ImuOutcome Belief::on_imu(const settings::Settings& settings, const ImuMeasureme
     const ImuStep step = step_between(
         {.time_ns = time_ns, .rate_body_radps = rate_body_radps, .force_body_mps2 = force_body_mps2}, imu,
         usual_step_s);
-    for_each_filter([&](Filter& each, const ProcessNoise&) {
-      each.predict(step.rate_body_radps, step.force_body_mps2, dt_s);
-    });
+    predict(step);
     repetition.moved_world_m += dt_s * repetition.velocity_world_mps;
     repetition.velocity_world_mps += dt_s * filter().acceleration_world_mps2;
     if (step.irregular) {
@@ -130,6 +131,28 @@ ImuOutcome Belief::on_imu(const settings::Settings& settings, const ImuMeasureme
   bound_dead_reckoning(outcome);
   if (former.alive && seconds_between(former.left_ns, time_ns) > former_s) former.alive = false;
   return outcome;
+}
+
+/// Moves the best filter by each step. The others make up to 10 ms at once, as with an IMU of 100 Hz: they
+/// are read only where a fix or heading is, and before it `propagate` makes what is left.
+void Belief::predict(const ImuStep& step) {
+  constexpr double longest_s = 0.0105;
+  const double dt_s = step.duration_s;
+  Filter& best_filter = candidates[static_cast<std::size_t>(best)].filter;
+  best_filter.predict(step.rate_body_radps, step.force_body_mps2, dt_s);
+  open_steps.duration_s += dt_s;
+  const double share = dt_s / open_steps.duration_s;
+  open_steps.rate_body_radps += share * (step.rate_body_radps - open_steps.rate_body_radps);
+  open_steps.force_body_mps2 += share * (step.force_body_mps2 - open_steps.force_body_mps2);
+  if (open_steps.duration_s + dt_s > longest_s) close_steps();
+}
+
+void Belief::close_steps() {
+  const OpenSteps steps = std::exchange(open_steps, OpenSteps{});
+  if (!(steps.duration_s > 0.0)) return;
+  for_each_filter([&](Filter& each, const ProcessNoise&) {
+    if (&each != &filter()) each.predict(steps.rate_body_radps, steps.force_body_mps2, steps.duration_s);
+  });
 }
 
 /// Of the body about the vertical.
@@ -299,7 +322,7 @@ Belief::Innovations Belief::innovations_of(const FixMeasurement& fix, const Matr
   return innovations;
 }
 
-/// The start that explains a fix best speaks for all of them.
+/// Chooses the start that explains a fix best.
 void Belief::choose_start(const Innovations& innovations) {
   double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < candidate_count; ++i) {

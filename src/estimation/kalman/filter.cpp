@@ -1,6 +1,7 @@
-// The corrections of a filter, and what is read from its state.
+// The corrections of a filter, and the covariances of its outputs.
 
 #include "estimation/kalman/filter_parts.hpp"
+#include <sonopose/geometry/cross_matrix.hpp>
 #include <sonopose/geometry/rotation.hpp>
 
 #include <algorithm>
@@ -23,7 +24,7 @@ StateColumns whitened(const StateColumns& columns, const Eigen::LLT<Matrix3d>& f
 /// P Hᵀ of a fix.
 StateColumns Filter::fix_columns(double ahead_s) const {
   const Matrix3d rotation = q_body_to_world.toRotationMatrix();
-  const Matrix3d by_attitude = rotation * cross_matrix(lever_arm_body_m);
+  const Matrix3d by_attitude = rotation * geometry::cross_matrix(lever_arm_body_m);
   return covariance.middleCols<3>(at_position) + ahead_s * covariance.middleCols<3>(at_velocity) +
          covariance.middleCols<3>(at_attitude) * by_attitude.transpose() -
          covariance.middleCols<3>(at_lever_arm) * rotation.transpose();
@@ -34,7 +35,7 @@ FixJacobian Filter::fix_jacobian(double ahead_s) const {
   FixJacobian jacobian = FixJacobian::Zero();
   jacobian.middleCols<3>(at_position).setIdentity();
   jacobian.middleCols<3>(at_velocity) = ahead_s * Matrix3d::Identity();
-  jacobian.middleCols<3>(at_attitude) = rotation * cross_matrix(lever_arm_body_m);
+  jacobian.middleCols<3>(at_attitude) = rotation * geometry::cross_matrix(lever_arm_body_m);
   jacobian.middleCols<3>(at_lever_arm) = -rotation;
   return jacobian;
 }
@@ -44,7 +45,7 @@ template <int count>
 Eigen::Matrix<double, 3, count> Filter::times_columns(const Eigen::Matrix<double, state_size, count>& columns,
                                                       double ahead_s) const {
   const Matrix3d rotation = q_body_to_world.toRotationMatrix();
-  const Matrix3d by_attitude = rotation * cross_matrix(lever_arm_body_m);
+  const Matrix3d by_attitude = rotation * geometry::cross_matrix(lever_arm_body_m);
   return columns.template middleRows<3>(at_position) + ahead_s * columns.template middleRows<3>(at_velocity) +
          by_attitude * columns.template middleRows<3>(at_attitude) -
          rotation * columns.template middleRows<3>(at_lever_arm);
@@ -240,9 +241,10 @@ Covariance<6> Filter::pose_covariance() const {
 Covariance<3> Filter::velocity_covariance() const {
   // Of v − R (ω × l).
   const Matrix3d rotation = q_body_to_world.toRotationMatrix();
-  const Matrix3d by_attitude = rotation * cross_matrix(angular_velocity_body_radps.cross(lever_arm_body_m));
-  const Matrix3d by_gyro_bias = -rotation * cross_matrix(lever_arm_body_m);
-  const Matrix3d by_lever_arm = -rotation * cross_matrix(angular_velocity_body_radps);
+  const Matrix3d by_attitude =
+      rotation * geometry::cross_matrix(angular_velocity_body_radps.cross(lever_arm_body_m));
+  const Matrix3d by_gyro_bias = -rotation * geometry::cross_matrix(lever_arm_body_m);
+  const Matrix3d by_lever_arm = -rotation * geometry::cross_matrix(angular_velocity_body_radps);
   const StateColumns columns = covariance.middleCols<3>(at_velocity) +
                                covariance.middleCols<3>(at_attitude).lazyProduct(by_attitude.transpose()) +
                                covariance.middleCols<3>(at_gyro_bias).lazyProduct(by_gyro_bias.transpose()) +

@@ -11,15 +11,18 @@ namespace {
 constexpr double full_below = 6.6;  // χ², 1 degree of freedom: 1 % is above
 constexpr double heading_rejected_above = 25.0;
 
+double squared_norm(const Filter::HeadingInnovation& innovation) {
+  return square(innovation.value_rad) / innovation.variance_rad2;
+}
+
 /// Student's t with six degrees of freedom, up to a constant.
 double log_likelihood(const Filter::HeadingInnovation& innovation) {
-  return -3.5 * std::log1p(square(innovation.value_rad) / innovation.variance_rad2 / 6.0) -
-         0.5 * std::log(innovation.variance_rad2);
+  return -3.5 * std::log1p(squared_norm(innovation) / 6.0) - 0.5 * std::log(innovation.variance_rad2);
 }
 
 /// By how much the variance of a heading grows with its innovation.
 double scale_of(const Filter::HeadingInnovation& innovation) {
-  return std::max(1.0, square(innovation.value_rad) / innovation.variance_rad2 / full_below);
+  return std::max(1.0, squared_norm(innovation) / full_below);
 }
 
 }  // namespace
@@ -37,13 +40,13 @@ HeadingOutcome Belief::on_heading(const settings::Settings& settings, const Head
     keep_heading(settings, heading);
     outcome = score_starts(settings, heading);
   } else {
-    outcome = judge(settings, heading);
+    outcome = judge_heading(settings, heading);
   }
   recover_if_not_finite();
   return outcome;
 }
 
-/// Keeps it for a start, turned to the latest sample.
+/// Keeps a heading for a start, turned to the time of the latest sample.
 void Belief::keep_heading(const settings::Settings& settings, const HeadingMeasurement& heading) {
   const double since_sample_s = seconds_between(time_ns, heading.time_ns);
   const bool in_motion = time_ns != 0 && since_sample_s < settings.outage.imu_gap_s;
@@ -52,6 +55,7 @@ void Belief::keep_heading(const settings::Settings& settings, const HeadingMeasu
   heading_is_current = true;
 }
 
+/// Scores and corrects each start by a heading, and removes those that it contradicts.
 HeadingOutcome Belief::score_starts(const settings::Settings& settings, const HeadingMeasurement& heading) {
   const double mount_rad = radians(settings.heading.mount_offset_deg);
   const double ahead_s = seconds_between(state_ns, heading.time_ns);
@@ -71,7 +75,8 @@ HeadingOutcome Belief::score_starts(const settings::Settings& settings, const He
   return outcome;
 }
 
-HeadingOutcome Belief::judge(const settings::Settings& settings, const HeadingMeasurement& heading) {
+/// Uses or rejects a heading while tracking.
+HeadingOutcome Belief::judge_heading(const settings::Settings& settings, const HeadingMeasurement& heading) {
   const double mount_rad = radians(settings.heading.mount_offset_deg);
   const double ahead_s = seconds_between(state_ns, heading.time_ns);
   const double variance = noise.heading_rad2.variance;
@@ -81,7 +86,7 @@ HeadingOutcome Belief::judge(const settings::Settings& settings, const HeadingMe
   };
   const auto innovation = innovation_of(filter());
   if (!innovation.observable) return outcome;
-  const bool rejected = square(innovation.value_rad) / innovation.variance_rad2 > heading_rejected_above;
+  const bool rejected = squared_norm(innovation) > heading_rejected_above;
   if (rejected && !reject_heading(heading.time_ns, innovation.value_rad)) {
     turn_rival(heading, mount_rad, innovation.value_rad);
     return outcome;
@@ -155,7 +160,7 @@ void Belief::turn_rival(const HeadingMeasurement& heading, double mount_rad, dou
     const auto innovation =
         rival.filter.heading_innovation(heading.heading_world_rad, mount_rad, variance, ahead_s);
     if (!innovation.observable) return;
-    if (square(innovation.value_rad) / innovation.variance_rad2 > heading_rejected_above) {
+    if (squared_norm(innovation) > heading_rejected_above) {
       rival.has_turned = false;
       return;
     }

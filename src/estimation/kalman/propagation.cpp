@@ -1,6 +1,7 @@
-// The motion of a filter: its nominal state, and the covariance of its error.
+// The prediction of a filter: its nominal state and the covariance of its error.
 
 #include "estimation/kalman/filter_parts.hpp"
+#include <sonopose/geometry/cross_matrix.hpp>
 #include <sonopose/geometry/rotation.hpp>
 
 #include <cmath>
@@ -10,12 +11,12 @@ namespace {
 
 const Vector3d gravity_world_mps2{0.0, 0.0, -standard_gravity_mps2};
 
-auto column(const StateCovariance& covariance, StateIndex index) {
+auto columns_at(const StateCovariance& covariance, StateIndex index) {
   return covariance.middleCols<3>(index);
 }
 
 template <class Columns>
-auto rows(const Columns& columns, StateIndex index) {
+auto rows_at(const Columns& columns, StateIndex index) {
   return columns.template middleRows<3>(index);
 }
 
@@ -25,61 +26,8 @@ auto times(const Columns& columns, const Matrix3d& block) {
   return columns.lazyProduct(block.transpose());
 }
 
-/// The blocks of Φ other than zero and the identity, and their products.
+/// The blocks of Φ that are neither zero nor the identity, and products with them.
 struct TransitionBlocks {
-  TransitionBlocks(const Transition& sums, const Quaterniond& q_body_to_world)
-      : position_velocity_s(sums.position_velocity_s),
-        position_attitude(-cross_matrix(sums.impulse_sum_m) * sums.rotation_start),
-        position_gyro_bias(sums.position_gyro_bias),
-        position_accel_bias(-sums.rotation_double_sum_s2),
-        velocity_attitude(-cross_matrix(sums.impulse_mps) * sums.rotation_start),
-        velocity_gyro_bias(sums.velocity_gyro_bias),
-        velocity_accel_bias(-sums.rotation_sum_s) {
-    const Matrix3d to_body = q_body_to_world.toRotationMatrix().transpose();
-    attitude_attitude = to_body * sums.rotation_start;
-    attitude_gyro_bias = -to_body * sums.rotation_sum_s;
-  }
-
-  // Three columns of P Φᵀ.
-  [[nodiscard]] StateColumns columns_by_position(const StateCovariance& covariance) const {
-    return column(covariance, at_position) + position_velocity_s * column(covariance, at_velocity) +
-           times(column(covariance, at_attitude), position_attitude) +
-           times(column(covariance, at_gyro_bias), position_gyro_bias) +
-           times(column(covariance, at_accel_bias), position_accel_bias);
-  }
-  [[nodiscard]] StateColumns columns_by_velocity(const StateCovariance& covariance) const {
-    return column(covariance, at_velocity) + times(column(covariance, at_attitude), velocity_attitude) +
-           times(column(covariance, at_gyro_bias), velocity_gyro_bias) +
-           times(column(covariance, at_accel_bias), velocity_accel_bias);
-  }
-  [[nodiscard]] StateColumns columns_by_attitude(const StateCovariance& covariance) const {
-    return times(column(covariance, at_attitude), attitude_attitude) +
-           times(column(covariance, at_gyro_bias), attitude_gyro_bias);
-  }
-
-  // Three rows of Φ, times columns of the state.
-  template <int count>
-  [[nodiscard]] Eigen::Matrix<double, 3, count> rows_by_position(
-      const Eigen::Matrix<double, state_size, count>& columns) const {
-    return rows(columns, at_position) + position_velocity_s * rows(columns, at_velocity) +
-           position_attitude.lazyProduct(rows(columns, at_attitude)) +
-           position_gyro_bias.lazyProduct(rows(columns, at_gyro_bias)) +
-           position_accel_bias.lazyProduct(rows(columns, at_accel_bias));
-  }
-  template <int count>
-  [[nodiscard]] Eigen::Matrix<double, 3, count> rows_by_velocity(
-      const Eigen::Matrix<double, state_size, count>& columns) const {
-    return rows(columns, at_velocity) + velocity_attitude.lazyProduct(rows(columns, at_attitude)) +
-           velocity_gyro_bias.lazyProduct(rows(columns, at_gyro_bias)) +
-           velocity_accel_bias.lazyProduct(rows(columns, at_accel_bias));
-  }
-  template <int count>
-  [[nodiscard]] Eigen::Matrix<double, 3, count> rows_by_attitude(
-      const Eigen::Matrix<double, state_size, count>& columns) const {
-    return attitude_attitude.lazyProduct(rows(columns, at_attitude)) +
-           attitude_gyro_bias.lazyProduct(rows(columns, at_gyro_bias));
-  }
-
   double position_velocity_s;
   Matrix3d position_attitude;
   Matrix3d position_gyro_bias;
@@ -89,6 +37,60 @@ struct TransitionBlocks {
   Matrix3d velocity_accel_bias;
   Matrix3d attitude_attitude;
   Matrix3d attitude_gyro_bias;
+
+  TransitionBlocks(const Transition& sums, const Quaterniond& q_body_to_world)
+      : position_velocity_s(sums.position_velocity_s),
+        position_attitude(-geometry::cross_matrix(sums.impulse_sum_m) * sums.rotation_start),
+        position_gyro_bias(sums.position_gyro_bias),
+        position_accel_bias(-sums.rotation_double_sum_s2),
+        velocity_attitude(-geometry::cross_matrix(sums.impulse_mps) * sums.rotation_start),
+        velocity_gyro_bias(sums.velocity_gyro_bias),
+        velocity_accel_bias(-sums.rotation_sum_s) {
+    const Matrix3d to_body = q_body_to_world.toRotationMatrix().transpose();
+    attitude_attitude = to_body * sums.rotation_start;
+    attitude_gyro_bias = -to_body * sums.rotation_sum_s;
+  }
+
+  // Three columns of P Φᵀ.
+  [[nodiscard]] StateColumns position_columns(const StateCovariance& covariance) const {
+    return columns_at(covariance, at_position) + position_velocity_s * columns_at(covariance, at_velocity) +
+           times(columns_at(covariance, at_attitude), position_attitude) +
+           times(columns_at(covariance, at_gyro_bias), position_gyro_bias) +
+           times(columns_at(covariance, at_accel_bias), position_accel_bias);
+  }
+  [[nodiscard]] StateColumns velocity_columns(const StateCovariance& covariance) const {
+    return columns_at(covariance, at_velocity) +
+           times(columns_at(covariance, at_attitude), velocity_attitude) +
+           times(columns_at(covariance, at_gyro_bias), velocity_gyro_bias) +
+           times(columns_at(covariance, at_accel_bias), velocity_accel_bias);
+  }
+  [[nodiscard]] StateColumns attitude_columns(const StateCovariance& covariance) const {
+    return times(columns_at(covariance, at_attitude), attitude_attitude) +
+           times(columns_at(covariance, at_gyro_bias), attitude_gyro_bias);
+  }
+
+  // Three rows of Φ times columns of the state.
+  template <int count>
+  [[nodiscard]] Eigen::Matrix<double, 3, count> times_position_rows(
+      const Eigen::Matrix<double, state_size, count>& columns) const {
+    return rows_at(columns, at_position) + position_velocity_s * rows_at(columns, at_velocity) +
+           position_attitude.lazyProduct(rows_at(columns, at_attitude)) +
+           position_gyro_bias.lazyProduct(rows_at(columns, at_gyro_bias)) +
+           position_accel_bias.lazyProduct(rows_at(columns, at_accel_bias));
+  }
+  template <int count>
+  [[nodiscard]] Eigen::Matrix<double, 3, count> times_velocity_rows(
+      const Eigen::Matrix<double, state_size, count>& columns) const {
+    return rows_at(columns, at_velocity) + velocity_attitude.lazyProduct(rows_at(columns, at_attitude)) +
+           velocity_gyro_bias.lazyProduct(rows_at(columns, at_gyro_bias)) +
+           velocity_accel_bias.lazyProduct(rows_at(columns, at_accel_bias));
+  }
+  template <int count>
+  [[nodiscard]] Eigen::Matrix<double, 3, count> times_attitude_rows(
+      const Eigen::Matrix<double, state_size, count>& columns) const {
+    return attitude_attitude.lazyProduct(rows_at(columns, at_attitude)) +
+           attitude_gyro_bias.lazyProduct(rows_at(columns, at_gyro_bias));
+  }
 };
 
 }  // namespace
@@ -112,7 +114,7 @@ NominalStep Filter::step(const Vector3d& rate_body_radps, const Vector3d& specif
 
 void Filter::predict(const Vector3d& rate_body_radps, const Vector3d& specific_force_body_mps2, double dt_s) {
   const NominalStep step = this->step(rate_body_radps, specific_force_body_mps2, dt_s);
-  // In the world frame an attitude error stays as it is but for the gyro bias.
+  // In the world frame only the gyro bias changes an attitude error.
   begin_transition();
   Transition& f = pending;
   f.duration_s += dt_s;
@@ -187,16 +189,16 @@ void Filter::propagate(const ProcessNoise& noise) {
   const TransitionBlocks f(pending, q_body_to_world);
   StateCovariance& P = covariance;  // NOLINT(readability-identifier-naming): the symbol of the equations
   // P Φᵀ by the columns of position, velocity and attitude.
-  const StateColumns position = f.columns_by_position(P);
-  const StateColumns velocity = f.columns_by_velocity(P);
-  const StateColumns attitude = f.columns_by_attitude(P);
+  const StateColumns position = f.position_columns(P);
+  const StateColumns velocity = f.velocity_columns(P);
+  const StateColumns attitude = f.attitude_columns(P);
   // Φ (P Φᵀ): the blocks of the upper triangle that change.
-  P.block<3, 3>(at_position, at_position) = f.rows_by_position(position);
-  P.block<3, 3>(at_position, at_velocity) = f.rows_by_position(velocity);
-  P.block<3, 3>(at_position, at_attitude) = f.rows_by_position(attitude);
-  P.block<3, 3>(at_velocity, at_velocity) = f.rows_by_velocity(velocity);
-  P.block<3, 3>(at_velocity, at_attitude) = f.rows_by_velocity(attitude);
-  P.block<3, 3>(at_attitude, at_attitude) = f.rows_by_attitude(attitude);
+  P.block<3, 3>(at_position, at_position) = f.times_position_rows(position);
+  P.block<3, 3>(at_position, at_velocity) = f.times_position_rows(velocity);
+  P.block<3, 3>(at_position, at_attitude) = f.times_position_rows(attitude);
+  P.block<3, 3>(at_velocity, at_velocity) = f.times_velocity_rows(velocity);
+  P.block<3, 3>(at_velocity, at_attitude) = f.times_velocity_rows(attitude);
+  P.block<3, 3>(at_attitude, at_attitude) = f.times_attitude_rows(attitude);
   P.block<3, 9>(at_position, at_gyro_bias) = position.bottomRows<9>().transpose();
   P.block<3, 9>(at_velocity, at_gyro_bias) = velocity.bottomRows<9>().transpose();
   P.block<3, 9>(at_attitude, at_gyro_bias) = attitude.bottomRows<9>().transpose();
@@ -204,15 +206,15 @@ void Filter::propagate(const ProcessNoise& noise) {
   mirror_upper(P);
   if (estimates_delay()) {
     const StateVector before = delay_covariance;
-    delay_covariance.segment<3>(at_position) = f.rows_by_position(before);
-    delay_covariance.segment<3>(at_velocity) = f.rows_by_velocity(before);
-    delay_covariance.segment<3>(at_attitude) = f.rows_by_attitude(before);
+    delay_covariance.segment<3>(at_position) = f.times_position_rows(before);
+    delay_covariance.segment<3>(at_velocity) = f.times_velocity_rows(before);
+    delay_covariance.segment<3>(at_attitude) = f.times_attitude_rows(before);
     delay_variance_s2 += noise.delay_s_rts * noise.delay_s_rts * pending.duration_s;
   }
   pending = Transition{};
 }
 
-/// Q, to the upper triangle.
+/// Adds Q to the upper triangle of P.
 void Filter::add_process_noise(const ProcessNoise& noise) {
   const double t = pending.position_velocity_s;
   const double duration_s = pending.duration_s;

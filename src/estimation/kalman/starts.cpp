@@ -16,9 +16,9 @@ void Belief::start_at(const FixMeasurement& fix, const settings::Settings& setti
   const Vector3d up = at_rest                   ? rest.still_accel_mean
                       : phase != Phase::waiting ? geometry::up_in_body(filter().q_body_to_world)
                                                 : mean_force_body_mps2;
-  const Filter start = start_filter(at_rest);
+  const Filter start = initial_filter(at_rest);
   const bool has_heading = heading_is_current && fix.time_ns - last_heading_ns < heading_kept_ns;
-  const double first_yaw_rad = has_heading ? kept_yaw_rad(fix.time_ns, settings) : 0.0;
+  const double first_yaw_rad = has_heading ? yaw_of_last_heading_rad(fix.time_ns, settings) : 0.0;
   const double yaw_std_rad = has_heading ? radians(4.0) : radians(15.0);
   candidate_count = has_heading ? 1 : start_count;
   for (int i = 0; i < candidate_count; ++i) {
@@ -47,8 +47,9 @@ void Belief::start_at(const FixMeasurement& fix, const settings::Settings& setti
   if (has_heading) adopt(filter());
 }
 
-/// The biases and the lever arm that are known, and the covariance of a start without that of yaw.
-Filter Belief::start_filter(bool at_rest) const {
+/// A filter with the biases, lever arm and delay known so far, and the variances of a start. `start_at` adds
+/// that of the yaw.
+Filter Belief::initial_filter(bool at_rest) const {
   const double tilt_std_rad = at_rest ? radians(1.7) : radians(5.0);
   const double speed_std_mps = at_rest ? 0.1 : 2.0;
   Filter start;
@@ -73,8 +74,8 @@ Filter Belief::start_filter(bool at_rest) const {
   return start;
 }
 
-/// The yaw by the last heading, turned from the latest sample to a fix.
-double Belief::kept_yaw_rad(TimeNs fix_ns, const settings::Settings& settings) const {
+/// The yaw from the last heading, turned by the gyro to the time of a fix.
+double Belief::yaw_of_last_heading_rad(TimeNs fix_ns, const settings::Settings& settings) const {
   const double since_sample_s = seconds_between(time_ns, fix_ns);
   const double turned_rad =
       since_sample_s < settings.outage.imu_gap_s ? since_sample_s * up_rate_radps() : 0.0;

@@ -146,6 +146,7 @@ FixOutcome Timeline::fold(const settings::Settings& settings, const Aiding* last
 
 void Timeline::save_checkpoint() {
   if (checkpoint_count_ == checkpoint_capacity) drop_oldest_checkpoint();
+  now_.close_steps();
   if (now_.covariance_is_old()) now_.propagate();
   Checkpoint& next = checkpoints_[(oldest_ + checkpoint_count_) % checkpoint_capacity];
   next.belief.copy_from(now_);

@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <span>
 
 namespace kalman_belief_test {
 
@@ -96,6 +97,39 @@ SCENARIO("a former track is taken back for fixes that the present one does not e
       former.filter.add_variance(estimation::kalman::at_position, Vector3d::Constant(0.5 * 0.5));
       THEN("the pose stays with the truth") {
         CHECK(follow() < 0.05);
+      }
+    }
+  }
+}
+
+SCENARIO("all filters follow the motion between two fixes, however fast the IMU is") {
+  GIVEN("equal filters, and 0.9 s of turns at 3 rad/s and of 5 m/s² without a fix") {
+    const double imu_rate_hz = GENERATE(100.0, 200.0, 333.0, 1000.0);
+    CAPTURE(imu_rate_hz);
+    Drive drive = settled();
+    Belief& belief = drive.belief;
+    const estimation::kalman::Filter start = belief.filter();
+    for (auto& candidate : belief.candidates) candidate.filter = start;
+    const int count = static_cast<int>(0.9 * imu_rate_hz);  // later velocities are bounded
+    for (int k = 1; k <= count; ++k) {
+      const double since_s = k / imu_rate_hz;
+      const double turn = std::sin(9.0 * since_s);
+      belief.on_imu(drive.settings, {.time_ns = epoch_ns + to_ns(drive.time_s + since_s),
+                                     .rate_body_radps = 3.0 * turn * Vector3d(0.5, -0.3, 0.8),
+                                     .force_body_mps2 = {5.0 * turn, -3.0 * turn, standard_gravity_mps2}});
+    }
+    WHEN("a fix or heading needs them") {
+      belief.propagate();
+      THEN("they differ by less than the noise of any fix") {
+        const estimation::kalman::Filter& best = belief.filter();
+        REQUIRE((best.position_world_m - start.position_world_m).norm() > 0.5);
+        for (const auto& candidate : std::span(belief.candidates).first(estimation::kalman::model_count)) {
+          const estimation::kalman::Filter& other = candidate.filter;
+          CHECK((other.position_world_m - best.position_world_m).norm() < 1e-3);
+          CHECK((other.velocity_world_mps - best.velocity_world_mps).norm() < 3e-3);
+          CHECK(other.q_body_to_world.angularDistance(best.q_body_to_world) < 3e-4);
+          CHECK(other.covariance.diagonal().minCoeff() > 0.0);
+        }
       }
     }
   }

@@ -176,6 +176,16 @@ SCENARIO("a heading is forgotten with a filter that is not finite") {
         CHECK(belief.filter().is_finite());
       }
     }
+    WHEN("a heading follows") {
+      sample(0.02);
+      belief.on_heading(settings, {.time_ns = epoch_ns + to_ns(0.02), .heading_world_rad = 0.5});
+      THEN("the estimate waits for a fix that starts it again") {
+        CHECK(belief.phase == kalman::Phase::waiting);
+        fix(0.03);
+        CHECK(belief.phase == kalman::Phase::searching_yaw);
+        CHECK(belief.filter().is_finite());
+      }
+    }
   }
 }
 

@@ -126,6 +126,15 @@ struct ImuStep {
 /// `usual_s`: the interval between most samples.
 [[nodiscard]] ImuStep step_between(const ImuMeasurement& last, const ImuMeasurement& next, double usual_s);
 
+/// The steps of a fast IMU that not all filters have made yet, as one.
+struct OpenSteps {
+  double duration_s = 0;
+  Vector3d rate_body_radps = Vector3d::Zero();  ///< mean
+  Vector3d force_body_mps2 = Vector3d::Zero();  ///< mean
+
+  bool operator==(const OpenSteps&) const = default;
+};
+
 /// The usual interval between samples after one more.
 [[nodiscard]] double usual_step_s(double before_s, double step_s);
 
@@ -201,6 +210,7 @@ struct Belief {
   std::array<Candidate, start_count> candidates;
   Rival rival;
   Former former;
+  OpenSteps open_steps;  ///< that only the best filter has made; none in a checkpoint
   WrongTracks wrong_tracks;
   TimeNs last_fix_ns = 0;     ///< measurement of the last fix that was used; 0: none
   int fixes_since_start = 0;  ///< that were used; up to proven_fixes
@@ -231,6 +241,9 @@ struct Belief {
   FixOutcome on_fix(const settings::Settings& settings, const FixMeasurement& fix);
   HeadingOutcome on_heading(const settings::Settings& settings, const HeadingMeasurement& heading);
 
+  /// Makes the open steps of all filters but the best one.
+  void close_steps();
+
   /// Propagates the covariance of every filter to the time of the latest sample.
   void propagate();
 
@@ -240,9 +253,10 @@ struct Belief {
 private:
   template <class Visit>
   void for_each_filter(const Visit& visit);
+  void predict(const ImuStep& step);
   void start_at(const FixMeasurement& fix, const settings::Settings& settings);
-  [[nodiscard]] Filter start_filter(bool at_rest) const;
-  [[nodiscard]] double kept_yaw_rad(TimeNs fix_ns, const settings::Settings& settings) const;
+  [[nodiscard]] Filter initial_filter(bool at_rest) const;
+  [[nodiscard]] double yaw_of_last_heading_rad(TimeNs fix_ns, const settings::Settings& settings) const;
   void coast_to(TimeNs to_ns);
   void coast_if_silent(const settings::Settings& settings, TimeNs measured_ns);
   void end_imu_gap(TimeNs to_ns);
@@ -254,7 +268,7 @@ private:
   void see_heading(const HeadingMeasurement& heading);
   void keep_heading(const settings::Settings& settings, const HeadingMeasurement& heading);
   HeadingOutcome score_starts(const settings::Settings& settings, const HeadingMeasurement& heading);
-  HeadingOutcome judge(const settings::Settings& settings, const HeadingMeasurement& heading);
+  HeadingOutcome judge_heading(const settings::Settings& settings, const HeadingMeasurement& heading);
   [[nodiscard]] double heading_run_ends_s() const;
   void turn_rival(const HeadingMeasurement& heading, double mount_rad, double innovation_rad);
   [[nodiscard]] double up_rate_radps() const;
