@@ -133,13 +133,14 @@ ImuOutcome Belief::on_imu(const settings::Settings& settings, const ImuMeasureme
   return outcome;
 }
 
-/// Moves the best filter by each step. The others make up to 10 ms at once, as with an IMU of 100 Hz: they
-/// are read only where a fix or heading is, and before it `propagate` makes what is left.
+/// Moves the best filter by this step. The others join steps of up to 10 ms into one, as with an IMU of
+/// 100 Hz. Whatever reads or changes them calls `close_steps` or `propagate` first.
 void Belief::predict(const ImuStep& step) {
-  constexpr double longest_s = 0.0105;
+  constexpr double longest_s = 0.0105;  // 10 ms, and a margin for the jitter of the stamps
   const double dt_s = step.duration_s;
   Filter& best_filter = candidates[static_cast<std::size_t>(best)].filter;
   best_filter.predict(step.rate_body_radps, step.force_body_mps2, dt_s);
+  if (open_steps.duration_s + dt_s > longest_s) close_steps();  // this one is too long to join them
   open_steps.duration_s += dt_s;
   const double share = dt_s / open_steps.duration_s;
   open_steps.rate_body_radps += share * (step.rate_body_radps - open_steps.rate_body_radps);

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <random>
 #include <utility>
 #include <variant>
@@ -65,6 +66,28 @@ std::vector<Event> arrive_at_random(const std::vector<Event>& events, std::uint3
   std::vector<Event> sorted;
   for (auto& arrival : arrivals) sorted.push_back(std::move(arrival.second));
   return sorted;
+}
+
+SCENARIO("an engine with a fast IMU continues from a snapshot with the same bits") {
+  GIVEN("an engine with an IMU of 1 kHz in the middle of a walk, and a copy from its snapshot") {
+    const sim::Recording run = record("walk", 6.0, 5, 1000.0);
+    const auto half = run.events.begin() + static_cast<std::ptrdiff_t>(run.events.size() / 2 + 3);
+    kalman::Engine engine{settings::Settings{}};
+    for (auto event = run.events.begin(); event != half; ++event) process(engine, *event);
+    kalman::Engine copy{settings::Settings{}};
+    copy.restore(engine.snapshot());
+    WHEN("both receive the rest") {
+      for (auto event = half; event != run.events.end(); ++event) {
+        process(engine, *event);
+        process(copy, *event);
+        const kalman::OpenSteps none;
+        REQUIRE(engine.snapshot().history.base.open_steps == none);  // they are not stored
+      }
+      THEN("their states are equal") {
+        CHECK(copy.snapshot() == engine.snapshot());
+      }
+    }
+  }
 }
 
 SCENARIO("the order of arrival does not matter") {

@@ -244,7 +244,7 @@ struct Belief {
   /// Makes the open steps of all filters but the best one.
   void close_steps();
 
-  /// Propagates the covariance of every filter to the time of the latest sample.
+  /// Makes the open steps, and propagates the covariance of every filter to the time of the latest sample.
   void propagate();
 
   /// Whether no fix or heading has made that necessary for a while.

@@ -45,7 +45,7 @@ void for_each_field(IsFieldsOf<Transition> auto& transition, const auto& visit) 
   visit("position_gyro_bias", transition.position_gyro_bias);
 }
 
-/// In every belief that is kept, the state is that of the latest sample.
+/// In every belief that is kept, the state is that of the latest sample, and all filters have made all steps.
 void for_each_field(IsFieldsOf<Filter> auto& filter, const auto& visit) {
   visit("position_world_m", filter.position_world_m);
   visit("velocity_world_mps", filter.velocity_world_mps);
