@@ -18,7 +18,7 @@ namespace sonopose::test {
 
 /// Upper bound; every wait ends with its event.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-inline constexpr std::chrono::milliseconds timeout{90'000};
+inline constexpr std::chrono::milliseconds timeout{180'000};
 #else
 inline constexpr std::chrono::milliseconds timeout{30'000};
 #endif
