@@ -81,6 +81,11 @@ public:
   /// Whether the IMU has fallen silent for `deadline_ns` or resumed since the last call.
   bool find_silence_change(SteadyTime now, TimeNs deadline_ns);
 
+  /// Whether there is a change of silence to find or a change of state to log.
+  [[nodiscard]] bool has_news(SteadyTime now, TimeNs deadline_ns) const {
+    return !pending_.empty() || imu_silence_.has_changed(now, deadline_ns);
+  }
+
   /// The changes of state since they were last cleared.
   [[nodiscard]] transitions::Pending& transitions() { return pending_; }
 

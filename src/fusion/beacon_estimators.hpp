@@ -34,6 +34,9 @@ public:
     for (const auto& [address, estimator] : estimators_) visit(address, *estimator);
   }
 
+  /// Whether any estimator has news; see BeaconEstimator::has_news.
+  [[nodiscard]] bool have_news(SteadyTime now, TimeNs deadline_ns) const;
+
   /// The beacons from which events have arrived.
   [[nodiscard]] std::vector<BeaconAddress> addresses() const;
 

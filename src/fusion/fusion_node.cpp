@@ -87,7 +87,9 @@ public:
   /// Asserts liveliness, releases stalled beacons and publishes the status of beacons whose IMU fell silent
   /// or resumed.
   void poll();
-  [[nodiscard]] SteadyTime poll_by() const { return output_.poll_by(clocks::steady_now()); }
+
+  /// Waits until `poll` must be called, or `deadline`, or the stop. Returns whether the stop came.
+  bool wait_for_poll(const process::StopSignal& stop, SteadyTime deadline);
 
   /// Lets a standby process take over without a missed pose.
   void hand_over();
@@ -100,6 +102,7 @@ private:
   template <class T>
   void take(dds::DataReader<T>& reader, SteadyTime now) noexcept;
   void take_all() noexcept;
+  void postpone_poll(SteadyTime now) noexcept;
   void feed(const Event& event, dds::InstanceHandle bridge, TimeNs in_ns, SteadyTime steady) noexcept;
   void end_output(BeaconAddress address);
   void remove_gone();
@@ -147,6 +150,7 @@ private:
   collation::AttendedTime attended_time_;
   std::atomic<bool> working_ = false;  // an event is being processed
   std::atomic<bool> stopping_ = false;
+  process::Alarm poll_alarm_;  // while it is in the future: when `poll` must be called the latest
 
   process::EndpointCounters endpoints_;
   transitions::TransitionLog transition_log_;      // of the main thread, as the next
@@ -249,6 +253,16 @@ void FusionNode::Impl::on_data(dds::DataReader<T>& reader) noexcept {
   const SteadyTime now = clocks::steady_now();
   attended_time_.on_look(now);
   take(reader, now);
+  postpone_poll(now);
+}
+
+/// While poses flow, the main thread need not wake to learn that there is nothing to do.
+void FusionNode::Impl::postpone_poll(SteadyTime now) noexcept {
+  const auto asserted_until = output_.asserted_until(now);
+  if (!asserted_until || *asserted_until - poll_alarm_.at() < output_.tick_ns()) return;
+  const bool have_news =
+      estimators_.with([&](const auto& all) { return all.have_news(now, input_deadline_ns_); });
+  poll_alarm_.set(have_news ? now : *asserted_until);
 }
 
 template <class T>
@@ -364,6 +378,12 @@ void FusionNode::Impl::poll() {
   log_transitions(now);
 }
 
+bool FusionNode::Impl::wait_for_poll(const process::StopSignal& stop, SteadyTime deadline) {
+  const SteadyTime now = clocks::steady_now();
+  const bool postponed = poll_alarm_.at() > now;
+  return stop.wait_until(postponed ? deadline : std::min(deadline, output_.poll_by(now)), poll_alarm_);
+}
+
 /// The threads that receive only record a change; its line is formatted here and written by the log's thread.
 void FusionNode::Impl::log_transitions(SteadyTime now) {
   transitions_.clear();
@@ -391,7 +411,7 @@ void FusionNode::Impl::hand_over() {
   const SteadyTime until = clocks::steady_now() + std::min(output_.lease_ns(), longest_ns);
   for (SteadyTime now = clocks::steady_now(); now < until; now = clocks::steady_now()) {
     poll();
-    std::this_thread::sleep_for(std::chrono::nanoseconds(std::min(poll_by(), until) - now));
+    std::this_thread::sleep_for(std::chrono::nanoseconds(std::min(output_.poll_by(now), until) - now));
   }
 }
 
@@ -422,7 +442,7 @@ void FusionNode::run(const process::StopSignal& stop) {
     if (clocks::steady_now() < status_due) continue;
     impl_->publish_statuses();
     status_due += period_ns;
-  } while (!stop.wait_until(std::min(status_due, impl_->poll_by())));
+  } while (!impl_->wait_for_poll(stop, status_due));
   impl_->hand_over();
   impl_->finish_log();
 }

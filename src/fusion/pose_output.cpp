@@ -122,8 +122,7 @@ void PoseOutput::release(BeaconAddress address) noexcept {
 
 void PoseOutput::poll(SteadyTime now, bool busy) noexcept {
   // A pose asserts the liveliness of its writer, and saves the message and its acknowledgement.
-  const bool written = !standby_ && written_before_ns(now) < tick_ns();
-  if (is_manual_ && !busy && !written) {
+  if (is_manual_ && !busy && !asserted_until(now)) {
     writer_.try_assert_liveliness();
     if (standby_) warming_writer_.try_assert_liveliness();
   }
@@ -141,16 +140,14 @@ TimeNs PoseOutput::tick_ns() const noexcept {
   return is_manual_ ? std::min(longest_ns, lease_ns_ / 5) : longest_ns;
 }
 
-TimeNs PoseOutput::written_before_ns(SteadyTime now) const noexcept {
-  return now.ns - written_ns_.load(std::memory_order_relaxed);
+std::optional<SteadyTime> PoseOutput::asserted_until(SteadyTime now) const noexcept {
+  const TimeNs before_ns = now.ns - written_ns_.load(std::memory_order_relaxed);
+  if (standby_ || before_ns >= tick_ns()) return std::nullopt;
+  return now + (5 * tick_ns() / 2 - before_ns);  // half a lease is left when poses end
 }
 
 SteadyTime PoseOutput::poll_by(SteadyTime now) const noexcept {
-  if (!standby_) {
-    // While poses flow there is usually nothing to do: half a lease is left when they end.
-    const TimeNs before_ns = written_before_ns(now);
-    return before_ns < tick_ns() ? now + (5 * tick_ns() / 2 - before_ns) : now + tick_ns();
-  }
+  if (!standby_) return asserted_until(now).value_or(now + tick_ns());
   const std::lock_guard lock(mutex_);
   return std::min(now + tick_ns(), std::max(standby_->next_stall(), now + 1'000'000));
 }

@@ -67,6 +67,13 @@ public:
   /// When `poll` must be called the latest.
   [[nodiscard]] SteadyTime poll_by(SteadyTime now) const noexcept;
 
+  /// Until when `poll` has nothing to do, because a pose has asserted liveliness within the last tick. Empty
+  /// without such a pose, and for a standby, whose beacons may stall.
+  [[nodiscard]] std::optional<SteadyTime> asserted_until(SteadyTime now) const noexcept;
+
+  /// How often liveliness is asserted while no pose is written.
+  [[nodiscard]] TimeNs tick_ns() const noexcept;
+
   /// Stops predicting and releases each beacon with its next pose. Continue for `lease_ns`, so that no pose
   /// is missed.
   void hand_over() noexcept;
@@ -83,8 +90,6 @@ public:
   [[nodiscard]] std::uint64_t unwritten() const { return unwritten_; }
 
 private:
-  [[nodiscard]] TimeNs tick_ns() const noexcept;
-  [[nodiscard]] TimeNs written_before_ns(SteadyTime now) const noexcept;
   void serve_predictions(const std::stop_token& stop);
   std::optional<SteadyTime> write_predictions(std::vector<FusedPose>& due);
   void release(BeaconAddress address) noexcept;

@@ -3,12 +3,10 @@
 namespace sonopose::process {
 
 std::optional<Silence::Change> Silence::find_change(SteadyTime now, TimeNs deadline_ns) {
-  if (!latest_) return std::nullopt;
-  const bool silent = now - *latest_ > deadline_ns;
-  if (silent == silent_) return std::nullopt;
-  silent_ = silent;
-  if (silent) silent_since_ = *latest_;
-  return Change{silent, seconds_between(silent_since_, silent ? now : *latest_)};
+  if (!has_changed(now, deadline_ns)) return std::nullopt;
+  silent_ = !silent_;
+  if (silent_) silent_since_ = *latest_;
+  return Change{silent_, seconds_between(silent_since_, silent_ ? now : *latest_)};
 }
 
 }  // namespace sonopose::process

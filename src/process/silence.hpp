@@ -22,6 +22,11 @@ public:
   /// longer than `deadline_ns`, never before its first sample.
   std::optional<Change> find_change(SteadyTime now, TimeNs deadline_ns);
 
+  /// Whether find_change would return a change.
+  [[nodiscard]] bool has_changed(SteadyTime now, TimeNs deadline_ns) const {
+    return latest_ && (now - *latest_ > deadline_ns) != silent_;
+  }
+
   [[nodiscard]] bool is_silent() const { return silent_; }
 
 private:

@@ -12,6 +12,7 @@
 #include <poll.h>
 #include <span>
 #include <sys/eventfd.h>
+#include <sys/timerfd.h>
 #include <system_error>
 #include <unistd.h>
 
@@ -70,10 +71,13 @@ int make_event() {
   return fd;
 }
 
+timespec to_timespec(TimeNs ns) {
+  return {static_cast<std::time_t>(ns / 1'000'000'000), static_cast<long>(ns % 1'000'000'000)};
+}
+
 /// Waits until one of `events` is readable.
 bool wait_for(std::span<pollfd> events, TimeNs timeout_ns) {
-  const TimeNs whole_s = timeout_ns / 1'000'000'000;
-  const timespec timeout{static_cast<std::time_t>(whole_s), static_cast<long>(timeout_ns % 1'000'000'000)};
+  const timespec timeout = to_timespec(timeout_ns);
   return ::ppoll(events.data(), events.size(), &timeout, nullptr) > 0;
 }
 
@@ -96,6 +100,22 @@ Wakeup::~Wakeup() {
 
 void Wakeup::wake() noexcept {
   raise_event(event_fd_);
+}
+
+Alarm::Alarm() : timer_fd_(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)) {
+  if (timer_fd_ < 0) throw std::system_error(errno, std::generic_category(), "timerfd_create");
+}
+
+Alarm::~Alarm() {
+  ::close(timer_fd_);
+}
+
+void Alarm::set(SteadyTime at) noexcept {
+  at_ns_.store(at.ns);
+  const TimeNs at_ns = std::max<TimeNs>(at.ns, 1);  // 0 would disarm it
+  itimerspec once{};
+  once.it_value = to_timespec(at_ns);
+  ::timerfd_settime(timer_fd_, TFD_TIMER_ABSTIME, &once, nullptr);
 }
 
 StopSignal::StopSignal() : event_fd_(make_event()) {}
@@ -140,11 +160,19 @@ bool StopSignal::wait_until(SteadyTime deadline) const {
 }
 
 bool StopSignal::wait_until(SteadyTime deadline, Wakeup& wakeup) const {
+  return wait_until(deadline, wakeup.event_fd_);
+}
+
+bool StopSignal::wait_until(SteadyTime deadline, Alarm& alarm) const {
+  return wait_until(deadline, alarm.timer_fd_);
+}
+
+bool StopSignal::wait_until(SteadyTime deadline, int other_fd) const {
   // A signal that cuts the sleep short only wakes the caller early.
-  std::array<pollfd, 2> events{{{event_fd_, POLLIN, 0}, {wakeup.event_fd_, POLLIN, 0}}};
+  std::array<pollfd, 2> events{{{event_fd_, POLLIN, 0}, {other_fd, POLLIN, 0}}};
   wait_for(events, std::max<TimeNs>(deadline - clocks::steady_now(), 0));
   std::uint64_t count = 0;
-  [[maybe_unused]] const auto consumed = ::read(wakeup.event_fd_, &count, sizeof count);
+  [[maybe_unused]] const auto consumed = ::read(other_fd, &count, sizeof count);
   return requested();
 }
 

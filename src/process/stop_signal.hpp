@@ -4,6 +4,8 @@
 
 #include <sonopose/samples/samples.hpp>
 
+#include <atomic>
+
 namespace sonopose::process {
 
 /// Wakes a thread that sleeps in StopSignal::wait_until. An event before the sleep counts.
@@ -21,6 +23,28 @@ private:
   friend class StopSignal;
 
   int event_fd_;
+};
+
+/// Ends a sleep in StopSignal::wait_until at a time that another thread can move while it lasts.
+class Alarm {
+public:
+  Alarm();
+  Alarm(const Alarm&) = delete;
+  Alarm& operator=(const Alarm&) = delete;
+  ~Alarm();
+
+  /// Replaces the time set before; one that has passed ends the sleep at once. Any thread may call this, also
+  /// a listener of Cyclone DDS: it does not block.
+  void set(SteadyTime at) noexcept;
+
+  /// The time that was set last.
+  [[nodiscard]] SteadyTime at() const noexcept { return {at_ns_.load()}; }
+
+private:
+  friend class StopSignal;
+
+  int timer_fd_;
+  std::atomic<TimeNs> at_ns_ = 0;
 };
 
 /// At most one per process listens to signals; others, as in tests, are requested by hand.
@@ -42,8 +66,12 @@ public:
   bool wait_until(SteadyTime deadline) const;
   /// The same, but it also returns, once, after `wakeup`. One thread per wakeup.
   bool wait_until(SteadyTime deadline, Wakeup& wakeup) const;
+  /// The same with an alarm.
+  bool wait_until(SteadyTime deadline, Alarm& alarm) const;
 
 private:
+  bool wait_until(SteadyTime deadline, int other_fd) const;
+
   int event_fd_;
 };
 

@@ -197,4 +197,55 @@ SCENARIO("a wakeup ends one wait, and is not a stop") {
   }
 }
 
+SCENARIO("an alarm ends a wait at the time that was set last") {
+  GIVEN("a stop and an alarm") {
+    const StopSignal stop;
+    Alarm alarm;
+    const SteadyTime start = clocks::steady_now();
+    WHEN("it is not set") {
+      THEN("the wait lasts until its deadline") {
+        CHECK_FALSE(stop.wait_until(start + 20 * ms, alarm));
+        CHECK(clocks::steady_now() >= start + 20 * ms);
+      }
+    }
+    WHEN("it is set to a time in the past") {
+      alarm.set(start - 20 * ms);
+      THEN("the first wait returns at once, and the second one lasts") {
+        CHECK_FALSE(stop.wait_until(start + minute, alarm));
+        CHECK(clocks::steady_now() < start + minute);
+        CHECK_FALSE(stop.wait_until(clocks::steady_now() + 20 * ms, alarm));
+        CHECK(clocks::steady_now() >= start + 20 * ms);
+      }
+    }
+    WHEN("it is moved to a later time") {
+      alarm.set(start + 20 * ms);
+      alarm.set(start + 60 * ms);
+      THEN("the wait ends then") {
+        CHECK_FALSE(stop.wait_until(start + minute, alarm));
+        CHECK(clocks::steady_now() >= start + 60 * ms);
+        CHECK(clocks::steady_now() < start + minute);
+        CHECK(alarm.at() == start + 60 * ms);
+      }
+    }
+    WHEN("it is moved to an earlier time during the wait") {
+      alarm.set(start + 2 * minute);
+      std::thread other([&] { alarm.set(start + 10 * ms); });
+      THEN("the wait ends then") {
+        CHECK_FALSE(stop.wait_until(start + minute, alarm));
+        CHECK(clocks::steady_now() >= start + 10 * ms);
+        CHECK(clocks::steady_now() < start + minute);
+      }
+      other.join();
+    }
+  }
+  GIVEN("a stop that was requested") {
+    StopSignal stop;
+    Alarm alarm;
+    stop.request();
+    THEN("the wait returns it") {
+      CHECK(stop.wait_until(clocks::steady_now() + minute, alarm));
+    }
+  }
+}
+
 }  // namespace stop_signal_test

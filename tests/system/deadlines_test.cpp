@@ -2,11 +2,15 @@
 
 #include "support/pose_tap.hpp"
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
+#include <fstream>
+#include <limits>
+#include <string>
 
 namespace deadlines_test {
 
@@ -132,6 +136,69 @@ SCENARIO("a consumer detects the death of a fusion within a lease") {
   std::sort(waits_ms.begin(), waits_ms.end());
   CAPTURE(waits_ms);
   CHECK(waits_ms[2] <= slowness * lease_ms);
+}
+
+SCENARIO("a beacon that falls silent is reported while the poses of another one flow") {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  constexpr double slowness = 5.0;
+#else
+  constexpr double slowness = 2.0;  // a busy machine
+#endif
+  GIVEN("two beacons of two bridges") {
+    const Bus bus;
+    Consumer<sonopose_FusionStatus> status(bus, topics::fusion_status, dds::topics::Delivery::live);
+    const auto fusion = bus.fusion();
+    const auto steady = bus.bridge({"--scenario", "rest", "--address", "8"});
+    const auto bridge = bus.bridge({"--scenario", "rest", "--address", "7"});
+    const auto wait_for_silence = [&](bool silent) {
+      return status.wait_for(
+          [=](const FusionStatus& latest) { return latest.address == 7 && latest.imu_silent == silent; },
+          status.samples.size());
+    };
+    REQUIRE(wait_for_silence(false));
+    WHEN("one of the bridges stops, several times") {
+      std::vector<double> waits_ms;
+      for (int i = 0; i < 7; ++i) {
+        const SteadyTime stopped = clocks::steady_now();
+        bridge->send(SIGSTOP);
+        REQUIRE(wait_for_silence(true));
+        waits_ms.push_back(static_cast<double>(clocks::steady_now() - stopped) * 1e-6);
+        bridge->send(SIGCONT);
+        REQUIRE(wait_for_silence(false));
+      }
+      THEN("its status follows the deadline within half a lease, not with the next one of every second") {
+        std::sort(waits_ms.begin(), waits_ms.end());
+        CAPTURE(waits_ms);
+        CHECK(waits_ms[3] <= slowness * 150.0);
+      }
+    }
+  }
+}
+
+/// How often the main thread of a process has slept.
+long sleeps_of_main_thread(int pid) {
+  std::ifstream status(fmt::format("/proc/{0}/task/{0}/status", pid));
+  const std::string key = "voluntary_ctxt_switches:";
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with(key)) return std::stol(line.substr(key.size()));
+  }
+  FAIL("no context switches of " << pid);
+  return 0;
+}
+
+SCENARIO("while poses flow, the main thread of the fusion sleeps") {
+  const Bus bus;
+  PoseTap tap(bus);
+  const auto fusion = bus.fusion();
+  const auto bridge = bus.bridge({"--scenario", "rest"});
+  REQUIRE(tap.wait_for_count(tap.count(), 100).size() >= 100);
+  long least = std::numeric_limits<long>::max();
+  for (int i = 0; i < 5; ++i) {  // a pause of a busy machine wakes it
+    const long before = sleeps_of_main_thread(fusion->pid());
+    REQUIRE(tap.wait_for_count(tap.count(), 100).size() >= 100);
+    least = std::min(least, sleeps_of_main_thread(fusion->pid()) - before);
+  }
+  CHECK(least <= 5);  // a status every second
 }
 
 SCENARIO("partitions are isolated, and a pattern matches several partitions") {
