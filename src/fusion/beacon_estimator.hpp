@@ -81,8 +81,8 @@ public:
   /// Whether the IMU has fallen silent for `deadline_ns` or resumed since the last call.
   bool find_silence_change(SteadyTime now, TimeNs deadline_ns);
 
-  /// Whether there is a change of silence to find or a change of state to log.
-  [[nodiscard]] bool has_news(SteadyTime now, TimeNs deadline_ns) const {
+  /// Whether `find_silence_change` or `transitions` has a change.
+  [[nodiscard]] bool has_unreported_change(SteadyTime now, TimeNs deadline_ns) const {
     return !pending_.empty() || imu_silence_.has_changed(now, deadline_ns);
   }
 

@@ -30,9 +30,9 @@ BeaconEstimator* BeaconEstimators::find(BeaconAddress address) const {
   return found == estimators_.end() ? nullptr : found->second.get();
 }
 
-bool BeaconEstimators::have_news(SteadyTime now, TimeNs deadline_ns) const {
-  return std::ranges::any_of(estimators_,
-                             [&](const auto& entry) { return entry.second->has_news(now, deadline_ns); });
+bool BeaconEstimators::have_unreported_changes(SteadyTime now, TimeNs deadline_ns) const {
+  return std::ranges::any_of(
+      estimators_, [&](const auto& entry) { return entry.second->has_unreported_change(now, deadline_ns); });
 }
 
 std::vector<BeaconAddress> BeaconEstimators::addresses() const {

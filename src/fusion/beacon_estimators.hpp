@@ -34,8 +34,8 @@ public:
     for (const auto& [address, estimator] : estimators_) visit(address, *estimator);
   }
 
-  /// Whether any estimator has news; see BeaconEstimator::has_news.
-  [[nodiscard]] bool have_news(SteadyTime now, TimeNs deadline_ns) const;
+  /// Whether any estimator has one; see BeaconEstimator::has_unreported_change.
+  [[nodiscard]] bool have_unreported_changes(SteadyTime now, TimeNs deadline_ns) const;
 
   /// The beacons from which events have arrived.
   [[nodiscard]] std::vector<BeaconAddress> addresses() const;

@@ -260,9 +260,9 @@ void FusionNode::Impl::on_data(dds::DataReader<T>& reader) noexcept {
 void FusionNode::Impl::postpone_poll(SteadyTime now) noexcept {
   const auto asserted_until = output_.asserted_until(now);
   if (!asserted_until || *asserted_until - poll_alarm_.at() < output_.tick_ns()) return;
-  const bool have_news =
-      estimators_.with([&](const auto& all) { return all.have_news(now, input_deadline_ns_); });
-  poll_alarm_.set(have_news ? now : *asserted_until);
+  const bool must_report =
+      estimators_.with([&](const auto& all) { return all.have_unreported_changes(now, input_deadline_ns_); });
+  poll_alarm_.set(must_report ? now : *asserted_until);
 }
 
 template <class T>

@@ -222,6 +222,34 @@ SCENARIO("missed deadlines and the loss of a bridge are counted") {
   }
 }
 
+SCENARIO("a change of one beacon waits for its report") {
+  constexpr TimeNs deadline_ns = 100 * ms;
+  const SteadyTime start{begin_ns};
+  GIVEN("two beacons whose first changes were reported") {
+    BeaconEstimators estimators(config_of(EngineKind::kalman), false);
+    const auto send = [&](BeaconAddress address, SteadyTime at) {
+      estimators.find_or_make(address)->collate(ImuSample{}, 100, at, at);
+    };
+    send(7, start);
+    send(8, start);
+    CHECK(estimators.have_unreported_changes(start, deadline_ns));  // both were found
+    estimators.for_each([](BeaconAddress, BeaconEstimator& each) { each.transitions().clear(); });
+    CHECK_FALSE(estimators.have_unreported_changes(start, deadline_ns));
+    WHEN("one falls silent and the other one does not") {
+      const SteadyTime later = start + deadline_ns + ms;
+      send(8, later);
+      THEN("its silence waits until it is found, and then its line") {
+        CHECK(estimators.have_unreported_changes(later, deadline_ns));
+        CHECK_FALSE(estimators.find(8)->find_silence_change(later, deadline_ns));
+        CHECK(estimators.find(7)->find_silence_change(later, deadline_ns));
+        CHECK(estimators.have_unreported_changes(later, deadline_ns));
+        estimators.find(7)->transitions().clear();
+        CHECK_FALSE(estimators.have_unreported_changes(later, deadline_ns));
+      }
+    }
+  }
+}
+
 SCENARIO("a bridge that restarts") {
   const EngineKind engine = GENERATE(EngineKind::documented, EngineKind::kalman);
   const bool lossless = GENERATE(false, true);
