@@ -144,13 +144,14 @@ private:
 
   process::Guarded<BeaconEstimators> estimators_;  // the lock guards each estimator too
   // Held by the thread that takes samples: Cyclone's receive thread, the backlog thread, or one whose writer
-  // delivers in this process. Guards the next two and `outcome_writer_`.
+  // delivers in this process. Guards the next four and `outcome_writer_`.
   std::mutex taking_;
   Overload overload_;
   collation::AttendedTime attended_time_;
+  process::Alarm poll_alarm_;          // while it is in the future: when `poll` must be called at the latest
+  SteadyTime postponed_at_;            // when it was moved last
   std::atomic<bool> working_ = false;  // an event is being processed
   std::atomic<bool> stopping_ = false;
-  process::Alarm poll_alarm_;  // while it is in the future: when `poll` must be called the latest
 
   process::EndpointCounters endpoints_;
   transitions::TransitionLog transition_log_;      // of the main thread, as the next
@@ -259,7 +260,8 @@ void FusionNode::Impl::on_data(dds::DataReader<T>& reader) noexcept {
 /// While poses flow, the main thread need not wake to learn that there is nothing to do.
 void FusionNode::Impl::postpone_poll(SteadyTime now) noexcept {
   const auto asserted_until = output_.asserted_until(now);
-  if (!asserted_until || *asserted_until - poll_alarm_.at() < output_.tick_ns()) return;
+  if (!asserted_until || now - postponed_at_ < output_.tick_ns()) return;
+  postponed_at_ = now;
   const bool must_report =
       estimators_.with([&](const auto& all) { return all.have_unreported_changes(now, input_deadline_ns_); });
   poll_alarm_.set(must_report ? now : *asserted_until);

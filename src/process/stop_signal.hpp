@@ -33,8 +33,8 @@ public:
   Alarm& operator=(const Alarm&) = delete;
   ~Alarm();
 
-  /// Replaces the time set before; one that has passed ends the sleep at once. Any thread may call this, also
-  /// a listener of Cyclone DDS: it does not block.
+  /// Replaces the time set before; one that has passed ends the sleep at once. Any thread may call this, one
+  /// at a time, also a listener of Cyclone DDS: it does not block.
   void set(SteadyTime at) noexcept;
 
   /// The time that was set last.

@@ -227,7 +227,7 @@ SCENARIO("an alarm ends a wait at the time that was set last") {
         CHECK(alarm.at() == start + 60 * ms);
       }
     }
-    WHEN("it is moved to an earlier time during the wait") {
+    WHEN("another thread moves it to an earlier time") {
       alarm.set(start + 2 * minute);
       std::thread other([&] { alarm.set(start + 10 * ms); });
       THEN("the wait ends then") {

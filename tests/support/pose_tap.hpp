@@ -93,6 +93,12 @@ public:
     return lost ? std::optional(listener_.lost_at) : std::nullopt;
   }
 
+  /// Whether a writer has lost its liveliness after `after`.
+  [[nodiscard]] bool has_loss(SteadyTime after) const {
+    const std::lock_guard lock(listener_.mutex);
+    return listener_.lost_at >= after;
+  }
+
 private:
   struct Listener final : dds::DataReaderListener<sonopose_FusedPose> {
     void on_data_available(dds::DataReader<sonopose_FusedPose>& reader) noexcept override {
