@@ -64,7 +64,7 @@ public:
   /// `poll_by`.
   void poll(SteadyTime now, bool busy) noexcept;
 
-  /// When `poll` must be called the latest.
+  /// When `poll` must be called at the latest.
   [[nodiscard]] SteadyTime poll_by(SteadyTime now) const noexcept;
 
   /// Until when `poll` has nothing to do, because a pose has asserted liveliness within the last tick. Empty
