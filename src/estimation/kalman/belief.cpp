@@ -1,12 +1,30 @@
 #include "estimation/kalman/belief_parts.hpp"
+#include "estimation/kalman/filter_parts.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 namespace sonopose::estimation::kalman {
+namespace {
+
+/// The rate and acceleration of the latest step, where those of the joined ones are means.
+void set_latest(NominalState& state, const Filter& filter, const ImuStep& latest) {
+  state.angular_velocity_body_radps = latest.rate_body_radps - filter.gyro_bias_body_radps;
+  state.acceleration_world_mps2 =
+      state.q_body_to_world * (latest.force_body_mps2 - filter.accel_bias_body_mps2) + gravity_world_mps2;
+}
+
+/// The nominal state of this filter after these steps.
+NominalState moved(const Filter& filter, const JoinedSteps& steps) {
+  const ImuStep step = steps.joined();
+  NominalState after = filter.step(filter, step.rate_body_radps, step.force_body_mps2, step.duration_s).after;
+  if (steps.are_several()) set_latest(after, filter, steps.latest());
+  return after;
+}
+
+}  // namespace
 
 void Belief::copy_from(const Belief& other) {
   phase = other.phase;
@@ -66,30 +84,6 @@ bool Belief::covariance_is_old() const {
 
 // One IMU sample
 
-double usual_step_s(double before_s, double step_s) {
-  constexpr double share = 1.0 / 32.0;
-  constexpr double most_growth = 1.1;  // a gap counts little
-  if (!(before_s > 0.0)) return step_s;
-  return before_s + share * (std::min(step_s, most_growth * before_s) - before_s);
-}
-
-ImuStep step_between(const ImuMeasurement& last, const ImuMeasurement& next, double usual_s) {
-  constexpr double short_s = 0.0275;
-  constexpr double regular_steps = 1.5;
-  const double regular_step_s = std::max(short_s, regular_steps * usual_s);
-  const double dt_s = seconds_between(last.time_ns, next.time_ns);
-  if (next.is_mean) return {dt_s, next.rate_body_radps, next.force_body_mps2};
-  ImuStep step{dt_s, 0.5 * (last.rate_body_radps + next.rate_body_radps),
-               0.5 * (last.force_body_mps2 + next.force_body_mps2)};
-  if (!(dt_s > regular_step_s)) return step;
-  // The mean of the two ends is not that of what lies between.
-  step.irregular = true;
-  step.velocity_std_mps = dt_s * (0.3 * (next.force_body_mps2 - last.force_body_mps2).norm() + 0.3);
-  step.position_std_m = 0.5 * step.velocity_std_mps * dt_s;
-  step.attitude_std_rad = dt_s * (0.3 * (next.rate_body_radps - last.rate_body_radps).norm() + 0.03);
-  return step;
-}
-
 void add_missed_motion(Filter& filter, const ImuStep& step) {
   filter.add_variance(at_velocity, Vector3d::Constant(square(step.velocity_std_mps)));
   filter.add_variance(at_position, Vector3d::Constant(square(step.position_std_m)));
@@ -112,8 +106,6 @@ ImuOutcome Belief::on_imu(const settings::Settings& settings, const ImuMeasureme
         {.time_ns = time_ns, .rate_body_radps = rate_body_radps, .force_body_mps2 = force_body_mps2}, imu,
         usual_step_s);
     predict(step);
-    repetition.moved_world_m += dt_s * repetition.velocity_world_mps;
-    repetition.velocity_world_mps += dt_s * filter().acceleration_world_mps2;
     if (step.irregular) {
       propagate();
       for_each_filter([&](Filter& each, const ProcessNoise&) { add_missed_motion(each, step); });
@@ -133,27 +125,53 @@ ImuOutcome Belief::on_imu(const settings::Settings& settings, const ImuMeasureme
   return outcome;
 }
 
-/// Moves the best filter by this step. The others join steps of up to 10 ms into one, as with an IMU of
-/// 100 Hz. Whatever reads or changes them calls `close_steps` or `propagate` first.
+/// The filters make the steps of a fast IMU joined. Whatever reads or changes them calls `close_steps` or
+/// `propagate` first.
 void Belief::predict(const ImuStep& step) {
-  constexpr double longest_s = 0.0105;  // 10 ms, and a margin for the jitter of the stamps
-  const double dt_s = step.duration_s;
-  Filter& best_filter = candidates[static_cast<std::size_t>(best)].filter;
-  best_filter.predict(step.rate_body_radps, step.force_body_mps2, dt_s);
-  if (open_steps.duration_s + dt_s > longest_s) close_steps();  // this one is too long to join them
-  open_steps.duration_s += dt_s;
-  const double share = dt_s / open_steps.duration_s;
-  open_steps.rate_body_radps += share * (step.rate_body_radps - open_steps.rate_body_radps);
-  open_steps.force_body_mps2 += share * (step.force_body_mps2 - open_steps.force_body_mps2);
-  if (open_steps.duration_s + dt_s > longest_s) close_steps();
+  if (!can_join(step.duration_s)) close_steps();
+  const bool is_long = !can_join(2.0 * step.duration_s);
+  if (open_steps.empty() && is_long) {
+    make(step);
+    return;
+  }
+  open_steps.add(step);
+  if (!can_join(step.duration_s)) close_steps();  // the next one is probably as long
+}
+
+/// Whether one more step of this duration can join the open ones: up to 10 ms while tracking, and up to 20 ms
+/// while there are many filters, with a margin for the jitter of the stamps.
+bool Belief::can_join(double duration_s) const {
+  const double longest_s = phase == Phase::searching_yaw ? 0.0205 : 0.0105;
+  return open_steps.duration_s() + duration_s <= longest_s;
+}
+
+void Belief::make(const ImuStep& step) {
+  for_each_filter([&](Filter& each, const ProcessNoise&) {
+    each.predict(step.rate_body_radps, step.force_body_mps2, step.duration_s);
+  });
+  repetition.moved_world_m += step.duration_s * repetition.velocity_world_mps;
+  repetition.velocity_world_mps += step.duration_s * filter().acceleration_world_mps2;
 }
 
 void Belief::close_steps() {
-  const OpenSteps steps = std::exchange(open_steps, OpenSteps{});
-  if (!(steps.duration_s > 0.0)) return;
-  for_each_filter([&](Filter& each, const ProcessNoise&) {
-    if (&each != &filter()) each.predict(steps.rate_body_radps, steps.force_body_mps2, steps.duration_s);
-  });
+  if (open_steps.empty()) return;
+  make(open_steps.joined());
+  Filter& best_filter = candidates[static_cast<std::size_t>(best)].filter;
+  if (open_steps.are_several()) set_latest(best_filter, best_filter, open_steps.latest());  // for the pose
+  open_steps = JoinedSteps{};
+}
+
+NominalState Belief::nominal() const {
+  return open_steps.empty() ? filter().nominal() : moved(filter(), open_steps);
+}
+
+NominalState Belief::nominal_after(const ImuStep& step) const {
+  if (open_steps.empty() || !can_join(step.duration_s)) {
+    return filter().step(nominal(), step.rate_body_radps, step.force_body_mps2, step.duration_s).after;
+  }
+  JoinedSteps steps = open_steps;
+  steps.add(step);
+  return moved(filter(), steps);
 }
 
 /// Of the body about the vertical.
@@ -175,13 +193,13 @@ void Belief::turn_last_heading(const ImuMeasurement& imu) {
 }
 
 void Belief::update_rest(const ImuMeasurement& imu, ImuOutcome& outcome) {
+  if (!rest::add_sample(rest, imu.time_ns, imu.rate_body_radps, imu.force_body_mps2)) return;
   const bool started = phase != Phase::waiting;
   const Vector3d bias = started ? filter().gyro_bias_body_radps : Vector3d::Zero();
   const double bias_std_radps =
       started ? std::sqrt(filter().covariance.diagonal().segment<3>(at_gyro_bias).maxCoeff()) : 0.02;
-  if (!rest::update(rest, imu.time_ns, imu.rate_body_radps, imu.force_body_mps2, bias, bias_std_radps) ||
-      !started || rest.still_windows < 2)
-    return;
+  const bool still = rest::end_window(rest, imu.time_ns, bias, bias_std_radps);
+  if (!still || !started || rest.still_windows < 2) return;
   const double fix_std_m = std::sqrt(noise.fix_covariance_m2(quality_percent).diagonal().maxCoeff());
   // A bias that is hardly known may be a slow, smooth turn.
   constexpr double known_bias_radps = 0.005;

@@ -123,14 +123,13 @@ FusedPose Engine::pose_after_step(const ImuSample& imu, const ImuMeasurement& me
                                      .rate_body_radps = before.rate_body_radps,
                                      .force_body_mps2 = before.force_body_mps2},
                                     measured, before.usual_step_s);
-  const NominalStep moved = before.filter().step(step.rate_body_radps, step.force_body_mps2, step.duration_s);
-  return pose_at(imu, moved.after);
+  return pose_at(imu, before.nominal_after(step));
 }
 
 /// The pose after everything that the sample leads to.
 FusedPose Engine::whole_pose(const ImuSample& imu) {
   catch_up();
-  FusedPose pose = pose_at(imu, belief().filter().nominal());
+  FusedPose pose = pose_at(imu, belief().nominal());
   if (belief().in_imu_gap) {
     ++counters_.imu_gaps;
     if (belief().phase != Phase::waiting) pose.status |= status_imu_gap;

@@ -9,8 +9,6 @@
 namespace sonopose::estimation::kalman {
 namespace {
 
-const Vector3d gravity_world_mps2{0.0, 0.0, -standard_gravity_mps2};
-
 auto columns_at(const StateCovariance& covariance, StateIndex index) {
   return covariance.middleCols<3>(index);
 }
@@ -95,25 +93,25 @@ struct TransitionBlocks {
 
 }  // namespace
 
-NominalStep Filter::step(const Vector3d& rate_body_radps, const Vector3d& specific_force_body_mps2,
-                         double dt_s) const {
+NominalStep Filter::step(const NominalState& from, const Vector3d& rate_body_radps,
+                         const Vector3d& specific_force_body_mps2, double dt_s) const {
   NominalStep step;
   NominalState& after = step.after;
   after.angular_velocity_body_radps = rate_body_radps - gyro_bias_body_radps;
   const Quaterniond half = geometry::rotation_by((0.5 * dt_s * after.angular_velocity_body_radps).eval());
-  const Quaterniond q_middle = q_body_to_world * half;
+  const Quaterniond q_middle = from.q_body_to_world * half;
   step.rotation_middle = q_middle.toRotationMatrix();
   step.force_world_mps2 = step.rotation_middle * (specific_force_body_mps2 - accel_bias_body_mps2);
   after.acceleration_world_mps2 = step.force_world_mps2 + gravity_world_mps2;
-  after.position_world_m =
-      position_world_m + dt_s * velocity_world_mps + 0.5 * dt_s * dt_s * after.acceleration_world_mps2;
-  after.velocity_world_mps = velocity_world_mps + dt_s * after.acceleration_world_mps2;
+  after.position_world_m = from.position_world_m + dt_s * from.velocity_world_mps +
+                           0.5 * dt_s * dt_s * after.acceleration_world_mps2;
+  after.velocity_world_mps = from.velocity_world_mps + dt_s * after.acceleration_world_mps2;
   after.q_body_to_world = (q_middle * half).normalized();
   return step;
 }
 
 void Filter::predict(const Vector3d& rate_body_radps, const Vector3d& specific_force_body_mps2, double dt_s) {
-  const NominalStep step = this->step(rate_body_radps, specific_force_body_mps2, dt_s);
+  const NominalStep step = this->step(*this, rate_body_radps, specific_force_body_mps2, dt_s);
   // In the world frame only the gyro bias changes an attitude error.
   begin_transition();
   Transition& f = pending;
@@ -127,11 +125,7 @@ void Filter::predict(const Vector3d& rate_body_radps, const Vector3d& specific_f
   }
   f.impulse_mps += dt_s * step.force_world_mps2;
   f.rotation_sum_s += dt_s * step.rotation_middle;
-  position_world_m = step.after.position_world_m;
-  velocity_world_mps = step.after.velocity_world_mps;
-  q_body_to_world = step.after.q_body_to_world;
-  acceleration_world_mps2 = step.after.acceleration_world_mps2;
-  angular_velocity_body_radps = step.after.angular_velocity_body_radps;
+  static_cast<NominalState&>(*this) = step.after;
 }
 
 void Filter::begin_transition() {
@@ -192,18 +186,19 @@ void Filter::propagate(const ProcessNoise& noise) {
   const StateColumns position = f.position_columns(P);
   const StateColumns velocity = f.velocity_columns(P);
   const StateColumns attitude = f.attitude_columns(P);
-  // Φ (P Φᵀ): the blocks of the upper triangle that change.
+  // Φ (P Φᵀ): the blocks that change, of the first nine rows the upper triangle.
   P.block<3, 3>(at_position, at_position) = f.times_position_rows(position);
   P.block<3, 3>(at_position, at_velocity) = f.times_position_rows(velocity);
   P.block<3, 3>(at_position, at_attitude) = f.times_position_rows(attitude);
   P.block<3, 3>(at_velocity, at_velocity) = f.times_velocity_rows(velocity);
   P.block<3, 3>(at_velocity, at_attitude) = f.times_velocity_rows(attitude);
   P.block<3, 3>(at_attitude, at_attitude) = f.times_attitude_rows(attitude);
-  P.block<3, 9>(at_position, at_gyro_bias) = position.bottomRows<9>().transpose();
-  P.block<3, 9>(at_velocity, at_gyro_bias) = velocity.bottomRows<9>().transpose();
-  P.block<3, 9>(at_attitude, at_gyro_bias) = attitude.bottomRows<9>().transpose();
+  P.block<9, 3>(at_gyro_bias, at_position) = position.bottomRows<9>();
+  P.block<9, 3>(at_gyro_bias, at_velocity) = velocity.bottomRows<9>();
+  P.block<9, 3>(at_gyro_bias, at_attitude) = attitude.bottomRows<9>();
+  P.topRightCorner<9, 9>() = P.bottomLeftCorner<9, 9>().transpose();
   add_process_noise(noise);
-  mirror_upper(P);
+  mirror_upper<9>(P);
   if (estimates_delay()) {
     const StateVector before = delay_covariance;
     delay_covariance.segment<3>(at_position) = f.times_position_rows(before);

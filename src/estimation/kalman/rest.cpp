@@ -34,9 +34,9 @@ constexpr double still_accel_std_mps2 = 0.06;
 constexpr double still_gyro_std_radps = 0.006;
 constexpr double rate_above_bias_radps = 0.015;
 
-void accumulate(Vector3d& mean, Vector3d& squares, const Vector3d& value, int samples) {
+void accumulate(Vector3d& mean, Vector3d& squares, const Vector3d& value, double share) {
   const Vector3d before = value - mean;
-  mean += before / samples;
+  mean += share * before;
   squares += before.cwiseProduct(value - mean);
 }
 
@@ -58,15 +58,18 @@ bool is_steady(const Trend& trend, double slowest, double std) {
 
 }  // namespace
 
-bool update(RestState& state, TimeNs time_ns, const Vector3d& rate_body_radps,
-            const Vector3d& force_body_mps2, const Vector3d& gyro_bias_body_radps, double bias_std_radps) {
+bool add_sample(RestState& state, TimeNs time_ns, const Vector3d& rate_body_radps,
+                const Vector3d& force_body_mps2) {
   if (state.window_began_ns == 0) begin_window(state, time_ns);
   ++state.samples;
-  accumulate(state.gyro_mean, state.gyro_squares, rate_body_radps, state.samples);
-  accumulate(state.accel_mean, state.accel_squares, force_body_mps2, state.samples);
-  if (state.samples < least_samples || seconds_between(state.window_began_ns, time_ns) < window_s) {
-    return false;
-  }
+  const double share = 1.0 / state.samples;
+  accumulate(state.gyro_mean, state.gyro_squares, rate_body_radps, share);
+  accumulate(state.accel_mean, state.accel_squares, force_body_mps2, share);
+  return state.samples >= least_samples && seconds_between(state.window_began_ns, time_ns) >= window_s;
+}
+
+bool end_window(RestState& state, TimeNs time_ns, const Vector3d& gyro_bias_body_radps,
+                double bias_std_radps) {
   const auto std_of = [&](const Vector3d& squares) { return std::sqrt(squares.maxCoeff() / state.samples); };
   const double off_bias_radps = (state.gyro_mean - gyro_bias_body_radps).norm();
   const bool still = std_of(state.accel_squares) < still_accel_std_mps2 &&

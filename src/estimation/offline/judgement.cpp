@@ -93,9 +93,7 @@ private:
 };
 
 /// Runs the engine's belief over admitted measurements in their order and collects the verdicts. That is what
-/// the engine arrives at too, after it has repeated what followed each late measurement. With an IMU faster
-/// than 100 Hz there are tiny differences: the engine also makes the open steps of its filters at
-/// checkpoints.
+/// the engine arrives at too, after it has repeated what followed each late measurement.
 class Judge {
 public:
   explicit Judge(const settings::Settings& settings) : settings_(settings) {}

@@ -7,6 +7,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -120,28 +121,43 @@ SCENARIO("all filters follow the motion between two fixes, however fast the IMU 
     belief.former.filter = start;
     belief.rival.alive = true;
     belief.rival.filter = start;
+    kalman::Filter each_step = start;  // one that makes every step
+    double off_m = 0.0;
     int since_ms = 0;
     for (std::size_t k = 0; since_ms < 896; ++k) {  // one second later velocities are bounded
       since_ms += steps_ms[k % steps_ms.size()];
       const double since_s = 1e-3 * since_ms;
       const double turn = std::sin(9.0 * since_s);
-      belief.on_imu(drive.settings, {.time_ns = epoch_ns + to_ns(drive.time_s + since_s),
-                                     .rate_body_radps = 3.0 * turn * Vector3d(0.5, -0.3, 0.8),
-                                     .force_body_mps2 = {5.0 * turn, -3.0 * turn, standard_gravity_mps2}});
+      const kalman::ImuMeasurement imu{.time_ns = epoch_ns + to_ns(drive.time_s + since_s),
+                                       .rate_body_radps = 3.0 * turn * Vector3d(0.5, -0.3, 0.8),
+                                       .force_body_mps2 = {5.0 * turn, -3.0 * turn, standard_gravity_mps2}};
+      const kalman::ImuStep step = kalman::step_between({.time_ns = belief.time_ns,
+                                                         .rate_body_radps = belief.rate_body_radps,
+                                                         .force_body_mps2 = belief.force_body_mps2},
+                                                        imu, belief.usual_step_s);
+      each_step.predict(step.rate_body_radps, step.force_body_mps2, step.duration_s);
+      const kalman::NominalState expected = belief.nominal_after(step);
+      belief.on_imu(drive.settings, imu);
+      CHECK(belief.nominal() == expected);
+      off_m = std::max(off_m, (expected.position_world_m - each_step.position_world_m).norm());
+      CHECK((expected.angular_velocity_body_radps - each_step.angular_velocity_body_radps).norm() < 1e-12);
+      CHECK((expected.acceleration_world_mps2 - each_step.acceleration_world_mps2).norm() < 0.1);
+    }
+    THEN("no pose between them is off by more than the noise of any fix") {
+      CHECK(off_m < 2e-4);
     }
     WHEN("a fix or heading needs them") {
       belief.propagate();
-      THEN("they differ by less than the noise of any fix, and not at all if the steps are long") {
-        const kalman::Filter& best = belief.filter();
-        REQUIRE((best.position_world_m - start.position_world_m).norm() > 0.5);
-        std::vector<const kalman::Filter*> others{&belief.former.filter, &belief.rival.filter};
-        for (std::size_t i = 0; i < kalman::model_count; ++i) others.push_back(&belief.candidates[i].filter);
-        for (const kalman::Filter* other : others) {
-          CHECK((other->position_world_m - best.position_world_m).norm() < 1e-3);
-          CHECK((other->velocity_world_mps - best.velocity_world_mps).norm() < 3e-3);
-          CHECK(other->q_body_to_world.angularDistance(best.q_body_to_world) < 3e-4);
+      THEN("they differ from one that made every step by less than that, and not at all if steps are long") {
+        REQUIRE((each_step.position_world_m - start.position_world_m).norm() > 0.5);
+        std::vector<const kalman::Filter*> filters{&belief.former.filter, &belief.rival.filter};
+        for (std::size_t i = 0; i < kalman::model_count; ++i) filters.push_back(&belief.candidates[i].filter);
+        for (const kalman::Filter* filter : filters) {
+          CHECK((filter->position_world_m - each_step.position_world_m).norm() < 2e-4);
+          CHECK((filter->velocity_world_mps - each_step.velocity_world_mps).norm() < 2e-4);
+          CHECK(filter->q_body_to_world.angularDistance(each_step.q_body_to_world) < 1e-5);
           if (steps_ms.back() > 5 && steps_ms.size() < 3)
-            CHECK(other->position_world_m == best.position_world_m);
+            CHECK(filter->position_world_m == each_step.position_world_m);
         }
       }
     }

@@ -213,23 +213,6 @@ SCENARIO("a slow, smooth turn is no gyro bias") {
   }
 }
 
-SCENARIO("the usual step of an IMU is regular at any rate") {
-  using kalman::ImuMeasurement;
-  const auto is_irregular = [](double step_s, double usual_s) {
-    return kalman::step_between(ImuMeasurement{.time_ns = epoch_ns},
-                                ImuMeasurement{.time_ns = epoch_ns + to_ns(step_s)}, usual_s)
-        .irregular;
-  };
-  for (const double rate_hz : {25.0, 30.0, 33.0, 100.0}) {
-    CAPTURE(rate_hz);
-    double usual_s = 0.0;
-    for (int k = 0; k < 200; ++k)
-      usual_s = kalman::usual_step_s(usual_s, (k % 50 == 49 ? 3.0 : 1.0) / rate_hz);
-    CHECK_FALSE(is_irregular(1.05 / rate_hz, usual_s));
-    CHECK(is_irregular(3.0 / rate_hz, usual_s));
-  }
-}
-
 TEST_CASE("an engine reserves less than 2 MB") {
   constexpr std::size_t bytes = (kalman::checkpoint_capacity + 1) * sizeof(kalman::Belief) +
                                 kalman::imu_capacity * sizeof(kalman::ImuMeasurement) +

@@ -5,6 +5,7 @@
 
 #include <sonopose/estimation/kalman/filter.hpp>
 #include <sonopose/estimation/kalman/fix_noise.hpp>
+#include <sonopose/estimation/kalman/imu_steps.hpp>
 #include <sonopose/estimation/kalman/rest.hpp>
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/settings/settings.hpp>
@@ -103,41 +104,6 @@ struct Repetition {
   bool operator==(const Repetition&) const = default;
 };
 
-/// A calibrated IMU sample.
-struct ImuMeasurement {
-  TimeNs time_ns = 0;
-  Vector3d rate_body_radps = Vector3d::Zero();
-  Vector3d force_body_mps2 = Vector3d::Zero();
-  bool is_mean = false;  ///< over the time since the previous sample, not at an instant
-
-  bool operator==(const ImuMeasurement&) const = default;
-};
-
-/// The motion between two samples.
-struct ImuStep {
-  double duration_s = 0;
-  Vector3d rate_body_radps = Vector3d::Zero();  ///< mean
-  Vector3d force_body_mps2 = Vector3d::Zero();  ///< mean
-  bool irregular = false;                       ///< so long that the mean of its ends may miss much:
-  double velocity_std_mps = 0;                  ///< what it may miss
-  double position_std_m = 0;                    ///< the same
-  double attitude_std_rad = 0;                  ///< the same
-};
-/// `usual_s`: the interval between most samples.
-[[nodiscard]] ImuStep step_between(const ImuMeasurement& last, const ImuMeasurement& next, double usual_s);
-
-/// The steps of a fast IMU that not all filters have made yet, as one.
-struct OpenSteps {
-  double duration_s = 0;
-  Vector3d rate_body_radps = Vector3d::Zero();  ///< mean
-  Vector3d force_body_mps2 = Vector3d::Zero();  ///< mean
-
-  bool operator==(const OpenSteps&) const = default;
-};
-
-/// The usual interval between samples after one more.
-[[nodiscard]] double usual_step_s(double before_s, double step_s);
-
 /// Adds the variance of what an irregular step may miss.
 void add_missed_motion(Filter& filter, const ImuStep& step);
 
@@ -210,7 +176,7 @@ struct Belief {
   std::array<Candidate, start_count> candidates;
   Rival rival;
   Former former;
-  OpenSteps open_steps;  ///< that only the best filter has made; none in a checkpoint
+  JoinedSteps open_steps;  ///< that the filters have not made yet; none in a checkpoint
   WrongTracks wrong_tracks;
   TimeNs last_fix_ns = 0;     ///< measurement of the last fix that was used; 0: none
   int fixes_since_start = 0;  ///< that were used; up to proven_fixes
@@ -241,7 +207,12 @@ struct Belief {
   FixOutcome on_fix(const settings::Settings& settings, const FixMeasurement& fix);
   HeadingOutcome on_heading(const settings::Settings& settings, const HeadingMeasurement& heading);
 
-  /// Makes the open steps of all filters but the best one.
+  /// The nominal state of the best filter at the latest sample, after the open steps.
+  [[nodiscard]] NominalState nominal() const;
+  /// The same after one more step.
+  [[nodiscard]] NominalState nominal_after(const ImuStep& step) const;
+
+  /// Makes the open steps.
   void close_steps();
 
   /// Makes the open steps, and propagates the covariance of every filter to the time of the latest sample.
@@ -254,6 +225,8 @@ private:
   template <class Visit>
   void for_each_filter(const Visit& visit);
   void predict(const ImuStep& step);
+  [[nodiscard]] bool can_join(double duration_s) const;
+  void make(const ImuStep& step);
   void start_at(const FixMeasurement& fix, const settings::Settings& settings);
   [[nodiscard]] Filter initial_filter(bool at_rest) const;
   [[nodiscard]] double yaw_of_last_heading_rad(TimeNs fix_ns, const settings::Settings& settings) const;

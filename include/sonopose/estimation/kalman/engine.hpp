@@ -32,7 +32,7 @@ struct Snapshot {
 ///
 /// A sample that follows all other events only moves the nominal state of the best filter, which gives the
 /// pose. Everything else follows in `catch_up`: so the covariances of a pose, and the bits of its status that
-/// follow from them, are those of one sample before.
+/// follow from them, are those of one sample before, or of the last joined step of a fast IMU.
 class Engine {
 public:
   using Snapshot = kalman::Snapshot;

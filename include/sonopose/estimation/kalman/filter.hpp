@@ -71,11 +71,13 @@ struct Transition {
 };
 
 struct NominalState {
-  Vector3d position_world_m;  ///< of the IMU
-  Vector3d velocity_world_mps;
-  Quaterniond q_body_to_world;
-  Vector3d acceleration_world_mps2;      ///< of the latest step, without gravity
-  Vector3d angular_velocity_body_radps;  ///< of the latest step, without the bias
+  Vector3d position_world_m = Vector3d::Zero();  ///< of the IMU
+  Vector3d velocity_world_mps = Vector3d::Zero();
+  Quaterniond q_body_to_world = Quaterniond::Identity();
+  Vector3d acceleration_world_mps2 = Vector3d::Zero();      ///< of the latest step, without gravity
+  Vector3d angular_velocity_body_radps = Vector3d::Zero();  ///< of the latest step, without the bias
+
+  bool operator==(const NominalState&) const = default;
 };
 
 /// One step of the IMU.
@@ -86,11 +88,8 @@ struct NominalStep {
 };
 
 /// The nominal state and its covariance. A plain value; no function throws or allocates.
-class Filter {
+class Filter : public NominalState {
 public:
-  Vector3d position_world_m = Vector3d::Zero();  ///< of the IMU
-  Vector3d velocity_world_mps = Vector3d::Zero();
-  Quaterniond q_body_to_world = Quaterniond::Identity();
   Vector3d gyro_bias_body_radps = Vector3d::Zero();
   Vector3d accel_bias_body_mps2 = Vector3d::Zero();
   Vector3d lever_arm_body_m = Vector3d::Zero();  ///< from the tracked point to the IMU
@@ -99,21 +98,17 @@ public:
   // off.
   double delay_error_s = 0;      ///< by which fixes and headings are older than their stamps
   double delay_variance_s2 = 0;  ///< 0: not estimated
-  StateVector delay_covariance = StateVector::Zero();       ///< of the state with the delay
-  Transition pending;                                       ///< since the covariance was propagated
-  Vector3d acceleration_world_mps2 = Vector3d::Zero();      ///< of the latest step, without gravity
-  Vector3d angular_velocity_body_radps = Vector3d::Zero();  ///< of the latest step, without the bias
+  StateVector delay_covariance = StateVector::Zero();  ///< of the state with the delay
+  Transition pending;                                  ///< since the covariance was propagated
 
   bool operator==(const Filter&) const = default;
 
-  [[nodiscard]] NominalState nominal() const {
-    return {position_world_m, velocity_world_mps, q_body_to_world, acceleration_world_mps2,
-            angular_velocity_body_radps};
-  }
+  [[nodiscard]] const NominalState& nominal() const { return *this; }
 
-  /// One step from the nominal state with the mean rate and specific force over it.
-  [[nodiscard]] NominalStep step(const Vector3d& rate_body_radps, const Vector3d& specific_force_body_mps2,
-                                 double dt_s) const;
+  /// One step from a nominal state, with the biases of this filter and the mean rate and specific force over
+  /// the step.
+  [[nodiscard]] NominalStep step(const NominalState& from, const Vector3d& rate_body_radps,
+                                 const Vector3d& specific_force_body_mps2, double dt_s) const;
 
   /// Moves the nominal state by one step with the mean rate and specific force over it, and composes the
   /// transition. The covariance follows in `propagate`.
@@ -178,7 +173,7 @@ public:
 
   [[nodiscard]] Vector3d tracked_position_world_m() const { return tracked_position_world_m(nominal()); }
   [[nodiscard]] Vector3d tracked_velocity_world_mps() const { return tracked_velocity_world_mps(nominal()); }
-  /// The same of another state, with the lever arm of this one.
+  /// The same of another nominal state, with the lever arm of this one.
   [[nodiscard]] Vector3d tracked_position_world_m(const NominalState& state) const {
     return state.position_world_m - state.q_body_to_world * lever_arm_body_m;
   }

@@ -40,10 +40,14 @@ struct RestState {
 
 namespace rest {
 
-/// Adds a sample. True if it completes a still window: the mean rate and force of the window are then those
+/// Adds a sample. True if it completes a window: call `end_window`.
+[[nodiscard]] bool add_sample(RestState& state, TimeNs time_ns, const Vector3d& rate_body_radps,
+                              const Vector3d& force_body_mps2);
+
+/// Whether the window was still, and begins the next one. The mean rate and force of a still window are those
 /// of rest, if the body does not cruise smoothly.
-bool update(RestState& state, TimeNs time_ns, const Vector3d& rate_body_radps,
-            const Vector3d& force_body_mps2, const Vector3d& gyro_bias_body_radps, double bias_std_radps);
+bool end_window(RestState& state, TimeNs time_ns, const Vector3d& gyro_bias_body_radps,
+                double bias_std_radps);
 
 /// Adds a fix that was used.
 void add_fix(RestState& state, TimeNs time_ns, const Vector3d& position_world_m);

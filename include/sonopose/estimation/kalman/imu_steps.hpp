@@ -1,0 +1,63 @@
+#pragma once
+/// \file
+/// The motion between two samples of the IMU, and several such steps joined into one.
+
+#include <sonopose/samples/samples.hpp>
+
+namespace sonopose::estimation::kalman {
+
+/// A calibrated IMU sample.
+struct ImuMeasurement {
+  TimeNs time_ns = 0;
+  Vector3d rate_body_radps = Vector3d::Zero();
+  Vector3d force_body_mps2 = Vector3d::Zero();
+  bool is_mean = false;  ///< over the time since the previous sample, not at an instant
+
+  bool operator==(const ImuMeasurement&) const = default;
+};
+
+/// The motion between two samples.
+struct ImuStep {
+  double duration_s = 0;
+  Vector3d rate_body_radps = Vector3d::Zero();  ///< mean
+  Vector3d force_body_mps2 = Vector3d::Zero();  ///< mean
+  bool irregular = false;                       ///< so long that the mean of its ends may miss much:
+  double velocity_std_mps = 0;                  ///< what it may miss
+  double position_std_m = 0;                    ///< the same
+  double attitude_std_rad = 0;                  ///< the same
+
+  bool operator==(const ImuStep&) const = default;
+};
+/// `usual_s`: the interval between most samples.
+[[nodiscard]] ImuStep step_between(const ImuMeasurement& last, const ImuMeasurement& next, double usual_s);
+
+/// The usual interval between samples after one more.
+[[nodiscard]] double usual_step_s(double before_s, double step_s);
+
+/// Several steps of a fast IMU, joined into one. Its rate and force are the means, corrected for the turn of
+/// the body between the steps (coning and sculling: Savage, Strapdown Inertial Navigation Integration
+/// Algorithm Design, 1998).
+class JoinedSteps {
+public:
+  [[nodiscard]] bool empty() const { return duration_s_ == 0.0; }
+  [[nodiscard]] double duration_s() const { return duration_s_; }
+  void add(const ImuStep& step);
+
+  /// Whether there is more than one.
+  [[nodiscard]] bool are_several() const { return duration_s_ > latest_.duration_s; }
+  /// Requires that there is one.
+  [[nodiscard]] ImuStep joined() const;
+  [[nodiscard]] const ImuStep& latest() const { return latest_; }
+
+  bool operator==(const JoinedSteps&) const = default;
+
+private:
+  double duration_s_ = 0;
+  Vector3d turn_rad_ = Vector3d::Zero();      // Σ ω Δt
+  Vector3d impulse_mps_ = Vector3d::Zero();   // Σ f Δt
+  Vector3d coning_rad_ = Vector3d::Zero();    // twice
+  Vector3d sculling_mps_ = Vector3d::Zero();  // twice
+  ImuStep latest_;
+};
+
+}  // namespace sonopose::estimation::kalman
