@@ -11,9 +11,12 @@ namespace {
 
 /// The rate and acceleration of the latest step, where those of the joined ones are means.
 void set_latest(NominalState& state, const Filter& filter, const ImuStep& latest) {
-  state.angular_velocity_body_radps = latest.rate_body_radps - filter.gyro_bias_body_radps;
+  const Vector3d rate_body_radps = latest.rate_body_radps - filter.gyro_bias_body_radps;
+  const Quaterniond q_middle =
+      state.q_body_to_world * geometry::rotation_by((-0.5 * latest.duration_s * rate_body_radps).eval());
+  state.angular_velocity_body_radps = rate_body_radps;
   state.acceleration_world_mps2 =
-      state.q_body_to_world * (latest.force_body_mps2 - filter.accel_bias_body_mps2) + gravity_world_mps2;
+      q_middle * (latest.force_body_mps2 - filter.accel_bias_body_mps2) + gravity_world_mps2;
 }
 
 /// The nominal state of this filter after these steps.
@@ -125,15 +128,10 @@ ImuOutcome Belief::on_imu(const settings::Settings& settings, const ImuMeasureme
   return outcome;
 }
 
-/// The filters make the steps of a fast IMU joined. Whatever reads or changes them calls `close_steps` or
-/// `propagate` first.
+/// The filters join the steps of a fast IMU. Whatever changes them, or needs their state at the latest
+/// sample, calls `close_steps`, `propagate` or `nominal` first.
 void Belief::predict(const ImuStep& step) {
   if (!can_join(step.duration_s)) close_steps();
-  const bool is_long = !can_join(2.0 * step.duration_s);
-  if (open_steps.empty() && is_long) {
-    make(step);
-    return;
-  }
   open_steps.add(step);
   if (!can_join(step.duration_s)) close_steps();  // the next one is probably as long
 }
@@ -145,28 +143,26 @@ bool Belief::can_join(double duration_s) const {
   return open_steps.duration_s() + duration_s <= longest_s;
 }
 
-void Belief::make(const ImuStep& step) {
+void Belief::close_steps() {
+  if (open_steps.empty()) return;
+  const ImuStep step = open_steps.joined();
   for_each_filter([&](Filter& each, const ProcessNoise&) {
     each.predict(step.rate_body_radps, step.force_body_mps2, step.duration_s);
   });
   repetition.moved_world_m += step.duration_s * repetition.velocity_world_mps;
   repetition.velocity_world_mps += step.duration_s * filter().acceleration_world_mps2;
-}
-
-void Belief::close_steps() {
-  if (open_steps.empty()) return;
-  make(open_steps.joined());
   Filter& best_filter = candidates[static_cast<std::size_t>(best)].filter;
   if (open_steps.are_several()) set_latest(best_filter, best_filter, open_steps.latest());  // for the pose
   open_steps = JoinedSteps{};
 }
 
 NominalState Belief::nominal() const {
-  return open_steps.empty() ? filter().nominal() : moved(filter(), open_steps);
+  if (open_steps.empty()) return filter();
+  return moved(filter(), open_steps);
 }
 
 NominalState Belief::nominal_after(const ImuStep& step) const {
-  if (open_steps.empty() || !can_join(step.duration_s)) {
+  if (!can_join(step.duration_s)) {
     return filter().step(nominal(), step.rate_body_radps, step.force_body_mps2, step.duration_s).after;
   }
   JoinedSteps steps = open_steps;

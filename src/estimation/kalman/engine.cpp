@@ -111,7 +111,7 @@ std::optional<FusedPose> Engine::predict(const ImuSample& raw) noexcept {
   return pose;
 }
 
-/// Whether the sample only moves the nominal state.
+/// Whether the pose needs only the nominal state.
 bool Engine::is_step(const ImuMeasurement& imu) const {
   const double dt_s = seconds_between(belief().time_ns, imu.time_ns);
   return belief().phase != Phase::waiting && dt_s > 0.0 && dt_s <= settings_.outage.imu_gap_s;

@@ -1,5 +1,5 @@
 #pragma once
-// What the sources of Filter share.
+// What the sources of Filter and Belief share.
 
 #include <sonopose/estimation/kalman/filter.hpp>
 

@@ -31,10 +31,8 @@ ImuStep step_between(const ImuMeasurement& last, const ImuMeasurement& next, dou
 void JoinedSteps::add(const ImuStep& step) {
   const Vector3d turn_rad = step.duration_s * step.rate_body_radps;
   const Vector3d impulse_mps = step.duration_s * step.force_body_mps2;
-  if (!empty()) {
-    coning_rad_ += turn_rad_.cross(turn_rad);
-    sculling_mps_ += turn_rad_.cross(impulse_mps) + impulse_mps_.cross(turn_rad);
-  }
+  coning_rad_ += 0.5 * turn_rad_.cross(turn_rad);
+  sculling_mps_ += 0.5 * (turn_rad_.cross(impulse_mps) + impulse_mps_.cross(turn_rad));
   turn_rad_ += turn_rad;
   impulse_mps_ += impulse_mps;
   duration_s_ += step.duration_s;
@@ -44,7 +42,7 @@ void JoinedSteps::add(const ImuStep& step) {
 ImuStep JoinedSteps::joined() const {
   if (!are_several()) return latest_;
   const double per_s = 1.0 / duration_s_;
-  return {duration_s_, per_s * (turn_rad_ + 0.5 * coning_rad_), per_s * (impulse_mps_ + 0.5 * sculling_mps_)};
+  return {duration_s_, per_s * (turn_rad_ + coning_rad_), per_s * (impulse_mps_ + sculling_mps_)};
 }
 
 }  // namespace sonopose::estimation::kalman

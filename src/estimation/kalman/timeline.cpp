@@ -118,7 +118,7 @@ void Timeline::fold_imu(const settings::Settings& settings, const ImuMeasurement
       checkpoint_count_ == 0 ||
       imu.time_ns - checkpoints_[(oldest_ + checkpoint_count_ - 1) % checkpoint_capacity].belief.time_ns >=
           checkpoint_spacing_ns;
-  if (due && now_.open_steps.empty()) save_checkpoint();
+  if (due) save_checkpoint();
 }
 
 /// Folds the events in their order, up to `last`, whose outcome it returns, or all until a time.

@@ -93,7 +93,8 @@ private:
 };
 
 /// Runs the engine's belief over admitted measurements in their order and collects the verdicts. That is what
-/// the engine arrives at too, after it has repeated what followed each late measurement.
+/// the engine arrives at too, after it has repeated what followed each late measurement. With a fast IMU
+/// there are tiny differences: the engine also makes the open steps at checkpoints.
 class Judge {
 public:
   explicit Judge(const settings::Settings& settings) : settings_(settings) {}
@@ -177,7 +178,9 @@ private:
     const bool settled =
         tracking_since_ns_ != 0 && seconds_between(tracking_since_ns_, belief_.time_ns) > settling_s;
     if (settled) return;
-    segments_.back().settled = belief_.filter();
+    kalman::Filter& kept = segments_.back().settled;
+    kept = belief_.filter();
+    static_cast<kalman::NominalState&>(kept) = belief_.nominal();  // after the open steps
     segments_.back().settled_ns = belief_.time_ns;
   }
 

@@ -117,6 +117,11 @@ SCENARIO("the order of arrival does not matter") {
         CHECK((a->position_world_m - b->position_world_m).norm() < 1e-3);
         CHECK(apart_deg(*a, *b) < 0.01);
       }
+      THEN("their filters have the same bits") {
+        in_time.catch_up();
+        late.catch_up();
+        CHECK(late.belief().filter() == in_time.belief().filter());
+      }
     }
   }
 }

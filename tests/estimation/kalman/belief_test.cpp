@@ -112,9 +112,11 @@ SCENARIO("all filters follow the motion between two fixes, however fast the IMU 
     const std::vector<int> steps_ms =
         GENERATE(std::vector{10}, std::vector{5, 15}, std::vector{5}, std::vector{3}, std::vector{1},
                  std::vector{1, 1, 1, 1, 1, 1, 1, 1, 1, 20});
-    CAPTURE(steps_ms);
+    const bool is_searching = GENERATE(false, true);
+    CAPTURE(steps_ms, is_searching);
     Drive drive = settled();
     Belief& belief = drive.belief;
+    if (is_searching) belief.phase = kalman::Phase::searching_yaw;
     const kalman::Filter start = belief.filter();
     for (auto& candidate : belief.candidates) candidate.filter = start;
     REQUIRE(belief.former.alive);
@@ -141,22 +143,22 @@ SCENARIO("all filters follow the motion between two fixes, however fast the IMU 
       CHECK(belief.nominal() == expected);
       off_m = std::max(off_m, (expected.position_world_m - each_step.position_world_m).norm());
       CHECK((expected.angular_velocity_body_radps - each_step.angular_velocity_body_radps).norm() < 1e-12);
-      CHECK((expected.acceleration_world_mps2 - each_step.acceleration_world_mps2).norm() < 0.1);
+      CHECK((expected.acceleration_world_mps2 - each_step.acceleration_world_mps2).norm() < 2e-3);
     }
-    THEN("no pose between them is off by more than the noise of any fix") {
-      CHECK(off_m < 2e-4);
+    THEN("no pose is off by more than 0.3 mm") {
+      CHECK(off_m < 3e-4);
     }
     WHEN("a fix or heading needs them") {
       belief.propagate();
-      THEN("they differ from one that made every step by less than that, and not at all if steps are long") {
+      THEN("they differ as little from one that made every step, and not at all if no steps were joined") {
         REQUIRE((each_step.position_world_m - start.position_world_m).norm() > 0.5);
         std::vector<const kalman::Filter*> filters{&belief.former.filter, &belief.rival.filter};
         for (std::size_t i = 0; i < kalman::model_count; ++i) filters.push_back(&belief.candidates[i].filter);
         for (const kalman::Filter* filter : filters) {
           CHECK((filter->position_world_m - each_step.position_world_m).norm() < 2e-4);
-          CHECK((filter->velocity_world_mps - each_step.velocity_world_mps).norm() < 2e-4);
+          CHECK((filter->velocity_world_mps - each_step.velocity_world_mps).norm() < 1e-3);
           CHECK(filter->q_body_to_world.angularDistance(each_step.q_body_to_world) < 1e-5);
-          if (steps_ms.back() > 5 && steps_ms.size() < 3)
+          if (!is_searching && steps_ms.back() > 5 && steps_ms.size() < 3)
             CHECK(filter->position_world_m == each_step.position_world_m);
         }
       }

@@ -213,6 +213,34 @@ SCENARIO("a slow, smooth turn is no gyro bias") {
   }
 }
 
+SCENARIO("an engine keeps little more than a second, whatever the steps of its IMU") {
+  GIVEN("an IMU whose steps are hardly ever all made, and fixes") {
+    const std::vector<int> steps_ms =
+        GENERATE(std::vector{4, 3}, std::vector{5, 1}, std::vector{5}, std::vector{10}, std::vector{2, 1, 1});
+    const int fix_interval_ms = GENERATE(5, 100);
+    const bool has_headings = GENERATE(true, false);  // without them the yaw is searched
+    CAPTURE(steps_ms, fix_interval_ms, has_headings);
+    kalman::Engine engine{settings::Settings{}};
+    int refused = 0;
+    int fix_ms = 0;
+    int now_ms = 0;
+    for (std::size_t k = 0; now_ms < 6000; ++k) {
+      now_ms += steps_ms[k % steps_ms.size()];
+      engine.predict(imu_at(1e-3 * now_ms, {0, 0, 0}, {0, 0, standard_gravity_mps2}));
+      if (now_ms - fix_ms < fix_interval_ms) continue;
+      fix_ms = now_ms;
+      const FixReport report = engine.correct(fix_at(1e-3 * now_ms, {1.0, 2.0, 0.5}));
+      if ((report.flags & (fix_too_late | fix_invalid)) != 0) ++refused;
+      if (has_headings && now_ms % 3 == 0) engine.correct(heading_at(1e-3 * now_ms, 0.0));
+    }
+    THEN("no fix is refused, and the oldest sample is at most 1.5 s old") {
+      CHECK(refused == 0);
+      const kalman::History history = engine.snapshot().history;
+      CHECK(seconds_between(history.imu.front().time_ns, engine.time_ns()) < 1.5);
+    }
+  }
+}
+
 TEST_CASE("an engine reserves less than 2 MB") {
   constexpr std::size_t bytes = (kalman::checkpoint_capacity + 1) * sizeof(kalman::Belief) +
                                 kalman::imu_capacity * sizeof(kalman::ImuMeasurement) +

@@ -11,7 +11,7 @@ using namespace sonopose::estimation::kalman;
 
 constexpr TimeNs epoch_ns = 1'700'000'000'000'000'000;
 
-bool add(RestState& state, double time_s, const Vector3d& rate, const Vector3d& force) {
+bool completes_still_window(RestState& state, double time_s, const Vector3d& rate, const Vector3d& force) {
   const TimeNs time_ns = epoch_ns + to_ns(time_s);
   return rest::add_sample(state, time_ns, rate, force) &&
          rest::end_window(state, time_ns, Vector3d::Zero(), 0.0);
@@ -25,7 +25,7 @@ int still_windows(double duration_s, double shake_mps2, double turn_radps) {
     const double time_s = 0.01 * k;
     const Vector3d force(shake_mps2 * std::sin(31.4 * time_s), 0.0, 9.8);
     const Vector3d rate(0.0, 0.0, turn_radps);
-    if (add(state, time_s, rate, force)) ++still;
+    if (completes_still_window(state, time_s, rate, force)) ++still;
   }
   return still;
 }
@@ -39,7 +39,7 @@ TEST_CASE("rest is a body that neither shakes nor turns") {
 TEST_CASE("a smooth cruise is no standstill once its fixes have moved") {
   RestState state;
   for (int k = 0; k <= 60; ++k) {
-    add(state, 0.01 * k, Vector3d::Zero(), {0, 0, 9.8});
+    completes_still_window(state, 0.01 * k, Vector3d::Zero(), {0, 0, 9.8});
   }
   REQUIRE(state.still_windows == 1);
   RestState standing = state;
@@ -55,7 +55,7 @@ TEST_CASE("a smooth cruise is no standstill once its fixes have moved") {
 TEST_CASE("a creep after a long rest is no standstill") {
   RestState state;
   for (int k = 0; k <= 60; ++k) {
-    add(state, 0.01 * k, Vector3d::Zero(), {0, 0, 9.8});
+    completes_still_window(state, 0.01 * k, Vector3d::Zero(), {0, 0, 9.8});
   }
   const auto add = [&](int k, double x_m) {
     rest::add_fix(state, epoch_ns + to_ns(0.6 + 0.1 * k), {x_m + 0.01 * std::sin(7.0 * k), 0.0, 0.0});

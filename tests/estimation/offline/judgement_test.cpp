@@ -87,6 +87,27 @@ SCENARIO("measurements are judged as the engine judged them") {
   }
 }
 
+SCENARIO("the filter that is kept for the start is that of its time") {
+  GIVEN("a body that turns at 9 rad/s, with a fast IMU") {
+    sim::Scenario spin = sim::find_scenario("spin");
+    spin.sensors.imu_rate_hz = GENERATE(100.0, 200.0, 1000.0);
+    const std::uint64_t seed = GENERATE(range(31U, 34U));
+    CAPTURE(spin.sensors.imu_rate_hz, seed);
+    const sim::Recording run = sim::record(spin, {.seed = seed, .duration_s = 12.0});
+    const std::vector<Segment> segments = estimation::offline::judged({}, run.events);
+    REQUIRE(segments.size() == 1);
+    const Segment& segment = segments.front();
+    const auto truth = std::find_if(run.truth.begin(), run.truth.end(), [&](const TruthSample& sample) {
+      return sample.time_ns == segment.settled_ns;
+    });
+    REQUIRE(truth != run.truth.end());
+    THEN("its attitude is the true one within half a degree") {
+      constexpr double half_a_degree = 0.0087;
+      CHECK(segment.settled.q_body_to_world.angularDistance(truth->q_body_to_world) < half_a_degree);
+    }
+  }
+}
+
 SCENARIO("times are those of the measurement") {
   GIVEN("settings that name a fixed delay of 100 ms, and a calibrated gyroscope") {
     settings::Settings settings;

@@ -165,7 +165,8 @@ struct Belief {
   Vector3d rate_body_radps = Vector3d::Zero();  ///< of that sample
   Vector3d force_body_mps2 = Vector3d::Zero();
   Vector3d mean_force_body_mps2 = Vector3d::Zero();  ///< low-passed until the first fix
-  TimeNs state_ns = 0;  ///< of the filters: that sample, or a later measurement in a silence of the IMU
+  TimeNs state_ns = 0;  ///< of the filters after the open steps: that sample, or a later measurement in a
+                        ///< silence of the IMU
   bool in_imu_gap = false;
   bool restart_pending = false;  ///< a gap left the yaw unknown: the next fix starts the estimate again
   RestState rest;
@@ -226,7 +227,6 @@ private:
   void for_each_filter(const Visit& visit);
   void predict(const ImuStep& step);
   [[nodiscard]] bool can_join(double duration_s) const;
-  void make(const ImuStep& step);
   void start_at(const FixMeasurement& fix, const settings::Settings& settings);
   [[nodiscard]] Filter initial_filter(bool at_rest) const;
   [[nodiscard]] double yaw_of_last_heading_rad(TimeNs fix_ns, const settings::Settings& settings) const;

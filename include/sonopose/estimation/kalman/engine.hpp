@@ -30,7 +30,7 @@ struct Snapshot {
 /// Takes events in the order of their arrival and uses them in the order of their measurement. Satisfies
 /// estimation::Estimator.
 ///
-/// A sample that follows all other events only moves the nominal state of the best filter, which gives the
+/// A sample that follows all other events only computes the nominal state of the best filter, which gives the
 /// pose. Everything else follows in `catch_up`: so the covariances of a pose, and the bits of its status that
 /// follow from them, are those of one sample before, or of the last joined step of a fast IMU.
 class Engine {

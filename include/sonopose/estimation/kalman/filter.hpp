@@ -103,8 +103,6 @@ public:
 
   bool operator==(const Filter&) const = default;
 
-  [[nodiscard]] const NominalState& nominal() const { return *this; }
-
   /// One step from a nominal state, with the biases of this filter and the mean rate and specific force over
   /// the step.
   [[nodiscard]] NominalStep step(const NominalState& from, const Vector3d& rate_body_radps,
@@ -171,8 +169,8 @@ public:
   /// Adds yaw variance: a rotation about world Z.
   void add_yaw_variance(double variance_rad2);
 
-  [[nodiscard]] Vector3d tracked_position_world_m() const { return tracked_position_world_m(nominal()); }
-  [[nodiscard]] Vector3d tracked_velocity_world_mps() const { return tracked_velocity_world_mps(nominal()); }
+  [[nodiscard]] Vector3d tracked_position_world_m() const { return tracked_position_world_m(*this); }
+  [[nodiscard]] Vector3d tracked_velocity_world_mps() const { return tracked_velocity_world_mps(*this); }
   /// The same of another nominal state, with the lever arm of this one.
   [[nodiscard]] Vector3d tracked_position_world_m(const NominalState& state) const {
     return state.position_world_m - state.q_body_to_world * lever_arm_body_m;

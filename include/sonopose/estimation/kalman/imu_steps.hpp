@@ -53,10 +53,10 @@ public:
 
 private:
   double duration_s_ = 0;
-  Vector3d turn_rad_ = Vector3d::Zero();      // Σ ω Δt
-  Vector3d impulse_mps_ = Vector3d::Zero();   // Σ f Δt
-  Vector3d coning_rad_ = Vector3d::Zero();    // twice
-  Vector3d sculling_mps_ = Vector3d::Zero();  // twice
+  Vector3d turn_rad_ = Vector3d::Zero();     // Σ ω Δt
+  Vector3d impulse_mps_ = Vector3d::Zero();  // Σ f Δt
+  Vector3d coning_rad_ = Vector3d::Zero();
+  Vector3d sculling_mps_ = Vector3d::Zero();
   ImuStep latest_;
 };
 
