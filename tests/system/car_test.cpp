@@ -115,7 +115,7 @@ SCENARIO("the fused pose of the recorded car agrees with its wheel speed", "[car
       const SpeedCheck speed = compare_with_wheels(run.poses);
       std::cout << engine << ": speed against the wheels: " << speed.difference_rms_mps
                 << " m/s RMS, fastest " << speed.fastest_mps << " m/s\n";
-      CHECK(speed.difference_rms_mps <= (engine == "documented" ? 0.17 : 0.25));  // the latter: see below
+      CHECK(speed.difference_rms_mps <= 0.17);
       CHECK(speed.fastest_mps <= 2.5);
     }
     THEN("the pose stays near the delay-compensated fixes") {
@@ -145,20 +145,6 @@ SCENARIO("the fused pose of the recorded car agrees with its wheel speed", "[car
       CHECK(seconds_between(freezes_ns, reported_ns) < 3.0);  // the car is almost still when they freeze
       CHECK(farthest_m <= 5.0);
       if (engine == "kalman") CHECK(fastest_mps <= 1.1);
-    }
-  }
-}
-
-SCENARIO("the Kalman engine follows the recorded car better with the delay that its fixes show", "[car]") {
-  if (!car_is_here()) return;
-  GIVEN("80 ms more than its fixes state, with which the engine predicts them best") {
-    const CarRun run = play_car("log", "kalman", {"--set", "delay.correction_s=0.08"});
-    REQUIRE(run.poses.size() == car_imu_samples);
-    THEN("the fused speed follows the wheel speed between 45 s and 94 s") {
-      const SpeedCheck speed = compare_with_wheels(run.poses);
-      std::cout << "kalman, delay corrected: speed against the wheels: " << speed.difference_rms_mps
-                << " m/s RMS, fastest " << speed.fastest_mps << " m/s\n";
-      CHECK(speed.difference_rms_mps <= 0.17);
     }
   }
 }

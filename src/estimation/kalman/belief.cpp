@@ -9,6 +9,8 @@
 namespace sonopose::estimation::kalman {
 namespace {
 
+constexpr int few_fixes = 2;  // that stand still: the IMU is not on a smooth cruise
+
 /// The rate and acceleration of the latest step, where those of the joined ones are means.
 void set_latest(NominalState& state, const Filter& filter, const ImuStep& latest) {
   const Vector3d rate_body_radps = latest.rate_body_radps - filter.gyro_bias_body_radps;
@@ -188,6 +190,13 @@ void Belief::turn_last_heading(const ImuMeasurement& imu) {
   last_heading_rad += 0.5 * (before_radps + up_rate_radps()) * seconds_between(time_ns, imu.time_ns);
 }
 
+/// Whether the latest fixes since the IMU came to rest, at least so many, agree with a body that does not
+/// move.
+bool Belief::stands_still(int least_fixes) const {
+  const double fix_std_m = std::sqrt(noise.fix_covariance_m2(quality_percent).diagonal().maxCoeff());
+  return rest.still_windows >= 1 && rest::fixes_stand_still(rest, fix_std_m, least_fixes);
+}
+
 void Belief::update_rest(const ImuMeasurement& imu, ImuOutcome& outcome) {
   if (!rest::add_sample(rest, imu.time_ns, imu.rate_body_radps, imu.force_body_mps2)) return;
   const bool started = phase != Phase::waiting;
@@ -196,13 +205,10 @@ void Belief::update_rest(const ImuMeasurement& imu, ImuOutcome& outcome) {
       started ? std::sqrt(filter().covariance.diagonal().segment<3>(at_gyro_bias).maxCoeff()) : 0.02;
   const bool still = rest::end_window(rest, imu.time_ns, bias, bias_std_radps);
   if (!still || !started || rest.still_windows < 2) return;
-  const double fix_std_m = std::sqrt(noise.fix_covariance_m2(quality_percent).diagonal().maxCoeff());
   // A bias that is hardly known may be a slow, smooth turn.
   constexpr double known_bias_radps = 0.005;
-  constexpr int few_fixes = 2;
   if (bias_std_radps > known_bias_radps &&
-      (!rest::fixes_stand_still(rest, fix_std_m, few_fixes) ||
-       rest::headings_turn(rest, std::sqrt(noise.heading_rad2.variance))))
+      (!stands_still(few_fixes) || rest::headings_turn(rest, std::sqrt(noise.heading_rad2.variance))))
     return;
   propagate();
   constexpr double mean_rate_std_radps = 3e-4;  // of half a second, with a slow residual motion
@@ -213,7 +219,8 @@ void Belief::update_rest(const ImuMeasurement& imu, ImuOutcome& outcome) {
     each.correct_states(at_gyro_bias, rest.still_gyro_mean - each.gyro_bias_body_radps,
                         square(mean_rate_std_radps));
   });
-  if (!rest::fixes_stand_still(rest, fix_std_m) || filter().velocity_world_mps.norm() > 0.1) return;
+  constexpr int enough_fixes = 4;
+  if (!stands_still(enough_fixes) || filter().velocity_world_mps.norm() > 0.1) return;
   outcome.no_velocity_variance = square(still_speed_std_mps);
   for (int i = 0; i < candidate_count; ++i) {
     Filter& each = candidates[static_cast<std::size_t>(i)].filter;
@@ -384,7 +391,8 @@ void Belief::correct_candidates(const FixMeasurement& fix, const Matrix3d& covar
     return;
   }
   choose_model();
-  if (fix.has_covariance) return;
+  // At rest the errors repeat: they do not show the noise of a moving body.
+  if (fix.has_covariance || stands_still(few_fixes)) return;
   const Innovation after = filter().fix_innovation(fix.position_world_m, covariance, ahead_s);
   noise.add_fix(fix.quality_percent, after.value_world_m, (after.covariance_m2 - covariance).diagonal());
 }

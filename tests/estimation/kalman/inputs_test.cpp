@@ -213,6 +213,44 @@ SCENARIO("a slow, smooth turn is no gyro bias") {
   }
 }
 
+SCENARIO("errors that repeat at rest do not show the noise of a body that moves") {
+  GIVEN(
+      "a body that rests with repeated fixes and headings, then drives; its fixes lag, its headings are "
+      "off") {
+    const double lag_s = GENERATE(0.06, 0.08, 0.1);
+    const double heading_error_rad = geometry::radians_per_degree * GENERATE(-4.0, 0.0, 4.0);
+    CAPTURE(lag_s, heading_error_rad);
+    constexpr double rest_s = 30.0;
+    constexpr double accel_mps2 = 3.0;
+    constexpr double speed_mps = 2.5;
+    const auto x_at = [&](double time_s) {
+      const double driven_s = std::max(0.0, time_s - rest_s);
+      const double speeding_s = std::min(driven_s, speed_mps / accel_mps2);
+      return 0.5 * accel_mps2 * speeding_s * speeding_s + speed_mps * (driven_s - speeding_s);
+    };
+    kalman::Engine engine{settings::Settings{}};
+    int rejected = 0;
+    double worst_m = 0.0;
+    for (int k = 0; k < 3400; ++k) {
+      const double time_s = 0.01 * k;
+      const double vibration = time_s > rest_s ? 0.2 * std::sin(2.1 * k) : 0.0;
+      const bool speeds_up = time_s > rest_s && time_s <= rest_s + speed_mps / accel_mps2;
+      const auto pose = engine.predict(
+          imu_at(time_s, {0, 0, 0}, {(speeds_up ? accel_mps2 : 0.0) + vibration, 0, standard_gravity_mps2}));
+      if (pose && time_s > 2.0)
+        worst_m = std::max(worst_m, std::abs(pose->position_world_m.x() - x_at(time_s)));
+      if (k % 8 != 0) continue;
+      const FixReport report = engine.correct(fix_at(time_s, {x_at(time_s - lag_s), 2.0, 0.5}));
+      if (time_s > 2.0 && (report.flags & fix_used) == 0) ++rejected;
+      engine.correct(heading_at(time_s, heading_error_rad));
+    }
+    THEN("no fix is rejected, and the pose is off by no more than the lag explains") {
+      CHECK(rejected == 0);
+      CHECK(worst_m < 1.5 * lag_s * speed_mps);
+    }
+  }
+}
+
 SCENARIO("an engine keeps little more than a second, whatever the steps of its IMU") {
   GIVEN("an IMU whose steps are hardly ever all made, and fixes") {
     const std::vector<int> steps_ms =

@@ -246,6 +246,7 @@ private:
   void turn_rival(const HeadingMeasurement& heading, double mount_rad, double innovation_rad);
   [[nodiscard]] double up_rate_radps() const;
   void turn_last_heading(const ImuMeasurement& imu);
+  [[nodiscard]] bool stands_still(int least_fixes) const;
   void update_rest(const ImuMeasurement& imu, ImuOutcome& outcome);
   void bound_dead_reckoning(ImuOutcome& outcome);
   using Innovations = std::array<Innovation, start_count>;  ///< of each candidate

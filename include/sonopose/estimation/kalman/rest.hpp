@@ -60,7 +60,7 @@ void restart(RestState& state);
 
 /// Whether the latest fixes since the rest began, at least `least_fixes`, agree with a body that does not
 /// move.
-[[nodiscard]] bool fixes_stand_still(const RestState& state, double fix_std_m, int least_fixes = 4);
+[[nodiscard]] bool fixes_stand_still(const RestState& state, double fix_std_m, int least_fixes);
 
 /// Whether the latest headings since the rest began contradict a body that does not turn.
 [[nodiscard]] bool headings_turn(const RestState& state, double heading_std_rad);
