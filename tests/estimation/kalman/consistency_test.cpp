@@ -121,11 +121,12 @@ void add_run(Consistency& consistency, const sim::Scenario& scenario, std::uint6
 }
 
 SCENARIO("the Kalman engine knows how uncertain it is") {
-  GIVEN("50 runs of ordinary motion that nothing was tuned on") {
+  GIVEN("100 runs of ordinary motion that nothing was tuned on") {
+    // With fewer, chance alone may halve the share of innovations above 0.1 %.
     const std::string name = GENERATE("walk", "forklift", "kart", "drone");
     const bool known_noise = GENERATE(false, true);
     Consistency consistency;
-    for (std::uint64_t seed = 2001; seed <= 2050; ++seed) {
+    for (std::uint64_t seed = 2001; seed <= 2100; ++seed) {
       add_run(consistency, sim::find_scenario(name), seed, known_noise);
     }
     fmt::print("{}, fix noise {}: {}\n", name, known_noise ? "known" : "learned", consistency.text());
