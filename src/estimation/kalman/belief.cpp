@@ -9,7 +9,8 @@
 namespace sonopose::estimation::kalman {
 namespace {
 
-constexpr int few_fixes = 2;  // that stand still: the IMU is not on a smooth cruise
+constexpr int few_fixes = 2;     // enough to tell a rest from a smooth cruise
+constexpr int enough_fixes = 4;  // enough to measure that there is no velocity
 
 /// The rate and acceleration of the latest step, where those of the joined ones are means.
 void set_latest(NominalState& state, const Filter& filter, const ImuStep& latest) {
@@ -190,11 +191,9 @@ void Belief::turn_last_heading(const ImuMeasurement& imu) {
   last_heading_rad += 0.5 * (before_radps + up_rate_radps()) * seconds_between(time_ns, imu.time_ns);
 }
 
-/// Whether the latest fixes since the IMU came to rest, at least so many, agree with a body that does not
-/// move.
 bool Belief::stands_still(int least_fixes) const {
   const double fix_std_m = std::sqrt(noise.fix_covariance_m2(quality_percent).diagonal().maxCoeff());
-  return rest.still_windows >= 1 && rest::fixes_stand_still(rest, fix_std_m, least_fixes);
+  return rest::fixes_stand_still(rest, fix_std_m, least_fixes);
 }
 
 void Belief::update_rest(const ImuMeasurement& imu, ImuOutcome& outcome) {
@@ -219,7 +218,6 @@ void Belief::update_rest(const ImuMeasurement& imu, ImuOutcome& outcome) {
     each.correct_states(at_gyro_bias, rest.still_gyro_mean - each.gyro_bias_body_radps,
                         square(mean_rate_std_radps));
   });
-  constexpr int enough_fixes = 4;
   if (!stands_still(enough_fixes) || filter().velocity_world_mps.norm() > 0.1) return;
   outcome.no_velocity_variance = square(still_speed_std_mps);
   for (int i = 0; i < candidate_count; ++i) {
@@ -391,10 +389,10 @@ void Belief::correct_candidates(const FixMeasurement& fix, const Matrix3d& covar
     return;
   }
   choose_model();
-  // At rest the errors repeat: they do not show the noise of a moving body.
-  if (fix.has_covariance || stands_still(few_fixes)) return;
+  if (fix.has_covariance) return;
   const Innovation after = filter().fix_innovation(fix.position_world_m, covariance, ahead_s);
-  noise.add_fix(fix.quality_percent, after.value_world_m, (after.covariance_m2 - covariance).diagonal());
+  noise.add_fix(fix.quality_percent, after.value_world_m, (after.covariance_m2 - covariance).diagonal(),
+                stands_still(few_fixes));
 }
 
 void Belief::choose_model() {

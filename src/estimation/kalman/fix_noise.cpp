@@ -7,6 +7,7 @@ namespace {
 
 // A large guess that the first fixes overrule: with a small one the fixes that would correct it are rejected.
 constexpr double initial_fix_variance_m2 = 0.05 * 0.05;
+constexpr double most_fix_variance_m2 = 0.5 * 0.5;
 constexpr double prior_fixes = 0.5;
 constexpr double initial_heading_variance_rad2 = 0.026 * 0.026;  // 1.5°
 constexpr double prior_headings = 8;
@@ -20,6 +21,25 @@ std::size_t bin_of(double quality_percent) {
   return static_cast<std::size_t>(bin);
 }
 
+void add_moving_fix(AdaptiveVariance& known, const VarianceSample& sample) {
+  constexpr double least_m2 = 0.01 * 0.01;
+  known.add(sample, fix_memory, least_m2, most_fix_variance_m2);
+}
+
+/// The errors of a body at rest repeat, so small ones are no evidence: they only make the variance a little
+/// harder to overrule for the first fixes of a drive.
+void add_fix_at_rest(AdaptiveVariance& known, const VarianceSample& sample) {
+  constexpr double rest_memory = 8;
+  constexpr double enough = 4;
+  if (std::max(known.variance, sample.variance) >= initial_fix_variance_m2) {
+    const double least_m2 =
+        known.samples > 0.0 ? std::min(known.variance, initial_fix_variance_m2) : initial_fix_variance_m2;
+    known.add(sample, rest_memory, least_m2, most_fix_variance_m2);
+  } else if (known.samples > 0.0 && known.samples < enough) {
+    known.samples += sample.weight;
+  }
+}
+
 }  // namespace
 
 VarianceSample::VarianceSample(double squared_residual, double prediction_variance, double noise_variance)
@@ -29,8 +49,10 @@ VarianceSample::VarianceSample(double squared_residual, double prediction_varian
 }
 
 void AdaptiveVariance::add(const VarianceSample& sample, double memory, double least, double most) {
+  constexpr double few = 8;
+  constexpr double slow_growth = 0.25;  // beyond few: so that a wrong beginning is forgotten soon
   if (!(sample.weight > 0.0)) return;
-  samples = std::min(samples + sample.weight, memory);
+  samples = std::min(samples + (samples < few ? 1.0 : slow_growth) * sample.weight, memory);
   variance = std::clamp(variance + (sample.variance - variance) * sample.weight / samples, least, most);
 }
 
@@ -52,17 +74,16 @@ Eigen::Matrix3d MeasurementNoise::fix_covariance_m2(double quality_percent) cons
 }
 
 void MeasurementNoise::add_fix(double quality_percent, const Vector3d& residual_m,
-                               const Vector3d& prediction_variance_m2) {
-  constexpr double least_m2 = 0.01 * 0.01;
-  constexpr double most_m2 = 0.5 * 0.5;
+                               const Vector3d& prediction_variance_m2, bool at_rest) {
   const Vector3d variance_m2 = fix_covariance_m2(quality_percent).diagonal();
   const Vector3d squares_m2 = residual_m.cwiseAbs2();
   const VarianceSample horizontal(squares_m2.head<2>().mean(), prediction_variance_m2.head<2>().mean(),
                                   variance_m2.x());
   const VarianceSample vertical(squares_m2.z(), prediction_variance_m2.z(), variance_m2.z());
+  const auto add = at_rest ? add_fix_at_rest : add_moving_fix;
   for (Bin* bin : {&any_quality, &bins[bin_of(quality_percent)]}) {
-    bin->horizontal_m2.add(horizontal, fix_memory, least_m2, most_m2);
-    bin->vertical_m2.add(vertical, fix_memory, least_m2, most_m2);
+    add(bin->horizontal_m2, horizontal);
+    add(bin->vertical_m2, vertical);
   }
 }
 

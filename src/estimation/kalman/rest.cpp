@@ -106,7 +106,8 @@ void restart(RestState& state) {
 
 bool fixes_stand_still(const RestState& state, double fix_std_m, int least_fixes) {
   constexpr double drift_mps = 0.004;
-  return state.fixes.samples >= least_fixes && is_steady(state.fixes, drift_mps, fix_std_m);
+  return state.still_windows >= 1 && state.fixes.samples >= least_fixes &&
+         is_steady(state.fixes, drift_mps, fix_std_m);
 }
 
 bool headings_turn(const RestState& state, double heading_std_rad) {

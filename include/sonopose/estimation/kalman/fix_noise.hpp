@@ -47,7 +47,9 @@ struct MeasurementNoise {
   [[nodiscard]] Eigen::Matrix3d fix_covariance_m2(double quality_percent) const;
 
   /// Adds what remains of a fix's innovation after the correction, and how uncertain the prediction then is.
-  void add_fix(double quality_percent, const Vector3d& residual_m, const Vector3d& prediction_variance_m2);
+  /// The errors of a body at rest repeat: they may show that the noise is large, but not that it is small.
+  void add_fix(double quality_percent, const Vector3d& residual_m, const Vector3d& prediction_variance_m2,
+               bool at_rest);
   void add_heading(double residual_rad, double prediction_variance_rad2);
 
   bool operator==(const MeasurementNoise&) const = default;

@@ -58,8 +58,8 @@ void add_heading(RestState& state, TimeNs time_ns, double heading_rad);
 /// Ends the rest: a gap in the samples.
 void restart(RestState& state);
 
-/// Whether the latest fixes since the rest began, at least `least_fixes`, agree with a body that does not
-/// move.
+/// Whether the body rests, and the latest fixes since the rest began, at least `least_fixes`, agree with
+/// that.
 [[nodiscard]] bool fixes_stand_still(const RestState& state, double fix_std_m, int least_fixes);
 
 /// Whether the latest headings since the rest began contradict a body that does not turn.
