@@ -9,8 +9,8 @@
 namespace sonopose::estimation::kalman {
 namespace {
 
-constexpr int few_fixes = 2;     // enough to tell a rest from a smooth cruise
-constexpr int enough_fixes = 4;  // enough to measure that there is no velocity
+constexpr int few_fixes = 2;    // enough to tell a rest from a smooth cruise
+constexpr int still_fixes = 4;  // enough to measure that there is no velocity
 
 /// The rate and acceleration of the latest step, where those of the joined ones are means.
 void set_latest(NominalState& state, const Filter& filter, const ImuStep& latest) {
@@ -160,7 +160,7 @@ void Belief::close_steps() {
 }
 
 NominalState Belief::nominal() const {
-  if (open_steps.empty()) return filter();
+  if (open_steps.empty()) return static_cast<const NominalState&>(filter());
   return moved(filter(), open_steps);
 }
 
@@ -218,7 +218,7 @@ void Belief::update_rest(const ImuMeasurement& imu, ImuOutcome& outcome) {
     each.correct_states(at_gyro_bias, rest.still_gyro_mean - each.gyro_bias_body_radps,
                         square(mean_rate_std_radps));
   });
-  if (!stands_still(enough_fixes) || filter().velocity_world_mps.norm() > 0.1) return;
+  if (!stands_still(still_fixes) || filter().velocity_world_mps.norm() > 0.1) return;
   outcome.no_velocity_variance = square(still_speed_std_mps);
   for (int i = 0; i < candidate_count; ++i) {
     Filter& each = candidates[static_cast<std::size_t>(i)].filter;
