@@ -26,7 +26,7 @@ void set_latest(NominalState& state, const Filter& filter, const ImuStep& latest
 NominalState moved(const Filter& filter, const JoinedSteps& steps) {
   const ImuStep step = steps.joined();
   NominalState after = filter.step(filter, step.rate_body_radps, step.force_body_mps2, step.duration_s).after;
-  if (steps.are_several()) set_latest(after, filter, steps.latest());
+  if (steps.has_several()) set_latest(after, filter, steps.latest());
   return after;
 }
 
@@ -73,6 +73,7 @@ void Belief::copy_from(const Belief& other) {
   heading_seen_ns = other.heading_seen_ns;
   heading_interval_s = other.heading_interval_s;
   quality_percent = other.quality_percent;
+  stated_fix_std_m = other.stated_fix_std_m;
   converging_until_ns = other.converging_until_ns;
   slowed_ns = other.slowed_ns;
   trust = other.trust;
@@ -132,7 +133,8 @@ ImuOutcome Belief::on_imu(const settings::Settings& settings, const ImuMeasureme
 }
 
 /// The filters join the steps of a fast IMU. Whatever changes them, or needs their state at the latest
-/// sample, calls `close_steps`, `propagate` or `nominal` first.
+/// sample, calls `close_steps`, `propagate` or `nominal` first. `up_rate_radps` need not: a turn hardly
+/// changes the component of its own rate about the vertical.
 void Belief::predict(const ImuStep& step) {
   if (!can_join(step.duration_s)) close_steps();
   open_steps.add(step);
@@ -155,7 +157,7 @@ void Belief::close_steps() {
   repetition.moved_world_m += step.duration_s * repetition.velocity_world_mps;
   repetition.velocity_world_mps += step.duration_s * filter().acceleration_world_mps2;
   Filter& best_filter = candidates[static_cast<std::size_t>(best)].filter;
-  if (open_steps.are_several()) set_latest(best_filter, best_filter, open_steps.latest());  // for the pose
+  if (open_steps.has_several()) set_latest(best_filter, best_filter, open_steps.latest());  // for the pose
   open_steps = JoinedSteps{};
 }
 
@@ -192,7 +194,8 @@ void Belief::turn_last_heading(const ImuMeasurement& imu) {
 }
 
 bool Belief::stands_still(int least_fixes) const {
-  const double fix_std_m = std::sqrt(noise.fix_covariance_m2(quality_percent).diagonal().maxCoeff());
+  const double learned_std_m = std::sqrt(noise.fix_covariance_m2(quality_percent).diagonal().maxCoeff());
+  const double fix_std_m = stated_fix_std_m > 0.0 ? stated_fix_std_m : learned_std_m;
   return rest::fixes_stand_still(rest, fix_std_m, least_fixes);
 }
 
@@ -353,6 +356,11 @@ void Belief::choose_start(const Innovations& innovations) {
   }
 }
 
+void Belief::note_quality(const FixMeasurement& fix) {
+  quality_percent = fix.quality_percent;
+  stated_fix_std_m = fix.has_covariance ? std::sqrt(fix.covariance_world_m2.diagonal().maxCoeff()) : 0.0;
+}
+
 /// Registers a fix that the best filter has used.
 void Belief::note_used(const FixMeasurement& fix) {
   fixes_since_start = std::min(fixes_since_start + 1, proven_fixes);
@@ -365,7 +373,7 @@ void Belief::note_used(const FixMeasurement& fix) {
   }
   former.fixes_in_row = 0;
   last_fix_ns = fix.time_ns;
-  quality_percent = fix.quality_percent;
+  note_quality(fix);
   slowed_ns = std::max(slowed_ns, fix.time_ns);
   rest::add_fix(rest, fix.time_ns, fix.position_world_m);
   drop_anchor(fix.time_ns);

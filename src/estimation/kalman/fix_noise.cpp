@@ -5,14 +5,14 @@
 namespace sonopose::estimation::kalman {
 namespace {
 
-// A large guess that the first fixes overrule: with a small one the fixes that would correct it are rejected.
-constexpr double initial_fix_variance_m2 = 0.05 * 0.05;
-constexpr double most_fix_variance_m2 = 0.5 * 0.5;
+// The initial guess is large, and the first fixes overrule it: with a small one the fixes that would correct
+// it are rejected.
+constexpr Learning fix_learning{
+    .initial = 0.05 * 0.05, .least = 0.01 * 0.01, .most = 0.5 * 0.5, .memory = 40};
 constexpr double prior_fixes = 0.5;
-constexpr double initial_heading_variance_rad2 = 0.026 * 0.026;  // 1.5°
+constexpr Learning heading_learning{
+    .initial = 0.026 * 0.026, .least = 0.003 * 0.003, .most = 0.35 * 0.35, .memory = 60};  // 1.5, 0.17, 20°
 constexpr double prior_headings = 8;
-constexpr double fix_memory = 40;
-constexpr double heading_memory = 60;
 
 std::size_t bin_of(double quality_percent) {
   // Below 60 %, then steps of 10 %; sources without a quality share the first.
@@ -21,23 +21,14 @@ std::size_t bin_of(double quality_percent) {
   return static_cast<std::size_t>(bin);
 }
 
-void add_moving_fix(AdaptiveVariance& known, const VarianceSample& sample) {
-  constexpr double least_m2 = 0.01 * 0.01;
-  known.add(sample, fix_memory, least_m2, most_fix_variance_m2);
-}
-
-/// The errors of a body at rest repeat, so small ones are no evidence: they only make the variance a little
-/// harder to overrule for the first fixes of a drive.
-void add_fix_at_rest(AdaptiveVariance& known, const VarianceSample& sample) {
-  constexpr double rest_memory = 8;
-  constexpr double enough = 4;
-  if (std::max(known.variance, sample.variance) >= initial_fix_variance_m2) {
-    const double least_m2 =
-        known.samples > 0.0 ? std::min(known.variance, initial_fix_variance_m2) : initial_fix_variance_m2;
-    known.add(sample, rest_memory, least_m2, most_fix_variance_m2);
-  } else if (known.samples > 0.0 && known.samples < enough) {
-    known.samples += sample.weight;
-  }
+void learn(AdaptiveVariance& known, const VarianceSample& sample, const Learning& learning) {
+  constexpr double few_samples = 8;
+  constexpr double slow_growth = 0.25;  // beyond few: so that a wrong beginning is forgotten soon
+  if (!(sample.weight > 0.0)) return;
+  const double growth = known.samples < few_samples ? 1.0 : slow_growth;
+  known.samples = std::min(known.samples + growth * sample.weight, learning.memory);
+  known.variance += (sample.variance - known.variance) * sample.weight / known.samples;
+  known.variance = std::clamp(known.variance, learning.least, learning.most);
 }
 
 }  // namespace
@@ -48,18 +39,26 @@ VarianceSample::VarianceSample(double squared_residual, double prediction_varian
   weight = left * left;
 }
 
-void AdaptiveVariance::add(const VarianceSample& sample, double memory, double least, double most) {
-  constexpr double few = 8;
-  constexpr double slow_growth = 0.25;  // beyond few: so that a wrong beginning is forgotten soon
-  if (!(sample.weight > 0.0)) return;
-  samples = std::min(samples + (samples < few ? 1.0 : slow_growth) * sample.weight, memory);
-  variance = std::clamp(variance + (sample.variance - variance) * sample.weight / samples, least, most);
+void AdaptiveVariance::add(const VarianceSample& sample, const Learning& learning) {
+  learn(*this, sample, learning);
+  motion_variance = variance;
+}
+
+void AdaptiveVariance::add_at_rest(const VarianceSample& sample, const Learning& learning) {
+  constexpr double large_ratio = 8.0;    // of white noise, hardly any sample is so large
+  constexpr double prior_samples = 4.5;  // so that the first fixes of a drive do not overrule it at once
+  const bool is_large = sample.variance >= std::min(learning.initial, large_ratio * variance);
+  const double before = samples;
+  if (variance > motion_variance || is_large) learn(*this, sample, learning);
+  if (variance > motion_variance) return;
+  variance = motion_variance;
+  samples = std::max(before, std::min(before + sample.weight, prior_samples));
 }
 
 MeasurementNoise::MeasurementNoise() {
-  any_quality.horizontal_m2 = {initial_fix_variance_m2, prior_fixes};
-  any_quality.vertical_m2 = {initial_fix_variance_m2, prior_fixes};
-  heading_rad2 = {initial_heading_variance_rad2, prior_headings};
+  constexpr AdaptiveVariance fixes{fix_learning.initial, prior_fixes, fix_learning.initial};
+  any_quality = {fixes, fixes};
+  heading_rad2 = {heading_learning.initial, prior_headings, heading_learning.initial};
 }
 
 Eigen::Matrix3d MeasurementNoise::fix_covariance_m2(double quality_percent) const {
@@ -80,18 +79,28 @@ void MeasurementNoise::add_fix(double quality_percent, const Vector3d& residual_
   const VarianceSample horizontal(squares_m2.head<2>().mean(), prediction_variance_m2.head<2>().mean(),
                                   variance_m2.x());
   const VarianceSample vertical(squares_m2.z(), prediction_variance_m2.z(), variance_m2.z());
-  const auto add = at_rest ? add_fix_at_rest : add_moving_fix;
+  const auto add = [&](AdaptiveVariance& known, const AdaptiveVariance& common,
+                       const VarianceSample& sample) {
+    if (at_rest) {
+      if (known.motion_variance == 0.0) known.motion_variance = common.motion_variance;
+      known.add_at_rest(sample, fix_learning);
+    } else {
+      known.add(sample, fix_learning);
+    }
+  };
   for (Bin* bin : {&any_quality, &bins[bin_of(quality_percent)]}) {
-    add(bin->horizontal_m2, horizontal);
-    add(bin->vertical_m2, vertical);
+    add(bin->horizontal_m2, any_quality.horizontal_m2, horizontal);
+    add(bin->vertical_m2, any_quality.vertical_m2, vertical);
   }
 }
 
-void MeasurementNoise::add_heading(double residual_rad, double prediction_variance_rad2) {
-  constexpr double least_rad2 = 0.003 * 0.003;
-  constexpr double most_rad2 = 0.35 * 0.35;
-  heading_rad2.add({residual_rad * residual_rad, prediction_variance_rad2, heading_rad2.variance},
-                   heading_memory, least_rad2, most_rad2);
+void MeasurementNoise::add_heading(double residual_rad, double prediction_variance_rad2, bool at_rest) {
+  const VarianceSample sample(residual_rad * residual_rad, prediction_variance_rad2, heading_rad2.variance);
+  if (at_rest) {
+    heading_rad2.add_at_rest(sample, heading_learning);
+  } else {
+    heading_rad2.add(sample, heading_learning);
+  }
 }
 
 }  // namespace sonopose::estimation::kalman

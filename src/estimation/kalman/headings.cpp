@@ -106,7 +106,7 @@ HeadingOutcome Belief::judge_heading(const settings::Settings& settings, const H
                          ahead_s);
   });
   const auto after = innovation_of(filter());
-  noise.add_heading(after.value_rad, after.variance_rad2 - variance);
+  noise.add_heading(after.value_rad, after.variance_rad2 - variance, stands_still(few_fixes));
   return outcome;
 }
 

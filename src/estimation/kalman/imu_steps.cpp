@@ -40,7 +40,7 @@ void JoinedSteps::add(const ImuStep& step) {
 }
 
 ImuStep JoinedSteps::joined() const {
-  if (!are_several()) return latest_;
+  if (!has_several()) return latest_;
   const double per_s = 1.0 / duration_s_;
   return {duration_s_, per_s * (turn_rad_ + coning_rad_), per_s * (impulse_mps_ + sculling_mps_)};
 }

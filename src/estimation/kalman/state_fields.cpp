@@ -101,7 +101,7 @@ std::optional<FieldFault> find_fault(const Belief& base) {
     return FieldFault{"former", "has a matrix that is not a covariance"};
   }
   const auto is_variance = [](const AdaptiveVariance& any) {
-    return any.variance >= 0.0 && any.samples >= 0.0;
+    return any.variance >= 0.0 && any.samples >= 0.0 && any.motion_variance >= 0.0;
   };
   const auto is_noise = [&](const MeasurementNoise::Bin& bin) {
     return is_variance(bin.horizontal_m2) && is_variance(bin.vertical_m2);
@@ -117,6 +117,7 @@ std::optional<FieldFault> find_fault(const Belief& base) {
   if (!is_variance(noise.heading_rad2) || !(noise.heading_rad2.variance > 0.0)) {
     return FieldFault{"noise.heading_rad2", "is not positive"};
   }
+  if (!(base.stated_fix_std_m >= 0.0)) return FieldFault{"stated_fix_std_m", "is negative"};
   return find_timing_fault(base);
 }
 

@@ -108,7 +108,8 @@ SCENARIO("a former track is taken back for fixes that the present one does not e
 
 SCENARIO("all filters follow the motion between two fixes, however fast the IMU is") {
   GIVEN("equal filters, and 0.9 s without a fix, with rates of up to 3 rad/s and forces of up to 6 m/s²") {
-    // The steps of the IMU in turn, ms. Those of the first two rows are too long to be joined.
+    // The steps of the IMU in turn, ms. While tracking, those of the first two rows are too long to be
+    // joined.
     const std::vector<int> steps_ms =
         GENERATE(std::vector{10}, std::vector{5, 15}, std::vector{5}, std::vector{3}, std::vector{1},
                  std::vector{1, 1, 1, 1, 1, 1, 1, 1, 1, 20});

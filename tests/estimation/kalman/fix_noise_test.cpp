@@ -54,8 +54,8 @@ SCENARIO("the noise of fixes is learned for each range of the quality") {
 SCENARIO("a body at rest may show that the noise is large, but not that it is small") {
   std::mt19937 random{7};  // NOLINT(cert-msc32-c,cert-msc51-cpp): the same numbers in every run
   std::normal_distribution<double> normal;
-  const auto learn = [&](MeasurementNoise& noise, double std_m, bool at_rest) {
-    for (int i = 0; i < 200; ++i) {
+  const auto learn = [&](MeasurementNoise& noise, double std_m, bool at_rest, int fixes) {
+    for (int i = 0; i < fixes; ++i) {
       noise.add_fix(90.0, std_m * Vector3d(normal(random), normal(random), normal(random)), Vector3d::Zero(),
                     at_rest);
     }
@@ -64,14 +64,47 @@ SCENARIO("a body at rest may show that the noise is large, but not that it is sm
   GIVEN("a beacon that has not moved yet") {
     MeasurementNoise noise;
     const double before_m = std::sqrt(noise.fix_covariance_m2(90.0)(0, 0));
-    CHECK(learn(noise, 0.001, true) >= before_m);
-    CHECK(learn(noise, 0.15, true) == Approx(0.15).epsilon(0.35));
+    CHECK(learn(noise, 0.001, true, 200) >= before_m);
+    THEN("a large noise raises it") {
+      CHECK(learn(noise, 0.15, true, 200) == Approx(0.15).epsilon(0.35));
+    }
+    THEN("the first fixes of its way show that it is small") {
+      CHECK(learn(noise, 0.02, false, 40) < 0.03);
+    }
   }
-  GIVEN("a beacon that has moved") {
+  for (const double moving_m : {0.015, 0.025, 0.15}) {
+    GIVEN("a beacon that has moved, with a noise of (m) " << moving_m) {
+      MeasurementNoise noise;
+      const double before_m = learn(noise, moving_m, false, 200);
+      REQUIRE(before_m == Approx(moving_m).epsilon(0.35));
+      THEN("repeated fixes of a rest do not change what is known") {
+        CHECK(learn(noise, 0.001, true, 200) == Approx(before_m));
+      }
+      THEN("the same noise at rest does not raise it") {
+        CHECK(learn(noise, moving_m, true, 2000) == Approx(moving_m).epsilon(0.35));
+      }
+      THEN("a noise three times as large raises it, until the fixes are good again") {
+        CHECK(learn(noise, 3.0 * moving_m, true, 200) == Approx(3.0 * moving_m).epsilon(0.35));
+        CHECK(learn(noise, moving_m, true, 1000) == Approx(moving_m).epsilon(0.35));
+      }
+    }
+  }
+}
+
+SCENARIO("the headings of a body at rest do not show that their noise is small") {
+  GIVEN("headings with a noise of 1.5° on the way") {
     MeasurementNoise noise;
-    const double moving_m = learn(noise, 0.02, false);
-    REQUIRE(moving_m == Approx(0.02).epsilon(0.35));
-    CHECK(learn(noise, 0.001, true) >= moving_m);
+    std::mt19937 random{9};  // NOLINT(cert-msc32-c,cert-msc51-cpp): the same numbers in every run
+    std::normal_distribution<double> normal(0.0, 0.026);
+    for (int i = 0; i < 200; ++i) noise.add_heading(normal(random), 0.0, false);
+    const double before_rad = std::sqrt(noise.heading_rad2.variance);
+    REQUIRE(before_rad == Approx(0.026).epsilon(0.35));
+    WHEN("the body rests for a minute, and the headings repeat") {
+      for (int i = 0; i < 600; ++i) noise.add_heading(0.001, 0.0, true);
+      THEN("the noise is as before") {
+        CHECK(std::sqrt(noise.heading_rad2.variance) == Approx(before_rad));
+      }
+    }
   }
 }
 

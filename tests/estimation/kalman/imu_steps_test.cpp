@@ -71,14 +71,14 @@ SCENARIO("a joined step turns and moves a body like the steps that it consists o
   }
 }
 
-SCENARIO("a single step is joined with the same bits") {
+SCENARIO("one step alone is returned unchanged") {
   const ImuStep step{
       .duration_s = 0.0101, .rate_body_radps = {0.1, -0.7, 0.3}, .force_body_mps2 = {0.3, 0.7, 9.7}};
   JoinedSteps steps;
   CHECK(steps.empty());
   steps.add(step);
   CHECK_FALSE(steps.empty());
-  CHECK_FALSE(steps.are_several());
+  CHECK_FALSE(steps.has_several());
   CHECK(steps.joined() == step);
 }
 

@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <variant>
 #include <vector>
 
@@ -216,7 +217,7 @@ SCENARIO("a slow, smooth turn is no gyro bias") {
 SCENARIO("errors that repeat at rest do not show the noise of a body that moves") {
   GIVEN(
       "a body that rests with repeated fixes and headings, then drives; its fixes lag, its headings are "
-      "off") {
+      "off, and by 2° more on the way") {
     const double lag_s = GENERATE(0.06, 0.08, 0.1);
     const double heading_error_rad = geometry::radians_per_degree * GENERATE(-4.0, 0.0, 4.0);
     CAPTURE(lag_s, heading_error_rad);
@@ -230,6 +231,7 @@ SCENARIO("errors that repeat at rest do not show the noise of a body that moves"
     };
     kalman::Engine engine{settings::Settings{}};
     int rejected = 0;
+    int headings_rejected = 0;
     double worst_m = 0.0;
     for (int k = 0; k < 3400; ++k) {
       const double time_s = 0.01 * k;
@@ -242,17 +244,42 @@ SCENARIO("errors that repeat at rest do not show the noise of a body that moves"
       if (k % 8 != 0) continue;
       const FixReport report = engine.correct(fix_at(time_s, {x_at(time_s - lag_s), 2.0, 0.5}));
       if (time_s > 2.0 && (report.flags & fix_used) == 0) ++rejected;
-      engine.correct(heading_at(time_s, heading_error_rad));
+      const double more_rad = time_s > rest_s ? 2.0 * radians_per_degree : 0.0;
+      engine.correct(heading_at(time_s, heading_error_rad + more_rad));
+      headings_rejected = std::max(headings_rejected, engine.belief().headings_rejected_in_row);
     }
-    THEN("no fix is rejected, and the pose is off by no more than the lag explains") {
+    THEN("no fix or heading is rejected, and the pose is off by no more than the lag explains") {
       CHECK(rejected == 0);
+      CHECK(headings_rejected == 0);
       CHECK(worst_m < 1.5 * lag_s * speed_mps);
     }
   }
 }
 
+SCENARIO("a body rests whatever the noise that its fixes state") {
+  GIVEN("a body at rest, with fixes that state a noise of 1 m and have it") {
+    constexpr double std_m = 1.0;
+    std::mt19937 random{11};  // NOLINT(cert-msc32-c,cert-msc51-cpp): the same numbers in every run
+    std::normal_distribution<double> normal(0.0, std_m);
+    kalman::Engine engine{settings::Settings{}};
+    int near_zero = 0;
+    for (int k = 0; k < 6000; ++k) {
+      const double time_s = 0.01 * k;
+      engine.predict(imu_at(time_s, {0, 0, 0}, {0, 0, standard_gravity_mps2}));
+      if (k % 8 != 0) continue;
+      UltrasonicFix fix = fix_at(time_s, {normal(random), normal(random), normal(random)});
+      fix.covariance_world_m2 = Covariance<3>::from_diagonal(Vector3d::Constant(std_m * std_m));
+      engine.correct(fix);
+      if (engine.belief().filter().velocity_world_mps.norm() < 0.01) ++near_zero;
+    }
+    THEN("the velocity is near zero for more than half of the time") {
+      CHECK(near_zero > 375);
+    }
+  }
+}
+
 SCENARIO("an engine keeps little more than a second, whatever the steps of its IMU") {
-  GIVEN("an IMU whose steps are hardly ever all made, and fixes") {
+  GIVEN("an IMU whose steps are joined in groups of different sizes, and fixes") {
     const std::vector<int> steps_ms =
         GENERATE(std::vector{4, 3}, std::vector{5, 1}, std::vector{5}, std::vector{10}, std::vector{2, 1, 1});
     const int fix_interval_ms = GENERATE(5, 100);

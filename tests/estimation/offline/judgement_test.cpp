@@ -87,7 +87,7 @@ SCENARIO("measurements are judged as the engine judged them") {
   }
 }
 
-SCENARIO("the filter that is kept for the start is that of its time") {
+SCENARIO("the smoother starts from the attitude at the time that it states") {
   GIVEN("a body that turns at 9 rad/s, with a fast IMU") {
     sim::Scenario spin = sim::find_scenario("spin");
     spin.sensors.imu_rate_hz = GENERATE(100.0, 200.0, 1000.0);
@@ -102,8 +102,8 @@ SCENARIO("the filter that is kept for the start is that of its time") {
     });
     REQUIRE(truth != run.truth.end());
     THEN("its attitude is the true one within half a degree") {
-      constexpr double half_a_degree = 0.0087;
-      CHECK(segment.settled.q_body_to_world.angularDistance(truth->q_body_to_world) < half_a_degree);
+      constexpr double half_a_degree_rad = 0.0087;
+      CHECK(segment.settled.q_body_to_world.angularDistance(truth->q_body_to_world) < half_a_degree_rad);
     }
   }
 }

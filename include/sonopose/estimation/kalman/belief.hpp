@@ -177,7 +177,7 @@ struct Belief {
   std::array<Candidate, start_count> candidates;
   Rival rival;
   Former former;
-  JoinedSteps open_steps;  ///< that the filters have not made yet; none in a checkpoint
+  JoinedSteps open_steps;  ///< not yet applied to the filters; none in a checkpoint
   WrongTracks wrong_tracks;
   TimeNs last_fix_ns = 0;     ///< measurement of the last fix that was used; 0: none
   int fixes_since_start = 0;  ///< that were used; up to proven_fixes
@@ -193,6 +193,7 @@ struct Belief {
   TimeNs heading_seen_ns = 0;          ///< of the last heading, used or not
   double heading_interval_s = 0;       ///< between most headings; up to longest_heading_interval_s
   double quality_percent = -1;         ///< of the last fix that was used; negative: unknown
+  double stated_fix_std_m = 0;         ///< largest that this fix stated itself; 0: none
   TimeNs converging_until_ns = 0;
   TimeNs slowed_ns = 0;  ///< last bound of dead reckoning
   double trust = 1;      ///< share of recent fixes that were used
@@ -213,10 +214,10 @@ struct Belief {
   /// The same after one more step.
   [[nodiscard]] NominalState nominal_after(const ImuStep& step) const;
 
-  /// Makes the open steps.
+  /// Applies the open steps to all filters.
   void close_steps();
 
-  /// Makes the open steps, and propagates the covariance of every filter to the time of the latest sample.
+  /// Applies the open steps, and propagates the covariance of every filter to the time of the latest sample.
   void propagate();
 
   /// Whether no fix or heading has made that necessary for a while.
@@ -255,6 +256,7 @@ private:
   FixOutcome judge(const settings::Settings& settings, const FixMeasurement& fix);
   void choose_start(const Innovations& innovations);
   void note_used(const FixMeasurement& fix);
+  void note_quality(const FixMeasurement& fix);
   void correct_candidates(const FixMeasurement& fix, const Matrix3d& covariance,
                           const Matrix3d& more_covariance, const Innovations& innovations, double ahead_s);
   void prune_starts();

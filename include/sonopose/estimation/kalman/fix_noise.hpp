@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The measurement noise of fixes and headings, learned from what remains of their innovations.
+/// The measurement noise of fixes and headings, learned from their residuals.
 
 #include <sonopose/samples/samples.hpp>
 
@@ -10,7 +10,7 @@
 
 namespace sonopose::estimation::kalman {
 
-/// What remains of an innovation after the correction, as a sample of the noise.
+/// A squared residual as a sample of the noise.
 struct VarianceSample {
   double variance = 0;
   /// (1 − K)² with the gain K of the correction: 1 − K of the noise is left in the residual.
@@ -20,12 +20,24 @@ struct VarianceSample {
   VarianceSample(double squared_residual, double prediction_variance, double noise_variance);
 };
 
+/// How a variance is learned.
+struct Learning {
+  double initial = 0;  ///< guess
+  double least = 0;
+  double most = 0;
+  double memory = 0;  ///< in samples
+};
+
 /// A running variance. It begins with a prior guess and forgets.
 struct AdaptiveVariance {
   double variance = 0;
-  double samples = 0;  ///< behind it, up to the memory
+  double samples = 0;          ///< behind it, up to the memory
+  double motion_variance = 0;  ///< `variance` when the body moved last; 0: not known then
 
-  void add(const VarianceSample& sample, double memory, double least, double most);
+  void add(const VarianceSample& sample, const Learning& learning);
+  /// The errors of a body at rest repeat: they may show that the noise is large, but not that it is small. So
+  /// the variance stays above `motion_variance`, and only a large sample raises it.
+  void add_at_rest(const VarianceSample& sample, const Learning& learning);
   bool operator==(const AdaptiveVariance&) const = default;
 };
 
@@ -46,11 +58,10 @@ struct MeasurementNoise {
   /// The covariance of a fix of this quality; negative: unknown.
   [[nodiscard]] Eigen::Matrix3d fix_covariance_m2(double quality_percent) const;
 
-  /// Adds what remains of a fix's innovation after the correction, and how uncertain the prediction then is.
-  /// The errors of a body at rest repeat: they may show that the noise is large, but not that it is small.
+  /// Adds the residual of a fix after its correction, and how uncertain the prediction then is.
   void add_fix(double quality_percent, const Vector3d& residual_m, const Vector3d& prediction_variance_m2,
                bool at_rest);
-  void add_heading(double residual_rad, double prediction_variance_rad2);
+  void add_heading(double residual_rad, double prediction_variance_rad2, bool at_rest);
 
   bool operator==(const MeasurementNoise&) const = default;
 };

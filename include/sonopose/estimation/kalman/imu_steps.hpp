@@ -44,7 +44,7 @@ public:
   void add(const ImuStep& step);
 
   /// Whether there is more than one.
-  [[nodiscard]] bool are_several() const { return duration_s_ > latest_.duration_s; }
+  [[nodiscard]] bool has_several() const { return duration_s_ > latest_.duration_s; }
   /// Requires that there is one.
   [[nodiscard]] ImuStep joined() const;
   [[nodiscard]] const ImuStep& latest() const { return latest_; }

@@ -107,8 +107,10 @@ void for_each_field(IsFieldsOf<Former> auto& former, const auto& visit) {
 void for_each_field(IsFieldsOf<MeasurementNoise::Bin> auto& bin, const auto& visit) {
   visit("horizontal_m2", bin.horizontal_m2.variance);
   visit("horizontal_samples", bin.horizontal_m2.samples);
+  visit("horizontal_motion_m2", bin.horizontal_m2.motion_variance);
   visit("vertical_m2", bin.vertical_m2.variance);
   visit("vertical_samples", bin.vertical_m2.samples);
+  visit("vertical_motion_m2", bin.vertical_m2.motion_variance);
 }
 
 void for_each_field(IsFieldsOf<Trend> auto& trend, const auto& visit) {
@@ -148,6 +150,7 @@ void for_each_field(IsFieldsOf<Belief> auto& belief, const auto& visit) {
   visit("noise.bins", belief.noise.bins);
   visit("noise.heading_rad2", belief.noise.heading_rad2.variance);
   visit("noise.heading_samples", belief.noise.heading_rad2.samples);
+  visit("noise.heading_motion_rad2", belief.noise.heading_rad2.motion_variance);
 
   visit("repetition.has_fix", belief.repetition.has_fix);
   visit("repetition.frozen", belief.repetition.frozen);
@@ -178,6 +181,7 @@ void for_each_field(IsFieldsOf<Belief> auto& belief, const auto& visit) {
   visit("heading_seen_ns", belief.heading_seen_ns);
   visit("heading_interval_s", belief.heading_interval_s);
   visit("quality_percent", belief.quality_percent);
+  visit("stated_fix_std_m", belief.stated_fix_std_m);
   visit("converging_until_ns", belief.converging_until_ns);
   visit("slowed_ns", belief.slowed_ns);
   visit("trust", belief.trust);
