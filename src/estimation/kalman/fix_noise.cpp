@@ -10,8 +10,9 @@ namespace {
 constexpr Learning fix_learning{
     .initial = 0.05 * 0.05, .least = 0.01 * 0.01, .most = 0.5 * 0.5, .memory = 40};
 constexpr double prior_fixes = 0.5;
+// Standard deviations of 1.5°, 0.17° and 20°.
 constexpr Learning heading_learning{
-    .initial = 0.026 * 0.026, .least = 0.003 * 0.003, .most = 0.35 * 0.35, .memory = 60};  // 1.5, 0.17, 20°
+    .initial = 0.026 * 0.026, .least = 0.003 * 0.003, .most = 0.35 * 0.35, .memory = 60};
 constexpr double prior_headings = 8;
 
 std::size_t bin_of(double quality_percent) {
