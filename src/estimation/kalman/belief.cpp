@@ -73,7 +73,6 @@ void Belief::copy_from(const Belief& other) {
   heading_seen_ns = other.heading_seen_ns;
   heading_interval_s = other.heading_interval_s;
   quality_percent = other.quality_percent;
-  stated_fix_std_m = other.stated_fix_std_m;
   converging_until_ns = other.converging_until_ns;
   slowed_ns = other.slowed_ns;
   trust = other.trust;
@@ -194,8 +193,7 @@ void Belief::turn_last_heading(const ImuMeasurement& imu) {
 }
 
 bool Belief::stands_still(int least_fixes) const {
-  const double learned_std_m = std::sqrt(noise.fix_covariance_m2(quality_percent).diagonal().maxCoeff());
-  const double fix_std_m = stated_fix_std_m > 0.0 ? stated_fix_std_m : learned_std_m;
+  const double fix_std_m = std::sqrt(noise.fix_covariance_m2(quality_percent).diagonal().maxCoeff());
   return rest::fixes_stand_still(rest, fix_std_m, least_fixes);
 }
 
@@ -356,11 +354,6 @@ void Belief::choose_start(const Innovations& innovations) {
   }
 }
 
-void Belief::note_quality(const FixMeasurement& fix) {
-  quality_percent = fix.quality_percent;
-  stated_fix_std_m = fix.has_covariance ? std::sqrt(fix.covariance_world_m2.diagonal().maxCoeff()) : 0.0;
-}
-
 /// Registers a fix that the best filter has used.
 void Belief::note_used(const FixMeasurement& fix) {
   fixes_since_start = std::min(fixes_since_start + 1, proven_fixes);
@@ -373,7 +366,7 @@ void Belief::note_used(const FixMeasurement& fix) {
   }
   former.fixes_in_row = 0;
   last_fix_ns = fix.time_ns;
-  note_quality(fix);
+  quality_percent = fix.quality_percent;
   slowed_ns = std::max(slowed_ns, fix.time_ns);
   rest::add_fix(rest, fix.time_ns, fix.position_world_m);
   drop_anchor(fix.time_ns);

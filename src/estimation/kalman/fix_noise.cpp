@@ -7,12 +7,12 @@ namespace {
 
 // The initial guess is large, and the first fixes overrule it: with a small one the fixes that would correct
 // it are rejected.
-constexpr Learning fix_learning{
-    .initial = 0.05 * 0.05, .least = 0.01 * 0.01, .most = 0.5 * 0.5, .memory = 40};
+constexpr VarianceLimits fix_limits_m2{
+    .initial = 0.05 * 0.05, .least = 0.01 * 0.01, .most = 0.5 * 0.5, .memory_samples = 40};
 constexpr double prior_fixes = 0.5;
 // Standard deviations of 1.5°, 0.17° and 20°.
-constexpr Learning heading_learning{
-    .initial = 0.026 * 0.026, .least = 0.003 * 0.003, .most = 0.35 * 0.35, .memory = 60};
+constexpr VarianceLimits heading_limits_rad2{
+    .initial = 0.026 * 0.026, .least = 0.003 * 0.003, .most = 0.35 * 0.35, .memory_samples = 60};
 constexpr double prior_headings = 8;
 
 std::size_t bin_of(double quality_percent) {
@@ -22,14 +22,12 @@ std::size_t bin_of(double quality_percent) {
   return static_cast<std::size_t>(bin);
 }
 
-void learn(AdaptiveVariance& known, const VarianceSample& sample, const Learning& learning) {
-  constexpr double few_samples = 8;
-  constexpr double slow_growth = 0.25;  // beyond few: so that a wrong beginning is forgotten soon
-  if (!(sample.weight > 0.0)) return;
-  const double growth = known.samples < few_samples ? 1.0 : slow_growth;
-  known.samples = std::min(known.samples + growth * sample.weight, learning.memory);
-  known.variance += (sample.variance - known.variance) * sample.weight / known.samples;
-  known.variance = std::clamp(known.variance, learning.least, learning.most);
+constexpr double few_samples = 8;
+
+void move_towards(double& variance, const VarianceSample& sample, double samples,
+                  const VarianceLimits& limits) {
+  variance += (sample.variance - variance) * sample.weight / samples;
+  variance = std::clamp(variance, limits.least, limits.most);
 }
 
 }  // namespace
@@ -40,26 +38,38 @@ VarianceSample::VarianceSample(double squared_residual, double prediction_varian
   weight = left * left;
 }
 
-void AdaptiveVariance::add(const VarianceSample& sample, const Learning& learning) {
-  learn(*this, sample, learning);
-  motion_variance = variance;
+void AdaptiveVariance::count(const VarianceSample& sample, double most_samples) {
+  constexpr double slow_growth = 0.25;  // beyond a few: so that a wrong beginning is forgotten soon
+  const double growth = samples < few_samples ? 1.0 : slow_growth;
+  samples = std::min(samples + growth * sample.weight, most_samples);
 }
 
-void AdaptiveVariance::add_at_rest(const VarianceSample& sample, const Learning& learning) {
-  constexpr double large_ratio = 8.0;    // of white noise, hardly any sample is so large
-  constexpr double prior_samples = 4.5;  // so that the first fixes of a drive do not overrule it at once
-  const bool is_large = sample.variance >= std::min(learning.initial, large_ratio * variance);
+void AdaptiveVariance::add(const VarianceSample& sample, const VarianceLimits& limits) {
+  if (!(sample.weight > 0.0)) return;
+  if (motion_variance == 0.0) motion_variance = variance;
+  count(sample, limits.memory_samples);
+  move_towards(variance, sample, samples, limits);
+  move_towards(motion_variance, sample, samples, limits);
+}
+
+void AdaptiveVariance::add_at_rest(const VarianceSample& sample, const VarianceLimits& limits, double least) {
+  constexpr double large_ratio = 8.0;   // so that usual samples do not raise it by chance
+  constexpr double rest_samples = 4.5;  // a wrong mount must not pass for noise when the body begins to move
+  if (!(sample.weight > 0.0)) return;
   const double before = samples;
-  if (variance > motion_variance || is_large) learn(*this, sample, learning);
-  if (variance > motion_variance) return;
-  variance = motion_variance;
-  samples = std::max(before, std::min(before + sample.weight, prior_samples));
+  if (variance > least || sample.variance >= std::min(limits.initial, large_ratio * variance)) {
+    count(sample, std::max(before, few_samples));
+    move_towards(variance, sample, samples, limits);
+  }
+  if (variance > least) return;
+  variance = least;
+  samples = std::max(before, std::min(before + sample.weight, rest_samples));
 }
 
 MeasurementNoise::MeasurementNoise() {
-  constexpr AdaptiveVariance fixes{fix_learning.initial, prior_fixes, fix_learning.initial};
-  any_quality = {fixes, fixes};
-  heading_rad2 = {heading_learning.initial, prior_headings, heading_learning.initial};
+  constexpr AdaptiveVariance fixes_m2{fix_limits_m2.initial, prior_fixes, fix_limits_m2.initial};
+  any_quality = {fixes_m2, fixes_m2};
+  heading_rad2 = {heading_limits_rad2.initial, prior_headings, heading_limits_rad2.initial};
 }
 
 Eigen::Matrix3d MeasurementNoise::fix_covariance_m2(double quality_percent) const {
@@ -83,10 +93,10 @@ void MeasurementNoise::add_fix(double quality_percent, const Vector3d& residual_
   const auto add = [&](AdaptiveVariance& known, const AdaptiveVariance& common,
                        const VarianceSample& sample) {
     if (at_rest) {
-      if (known.motion_variance == 0.0) known.motion_variance = common.motion_variance;
-      known.add_at_rest(sample, fix_learning);
+      const double least_m2 = known.motion_variance > 0.0 ? known.motion_variance : common.motion_variance;
+      known.add_at_rest(sample, fix_limits_m2, least_m2);
     } else {
-      known.add(sample, fix_learning);
+      known.add(sample, fix_limits_m2);
     }
   };
   for (Bin* bin : {&any_quality, &bins[bin_of(quality_percent)]}) {
@@ -98,9 +108,9 @@ void MeasurementNoise::add_fix(double quality_percent, const Vector3d& residual_
 void MeasurementNoise::add_heading(double residual_rad, double prediction_variance_rad2, bool at_rest) {
   const VarianceSample sample(residual_rad * residual_rad, prediction_variance_rad2, heading_rad2.variance);
   if (at_rest) {
-    heading_rad2.add_at_rest(sample, heading_learning);
+    heading_rad2.add_at_rest(sample, heading_limits_rad2, heading_rad2.motion_variance);
   } else {
-    heading_rad2.add(sample, heading_learning);
+    heading_rad2.add(sample, heading_limits_rad2);
   }
 }
 

@@ -43,7 +43,7 @@ void Belief::start_at(const FixMeasurement& fix, const settings::Settings& setti
   slowed_ns = fix.time_ns;
   heading_rejected_since_ns = 0;
   headings_rejected_in_row = 0;
-  note_quality(fix);
+  quality_percent = fix.quality_percent;
   if (has_heading) adopt(filter());
 }
 

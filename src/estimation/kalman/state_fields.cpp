@@ -103,21 +103,19 @@ std::optional<FieldFault> find_fault(const Belief& base) {
   const auto is_variance = [](const AdaptiveVariance& any) {
     return any.variance >= 0.0 && any.samples >= 0.0 && any.motion_variance >= 0.0;
   };
-  const auto is_noise = [&](const MeasurementNoise::Bin& bin) {
-    return is_variance(bin.horizontal_m2) && is_variance(bin.vertical_m2);
+  const auto is_positive = [&](const AdaptiveVariance& any) {
+    return is_variance(any) && any.variance > 0.0 && any.motion_variance > 0.0;
   };
   const MeasurementNoise& noise = base.noise;
-  if (!std::all_of(noise.bins.begin(), noise.bins.end(), is_noise)) {
+  if (!std::all_of(noise.bins.begin(), noise.bins.end(), [&](const MeasurementNoise::Bin& bin) {
+        return is_variance(bin.horizontal_m2) && is_variance(bin.vertical_m2);
+      })) {
     return FieldFault{"noise.bins", "have a negative variance"};
   }
-  if (!is_noise(noise.any_quality) || !(noise.any_quality.horizontal_m2.variance > 0.0) ||
-      !(noise.any_quality.vertical_m2.variance > 0.0)) {
+  if (!is_positive(noise.any_quality.horizontal_m2) || !is_positive(noise.any_quality.vertical_m2)) {
     return FieldFault{"noise.any_quality", "has a variance that is not positive"};
   }
-  if (!is_variance(noise.heading_rad2) || !(noise.heading_rad2.variance > 0.0)) {
-    return FieldFault{"noise.heading_rad2", "is not positive"};
-  }
-  if (!(base.stated_fix_std_m >= 0.0)) return FieldFault{"stated_fix_std_m", "is negative"};
+  if (!is_positive(noise.heading_rad2)) return FieldFault{"noise.heading_rad2", "is not positive"};
   return find_timing_fault(base);
 }
 

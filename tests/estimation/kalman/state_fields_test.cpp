@@ -110,6 +110,14 @@ SCENARIO("an impossible state is refused by the field at fault") {
             "noise.bins");
       CHECK(fault_after([](Snapshot& s) { s.history.base.noise.heading_rad2.variance = -1.0; }) ==
             "noise.heading_rad2");
+      CHECK(fault_after([](Snapshot& s) {
+              s.history.base.noise.any_quality.horizontal_m2.motion_variance = 0.0;
+            }) == "noise.any_quality");
+      CHECK(fault_after([](Snapshot& s) {
+              s.history.base.noise.bins[1].vertical_m2.motion_variance = -1.0;
+            }) == "noise.bins");
+      CHECK(fault_after([](Snapshot& s) { s.history.base.noise.heading_rad2.motion_variance = 0.0; }) ==
+            "noise.heading_rad2");
     }
     THEN("what was learned of times is within its limits") {
       CHECK(fault_after([](Snapshot& s) { s.history.base.usual_step_s = -0.01; }) == "usual_step_s");

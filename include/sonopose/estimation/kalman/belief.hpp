@@ -193,7 +193,6 @@ struct Belief {
   TimeNs heading_seen_ns = 0;          ///< of the last heading, used or not
   double heading_interval_s = 0;       ///< between most headings; up to longest_heading_interval_s
   double quality_percent = -1;         ///< of the last fix that was used; negative: unknown
-  double stated_fix_std_m = 0;         ///< largest that this fix stated itself; 0: none
   TimeNs converging_until_ns = 0;
   TimeNs slowed_ns = 0;  ///< last bound of dead reckoning
   double trust = 1;      ///< share of recent fixes that were used
@@ -256,7 +255,6 @@ private:
   FixOutcome judge(const settings::Settings& settings, const FixMeasurement& fix);
   void choose_start(const Innovations& innovations);
   void note_used(const FixMeasurement& fix);
-  void note_quality(const FixMeasurement& fix);
   void correct_candidates(const FixMeasurement& fix, const Matrix3d& covariance,
                           const Matrix3d& more_covariance, const Innovations& innovations, double ahead_s);
   void prune_starts();

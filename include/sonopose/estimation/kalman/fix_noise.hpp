@@ -21,24 +21,27 @@ struct VarianceSample {
 };
 
 /// How a variance is learned.
-struct Learning {
-  double initial = 0;  ///< guess
+struct VarianceLimits {
+  double initial = 0;
   double least = 0;
   double most = 0;
-  double memory = 0;  ///< in samples
+  double memory_samples = 0;
 };
 
 /// A running variance. It begins with a prior guess and forgets.
 struct AdaptiveVariance {
   double variance = 0;
   double samples = 0;          ///< behind it, up to the memory
-  double motion_variance = 0;  ///< `variance` when the body moved last; 0: not known then
+  double motion_variance = 0;  ///< without the samples of a body at rest; 0: not known
 
-  void add(const VarianceSample& sample, const Learning& learning);
+  void add(const VarianceSample& sample, const VarianceLimits& limits);
   /// The errors of a body at rest repeat: they may show that the noise is large, but not that it is small. So
-  /// the variance stays above `motion_variance`, and only a large sample raises it.
-  void add_at_rest(const VarianceSample& sample, const Learning& learning);
+  /// the variance does not fall below `least`. A large sample raises it; then others count as well.
+  void add_at_rest(const VarianceSample& sample, const VarianceLimits& limits, double least);
   bool operator==(const AdaptiveVariance&) const = default;
+
+private:
+  void count(const VarianceSample& sample, double most_samples);
 };
 
 /// The variances of the fixes per range of the quality percentage, horizontal and vertical, and of headings.

@@ -181,7 +181,6 @@ void for_each_field(IsFieldsOf<Belief> auto& belief, const auto& visit) {
   visit("heading_seen_ns", belief.heading_seen_ns);
   visit("heading_interval_s", belief.heading_interval_s);
   visit("quality_percent", belief.quality_percent);
-  visit("stated_fix_std_m", belief.stated_fix_std_m);
   visit("converging_until_ns", belief.converging_until_ns);
   visit("slowed_ns", belief.slowed_ns);
   visit("trust", belief.trust);
