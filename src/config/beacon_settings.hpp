@@ -48,6 +48,12 @@ std::string fault_of(const settings::Settings& settings);
 std::vector<std::string> warnings_for(const settings::Settings& settings, const Assignments& given,
                                       std::string_view where = "");
 
+/// The warnings for keys that are `given` for all beacons. `common` are the settings of a beacon without its
+/// own, `own` those of the beacons that have some. A key that only some engines read is no reason for a
+/// warning if one of these beacons has such an engine; those that have another one are named.
+std::vector<std::string> warnings_for_all(const settings::Settings& common, const Assignments& given,
+                                          const std::map<BeaconAddress, settings::Settings>& own);
+
 /// The settings of one estimator, and which of them are the beacon's own.
 class BeaconSettings {
 public:

@@ -1,9 +1,11 @@
 #include "config/beacon_settings.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace sonopose::config {
 namespace {
@@ -112,14 +114,19 @@ std::vector<std::string> idle_filter_warnings(const settings::Settings& settings
   return texts;
 }
 
+bool is_read(const settings::Settings& settings, std::string_view key) {
+  const bool is_documented = settings.engine.engine == settings::EngineKind::documented;
+  return settings::setting_info(key).read_by !=
+         (is_documented ? settings::ReadBy::kalman : settings::ReadBy::documented);
+}
+
 std::vector<std::string> idle_engine_warnings(const settings::Settings& settings, const Assignments& given,
                                               std::string_view where) {
   std::vector<std::string> texts;
   const bool is_documented = settings.engine.engine == settings::EngineKind::documented;
-  const settings::ReadBy other = is_documented ? settings::ReadBy::kalman : settings::ReadBy::documented;
   for (const auto& entry : given) {
     const settings::SettingInfo& info = settings::setting_info(entry.first);
-    if (info.read_by != other || settings::get(settings, entry.first) == info.initial) continue;
+    if (is_read(settings, entry.first) || settings::get(settings, entry.first) == info.initial) continue;
     texts.push_back(fmt::format("{}{} has no effect: fusion.engine is {}, and only {} reads it", where,
                                 entry.first, settings::to_text(settings::get(settings, "fusion.engine")),
                                 is_documented ? "kalman" : "documented"));
@@ -142,6 +149,28 @@ std::vector<std::string> warnings_for(const settings::Settings& settings, const 
   for (std::string& text : preset_warnings(settings, given, where)) texts.push_back(std::move(text));
   for (std::string& text : contradictions(settings, given, where)) texts.push_back(std::move(text));
   for (std::string& text : idle_filter_warnings(settings, given, where)) texts.push_back(std::move(text));
+  return texts;
+}
+
+std::vector<std::string> warnings_for_all(const settings::Settings& common, const Assignments& given,
+                                          const std::map<BeaconAddress, settings::Settings>& own) {
+  Assignments read_by_none = given;
+  std::map<std::string, std::vector<BeaconAddress>> others;  // warnings of beacons with another engine
+  for (const auto& [address, settings] : own) {
+    if (settings.engine.engine == common.engine.engine) continue;
+    Assignments applied = given;
+    std::erase_if(applied, [&, &settings = settings](const auto& entry) {
+      return settings::get(settings, entry.first) != settings::get(common, entry.first);
+    });
+    for (std::string& text : warnings_for(settings, applied)) others[std::move(text)].push_back(address);
+    std::erase_if(read_by_none, [&, &settings = settings](const auto& entry) {
+      return !is_read(common, entry.first) && is_read(settings, entry.first);
+    });
+  }
+  std::vector<std::string> texts = warnings_for(common, read_by_none);
+  for (const auto& [text, addresses] : others) {
+    texts.push_back(fmt::format("beacon {}: {}", fmt::join(addresses, ", "), text));
+  }
   return texts;
 }
 

@@ -180,9 +180,11 @@ void FusionConfig::check() const {
 }
 
 std::vector<std::string> FusionConfig::warnings() const {
-  std::vector<std::string> texts = warnings_for(settings_, given_);
+  std::map<BeaconAddress, settings::Settings> of_beacons;
+  for (const auto& entry : overrides_) of_beacons.emplace(entry.first, for_beacon(entry.first));
+  std::vector<std::string> texts = warnings_for_all(settings_, given_, of_beacons);
   for (const auto& [address, own] : overrides_) {
-    const auto more = warnings_for(for_beacon(address), own, fmt::format("beacon.{}.", address));
+    const auto more = warnings_for(of_beacons.at(address), own, fmt::format("beacon.{}.", address));
     texts.insert(texts.end(), more.begin(), more.end());
   }
   return texts;

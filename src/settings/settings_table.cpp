@@ -181,7 +181,8 @@ void add(Builder& table, const TrustSettings& settings) {
 void add(Builder& table, const RunawaySettings& settings) {
   table.group("runaway");
   table.real(23, "position_error_m", settings.position_error_m, {0.01, 1000.0}, "m",
-             "Distance from the last valid fix beyond which a velocity that leads away from it is damped.");
+             "Distance from the last fix that was no outlier beyond which a velocity that leads away from it "
+             "is damped.");
   table.real(24, "velocity_damp_max_hz", settings.velocity_damp_max_hz, {0.0, 100.0}, "1/s",
              "Rate of that damping at twice the distance and beyond; it rises linearly from zero.");
 }
@@ -412,8 +413,7 @@ void add(Builder& table, const calibration::GyroscopeSettings& settings) {
     table.real(no_item, name, field, {-2.0, 2.0}, "rad/s", sentence);
   };
   offset("offset_x_radps", settings.offset_x_radps,
-         "Output of the sensor's X axis at rest, subtracted first; the start-up calibration removes the "
-         "remainder.");
+         "Output of the sensor's X axis at rest, subtracted first; the engine estimates the remainder.");
   offset("offset_y_radps", settings.offset_y_radps, "Output of the sensor's Y axis at rest.");
   offset("offset_z_radps", settings.offset_z_radps, "Output of the sensor's Z axis at rest.");
   add_inertial(table, settings);

@@ -329,6 +329,35 @@ TEST_CASE("settings that contradict each other are a warning that names both wit
   }
 }
 
+SCENARIO("a warning of an engine that does not read a setting knows the engine of each beacon") {
+  const auto warnings_of = [](std::initializer_list<const char*> assignments) {
+    FusionConfig config;
+    for (const char* assignment : assignments) config.assign(assignment);
+    return config.warnings();
+  };
+  GIVEN("a gain of the documented engine for all beacons, which have the Kalman engine") {
+    THEN("it is warned of, unless a beacon has the documented engine") {
+      CHECK(warnings_of({"trust.sigma_m=0.2"}).size() == 1);
+      CHECK(warnings_of({"trust.sigma_m=0.2", "beacon.7.fusion.engine=documented"}).empty());
+      CHECK(warnings_of({"trust.sigma_m=0.2", "beacon.7.heading.mount_offset_deg=90"}).size() == 1);
+    }
+  }
+  GIVEN("the same gain, and the documented engine but for two beacons") {
+    THEN("the two are named once") {
+      const auto warnings = warnings_of({"fusion.engine=documented", "trust.sigma_m=0.2",
+                                         "beacon.8.fusion.engine=kalman", "beacon.7.fusion.engine=kalman"});
+      REQUIRE(warnings.size() == 1);
+      CHECK_THAT(warnings[0], Contains("beacon 7, 8: trust.sigma_m has no effect"));
+    }
+    THEN("a beacon with a gain of its own is warned of that") {
+      const auto warnings = warnings_of({"fusion.engine=documented", "trust.sigma_m=0.2",
+                                         "beacon.7.fusion.engine=kalman", "beacon.7.trust.sigma_m=0.3"});
+      REQUIRE(warnings.size() == 1);
+      CHECK_THAT(warnings[0], Contains("beacon.7.trust.sigma_m has no effect"));
+    }
+  }
+}
+
 TEST_CASE("what is printed gives no warnings of its own when it is loaded") {
   FusionConfig config;
   config.assign("fusion.engine=documented");

@@ -59,7 +59,7 @@ SCENARIO("a fusion that starts late agrees with the others when it claims a beac
   const auto [engine, limit] =
       GENERATE(Case{"documented", {0.025, 0.07, 0.4 * geometry::radians_per_degree}},
                // It still learns its biases when it claims, while the other one knows them.
-               Case{"kalman", {0.05, 0.15, 1.5 * geometry::radians_per_degree}});
+               Case{"kalman", {0.04, 0.12, 1.3 * geometry::radians_per_degree}});
   for (const double late_by_s : {5.0, 12.3, 20.0}) {
     const Difference most = difference_after_warm_up(late_by_s, engine);
     INFO(engine << ", " << late_by_s << " s late");

@@ -92,4 +92,28 @@ SCENARIO("the reply to a request for all beacons names each one's event") {
   CHECK(feeder.requests.answer(request(7, {{"trust.sigma_m", "0.5"}})).details.empty());
 }
 
+SCENARIO("a warning of an engine that does not read a setting knows the engine of each beacon, live too") {
+  GIVEN("beacon 7 with the documented engine, beacon 9 with the Kalman engine") {
+    Feeder feeder(false, {});
+    feeder.push_all(walk(7, 1.0));
+    feeder.push_all(walk(9, 1.0));
+    const auto to_documented = feeder.requests.answer(request(7, {{"fusion.engine", "documented"}}));
+    THEN("the answer states that the estimate starts again") {
+      CHECK(to_documented.accepted);
+      CHECK_THAT(to_documented.reason, Contains("the estimate starts again and reset_counter rises"));
+    }
+    THEN("a gain for all is no reason for a warning, because beacon 7 reads it") {
+      CHECK(feeder.requests.answer(request(all_beacons, {{"trust.sigma_m", "0.2"}})).reason.empty());
+    }
+    THEN("a gain that beacon 7 does not read names it") {
+      CHECK_THAT(feeder.requests.answer(request(all_beacons, {{"delay.estimate", "true"}})).reason,
+                 Contains("beacon 7: delay.estimate has no effect"));
+    }
+    THEN("a gain for beacon 9 has no effect") {
+      CHECK_THAT(feeder.requests.answer(request(9, {{"trust.sigma_m", "0.2"}})).reason,
+                 Contains("trust.sigma_m has no effect"));
+    }
+  }
+}
+
 }  // namespace settings_answers_test

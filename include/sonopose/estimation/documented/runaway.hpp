@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Items 23 and 24: emergency damping of a velocity that points away from the last valid fix.
+/// Items 23 and 24: emergency damping of a velocity that points away from the last fix that was no outlier.
 
 #include <sonopose/estimation/documented/delay.hpp>
 #include <sonopose/estimation/documented/kinematics.hpp>
@@ -25,7 +25,8 @@ namespace runaway {
 /// outliers that agree with each other carry the reference along.
 void follow(RunawayState& state, const TimedFix& fix, const FixAssessment& assessment);
 
-/// Damps the velocity over one IMU step if the body is far from the last valid fix and moves away from it.
+/// Damps the velocity over one IMU step if the body is far from the last fix that was no outlier and moves
+/// away.
 void damp(const RunawaySettings& settings, const RunawayState& state, Kinematics& body, double dt_s);
 
 }  // namespace runaway

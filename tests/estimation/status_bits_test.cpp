@@ -1,0 +1,144 @@
+/// Both engines report what happens to their inputs with the same status bits.
+
+#include "sim/scenario.hpp"
+#include "sim/simulator.hpp"
+#include "support/poses_of.hpp"
+#include <sonopose/estimation/any_estimator.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <optional>
+#include <random>
+#include <variant>
+#include <vector>
+
+namespace status_bits_test {
+
+using namespace sonopose;
+using settings::EngineKind;
+
+constexpr double begins_s = 12.0;
+constexpr double ends_s = 16.0;
+
+/// The bits of the poses of a walk of 30 s.
+class Walk {
+public:
+  /// `change(event, time_s)` edits an event that is measured between begins_s and ends_s, or drops it: false.
+  Walk(EngineKind engine, const auto& change) {
+    settings::Settings settings;
+    settings.engine.engine = engine;
+    estimation::AnyEstimator estimator{settings};
+    const auto events = sim::record(sim::find_scenario("walk"), {.seed = 17, .duration_s = 30.0}).events;
+    std::vector<Event> changed;
+    for (Event event : events) {
+      const double time_s = seconds_since_start(time_of(event));
+      if (time_s < begins_s || time_s > ends_s || change(event, time_s)) changed.push_back(event);
+    }
+    poses_ = test::poses_of(estimator, changed);
+  }
+
+  /// Whether a pose of this time has the bit.
+  [[nodiscard]] bool has(PoseStatus bit, double from_s, double to_s) const {
+    return std::any_of(poses_.begin(), poses_.end(), [&](const FusedPose& pose) {
+      const double time_s = seconds_since_start(pose.time_ns);
+      return time_s >= from_s && time_s <= to_s && (pose.status & bit) != 0;
+    });
+  }
+
+private:
+  static double seconds_since_start(TimeNs time_ns) {
+    return seconds_between(sim::Run{}.start_time_ns, time_ns);
+  }
+  static TimeNs time_of(const Event& event) {
+    if (const auto* imu = std::get_if<ImuSample>(&event)) return imu->sensor_time_ns;
+    if (const auto* fix = std::get_if<UltrasonicFix>(&event)) return fix->emission_time_ns;
+    return std::get<PairHeading>(event).emission_time_ns;
+  }
+
+  std::vector<FusedPose> poses_;
+};
+
+UltrasonicFix* fix_of(Event& event) {
+  return std::get_if<UltrasonicFix>(&event);
+}
+
+SCENARIO("both engines report what happens to their inputs with the same bits") {
+  const EngineKind engine = GENERATE(EngineKind::documented, EngineKind::kalman);
+  CAPTURE(engine == EngineKind::kalman);
+  GIVEN("a walk on which nothing happens") {
+    const Walk walk(engine, [](Event&, double) { return true; });
+    THEN("it is initialising at first, and no other bit is set later") {
+      CHECK(walk.has(status_initialising, 0.0, 0.1));
+      for (const PoseStatus bit :
+           {status_initialising, status_uncalibrated, status_stale, status_converging, status_heading_unknown,
+            status_frozen_track, status_imu_gap, status_low_trust, status_rotating_fast}) {
+        CAPTURE(bit);
+        CHECK_FALSE(walk.has(bit, 5.0, 30.0));
+      }
+    }
+  }
+  GIVEN("a silence of the fixes") {
+    const Walk walk(engine, [](Event& event, double) { return fix_of(event) == nullptr; });
+    THEN("the pose is stale after a second, until fixes come again") {
+      CHECK_FALSE(walk.has(status_stale, 5.0, begins_s + 0.9));
+      CHECK(walk.has(status_stale, begins_s + 1.3, begins_s + 1.4));
+      CHECK(walk.has(status_stale, ends_s - 0.1, ends_s));
+      CHECK_FALSE(walk.has(status_stale, ends_s + 0.5, 30.0));
+    }
+  }
+  GIVEN("fixes that repeat one position") {
+    std::optional<Vector3d> first_m;
+    const Walk walk(engine, [&](Event& event, double) {
+      if (UltrasonicFix* const fix = fix_of(event)) {
+        if (!first_m) first_m = fix->position_world_m;
+        fix->position_world_m = *first_m;
+      }
+      return true;
+    });
+    THEN("the track is frozen until they move again") {
+      CHECK_FALSE(walk.has(status_frozen_track, 5.0, begins_s));
+      CHECK(walk.has(status_frozen_track, begins_s + 2.0, begins_s + 2.1));
+      CHECK(walk.has(status_frozen_track, ends_s - 0.1, ends_s));
+      CHECK_FALSE(walk.has(status_frozen_track, ends_s + 1.0, 30.0));
+    }
+  }
+  GIVEN("a silence of the IMU for a second") {
+    const Walk walk(engine, [](Event& event, double time_s) {
+      return !std::holds_alternative<ImuSample>(event) || time_s > begins_s + 1.0;
+    });
+    THEN("the first pose after it says so") {
+      CHECK(walk.has(status_imu_gap, begins_s + 1.0, begins_s + 1.1));
+      CHECK_FALSE(walk.has(status_imu_gap, begins_s + 2.5, 30.0));
+    }
+  }
+  GIVEN("fixes that are moved by 3 m") {
+    const Walk walk(engine, [](Event& event, double) {
+      if (UltrasonicFix* const fix = fix_of(event)) fix->position_world_m += Vector3d(3.0, 0.0, 0.0);
+      return true;
+    });
+    THEN("the pose converges to them and back") {
+      CHECK_FALSE(walk.has(status_converging, 5.0, begins_s));
+      CHECK(walk.has(status_converging, begins_s, ends_s));
+      CHECK(walk.has(status_converging, ends_s, ends_s + 4.0));
+      CHECK_FALSE(walk.has(status_converging, ends_s + 6.0, 30.0));
+    }
+  }
+  GIVEN("fixes of which two in three are metres off, each elsewhere") {
+    std::mt19937 random{19};  // NOLINT(cert-msc32-c,cert-msc51-cpp): the same numbers in every run
+    std::uniform_real_distribution<double> anywhere_m(-4.0, 4.0);
+    const Walk walk(engine, [&](Event& event, double) {
+      if (UltrasonicFix* const fix = fix_of(event); fix != nullptr && random() % 3 != 0) {
+        fix->position_world_m += Vector3d(anywhere_m(random), anywhere_m(random), 0.0);
+      }
+      return true;
+    });
+    THEN("trust is low meanwhile") {
+      CHECK_FALSE(walk.has(status_low_trust, 5.0, begins_s));
+      CHECK(walk.has(status_low_trust, begins_s, ends_s));
+      CHECK_FALSE(walk.has(status_low_trust, ends_s + 5.0, 30.0));
+    }
+  }
+}
+
+}  // namespace status_bits_test
