@@ -9,6 +9,7 @@ namespace sonopose::estimation::kalman {
 namespace {
 
 constexpr TimeNs converging_ns = 500'000'000;  // after a jump
+constexpr double established_s = 4.0;          // a track that was followed for less may be wrong
 
 }  // namespace
 
@@ -127,10 +128,11 @@ void Belief::end_rival(TimeNs now_ns) {
 }
 
 /// The track through this fix with the motion of the best filter; where no track has explained the fixes for
-/// a while, with an unknown motion.
+/// a while, or the best filter has jumped to a track that may be wrong, with an unknown motion.
 void Belief::begin_rival(const FixMeasurement& fix, const Matrix3d& covariance) {
   constexpr double lost_s = 1.0;
   const bool again = rival.alive;
+  const bool has_jumped = seconds_between(converging_until_ns, fix.time_ns) < established_s;
   rival.alive = true;
   rival.began_ns = fix.time_ns;
   rival.last_fix_ns = fix.time_ns;
@@ -139,7 +141,8 @@ void Belief::begin_rival(const FixMeasurement& fix, const Matrix3d& covariance) 
   rival.fixes_of_best = 0;
   rival.has_turned = false;
   rival.headings = 0;
-  const bool open = seconds_between(last_fix_ns, fix.time_ns) > lost_s || map_has_turned(fix.time_ns);
+  const bool open = seconds_between(last_fix_ns, fix.time_ns) > lost_s || map_has_turned(fix.time_ns) ||
+                    (again && has_jumped);
   rival.filter = filter();
   Filter& f = rival.filter;
   f.position_world_m = fix.position_world_m + f.q_body_to_world * f.lever_arm_body_m;
@@ -160,7 +163,6 @@ void Belief::begin_rival(const FixMeasurement& fix, const Matrix3d& covariance) 
 
 void Belief::promote_rival() {
   // A track that replaced the former a moment ago is less credible than the former itself.
-  constexpr double established_s = 4.0;
   const bool keep_former =
       former.alive && !former.is_anchor && seconds_between(former.left_ns, rival.last_fix_ns) < established_s;
   if (!keep_former) {
