@@ -70,6 +70,12 @@ bool is_kept(const settings::Settings& settings, const Order& order) {
   return smaller < larger || (order.may_be_equal && smaller == larger);
 }
 
+bool is_read(const settings::Settings& settings, std::string_view key) {
+  const bool is_documented = settings.engine.engine == settings::EngineKind::documented;
+  return settings::setting_info(key).read_by !=
+         (is_documented ? settings::ReadBy::kalman : settings::ReadBy::documented);
+}
+
 }  // namespace
 
 std::vector<std::string> contradictions(const settings::Settings& settings, const Assignments& given,
@@ -112,12 +118,6 @@ std::vector<std::string> idle_filter_warnings(const settings::Settings& settings
     }
   }
   return texts;
-}
-
-bool is_read(const settings::Settings& settings, std::string_view key) {
-  const bool is_documented = settings.engine.engine == settings::EngineKind::documented;
-  return settings::setting_info(key).read_by !=
-         (is_documented ? settings::ReadBy::kalman : settings::ReadBy::documented);
 }
 
 std::vector<std::string> idle_engine_warnings(const settings::Settings& settings, const Assignments& given,

@@ -93,16 +93,11 @@ void SettingsRequests::carry_out(const SettingsRequest& request, SettingsReply& 
   const settings::Settings after = schedules.back().timeline.settings_at(request.from_sequence);
   reply.from_sequence = first_event(schedules.back(), request.from_sequence);
   if (is_for_all) reply.details = fmt::format("{}", fmt::join(first_events, ", "));
-  std::vector<std::string> remarks;
-  if (is_for_all) {
-    std::map<BeaconAddress, settings::Settings> own;
-    for (std::size_t i = 0; i + 1 < addresses.size(); ++i) {
-      own.emplace(addresses[i], schedules[i].timeline.settings_at(request.from_sequence));
-    }
-    remarks = config::warnings_for_all(after, assignments, own);
-  } else {
-    remarks = config::warnings_for(after, assignments);
+  std::map<BeaconAddress, settings::Settings> own;  // the last address is the one of the request
+  for (std::size_t i = 0; i + 1 < addresses.size(); ++i) {
+    own.emplace(addresses[i], schedules[i].timeline.settings_at(request.from_sequence));
   }
+  std::vector<std::string> remarks = config::warnings_for_all(after, assignments, own);
   if (assignments.contains("fusion.engine")) {
     remarks.emplace_back("where fusion.engine changes, the estimate starts again and reset_counter rises");
   }
