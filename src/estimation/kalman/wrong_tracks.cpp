@@ -13,6 +13,11 @@ constexpr double established_s = 4.0;          // a track that was followed for 
 
 }  // namespace
 
+/// Whether the best filter follows a track that was found a moment ago and may be wrong.
+bool Belief::has_just_jumped(TimeNs now_ns) const {
+  return seconds_between(converging_until_ns, now_ns) < established_s;
+}
+
 /// Of a fix that the best filter accepts. Soon after a start it accepts much, also what a wrong first fix
 /// contradicts.
 bool Belief::rival_explains_better(const FixMeasurement& fix, const Matrix3d& covariance, double ahead_s,
@@ -50,8 +55,10 @@ void Belief::reject(const settings::Settings& settings, const FixMeasurement& fi
   }
   const Innovation innovation = rival.filter.fix_innovation(fix.position_world_m, covariance, ahead_s);
   if (!(innovation.squared_norm <= rejected_above)) {
-    // A track that many fixes support survives a short spike.
-    const int most_misses = 3 + std::min(rival.fixes / 2, 9);
+    // A track that many fixes support survives a short spike. A rival that began with the motion of a wrong
+    // track does not survive a single one.
+    const int least_misses = has_just_jumped(fix.time_ns) ? 1 : 3;
+    const int most_misses = least_misses + std::min(rival.fixes / 2, 9);
     if (++rival.misses_in_row >= most_misses) begin_rival(fix, covariance);
     return;
   }
@@ -132,7 +139,6 @@ void Belief::end_rival(TimeNs now_ns) {
 void Belief::begin_rival(const FixMeasurement& fix, const Matrix3d& covariance) {
   constexpr double lost_s = 1.0;
   const bool again = rival.alive;
-  const bool has_jumped = seconds_between(converging_until_ns, fix.time_ns) < established_s;
   rival.alive = true;
   rival.began_ns = fix.time_ns;
   rival.last_fix_ns = fix.time_ns;
@@ -142,7 +148,7 @@ void Belief::begin_rival(const FixMeasurement& fix, const Matrix3d& covariance) 
   rival.has_turned = false;
   rival.headings = 0;
   const bool open = seconds_between(last_fix_ns, fix.time_ns) > lost_s || map_has_turned(fix.time_ns) ||
-                    (again && has_jumped);
+                    (again && has_just_jumped(fix.time_ns));
   rival.filter = filter();
   Filter& f = rival.filter;
   f.position_world_m = fix.position_world_m + f.q_body_to_world * f.lever_arm_body_m;

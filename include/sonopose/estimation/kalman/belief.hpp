@@ -263,6 +263,7 @@ private:
                                            double ahead_s, const Innovation& innovation) const;
   void reject(const settings::Settings& settings, const FixMeasurement& fix, const Matrix3d& covariance,
               double ahead_s, FixOutcome& outcome);
+  [[nodiscard]] bool has_just_jumped(TimeNs now_ns) const;
   [[nodiscard]] bool must_start_again(TimeNs now_ns) const;
   [[nodiscard]] bool rival_has_won(TimeNs now_ns) const;
   void begin_rival(const FixMeasurement& fix, const Matrix3d& covariance);
