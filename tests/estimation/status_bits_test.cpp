@@ -4,10 +4,12 @@
 #include "sim/simulator.hpp"
 #include "support/poses_of.hpp"
 #include <sonopose/estimation/any_estimator.hpp>
+#include <sonopose/geometry/rotation.hpp>
 
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <random>
 #include <variant>
@@ -137,6 +139,81 @@ SCENARIO("both engines report what happens to their inputs with the same bits") 
       CHECK_FALSE(walk.has(status_low_trust, 5.0, begins_s));
       CHECK(walk.has(status_low_trust, begins_s, ends_s));
       CHECK_FALSE(walk.has(status_low_trust, ends_s + 5.0, 30.0));
+    }
+  }
+}
+
+SCENARIO("both engines report a jump of the pose after a silence") {
+  const EngineKind engine = GENERATE(EngineKind::documented, EngineKind::kalman);
+  CAPTURE(engine == EngineKind::kalman);
+  GIVEN("a walk without fixes for 3 s, with or without the IMU, after which they are moved by 4 m") {
+    const bool imu_is_silent = GENERATE(false, true);
+    CAPTURE(imu_is_silent);
+    settings::Settings settings;
+    settings.engine.engine = engine;
+    estimation::AnyEstimator estimator{settings};
+    const auto run = sim::record(sim::find_scenario("walk"), {.seed = 18, .duration_s = 20.0});
+    std::optional<FixReport> first;  // after the silence
+    double largest_jump_m = 0.0;     // of those that are said to be jumps
+    for (Event event : run.events) {
+      auto* const fix = std::get_if<UltrasonicFix>(&event);
+      const TimeNs time_ns = fix != nullptr ? fix->emission_time_ns : estimator.time_ns();
+      const auto* const imu = std::get_if<ImuSample>(&event);
+      const double time_s =
+          seconds_between(sim::Run{}.start_time_ns, imu != nullptr ? imu->sensor_time_ns : time_ns);
+      const bool in_silence = time_s > 12.0 && time_s < 15.0;
+      if (in_silence && (imu == nullptr || imu_is_silent)) continue;
+      if (fix != nullptr && time_s > 12.0) fix->position_world_m += Vector3d(4.0, 0.0, 0.0);
+      const auto result = estimation::process(estimator, event);
+      const auto* const report = std::get_if<FixReport>(&result);
+      if (report == nullptr || time_s < 12.0) continue;
+      if (!first) first = *report;
+      if ((report->flags & (fix_stale_recovered | fix_stuck_forced)) != 0) {
+        largest_jump_m = std::max(largest_jump_m, report->jump_world_m.norm());
+      }
+    }
+    THEN("a report marks the jump") {
+      REQUIRE(first);
+      CHECK(largest_jump_m > 2.0);
+      CHECK(((first->flags & fix_stale_recovered) != 0 || (first->flags & fix_used) == 0));
+    }
+  }
+}
+
+SCENARIO("both engines follow a live change of the mount offset") {
+  const EngineKind engine = GENERATE(EngineKind::documented, EngineKind::kalman);
+  const double change_deg = GENERATE(10.0, 30.0, -90.0);
+  CAPTURE(engine == EngineKind::kalman, change_deg);
+  GIVEN("a walk with a mount offset that is wrong until 15 s") {
+    settings::Settings settings;
+    settings.engine.engine = engine;
+    estimation::AnyEstimator estimator{settings};
+    const auto run = sim::record(sim::find_scenario("walk"), {.seed = 21, .duration_s = 25.0});
+    const double right_deg = settings.heading.mount_offset_deg;
+    settings.heading.mount_offset_deg = right_deg - change_deg;
+    estimator.configure(settings);
+    bool is_right = false;
+    std::optional<FusedPose> last;
+    for (const Event& event : run.events) {
+      const auto result = estimation::process(estimator, event);
+      const auto* const pose = std::get_if<FusedPose>(&result);
+      if (pose == nullptr) continue;
+      const double time_s = seconds_between(sim::Run{}.start_time_ns, pose->time_ns);
+      if (!is_right && time_s > 15.0) {
+        settings.heading.mount_offset_deg = right_deg;
+        estimator.configure(settings);
+        is_right = true;
+      }
+      if (time_s > 18.0) break;
+      last = *pose;
+    }
+    THEN("the yaw is right 3 s after the change") {
+      const auto truth = std::find_if(run.truth.begin(), run.truth.end(), [&](const TruthSample& sample) {
+        return sample.time_ns >= last->time_ns;
+      });
+      const double yaw_rad = geometry::wrap_angle(geometry::yaw_of(last->q_body_to_world) -
+                                                  geometry::yaw_of(truth->q_body_to_world));
+      CHECK(std::abs(yaw_rad) < 3.0 * geometry::radians_per_degree);
     }
   }
 }

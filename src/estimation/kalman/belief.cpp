@@ -259,6 +259,7 @@ FixOutcome Belief::on_fix(const settings::Settings& settings, const FixMeasureme
   if (phase == Phase::waiting || restart_pending) {
     outcome.flags = fix_used | (phase == Phase::waiting ? fix_first : fix_stale_recovered);
     start_at(fix, settings);
+    outcome.starts = true;
     outcome.weight = 1.0;
     outcome.covariance_world_m2 = covariance_of(fix);
     return outcome;
@@ -267,11 +268,13 @@ FixOutcome Belief::on_fix(const settings::Settings& settings, const FixMeasureme
   const Vector3d position_before = filter().tracked_position_world_m();
   const Vector3d velocity_before = filter().tracked_velocity_world_mps();
   const double yaw_before = geometry::yaw_of(filter().q_body_to_world);
+  const bool is_stale = seconds_between(last_fix_ns, fix.time_ns) > settings.outage.stale_after_s;
   outcome = judge(settings, fix);
   recover_if_not_finite();
   outcome.jump_world_m = filter().tracked_position_world_m() - position_before;
   outcome.velocity_change_world_mps = filter().tracked_velocity_world_mps() - velocity_before;
   outcome.yaw_change_rad = geometry::wrap_angle(geometry::yaw_of(filter().q_body_to_world) - yaw_before);
+  if (is_stale && (outcome.flags & fix_used) != 0) outcome.flags |= fix_stale_recovered;
   return outcome;
 }
 

@@ -41,8 +41,12 @@ Engine::Engine(const settings::Settings& settings)
 
 void Engine::configure(const settings::Settings& settings) noexcept {
   catch_up();  // what happened before must not depend on the new settings
+  const double mount_before_deg = settings_.heading.mount_offset_deg;
   settings_ = settings::resolved(settings);
   calibration_ = calibration::Calibration(settings.calibration);
+  const double change_rad = geometry::wrap_angle((settings_.heading.mount_offset_deg - mount_before_deg) *
+                                                 geometry::radians_per_degree);
+  if (change_rad != 0.0) timeline_.on_mount_offset_change(change_rad);
 }
 
 void Engine::catch_up() noexcept {

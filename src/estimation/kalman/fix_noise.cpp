@@ -44,17 +44,22 @@ void AdaptiveVariance::count(const VarianceSample& sample, double most_samples) 
   samples = std::min(samples + growth * sample.weight, most_samples);
 }
 
-void AdaptiveVariance::add(const VarianceSample& sample, const VarianceLimits& limits) {
+void AdaptiveVariance::doubt() {
+  samples = std::min(samples, few_samples);
+}
+
+void AdaptiveVariance::add(const VarianceSample& sample, const VarianceLimits& limits, double first) {
   if (!(sample.weight > 0.0)) return;
-  if (motion_variance == 0.0) motion_variance = variance;
+  if (motion_variance == 0.0) motion_variance = first;
   count(sample, limits.memory_samples);
   move_towards(variance, sample, samples, limits);
   move_towards(motion_variance, sample, samples, limits);
 }
 
 void AdaptiveVariance::add_at_rest(const VarianceSample& sample, const VarianceLimits& limits, double least) {
-  constexpr double large_ratio = 8.0;   // so that usual samples do not raise it by chance
-  constexpr double rest_samples = 4.5;  // a wrong mount must not pass for noise when the body begins to move
+  constexpr double large_ratio = 8.0;  // so that usual samples do not raise it by chance
+  constexpr double rest_samples =
+      4.5;  // with fewer, a wrong mount would count as noise when the body begins to move
   if (!(sample.weight > 0.0)) return;
   const double before = samples;
   if (variance > least || sample.variance >= std::min(limits.initial, large_ratio * variance)) {
@@ -96,7 +101,7 @@ void MeasurementNoise::add_fix(double quality_percent, const Vector3d& residual_
       const double least_m2 = known.motion_variance > 0.0 ? known.motion_variance : common.motion_variance;
       known.add_at_rest(sample, fix_limits_m2, least_m2);
     } else {
-      known.add(sample, fix_limits_m2);
+      known.add(sample, fix_limits_m2, common.motion_variance);
     }
   };
   for (Bin* bin : {&any_quality, &bins[bin_of(quality_percent)]}) {
@@ -105,12 +110,20 @@ void MeasurementNoise::add_fix(double quality_percent, const Vector3d& residual_
   }
 }
 
+void MeasurementNoise::add_scattered_fix(double quality_percent, const Vector3d& innovation_m, bool at_rest) {
+  for (Bin* bin : {&any_quality, &bins[bin_of(quality_percent)]}) {
+    bin->horizontal_m2.doubt();
+    bin->vertical_m2.doubt();
+  }
+  add_fix(quality_percent, innovation_m, Vector3d::Zero(), at_rest);
+}
+
 void MeasurementNoise::add_heading(double residual_rad, double prediction_variance_rad2, bool at_rest) {
   const VarianceSample sample(residual_rad * residual_rad, prediction_variance_rad2, heading_rad2.variance);
   if (at_rest) {
     heading_rad2.add_at_rest(sample, heading_limits_rad2, heading_rad2.motion_variance);
   } else {
-    heading_rad2.add(sample, heading_limits_rad2);
+    heading_rad2.add(sample, heading_limits_rad2, heading_rad2.motion_variance);
   }
 }
 

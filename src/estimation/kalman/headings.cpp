@@ -110,6 +110,17 @@ HeadingOutcome Belief::judge_heading(const settings::Settings& settings, const H
   return outcome;
 }
 
+void Belief::widen_yaw(double std_rad) {
+  for_each_filter([&](Filter& each, const ProcessNoise&) { each.add_yaw_variance(square(std_rad)); });
+}
+
+void Belief::on_mount_offset_change(double by_rad) {
+  if (phase == Phase::waiting || last_heading_ns == 0) return;
+  widen_yaw(by_rad);
+  heading_rejected_since_ns = 0;
+  headings_rejected_in_row = 0;
+}
+
 void Belief::see_heading(const HeadingMeasurement& heading) {
   constexpr double share = 1.0 / 8.0;
   if (heading_seen_ns != 0) {

@@ -20,6 +20,9 @@ void Belief::start_at(const FixMeasurement& fix, const settings::Settings& setti
   const bool has_heading = heading_is_current && fix.time_ns - last_heading_ns < heading_kept_ns;
   const double first_yaw_rad = has_heading ? yaw_of_last_heading_rad(fix.time_ns, settings) : 0.0;
   const double yaw_std_rad = has_heading ? radians(4.0) : radians(15.0);
+  // That of a usual fix, or of this one where it is larger.
+  const Vector3d position_variance_m2 =
+      covariance_of(fix).diagonal().cwiseMax(start.covariance.diagonal().segment<3>(at_position));
   candidate_count = has_heading ? 1 : start_count;
   for (int i = 0; i < candidate_count; ++i) {
     Candidate& candidate = candidates[static_cast<std::size_t>(i)];
@@ -30,6 +33,7 @@ void Belief::start_at(const FixMeasurement& fix, const settings::Settings& setti
     candidate.filter.position_world_m =
         fix.position_world_m + candidate.filter.q_body_to_world * start.lever_arm_body_m;
     candidate.filter.angular_velocity_body_radps = rate_body_radps;
+    candidate.filter.decorrelate(at_position, position_variance_m2);
     candidate.filter.add_yaw_variance(square(yaw_std_rad));
   }
   best = 0;

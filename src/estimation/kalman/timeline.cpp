@@ -53,6 +53,13 @@ void Timeline::catch_up(const settings::Settings& settings) {
   is_behind_ = false;
 }
 
+void Timeline::on_mount_offset_change(double by_rad) {
+  now_.on_mount_offset_change(by_rad);
+  for (std::size_t i = 0; i < checkpoint_count_; ++i) {
+    checkpoints_[(oldest_ + i) % checkpoint_capacity].belief.on_mount_offset_change(by_rad);
+  }
+}
+
 /// Removes fixes and headings long after this sample: the IMU was not silent, so their stamps are wrong.
 void Timeline::drop_future(TimeNs now_ns) {
   while (!aiding_.empty() && turn_of(aiding_.back()) - now_ns > to_ns(future_tolerance_s)) {

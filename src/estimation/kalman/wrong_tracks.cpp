@@ -9,13 +9,20 @@ namespace sonopose::estimation::kalman {
 namespace {
 
 constexpr TimeNs converging_ns = 500'000'000;  // after a jump
-constexpr double established_s = 4.0;          // a track that was followed for less may be wrong
+constexpr double established_s = 4.0;          // after that: a younger track may be wrong
 
 }  // namespace
 
 /// Whether the best filter follows a track that was found a moment ago and may be wrong.
 bool Belief::has_just_jumped(TimeNs now_ns) const {
-  return seconds_between(converging_until_ns, now_ns) < established_s;
+  return converging_until_ns != 0 && seconds_between(converging_until_ns, now_ns) < established_s;
+}
+
+/// Registers that the best filter was moved to this fix at once.
+void Belief::note_jump(TimeNs fix_ns) {
+  converging_until_ns = std::max(time_ns, fix_ns) + converging_ns;
+  last_fix_ns = fix_ns;
+  fixes_rejected_in_row = 0;
 }
 
 /// Of a fix that the best filter accepts. Soon after a start it accepts much, also what a wrong first fix
@@ -55,8 +62,9 @@ void Belief::reject(const settings::Settings& settings, const FixMeasurement& fi
   }
   const Innovation innovation = rival.filter.fix_innovation(fix.position_world_m, covariance, ahead_s);
   if (!(innovation.squared_norm <= rejected_above)) {
-    // A track that many fixes support survives a short spike. A rival that began with the motion of a wrong
-    // track does not survive a single one.
+    learn_from_scatter(fix, outcome.innovation);
+    // A track that many fixes support survives a short spike. Soon after a jump a rival of one fix begins
+    // again at its first miss: it began with the motion of a track that may be wrong.
     const int least_misses = has_just_jumped(fix.time_ns) ? 1 : 3;
     const int most_misses = least_misses + std::min(rival.fixes / 2, 9);
     if (++rival.misses_in_row >= most_misses) begin_rival(fix, covariance);
@@ -75,10 +83,19 @@ void Belief::reject(const settings::Settings& settings, const FixMeasurement& fi
   } else {
     promote_rival();
   }
-  converging_until_ns = time_ns + converging_ns;
-  last_fix_ns = fix.time_ns;
+  note_jump(fix.time_ns);
   outcome.flags = fix_used | fix_stuck_forced;
   outcome.weight = 1.0;
+}
+
+/// Of a fix that neither the best filter nor the rival explains. Many of them that form no track show that
+/// the noise has grown. Without them it would stay small: most fixes are then rejected, and after a rejection
+/// a used one says little about the noise.
+void Belief::learn_from_scatter(const FixMeasurement& fix, const Innovation& innovation) {
+  constexpr double least_trust = 0.5;  // below it after six in a row
+  constexpr int track = 3;             // fixes of a rival; when it ends, a track has ended
+  if (phase != Phase::tracking || fix.has_covariance || trust >= least_trust || rival.fixes >= track) return;
+  noise.add_scattered_fix(fix.quality_percent, innovation.value_world_m, stands_still(few_fixes));
 }
 
 /// Whether the rival explained the fixes alone for long enough, or most of them for longer.
@@ -182,8 +199,7 @@ void Belief::promote_rival() {
   }
   adopt(rival.filter);
   if (map_has_turned(rival.last_fix_ns)) {
-    const double variance = rival.has_turned ? 0.0 : square(radians(40.0));
-    for_each_filter([&](Filter& each, const ProcessNoise&) { each.add_yaw_variance(variance); });
+    if (!rival.has_turned) widen_yaw(radians(40.0));
     heading_rejected_since_ns = 0;
     headings_rejected_in_row = 0;
   }
@@ -219,8 +235,7 @@ bool Belief::take_back_former(const FixMeasurement& fix, const Matrix3d& covaria
   adopt(former.filter);
   former.alive = false;
   rival.alive = false;
-  last_fix_ns = fix.time_ns;
-  converging_until_ns = time_ns + converging_ns;
+  note_jump(fix.time_ns);
   rest::restart(rest);
   return true;
 }

@@ -126,7 +126,7 @@ public:
   void add(const FixMeasurement& fix, std::uint64_t sequence) {
     const kalman::Repetition repetition = belief_.repetition;
     const FixOutcome outcome = belief_.on_fix(settings_, fix);
-    if ((outcome.flags & (fix_first | fix_stale_recovered)) != 0) begin(fix.time_ns);
+    if (outcome.starts) begin(fix.time_ns);
     if (!is_running()) return;
     JudgedFix judged{.measured = fix,
                      .sequence = sequence,

@@ -39,10 +39,10 @@ SCENARIO("the noise of fixes is learned for each range of the quality") {
       CHECK(std::sqrt(noise.fix_covariance_m2(90.0)(0, 0)) < 2.0 * before_m);
     }
   }
-  GIVEN("a first fix with a large residual, and one whose prediction is worth nothing") {
+  GIVEN("a fix whose prediction is worth nothing, and then one with a large residual") {
     MeasurementNoise noise;
     const double before_m = std::sqrt(noise.fix_covariance_m2(90.0)(0, 0));
-    THEN("the first changes the deviation at once, the second does not") {
+    THEN("the first does not change the deviation, the second does at once") {
       noise.add_fix(90.0, {0.0, 0.0, 0.0}, Vector3d::Constant(before_m * before_m), false);
       CHECK(std::sqrt(noise.fix_covariance_m2(90.0)(0, 0)) == before_m);
       noise.add_fix(90.0, {0.1, 0.1, 0.1}, Vector3d::Zero(), false);
@@ -81,6 +81,24 @@ SCENARIO("a body at rest may show that the noise is large, but not that it is sm
     learn(noise, 0.02, false, 3);
     THEN("good fixes show that the noise is as small as before") {
       CHECK(learn(noise, 0.02, true, 1000) == Approx(0.02).epsilon(0.35));
+    }
+  }
+  GIVEN("a beacon that rested with a noise of 10 cm, and moved for one fix") {
+    MeasurementNoise noise;
+    learn(noise, 0.1, true, 200);
+    learn(noise, 0.02, false, 1);
+    THEN("good fixes at rest show that the noise is no larger than at the start") {
+      CHECK(learn(noise, 0.02, true, 1000) < 0.055);
+    }
+  }
+  GIVEN("a beacon whose fixes were good for long, and now scatter by 20 cm so that they are rejected") {
+    MeasurementNoise noise;
+    learn(noise, 0.02, false, 400);
+    for (int i = 0; i < 12; ++i) {
+      noise.add_scattered_fix(90.0, 0.2 * Vector3d(normal(random), normal(random), normal(random)), false);
+    }
+    THEN("a dozen show that the noise is larger by far") {
+      CHECK(std::sqrt(noise.fix_covariance_m2(90.0)(0, 0)) > 0.08);
     }
   }
   for (const double moving_m : {0.015, 0.025, 0.15}) {

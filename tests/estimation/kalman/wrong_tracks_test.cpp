@@ -14,6 +14,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
+#include <string>
+#include <variant>
 #include <vector>
 
 namespace wrong_tracks_test {
@@ -29,8 +32,13 @@ struct PoseError {
   std::uint32_t status = 0;
 };
 
-std::vector<PoseError> errors_in(const sim::Scenario& scenario, std::uint64_t seed) {
-  const sim::Recording run = sim::record(scenario, {.seed = seed, .duration_s = scenario.duration_s});
+/// `change(fix, time_s)` edits the fixes first.
+std::vector<PoseError> errors_in(const sim::Scenario& scenario, std::uint64_t seed, const auto& change) {
+  sim::Recording run = sim::record(scenario, {.seed = seed, .duration_s = scenario.duration_s});
+  for (Event& event : run.events) {
+    auto* const fix = std::get_if<UltrasonicFix>(&event);
+    if (fix != nullptr) change(*fix, seconds_between(run.truth.front().time_ns, fix->emission_time_ns));
+  }
   evaluation::TruthTrack track(run.truth);
   Engine engine{settings::Settings{}};
   std::vector<PoseError> errors;
@@ -44,6 +52,10 @@ std::vector<PoseError> errors_in(const sim::Scenario& scenario, std::uint64_t se
                       std::abs(yaw_rad) / geometry::radians_per_degree, pose.status});
   }
   return errors;
+}
+
+std::vector<PoseError> errors_in(const sim::Scenario& scenario, std::uint64_t seed) {
+  return errors_in(scenario, seed, [](UltrasonicFix&, double) {});
 }
 
 /// The largest error between two times, m.
@@ -108,6 +120,50 @@ TEST_CASE("the duration of wrong tracks fades, and others wait at most 1.6 s") {
   tracks.add(3.0, now_ns);
   CHECK(tracks.wait_s(now_ns) == Approx(1.6));
   CHECK(tracks.wait_s(later_ns) == Approx(1.3 * 3.0 / std::exp(1.0)));
+}
+
+SCENARIO("fixes that scatter are noise and no track") {
+  GIVEN("a minute of fixes with usual noise, and then with much more") {
+    const std::string name = GENERATE("rest", "walk", "forklift");
+    const double noise_m = GENERATE(0.1, 0.2, 0.3);
+    const auto seed = GENERATE(41U, 42U, 43U);
+    CAPTURE(name, noise_m, seed);
+    sim::Scenario scenario = sim::find_scenario(name);
+    scenario.duration_s = 100.0;
+    constexpr double rises_s = 60.0;
+    std::mt19937 random{seed};  // NOLINT(cert-msc32-c,cert-msc51-cpp): the same numbers in every run
+    std::normal_distribution<double> error_m(0.0, noise_m);
+    const auto errors = errors_in(scenario, seed, [&](UltrasonicFix& fix, double time_s) {
+      if (time_s < rises_s) return;
+      fix.position_world_m += Vector3d(error_m(random), error_m(random), error_m(random));
+    });
+    THEN("the pose is not lost, and soon within decimetres of the truth") {
+      CHECK(largest_m(errors, rises_s, rises_s + 10.0) < 3.0);
+      CHECK(largest_m(errors, rises_s + 10.0, scenario.duration_s) < 0.6);
+    }
+  }
+}
+
+SCENARIO("a silence after a jump makes nothing of three wrong fixes") {
+  GIVEN(
+      "a walk whose map shifts, whose fixes are silent for 8.5 s soon after, and then 12 m off for a "
+      "moment") {
+    sim::Scenario scenario = sim::find_scenario("walk");
+    scenario.disturbances.relocations = {{.at_s = 15.0, .by_world_m = {3.0, 0.0, 0.0}}};
+    scenario.disturbances.outages = {{.begin_s = 17.0, .duration_s = 8.5}};
+    scenario.disturbances.outlier_bursts = {
+        {.begin_s = 25.5, .duration_s = 0.6, .offset_world_m = {0.0, 12.0, 0.0}}};
+    scenario.duration_s = 30.0;
+    const auto seed = GENERATE(range(std::uint64_t{1}, std::uint64_t{5}));
+    CAPTURE(seed);
+    const auto errors = errors_in(scenario, seed);
+    THEN("they are not followed, and the yaw stays known") {
+      CHECK(largest_m(errors, 25.5, 30.0) < 6.0);
+      for (const PoseError& error : errors) {
+        if (error.time_s > 10.0) REQUIRE((error.status & status_heading_unknown) == 0);
+      }
+    }
+  }
 }
 
 SCENARIO("a place of long wrong tracks is remembered") {

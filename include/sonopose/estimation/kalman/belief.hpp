@@ -142,6 +142,7 @@ struct FixOutcome {
   Vector3d velocity_change_world_mps = Vector3d::Zero();
   double yaw_change_rad = 0;
   std::uint32_t flags = 0;
+  bool starts = false;           ///< the estimate started at it
   std::uint32_t hypothesis = 0;  ///< 1: it agreed with the rival track
 };
 
@@ -208,6 +209,9 @@ struct Belief {
   FixOutcome on_fix(const settings::Settings& settings, const FixMeasurement& fix);
   HeadingOutcome on_heading(const settings::Settings& settings, const HeadingMeasurement& heading);
 
+  /// The mount offset was changed by this angle: the headings so far have turned the yaw wrongly by as much.
+  void on_mount_offset_change(double by_rad);
+
   /// The nominal state of the best filter at the latest sample, after the open steps.
   [[nodiscard]] NominalState nominal() const;
   /// The same after one more step.
@@ -263,7 +267,10 @@ private:
                                            double ahead_s, const Innovation& innovation) const;
   void reject(const settings::Settings& settings, const FixMeasurement& fix, const Matrix3d& covariance,
               double ahead_s, FixOutcome& outcome);
+  void learn_from_scatter(const FixMeasurement& fix, const Innovation& innovation);
   [[nodiscard]] bool has_just_jumped(TimeNs now_ns) const;
+  void note_jump(TimeNs fix_ns);
+  void widen_yaw(double std_rad);
   [[nodiscard]] bool must_start_again(TimeNs now_ns) const;
   [[nodiscard]] bool rival_has_won(TimeNs now_ns) const;
   void begin_rival(const FixMeasurement& fix, const Matrix3d& covariance);

@@ -34,10 +34,13 @@ struct AdaptiveVariance {
   double samples = 0;          ///< behind it, up to the memory
   double motion_variance = 0;  ///< without the samples of a body at rest; 0: not known
 
-  void add(const VarianceSample& sample, const VarianceLimits& limits);
+  /// `first` is the motion variance before the first sample.
+  void add(const VarianceSample& sample, const VarianceLimits& limits, double first);
   /// The errors of a body at rest repeat: they may show that the noise is large, but not that it is small. So
   /// the variance does not fall below `least`. A large sample raises it; then others count as well.
   void add_at_rest(const VarianceSample& sample, const VarianceLimits& limits, double least);
+  /// The samples so far count as a few, so that the next ones change the variance soon.
+  void doubt();
   bool operator==(const AdaptiveVariance&) const = default;
 
 private:
@@ -64,6 +67,8 @@ struct MeasurementNoise {
   /// Adds the residual of a fix after its correction, and how uncertain the prediction then is.
   void add_fix(double quality_percent, const Vector3d& residual_m, const Vector3d& prediction_variance_m2,
                bool at_rest);
+  /// Adds the innovation of a rejected fix that is taken for noise.
+  void add_scattered_fix(double quality_percent, const Vector3d& innovation_m, bool at_rest);
   void add_heading(double residual_rad, double prediction_variance_rad2, bool at_rest);
 
   bool operator==(const MeasurementNoise&) const = default;

@@ -94,6 +94,9 @@ public:
   /// a fix. After a sample call `catch_up` first: it decides which measurements are too old.
   FixOutcome add(const settings::Settings& settings, const Aiding& aiding);
 
+  /// Applies a change of the mount offset, also to what later measurements are inserted into.
+  void on_mount_offset_change(double by_rad);
+
   /// Goes on to the latest sample, or repeats what followed the last measurement.
   void catch_up(const settings::Settings& settings);
 
