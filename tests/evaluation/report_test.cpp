@@ -60,7 +60,7 @@ TEST_CASE("the text report contains scores with units, counts and the hash") {
   CHECK_THAT(text,
              Contains("m RMSE") && Contains("m/s RMSE") && Contains("deg RMSE") && Contains("last fix"));
   CHECK_THAT(text, Contains(" used, ") && Contains(" of them down-weighted, ") && Contains(" rejected ("));
-  CHECK_THAT(text, Contains("outlier") && Contains("of the used ones: 1 first"));
+  CHECK_THAT(text, Contains("outlier") && Contains("of the used ones: 1 stale_recovered, 1 first"));
   CHECK_THAT(text, Contains("m RMS from pose to fix") && Contains("% gated") && Contains("deg RMS,"));
   CHECK_THAT(text, Contains("x real time") && Contains(result.state_hash));
 }
