@@ -41,7 +41,7 @@ constexpr std::array<FlagRow, 8> flag_rows{{{"outlier", fix_outlier, outlier_col
                                             {"frozen", fix_frozen, rejected_colour},
                                             {"snapped", fix_snapped_over | fix_snapped_under, "#CC79A7"},
                                             {"forced", fix_stuck_forced, "#CC79A7"},
-                                            {"start", fix_first | fix_stale_recovered, run_colours[0]}}};
+                                            {"first", fix_first | fix_stale_recovered, run_colours[0]}}};
 
 using Elements = std::vector<std::string>;
 

@@ -9,7 +9,6 @@
 namespace sonopose::estimation::kalman {
 namespace {
 
-constexpr int few_fixes = 2;    // enough to tell a rest from a smooth cruise
 constexpr int still_fixes = 4;  // enough to measure that there is no velocity
 
 /// The rate and acceleration of the latest step, where those of the joined ones are means.

@@ -14,6 +14,7 @@ inline constexpr double full_weight_below = 7.8;  // χ², 3 degrees of freedom:
 inline constexpr double rejected_above = 30.0;
 inline constexpr TimeNs heading_kept_ns = 500'000'000;  // for a start
 inline constexpr double former_s = 8.0;                 // for which a track that was given up is kept
+inline constexpr int few_fixes = 2;                     // enough to distinguish a rest from a smooth cruise
 
 inline constexpr std::array<ProcessNoise, model_count> models{
     ProcessNoise{}, ProcessNoise{.gyro_radps_rthz = 12 * 2e-4, .gyro_bias_radps_rts = 1e-3},

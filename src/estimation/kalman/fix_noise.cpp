@@ -44,8 +44,9 @@ void AdaptiveVariance::count(const VarianceSample& sample, double most_samples) 
   samples = std::min(samples + growth * sample.weight, most_samples);
 }
 
-void AdaptiveVariance::doubt() {
-  samples = std::min(samples, few_samples);
+void AdaptiveVariance::add_doubtful(const VarianceSample& sample, const VarianceLimits& limits) {
+  samples = std::clamp(samples, 1.0, few_samples);
+  move_towards(variance, sample, samples, limits);
 }
 
 void AdaptiveVariance::add(const VarianceSample& sample, const VarianceLimits& limits, double first) {
@@ -110,12 +111,15 @@ void MeasurementNoise::add_fix(double quality_percent, const Vector3d& residual_
   }
 }
 
-void MeasurementNoise::add_scattered_fix(double quality_percent, const Vector3d& innovation_m, bool at_rest) {
+void MeasurementNoise::add_scattered_fix(double quality_percent, const Vector3d& innovation_m) {
+  const Vector3d variance_m2 = fix_covariance_m2(quality_percent).diagonal();
+  const Vector3d squares_m2 = innovation_m.cwiseAbs2();
+  const VarianceSample horizontal(squares_m2.head<2>().mean(), 0.0, variance_m2.x());
+  const VarianceSample vertical(squares_m2.z(), 0.0, variance_m2.z());
   for (Bin* bin : {&any_quality, &bins[bin_of(quality_percent)]}) {
-    bin->horizontal_m2.doubt();
-    bin->vertical_m2.doubt();
+    bin->horizontal_m2.add_doubtful(horizontal, fix_limits_m2);
+    bin->vertical_m2.add_doubtful(vertical, fix_limits_m2);
   }
-  add_fix(quality_percent, innovation_m, Vector3d::Zero(), at_rest);
 }
 
 void MeasurementNoise::add_heading(double residual_rad, double prediction_variance_rad2, bool at_rest) {

@@ -115,7 +115,7 @@ void Belief::widen_yaw(double std_rad) {
 }
 
 void Belief::on_mount_offset_change(double by_rad) {
-  if (phase == Phase::waiting || last_heading_ns == 0) return;
+  if (phase == Phase::waiting || seconds_between(last_heading_ns, time_ns) > heading_run_ends_s()) return;
   widen_yaw(by_rad);
   heading_rejected_since_ns = 0;
   headings_rejected_in_row = 0;

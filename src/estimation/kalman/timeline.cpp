@@ -54,10 +54,9 @@ void Timeline::catch_up(const settings::Settings& settings) {
 }
 
 void Timeline::on_mount_offset_change(double by_rad) {
+  if (checkpoint_count_ == 0) return;
   now_.on_mount_offset_change(by_rad);
-  for (std::size_t i = 0; i < checkpoint_count_; ++i) {
-    checkpoints_[(oldest_ + i) % checkpoint_capacity].belief.on_mount_offset_change(by_rad);
-  }
+  begin_again();
 }
 
 /// Removes fixes and headings long after this sample: the IMU was not silent, so their stamps are wrong.
@@ -161,13 +160,18 @@ void Timeline::save_checkpoint() {
   ++checkpoint_count_;
 }
 
+/// From now: nothing can be inserted before.
+void Timeline::begin_again() {
+  checkpoint_count_ = 0;
+  aiding_.clear();
+  next_aiding_ = 0;
+  save_checkpoint();
+  first_imu_ = checkpoints_[oldest_].next_imu;
+}
+
 void Timeline::drop_oldest_checkpoint() {
   if (checkpoint_count_ < 2) {
-    // More samples between two checkpoints than the ring has: begin again from now.
-    checkpoint_count_ = 0;
-    aiding_.clear();
-    next_aiding_ = 0;
-    save_checkpoint();
+    begin_again();  // more samples between two checkpoints than the ring has
   } else {
     oldest_ = (oldest_ + 1) % checkpoint_capacity;
     --checkpoint_count_;

@@ -9,7 +9,7 @@ namespace sonopose::estimation::kalman {
 namespace {
 
 constexpr TimeNs converging_ns = 500'000'000;  // after a jump
-constexpr double established_s = 4.0;          // after that: a younger track may be wrong
+constexpr double established_s = 4.0;          // a track that was followed for less may be wrong
 
 }  // namespace
 
@@ -88,14 +88,17 @@ void Belief::reject(const settings::Settings& settings, const FixMeasurement& fi
   outcome.weight = 1.0;
 }
 
-/// Of a fix that neither the best filter nor the rival explains. Many of them that form no track show that
-/// the noise has grown. Without them it would stay small: most fixes are then rejected, and after a rejection
-/// a used one says little about the noise.
+/// Of a fix that neither the best filter nor the rival explains. Several in a row that form no track show
+/// that the noise has grown. Without them it would stay small: most fixes are then rejected, and after a
+/// rejection a used one says little about the noise.
 void Belief::learn_from_scatter(const FixMeasurement& fix, const Innovation& innovation) {
-  constexpr double least_trust = 0.5;  // below it after six in a row
-  constexpr int track = 3;             // fixes of a rival; when it ends, a track has ended
-  if (phase != Phase::tracking || fix.has_covariance || trust >= least_trust || rival.fixes >= track) return;
-  noise.add_scattered_fix(fix.quality_percent, innovation.value_world_m, stands_still(few_fixes));
+  constexpr int several = 6;
+  constexpr double most_m = 2.0;  // four times the largest noise that is learned
+  constexpr int track = 3;        // fixes of a rival; when it ends, a track has ended
+  if (phase != Phase::tracking || fix.has_covariance || fixes_rejected_in_row < several ||
+      rival.fixes >= track || innovation.value_world_m.norm() > most_m)
+    return;
+  noise.add_scattered_fix(fix.quality_percent, innovation.value_world_m);
 }
 
 /// Whether the rival explained the fixes alone for long enough, or most of them for longer.

@@ -95,10 +95,13 @@ SCENARIO("a body at rest may show that the noise is large, but not that it is sm
     MeasurementNoise noise;
     learn(noise, 0.02, false, 400);
     for (int i = 0; i < 12; ++i) {
-      noise.add_scattered_fix(90.0, 0.2 * Vector3d(normal(random), normal(random), normal(random)), false);
+      noise.add_scattered_fix(90.0, 0.2 * Vector3d(normal(random), normal(random), normal(random)));
     }
     THEN("a dozen show that the noise is larger by far") {
       CHECK(std::sqrt(noise.fix_covariance_m2(90.0)(0, 0)) > 0.08);
+      AND_THEN("good fixes show that it is small again, at rest as well") {
+        CHECK(learn(noise, 0.02, GENERATE(false, true), 400) == Approx(0.02).epsilon(0.35));
+      }
     }
   }
   for (const double moving_m : {0.015, 0.025, 0.15}) {

@@ -137,9 +137,9 @@ SCENARIO("fixes that scatter are noise and no track") {
       if (time_s < rises_s) return;
       fix.position_world_m += Vector3d(error_m(random), error_m(random), error_m(random));
     });
-    THEN("the pose is not lost, and soon within decimetres of the truth") {
-      CHECK(largest_m(errors, rises_s, rises_s + 10.0) < 3.0);
-      CHECK(largest_m(errors, rises_s + 10.0, scenario.duration_s) < 0.6);
+    THEN("the pose is not lost, and later within decimetres of the truth") {
+      CHECK(largest_m(errors, rises_s, rises_s + 20.0) < 2.0);
+      CHECK(largest_m(errors, rises_s + 20.0, scenario.duration_s) < 0.6);
     }
   }
 }

@@ -209,7 +209,7 @@ struct Belief {
   FixOutcome on_fix(const settings::Settings& settings, const FixMeasurement& fix);
   HeadingOutcome on_heading(const settings::Settings& settings, const HeadingMeasurement& heading);
 
-  /// The mount offset was changed by this angle: the headings so far have turned the yaw wrongly by as much.
+  /// The mount offset was changed by this angle: if headings have held the yaw until now, it is as uncertain.
   void on_mount_offset_change(double by_rad);
 
   /// The nominal state of the best filter at the latest sample, after the open steps.

@@ -39,8 +39,9 @@ struct AdaptiveVariance {
   /// The errors of a body at rest repeat: they may show that the noise is large, but not that it is small. So
   /// the variance does not fall below `least`. A large sample raises it; then others count as well.
   void add_at_rest(const VarianceSample& sample, const VarianceLimits& limits, double least);
-  /// The samples so far count as a few, so that the next ones change the variance soon.
-  void doubt();
+  /// Of a rejected fix. The samples so far then count as a few. It says nothing certain, so the motion
+  /// variance stays: at rest the variance returns to it.
+  void add_doubtful(const VarianceSample& sample, const VarianceLimits& limits);
   bool operator==(const AdaptiveVariance&) const = default;
 
 private:
@@ -68,7 +69,7 @@ struct MeasurementNoise {
   void add_fix(double quality_percent, const Vector3d& residual_m, const Vector3d& prediction_variance_m2,
                bool at_rest);
   /// Adds the innovation of a rejected fix that is taken for noise.
-  void add_scattered_fix(double quality_percent, const Vector3d& innovation_m, bool at_rest);
+  void add_scattered_fix(double quality_percent, const Vector3d& innovation_m);
   void add_heading(double residual_rad, double prediction_variance_rad2, bool at_rest);
 
   bool operator==(const MeasurementNoise&) const = default;

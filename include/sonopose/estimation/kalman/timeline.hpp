@@ -94,7 +94,8 @@ public:
   /// a fix. After a sample call `catch_up` first: it decides which measurements are too old.
   FixOutcome add(const settings::Settings& settings, const Aiding& aiding);
 
-  /// Applies a change of the mount offset, also to what later measurements are inserted into.
+  /// The mount offset was changed by this angle. What was measured before is no longer inserted: the headings
+  /// of then are those of another offset. Requires `catch_up` before.
   void on_mount_offset_change(double by_rad);
 
   /// Goes on to the latest sample, or repeats what followed the last measurement.
@@ -111,6 +112,7 @@ private:
   void drop_future(TimeNs now_ns);
   FixOutcome fold(const settings::Settings& settings, const Aiding* last, TimeNs until_ns = forever_ns);
   void save_checkpoint();
+  void begin_again();
   void drop_oldest_checkpoint();
 
   Belief now_;
