@@ -256,8 +256,11 @@ FixOutcome Belief::on_fix(const settings::Settings& settings, const FixMeasureme
     return outcome;
   }
   if (phase == Phase::waiting || restart_pending) {
-    outcome.flags = fix_used | (phase == Phase::waiting ? fix_first : fix_stale_recovered);
+    const bool is_first = phase == Phase::waiting;
+    const Vector3d before = is_first ? Vector3d::Zero() : filter().tracked_position_world_m();
+    outcome.flags = fix_used | (is_first ? fix_first : fix_stale_recovered);
     start_at(fix, settings);
+    if (!is_first) outcome.jump_world_m = filter().tracked_position_world_m() - before;
     outcome.starts = true;
     outcome.weight = 1.0;
     outcome.covariance_world_m2 = covariance_of(fix);
