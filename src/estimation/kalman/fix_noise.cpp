@@ -30,6 +30,18 @@ void move_towards(double& variance, const VarianceSample& sample, double samples
   variance = std::clamp(variance, limits.least, limits.most);
 }
 
+/// The horizontal and the vertical share of a residual.
+struct FixSamples {
+  VarianceSample horizontal;
+  VarianceSample vertical;
+
+  FixSamples(const Vector3d& residual_m, const Vector3d& prediction_variance_m2,
+             const Vector3d& noise_variance_m2)
+      : horizontal(residual_m.cwiseAbs2().head<2>().mean(), prediction_variance_m2.head<2>().mean(),
+                   noise_variance_m2.x()),
+        vertical(residual_m.z() * residual_m.z(), prediction_variance_m2.z(), noise_variance_m2.z()) {}
+};
+
 }  // namespace
 
 VarianceSample::VarianceSample(double squared_residual, double prediction_variance, double noise_variance)
@@ -58,9 +70,8 @@ void AdaptiveVariance::add(const VarianceSample& sample, const VarianceLimits& l
 }
 
 void AdaptiveVariance::add_at_rest(const VarianceSample& sample, const VarianceLimits& limits, double least) {
-  constexpr double large_ratio = 8.0;  // so that usual samples do not raise it by chance
-  constexpr double rest_samples =
-      4.5;  // with fewer, a wrong mount would count as noise when the body begins to move
+  constexpr double large_ratio = 8.0;   // so that usual samples do not raise it by chance
+  constexpr double rest_samples = 4.5;  // with fewer, a wrong mount would count as noise on the first way
   if (!(sample.weight > 0.0)) return;
   const double before = samples;
   if (variance > least || sample.variance >= std::min(limits.initial, large_ratio * variance)) {
@@ -91,11 +102,7 @@ Eigen::Matrix3d MeasurementNoise::fix_covariance_m2(double quality_percent) cons
 
 void MeasurementNoise::add_fix(double quality_percent, const Vector3d& residual_m,
                                const Vector3d& prediction_variance_m2, bool at_rest) {
-  const Vector3d variance_m2 = fix_covariance_m2(quality_percent).diagonal();
-  const Vector3d squares_m2 = residual_m.cwiseAbs2();
-  const VarianceSample horizontal(squares_m2.head<2>().mean(), prediction_variance_m2.head<2>().mean(),
-                                  variance_m2.x());
-  const VarianceSample vertical(squares_m2.z(), prediction_variance_m2.z(), variance_m2.z());
+  const FixSamples of(residual_m, prediction_variance_m2, fix_covariance_m2(quality_percent).diagonal());
   const auto add = [&](AdaptiveVariance& known, const AdaptiveVariance& common,
                        const VarianceSample& sample) {
     if (at_rest) {
@@ -106,19 +113,16 @@ void MeasurementNoise::add_fix(double quality_percent, const Vector3d& residual_
     }
   };
   for (Bin* bin : {&any_quality, &bins[bin_of(quality_percent)]}) {
-    add(bin->horizontal_m2, any_quality.horizontal_m2, horizontal);
-    add(bin->vertical_m2, any_quality.vertical_m2, vertical);
+    add(bin->horizontal_m2, any_quality.horizontal_m2, of.horizontal);
+    add(bin->vertical_m2, any_quality.vertical_m2, of.vertical);
   }
 }
 
 void MeasurementNoise::add_scattered_fix(double quality_percent, const Vector3d& innovation_m) {
-  const Vector3d variance_m2 = fix_covariance_m2(quality_percent).diagonal();
-  const Vector3d squares_m2 = innovation_m.cwiseAbs2();
-  const VarianceSample horizontal(squares_m2.head<2>().mean(), 0.0, variance_m2.x());
-  const VarianceSample vertical(squares_m2.z(), 0.0, variance_m2.z());
+  const FixSamples of(innovation_m, Vector3d::Zero(), fix_covariance_m2(quality_percent).diagonal());
   for (Bin* bin : {&any_quality, &bins[bin_of(quality_percent)]}) {
-    bin->horizontal_m2.add_doubtful(horizontal, fix_limits_m2);
-    bin->vertical_m2.add_doubtful(vertical, fix_limits_m2);
+    bin->horizontal_m2.add_doubtful(of.horizontal, fix_limits_m2);
+    bin->vertical_m2.add_doubtful(of.vertical, fix_limits_m2);
   }
 }
 
