@@ -51,7 +51,7 @@ VarianceSample::VarianceSample(double squared_residual, double prediction_varian
 }
 
 void AdaptiveVariance::count(const VarianceSample& sample, double most_samples) {
-  constexpr double slow_growth = 0.25;  // beyond a few: so that a wrong beginning is forgotten soon
+  constexpr double slow_growth = 0.2;  // beyond a few: so that a wrong beginning is forgotten soon
   const double growth = samples < few_samples ? 1.0 : slow_growth;
   samples = std::min(samples + growth * sample.weight, most_samples);
 }
