@@ -164,6 +164,30 @@ SCENARIO("the Kalman engine starts on a moving body") {
   }
 }
 
+SCENARIO("the Kalman engine starts as uncertain as its first fix") {
+  GIVEN("a body at rest, and a first fix that knows its standard deviations") {
+    sim::Recording run = record("rest", 3.0);
+    const Vector3d std_m(0.3, 0.2, 0.5);
+    const auto is_fix = [](const Event& event) { return std::holds_alternative<UltrasonicFix>(event); };
+    const auto first = std::find_if(run.events.begin(), run.events.end(), is_fix);
+    REQUIRE(first != run.events.end());
+    std::get<UltrasonicFix>(*first).covariance_world_m2 =
+        Covariance<3>::from_matrix(std_m.cwiseAbs2().asDiagonal());
+    const auto next_imu = std::find_if(
+        first, run.events.end(), [](const Event& event) { return std::holds_alternative<ImuSample>(event); });
+    REQUIRE(next_imu != run.events.end());
+    kalman::Engine engine{settings::Settings{}};
+    WHEN("it starts the estimate") {
+      const auto poses = poses_of(engine, {run.events.begin(), std::next(next_imu)});
+      THEN("the position is as uncertain; the unknown velocity and lever arm add less than a fifth") {
+        REQUIRE_FALSE(poses.empty());
+        const Vector3d pose_std_m = poses.back().pose_covariance.matrix().diagonal().head<3>().cwiseSqrt();
+        CHECK((pose_std_m.cwiseQuotient(std_m).array() - 1.0).abs().maxCoeff() < 0.2);
+      }
+    }
+  }
+}
+
 SCENARIO("the Kalman engine finds an error of the reported delay") {
   GIVEN("a kart whose fixes report a delay that is wrong by 20 ms") {
     const double reported_minus_true_s = GENERATE(-0.02, 0.02);
