@@ -436,15 +436,18 @@ def recorded_logs_and_statuses_are_shown(browser, processes, file):
     check(any("fusion" in line for line in lines), f"it has {len(lines)} lines of logs, such as {lines[0]}")
 
 
-def drawn_per_s(browser):
-    """How often the map is drawn: the mean of five seconds, when the beacons move."""
-    frames = "sonopose.statistics.frames"
-    counted = "return [performance.now(), sonopose.statistics.drawn]"
-    wait_for(browser, "the beacons move", f"return {frames} > 150")
-    begin, drawn_before = browser.execute_script(counted)
-    wait_for(browser, "frames come", f"return performance.now() > {begin + 5000}")
-    end, drawn = browser.execute_script(counted)
-    return 1000 * (drawn - drawn_before) / (end - begin)
+def map_keeps_up(browser):
+    """The page's thread is able to draw 20 times a second. Its processor time counts: others may have the machine."""
+    def work():
+        metrics = {each["name"]: each["value"] for each in browser.execute_cdp_cmd("Performance.getMetrics", {})["metrics"]}
+        return metrics["ThreadTime"], browser.execute_script("return sonopose.statistics.drawn")
+    wait_for(browser, "the beacons move", "return sonopose.statistics.frames > 150")
+    browser.execute_cdp_cmd("Performance.enable", {"timeDomain": "threadTicks"})
+    begin_s, drawn_before = work()
+    wait_for(browser, "the map is drawn", f"return sonopose.statistics.drawn > {drawn_before + 100}", 60)
+    end_s, drawn = work()
+    each_ms = 1000 * (end_s - begin_s) / (drawn - drawn_before)
+    check(each_ms <= 50, f"a drawing of {BEACONS} beacons, with all else on the page, takes it {each_ms:.1f} ms of processor time")
 
 
 def settings_can_be_changed(browser):
@@ -480,8 +483,7 @@ def run(folder, screenshot):
         errors_are_small(browser)
         recorder.terminate()
         recorder.wait(10)
-        rate = drawn_per_s(browser)
-        check(rate >= 20, f"{BEACONS} beacons are drawn {rate:.1f} times a second")
+        map_keeps_up(browser)
         table_shows_poses(browser)
         map_and_plots_are_drawn(browser)
         browser.save_screenshot(screenshot)
