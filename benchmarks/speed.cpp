@@ -111,7 +111,7 @@ BENCHMARK_CAPTURE(pose_from_cold_caches, kalman, estimation::EstimatorKind::kalm
     ->UseManualTime()
     ->Iterations(1);
 
-/// The most that one event costs the Kalman engine: a fix of the greatest age while all twelve starts of an
+/// The most that one event costs the Kalman engine: a fix of the greatest age while all eight starts of an
 /// unknown yaw are alive, which they are on a body at rest, and what it leaves to repeat. The argument is the
 /// rate of the IMU, Hz.
 void latest_fix_with_all_starts(benchmark::State& state) {

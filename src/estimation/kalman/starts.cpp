@@ -54,7 +54,8 @@ void Belief::start_at(const FixMeasurement& fix, const settings::Settings& setti
 /// A filter with the biases, lever arm and delay known so far, and the variances of a start. `start_at` adds
 /// that of the yaw.
 Filter Belief::initial_filter(bool at_rest) const {
-  const double tilt_std_rad = at_rest ? radians(1.7) : radians(5.0);
+  // An estimate that is given up is tilted by more than the mean force of a body in motion.
+  const double tilt_std_rad = radians(at_rest ? 1.7 : phase == Phase::waiting ? 5.0 : 15.0);
   const double speed_std_mps = at_rest ? 0.1 : 2.0;
   Filter start;
   start.covariance.setZero();

@@ -36,14 +36,26 @@ bool Belief::rival_explains_better(const FixMeasurement& fix, const Matrix3d& co
          log_likelihood(of_rival) > log_likelihood(innovation) + advantage;
 }
 
+/// For how long the best filter has used no fix, if it rejected at least this many since: a silence alone
+/// says nothing.
+double Belief::unexplained_s(int rejected, TimeNs now_ns) const {
+  return fixes_rejected_in_row < rejected ? 0.0 : seconds_between(last_fix_ns, now_ns);
+}
+
+/// Whether no start of the search for the yaw explains the fixes. A rival copies one of them, so it may find
+/// no track either.
+bool Belief::all_starts_are_wrong(TimeNs now_ns) const {
+  constexpr double lost_s = 1.5;
+  return phase == Phase::searching_yaw && unexplained_s(12, now_ns) > lost_s;
+}
+
 /// Whether the fixes contradict the start, or have found no track from what the best filter became.
 bool Belief::must_start_again(TimeNs now_ns) const {
   constexpr int agreeing = 3;
-  constexpr int many = 12;
   constexpr double lost_s = 8.0;
   if (rival.fixes < agreeing) return false;
   if (fixes_since_start < proven_fixes && rival.fixes > fixes_since_start) return true;
-  return fixes_rejected_in_row >= many && seconds_between(last_fix_ns, now_ns) > lost_s;
+  return unexplained_s(12, now_ns) > lost_s;
 }
 
 void Belief::reject(const settings::Settings& settings, const FixMeasurement& fix, const Matrix3d& covariance,
@@ -54,6 +66,16 @@ void Belief::reject(const settings::Settings& settings, const FixMeasurement& fi
   if (take_back_former(fix, covariance, ahead_s)) {
     outcome.flags = fix_used;
     outcome.weight = 1.0;
+    return;
+  }
+  const auto note_forced_jump = [&] {
+    note_jump(fix.time_ns);
+    outcome.flags = fix_used | fix_stuck_forced;
+    outcome.weight = 1.0;
+  };
+  if (all_starts_are_wrong(fix.time_ns)) {
+    start_at(fix, settings);
+    note_forced_jump();
     return;
   }
   if (!rival.alive) {
@@ -77,15 +99,13 @@ void Belief::reject(const settings::Settings& settings, const FixMeasurement& fi
   ++rival.fixes;
   const bool starts_again = must_start_again(fix.time_ns);
   if (!starts_again && !rival_has_won(fix.time_ns)) return;
+  // While yaw is searched, the rival copies one of the starts, whose yaw is arbitrary.
   if (starts_again || phase == Phase::searching_yaw) {
-    // While yaw is searched, the rival copies one of the starts, whose yaw is arbitrary.
     start_at(fix, settings);
   } else {
     promote_rival();
   }
-  note_jump(fix.time_ns);
-  outcome.flags = fix_used | fix_stuck_forced;
-  outcome.weight = 1.0;
+  note_forced_jump();
 }
 
 /// Of a fix that neither the best filter nor the rival explains. Several in a row that form no track show
@@ -113,15 +133,13 @@ bool Belief::rival_has_won(TimeNs now_ns) const {
     return true;
   // The longer the best filter has explained none of the fixes, the sooner it is replaced.
   constexpr double credible_s = 3.0;
-  constexpr int many = 16;  // a silence alone says nothing
-  const double unexplained_s = fixes_rejected_in_row < many ? 0.0 : seconds_between(last_fix_ns, now_ns);
-  const double credibility = credible_s / std::max(credible_s, unexplained_s);
+  const double credibility = credible_s / std::max(credible_s, unexplained_s(16, now_ns));
   const double needed_s =
       map_has_turned(now_ns)
           ? 1.0
           : std::max(std::clamp(2.2 - (jump_m - 1.5) / 0.5 * 1.2, 1.0, 2.2), wrong_tracks.wait_s(now_ns));
   const bool enough_fixes = rival.fixes >= 8 || (rival.fixes >= 3 && alone_s > 3.0);
-  const bool explains_most = rival.fixes >= 16 && rival.fixes > 2 * rival.fixes_of_best &&
+  const bool explains_most = rival.fixes >= 16 && rival.fixes > 1.5 * rival.fixes_of_best &&
                              seconds_between(rival.began_ns, now_ns) > 4.0;
   return (alone_s >= needed_s * credibility && enough_fixes) || explains_most;
 }

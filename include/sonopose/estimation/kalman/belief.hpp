@@ -17,7 +17,7 @@
 namespace sonopose::estimation::kalman {
 
 inline constexpr int model_count = 3;   ///< models of process noise
-inline constexpr int start_count = 12;  ///< directions from which an unknown yaw is searched
+inline constexpr int start_count = 8;   ///< directions from which an unknown yaw is searched
 inline constexpr int proven_fixes = 8;  ///< used fixes after which the first one is believed
 inline constexpr double longest_heading_interval_s = 10.0;  ///< a longer one counts as this
 
@@ -271,6 +271,8 @@ private:
   [[nodiscard]] bool has_just_jumped(TimeNs now_ns) const;
   void note_jump(TimeNs fix_ns);
   void widen_yaw(double std_rad);
+  [[nodiscard]] double unexplained_s(int rejected, TimeNs now_ns) const;
+  [[nodiscard]] bool all_starts_are_wrong(TimeNs now_ns) const;
   [[nodiscard]] bool must_start_again(TimeNs now_ns) const;
   [[nodiscard]] bool rival_has_won(TimeNs now_ns) const;
   void begin_rival(const FixMeasurement& fix, const Matrix3d& covariance);
