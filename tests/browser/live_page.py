@@ -437,15 +437,15 @@ def recorded_logs_and_statuses_are_shown(browser, processes, file):
 
 
 def map_keeps_up(browser):
-    """The page's thread is able to draw 20 times a second. Its processor time counts: others may have the machine."""
-    def work():
+    """The page can draw 20 times a second. Only its own processor time counts: other programs use the machine too."""
+    def thread_s_and_drawn():
         metrics = {each["name"]: each["value"] for each in browser.execute_cdp_cmd("Performance.getMetrics", {})["metrics"]}
         return metrics["ThreadTime"], browser.execute_script("return sonopose.statistics.drawn")
     wait_for(browser, "the beacons move", "return sonopose.statistics.frames > 150")
-    browser.execute_cdp_cmd("Performance.enable", {"timeDomain": "threadTicks"})
-    begin_s, drawn_before = work()
+    browser.execute_cdp_cmd("Performance.enable", {})
+    begin_s, drawn_before = thread_s_and_drawn()
     wait_for(browser, "the map is drawn", f"return sonopose.statistics.drawn > {drawn_before + 100}", 60)
-    end_s, drawn = work()
+    end_s, drawn = thread_s_and_drawn()
     each_ms = 1000 * (end_s - begin_s) / (drawn - drawn_before)
     check(each_ms <= 50, f"a drawing of {BEACONS} beacons, with all else on the page, takes it {each_ms:.1f} ms of processor time")
 

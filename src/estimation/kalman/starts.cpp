@@ -54,15 +54,15 @@ void Belief::start_at(const FixMeasurement& fix, const settings::Settings& setti
 /// A filter with the biases, lever arm and delay known so far, and the variances of a start. `start_at` adds
 /// that of the yaw.
 Filter Belief::initial_filter(bool at_rest) const {
-  // An estimate that is given up is tilted by more than the mean force of a body in motion.
-  const double tilt_std_rad = radians(at_rest ? 1.7 : phase == Phase::waiting ? 5.0 : 15.0);
+  // The attitude of an estimate that is given up is less certain than that from the mean force.
+  const double attitude_std_rad = radians(at_rest ? 1.7 : phase == Phase::waiting ? 5.0 : 15.0);
   const double speed_std_mps = at_rest ? 0.1 : 2.0;
   Filter start;
   start.covariance.setZero();
   auto variances = start.covariance.diagonal();
   variances.segment<3>(at_position).setConstant(square(0.05));
   variances.segment<3>(at_velocity).setConstant(square(speed_std_mps));
-  variances.segment<3>(at_attitude).setConstant(square(tilt_std_rad));
+  variances.segment<3>(at_attitude).setConstant(square(attitude_std_rad));
   variances.segment<3>(at_gyro_bias).setConstant(square(start_gyro_bias_std_radps));
   variances.segment<3>(at_accel_bias).setConstant(square(start_accel_bias_std_mps2));
   variances.segment<3>(at_lever_arm).setConstant(square(start_lever_arm_std_m));

@@ -10,6 +10,7 @@ namespace {
 
 constexpr TimeNs converging_ns = 500'000'000;  // after a jump
 constexpr double established_s = 4.0;          // a track that was followed for less may be wrong
+constexpr int many = 12;                       // rejected fixes in a row
 
 }  // namespace
 
@@ -36,17 +37,17 @@ bool Belief::rival_explains_better(const FixMeasurement& fix, const Matrix3d& co
          log_likelihood(of_rival) > log_likelihood(innovation) + advantage;
 }
 
-/// For how long the best filter has used no fix, if it rejected at least this many since: a silence alone
-/// says nothing.
-double Belief::unexplained_s(int rejected, TimeNs now_ns) const {
-  return fixes_rejected_in_row < rejected ? 0.0 : seconds_between(last_fix_ns, now_ns);
+/// Time since the last fix that the best filter used; 0 if it rejected fewer fixes since then: a silence
+/// alone says nothing.
+double Belief::unexplained_s(int least_rejected, TimeNs now_ns) const {
+  return fixes_rejected_in_row < least_rejected ? 0.0 : seconds_between(last_fix_ns, now_ns);
 }
 
-/// Whether no start of the search for the yaw explains the fixes. A rival copies one of them, so it may find
-/// no track either.
+/// Whether no start explains the fixes. The rival is a copy of a start, so it may not find their track
+/// either. A body without acceleration does not contradict a start: rejected fixes are then wrong themselves.
 bool Belief::all_starts_are_wrong(TimeNs now_ns) const {
   constexpr double lost_s = 1.5;
-  return phase == Phase::searching_yaw && unexplained_s(12, now_ns) > lost_s;
+  return phase == Phase::searching_yaw && rest.still_windows == 0 && unexplained_s(many, now_ns) > lost_s;
 }
 
 /// Whether the fixes contradict the start, or have found no track from what the best filter became.
@@ -55,7 +56,7 @@ bool Belief::must_start_again(TimeNs now_ns) const {
   constexpr double lost_s = 8.0;
   if (rival.fixes < agreeing) return false;
   if (fixes_since_start < proven_fixes && rival.fixes > fixes_since_start) return true;
-  return unexplained_s(12, now_ns) > lost_s;
+  return unexplained_s(many, now_ns) > lost_s;
 }
 
 void Belief::reject(const settings::Settings& settings, const FixMeasurement& fix, const Matrix3d& covariance,
@@ -68,19 +69,29 @@ void Belief::reject(const settings::Settings& settings, const FixMeasurement& fi
     outcome.weight = 1.0;
     return;
   }
-  const auto note_forced_jump = [&] {
-    note_jump(fix.time_ns);
-    outcome.flags = fix_used | fix_stuck_forced;
-    outcome.weight = 1.0;
-  };
-  if (all_starts_are_wrong(fix.time_ns)) {
-    start_at(fix, settings);
-    note_forced_jump();
-    return;
+  bool starts_again = all_starts_are_wrong(fix.time_ns);
+  if (!starts_again) {
+    if (!rival_explains(fix, covariance, ahead_s, outcome)) return;
+    starts_again = must_start_again(fix.time_ns);
+    if (!starts_again && !rival_has_won(fix.time_ns)) return;
   }
+  // While yaw is searched, the rival copies one of the starts, whose yaw is arbitrary.
+  if (starts_again || phase == Phase::searching_yaw) {
+    start_at(fix, settings);
+  } else {
+    promote_rival();
+  }
+  note_jump(fix.time_ns);
+  outcome.flags = fix_used | fix_stuck_forced;
+  outcome.weight = 1.0;
+}
+
+/// Corrects the rival by a fix that it explains. Another one begins it, or counts as a miss.
+bool Belief::rival_explains(const FixMeasurement& fix, const Matrix3d& covariance, double ahead_s,
+                            FixOutcome& outcome) {
   if (!rival.alive) {
     begin_rival(fix, covariance);
-    return;
+    return false;
   }
   const Innovation innovation = rival.filter.fix_innovation(fix.position_world_m, covariance, ahead_s);
   if (!(innovation.squared_norm <= rejected_above)) {
@@ -90,22 +101,14 @@ void Belief::reject(const settings::Settings& settings, const FixMeasurement& fi
     const int least_misses = has_just_jumped(fix.time_ns) ? 1 : 3;
     const int most_misses = least_misses + std::min(rival.fixes / 2, 9);
     if (++rival.misses_in_row >= most_misses) begin_rival(fix, covariance);
-    return;
+    return false;
   }
   outcome.hypothesis = 1;
   rival.misses_in_row = 0;
   rival.filter.correct_fix(innovation, (scale_of(innovation) - 1.0) * covariance);
   rival.last_fix_ns = fix.time_ns;
   ++rival.fixes;
-  const bool starts_again = must_start_again(fix.time_ns);
-  if (!starts_again && !rival_has_won(fix.time_ns)) return;
-  // While yaw is searched, the rival copies one of the starts, whose yaw is arbitrary.
-  if (starts_again || phase == Phase::searching_yaw) {
-    start_at(fix, settings);
-  } else {
-    promote_rival();
-  }
-  note_forced_jump();
+  return true;
 }
 
 /// Of a fix that neither the best filter nor the rival explains. Several in a row that form no track show
@@ -133,7 +136,8 @@ bool Belief::rival_has_won(TimeNs now_ns) const {
     return true;
   // The longer the best filter has explained none of the fixes, the sooner it is replaced.
   constexpr double credible_s = 3.0;
-  const double credibility = credible_s / std::max(credible_s, unexplained_s(16, now_ns));
+  constexpr int least_rejected = 16;
+  const double credibility = credible_s / std::max(credible_s, unexplained_s(least_rejected, now_ns));
   const double needed_s =
       map_has_turned(now_ns)
           ? 1.0

@@ -267,11 +267,13 @@ private:
                                            double ahead_s, const Innovation& innovation) const;
   void reject(const settings::Settings& settings, const FixMeasurement& fix, const Matrix3d& covariance,
               double ahead_s, FixOutcome& outcome);
+  bool rival_explains(const FixMeasurement& fix, const Matrix3d& covariance, double ahead_s,
+                      FixOutcome& outcome);
   void learn_from_scatter(const FixMeasurement& fix, const Innovation& innovation);
   [[nodiscard]] bool has_just_jumped(TimeNs now_ns) const;
   void note_jump(TimeNs fix_ns);
   void widen_yaw(double std_rad);
-  [[nodiscard]] double unexplained_s(int rejected, TimeNs now_ns) const;
+  [[nodiscard]] double unexplained_s(int least_rejected, TimeNs now_ns) const;
   [[nodiscard]] bool all_starts_are_wrong(TimeNs now_ns) const;
   [[nodiscard]] bool must_start_again(TimeNs now_ns) const;
   [[nodiscard]] bool rival_has_won(TimeNs now_ns) const;
