@@ -86,7 +86,8 @@ void HttpSocket::send_message(const std::string& text) const {
 
 bool HttpSocket::read_some() {
   pollfd waiting{.fd = descriptor_, .events = POLLIN, .revents = 0};
-  if (::poll(&waiting, 1, 5000) <= 0) return false;
+  constexpr int timeout_ms = 15'000;  // after a pause of the reader, TCP may wait as long as the pause
+  if (::poll(&waiting, 1, timeout_ms) <= 0) return false;
   std::array<char, 65536> buffer{};
   const ssize_t count = ::recv(descriptor_, buffer.data(), buffer.size(), 0);
   is_closed_ = count <= 0;

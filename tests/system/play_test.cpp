@@ -315,7 +315,7 @@ SCENARIO("a second Ctrl-C ends a player that hangs, and restores the terminal") 
     const HeldThread held(play.pid(), "sonopose-play");
     WHEN("Ctrl-C is pressed, and again after more than a second") {
       play.type("\x03");
-      CHECK_FALSE(play.wait_for_exit(std::chrono::milliseconds(1200)));
+      CHECK_FALSE(play.wait_for_exit(std::chrono::milliseconds(2500)));
       CHECK_FALSE(play.has_normal_line());
       play.type("\x03");
       THEN("it ends, and the terminal is as before") {
