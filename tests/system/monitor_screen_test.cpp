@@ -202,7 +202,7 @@ SCENARIO("a second Ctrl-C ends a monitor that hangs, and restores the terminal")
     const HeldThread held(monitor.pid(), "sonopose-monito");  // the kernel keeps 15 characters
     WHEN("Ctrl-C is pressed, and again after more than a second") {
       monitor.type(ctrl_c);
-      CHECK_FALSE(monitor.wait_for_exit(std::chrono::milliseconds(1200)));
+      CHECK_FALSE(monitor.wait_for_exit(std::chrono::milliseconds(2500)));
       CHECK_FALSE(monitor.has_normal_line());
       monitor.type(ctrl_c);
       THEN("it ends, and the terminal is as before") {
