@@ -264,7 +264,7 @@ SCENARIO("a pause of the doctor loses none of its samples") {
                  neutral);
   CHECK_FALSE(doctor.wait_for_exit(std::chrono::milliseconds(2000)));
   doctor.send(SIGSTOP);
-  CHECK_FALSE(doctor.wait_for_exit(std::chrono::milliseconds(2500)));
+  CHECK_FALSE(doctor.wait_for_exit(std::chrono::milliseconds(1200)));
   doctor.send(SIGCONT);
   REQUIRE(doctor.wait_for_exit());
   const std::string output = doctor.text(Stream::output);
