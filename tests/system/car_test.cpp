@@ -104,7 +104,7 @@ void print(const char* what, const RunDistance& distance) {
             << " m/s; yaw " << distance.yaw_rad.rms << ", " << distance.yaw_rad.max << " rad\n";
 }
 
-SCENARIO("the fused pose of the recorded car agrees with its wheel speed", "[car]") {
+SCENARIO("the fused pose of the recorded car agrees with its wheel speed") {
   if (!car_is_here()) return;
   GIVEN("the recording, played as fast as possible to either engine") {
     const std::string engine = GENERATE("documented", "kalman");
@@ -149,7 +149,7 @@ SCENARIO("the fused pose of the recorded car agrees with its wheel speed", "[car
   }
 }
 
-SCENARIO("the car's raw bytes give the poses of its log, up to the resolution of the protocol", "[car]") {
+SCENARIO("the car's raw bytes give the poses of its log, up to the resolution of the protocol") {
   if (!car_is_here()) return;
   GIVEN("the log and the raw bytes, played as fast as possible to the documented engine") {
     const CarRun log = play_car("log", "documented");
@@ -164,7 +164,7 @@ SCENARIO("the car's raw bytes give the poses of its log, up to the resolution of
   }
 }
 
-SCENARIO("the car's raw bytes over a serial line, in real time, give the poses of its log", "[car]") {
+SCENARIO("the car's raw bytes over a serial line, in real time, give the poses of its log") {
   if (!car_is_here()) return;
   GIVEN("a pseudo-terminal that carries the recorded bytes at the original rate") {
     const CarRun log = play_car("log", "documented");

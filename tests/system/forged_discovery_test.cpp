@@ -13,7 +13,7 @@ namespace topics = dds::topics;
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they must be loaded first
 
 // Alone: a doctor of another test that visits this domain would end, too.
-SCENARIO("programs that a forged discovery message has ended serve again after their restart", "[load]") {
+SCENARIO("programs that a forged discovery message has ended serve again after their restart") {
   GIVEN("a running bridge and fusion") {
     const Bus bus;
     const auto bridge = bus.bridge({"--scenario", "rest"});

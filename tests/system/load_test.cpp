@@ -18,7 +18,7 @@ constexpr const char* beacons = "250";
 constexpr std::size_t pose_count = 5000;
 #endif
 
-SCENARIO("a stopped consumer does not delay others", "[load]") {
+SCENARIO("a stopped consumer does not delay others") {
   GIVEN("many beacons and two consumers, one of which stops") {
     const Bus bus;
     PoseTap tap(bus);

@@ -159,7 +159,7 @@ struct ServedBeacon {
   }
 };
 
-SCENARIO("forged addresses disturb nobody", "[load]") {
+SCENARIO("forged addresses disturb nobody") {
   GIVEN("a fusion that serves a beacon at 100 Hz") {
     const ServedBeacon served;
     const auto receive = [&served](double seconds) { served.receive(seconds); };
@@ -183,7 +183,7 @@ SCENARIO("forged addresses disturb nobody", "[load]") {
   }
 }
 
-SCENARIO("forged addresses disturb no relay", "[load]") {
+SCENARIO("forged addresses disturb no relay") {
   GIVEN("a relay of a beacon at 100 Hz") {
     const Bus bus;
     const auto relay = bus.ros2();
@@ -237,7 +237,7 @@ private:
   std::jthread thread_;
 };
 
-SCENARIO("forged datagrams of all addresses disturb no bridge", "[load]") {
+SCENARIO("forged datagrams of all addresses disturb no bridge") {
   GIVEN("a bridge that receives a beacon at 100 Hz") {
     const Bus bus;
     const auto datagrams = resting_beacon(bus, healthy, 25);
@@ -288,7 +288,7 @@ SCENARIO("forged datagrams of all addresses disturb no bridge", "[load]") {
   }
 }
 
-SCENARIO("forged statuses disturb no bridge", "[load]") {
+SCENARIO("forged statuses disturb no bridge") {
   GIVEN("a bridge of a beacon at 100 Hz") {
     const Bus bus;
     Consumer<sonopose_TruthSample> truth(bus, dds::topics::truth);
@@ -336,7 +336,7 @@ void forge_ids(const Bus& bus, double duration_s) {
   std::this_thread::sleep_for(std::chrono::seconds(1));  // the writers live on
 }
 
-SCENARIO("forged fusions and lines disturb no observer", "[load]") {
+SCENARIO("forged fusions and lines disturb no observer") {
   GIVEN("a monitor or relay of a beacon at 100 Hz") {
     const std::string name = GENERATE("monitor", "relay");
     const ServedBeacon served;

@@ -160,7 +160,7 @@ int beacons_for_this_machine() {
   return chosen;
 }
 
-SCENARIO("an overloaded fusion still serves every beacon", "[load]") {
+SCENARIO("an overloaded fusion still serves every beacon") {
   GIVEN("a fusion for many beacons at 100 Hz") {
     const int beacons = beacons_for_this_machine();
     const Bus bus;

@@ -109,7 +109,7 @@ void check_one_stream(const std::vector<TappedPose>& poses, const Fusion& weak) 
   }
 }
 
-SCENARIO("a killed fusion is replaced within its lease", "[standby]") {
+SCENARIO("a killed fusion is replaced within its lease") {
   const std::string engine = GENERATE("documented", "kalman");
   const Arguments further{"--warm-up", "0.2", "--set", "fusion.engine=" + engine};
   Pair pair;
@@ -127,7 +127,7 @@ SCENARIO("a killed fusion is replaced within its lease", "[standby]") {
   report("kill -9, " + engine, waits_ms);
 }
 
-SCENARIO("a stopped fusion is replaced within its lease, and serves again when it continues", "[standby]") {
+SCENARIO("a stopped fusion is replaced within its lease, and serves again when it continues") {
   Pair pair;
   Fusion strong = pair.start("200");
   const Fusion weak = pair.start("100");
@@ -147,7 +147,7 @@ TimeNs steady_to_host_ns() {
   return clocks::host_now() - clocks::steady_now().ns;
 }
 
-SCENARIO("a process that was stopped for seconds passes nothing old off as live", "[standby]") {
+SCENARIO("a process that was stopped for seconds passes nothing old off as live") {
   const double late_s = slowness * sonopose_LATE_AFTER;
   const auto stop_for_two_seconds = [](const Process& process) {
     process.send(SIGSTOP);
@@ -211,7 +211,7 @@ SCENARIO("a process that was stopped for seconds passes nothing old off as live"
   }
 }
 
-SCENARIO("a fusion whose receive thread hangs is replaced, although its other threads run", "[standby]") {
+SCENARIO("a fusion whose receive thread hangs is replaced, although its other threads run") {
   Pair pair;
   Fusion strong = pair.start("200");
   const Fusion weak = pair.start("100");
@@ -223,8 +223,7 @@ SCENARIO("a fusion whose receive thread hangs is replaced, although its other th
   report("a thread that hangs", waits_ms);
 }
 
-SCENARIO("while the stronger fusion is alive, the weaker one delivers nothing and time never goes back",
-         "[standby]") {
+SCENARIO("while the stronger fusion is alive, the weaker one delivers nothing and time never goes back") {
   GIVEN("a pair with the stronger fusion serving") {
     Pair pair;
     const Fusion weak = pair.start("100");
@@ -247,8 +246,7 @@ SCENARIO("while the stronger fusion is alive, the weaker one delivers nothing an
 
 SCENARIO(
     "a stronger fusion takes over when it starts and hands over when it ends, without a missing sample or "
-    "a jump",
-    "[standby]") {
+    "a jump") {
   const std::string engine = GENERATE("documented", "kalman");
   const Arguments set_engine{"--set", "fusion.engine=" + engine};
   Pair pair({"--scenario", "walk", "--imu-rate", "200"});
@@ -285,7 +283,7 @@ SCENARIO(
   }
 }
 
-SCENARIO("with two beacons, each is served by the strongest fusion that has it", "[standby]") {
+SCENARIO("with two beacons, each is served by the strongest fusion that has it") {
   GIVEN("two beacons, and a pair in which the stronger fusion excludes one of them") {
     Pair pair({"--scenario", "rest", "--imu-rate", "200", "--address", "7"});
     const auto other = pair.bus.bridge({"--scenario", "rest", "--imu-rate", "200", "--address", "8"});
@@ -301,7 +299,7 @@ SCENARIO("with two beacons, each is served by the strongest fusion that has it",
   }
 }
 
-SCENARIO("a silent beacon is released, and claimed again when it returns", "[standby]") {
+SCENARIO("a silent beacon is released, and claimed again when it returns") {
   GIVEN("a fusion that claims two beacons of two bridges") {
     Pair pair({"--scenario", "rest", "--imu-rate", "200", "--address", "7"});
     const auto other = pair.bus.bridge({"--scenario", "rest", "--imu-rate", "200", "--address", "8"});
@@ -339,8 +337,7 @@ SCENARIO("a silent beacon is released, and claimed again when it returns", "[sta
   }
 }
 
-SCENARIO("a beacon that only the stronger fusion has lost is taken over while that fusion is alive",
-         "[standby]") {
+SCENARIO("a beacon that only the stronger fusion has lost is taken over while that fusion is alive") {
   GIVEN("two fusions, each with its own bridge to the same beacon, and a consumer of both") {
     const Bus bus;
     const PoseTap tap(bus, "way-*");
