@@ -54,11 +54,13 @@ TEST_CASE("angles of known attitudes, as settled on from the sensors") {
   GIVEN("a body that lies level, Z up, and looks north") {
     const Ahrs filter = settled_at(geometry::rotation_about_z(90 * degree));
     const Quaterniond& q = filter.orientation();
-    CHECK(angles_deg(orientation_in(Convention::nwu, north_is_y, q)).isMuchSmallerThan(1.0, 1e-3));
-    CHECK(angles_deg(orientation_in(Convention::enu, north_is_y, q)).isApprox(Vector3d(0, 0, 90), 1e-5));
-    const Vector3d ned = angles_deg(orientation_in(Convention::ned, north_is_y, q));
-    CHECK(std::abs(ned.x()) == Approx(180.0));  // NED's level is Z down
-    CHECK(std::abs(ned.z()) < 1e-3);
+    THEN("its angles are those of each convention") {
+      CHECK(angles_deg(orientation_in(Convention::nwu, north_is_y, q)).isMuchSmallerThan(1.0, 1e-3));
+      CHECK(angles_deg(orientation_in(Convention::enu, north_is_y, q)).isApprox(Vector3d(0, 0, 90), 1e-5));
+      const Vector3d ned = angles_deg(orientation_in(Convention::ned, north_is_y, q));
+      CHECK(std::abs(ned.x()) == Approx(180.0));  // NED's level is Z down
+      CHECK(std::abs(ned.z()) < 1e-3);
+    }
   }
   GIVEN("an aircraft in NED: Z down, climbing by 20°, heading 60° to the east of north") {
     const Quaterniond converted =
@@ -67,12 +69,14 @@ TEST_CASE("angles of known attitudes, as settled on from the sensors") {
         attitude::world_to_convention(Convention::ned, north_is_y).conjugate() * converted;
     const auto m = at_rest(truth);
     // The nose is up: gravity's reaction shows along it, and against Z, which points down.
-    CHECK(m.specific_force_body_mps2.isApprox(
-        Vector3d(g * std::sin(20 * degree), 0, -g * std::cos(20 * degree)), 1e-12));
-    Ahrs filter;
-    run(filter, {}, m, 30.0);
-    const Quaterniond settled = orientation_in(Convention::ned, north_is_y, filter.orientation());
-    CHECK((angles_deg(settled) - Vector3d(0, 20, 60)).norm() < 0.01);
+    THEN("its angles are those that were flown") {
+      CHECK(m.specific_force_body_mps2.isApprox(
+          Vector3d(g * std::sin(20 * degree), 0, -g * std::cos(20 * degree)), 1e-12));
+      Ahrs filter;
+      run(filter, {}, m, 30.0);
+      const Quaterniond settled = orientation_in(Convention::ned, north_is_y, filter.orientation());
+      CHECK((angles_deg(settled) - Vector3d(0, 20, 60)).norm() < 0.01);
+    }
   }
 }
 

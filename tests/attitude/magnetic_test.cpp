@@ -75,14 +75,18 @@ TEST_CASE(
   const Vector3d elsewhere_t(0, 30e-6, -30e-6);
   GIVEN("a body that does not turn") {
     Rig rig = that_knows_earth();
-    CHECK(rig.feed(rig.settings.longest_rejection_s - 1.0, elsewhere_t, 0.0) == 0.0);
-    CHECK(rig.feed(2.0, elsewhere_t, 0.0) == rig.settings.late_share);
+    THEN("the field is used with a reduced weight in the end") {
+      CHECK(rig.feed(rig.settings.longest_rejection_s - 1.0, elsewhere_t, 0.0) == 0.0);
+      CHECK(rig.feed(2.0, elsewhere_t, 0.0) == rig.settings.late_share);
+    }
   }
   GIVEN("a body that turns") {
     Rig rig = that_knows_earth();
-    CHECK(rig.feed(rig.settings.new_field_s - 1.0, elsewhere_t, turning_radps) == 0.0);
-    CHECK(rig.feed(2.0, elsewhere_t, turning_radps) == 1.0);
-    CHECK(rig.state.reference.level_t == Approx(30e-6).epsilon(0.01));
+    THEN("the field becomes the reference") {
+      CHECK(rig.feed(rig.settings.new_field_s - 1.0, elsewhere_t, turning_radps) == 0.0);
+      CHECK(rig.feed(2.0, elsewhere_t, turning_radps) == 1.0);
+      CHECK(rig.state.reference.level_t == Approx(30e-6).epsilon(0.01));
+    }
   }
 }
 

@@ -22,13 +22,15 @@ SCENARIO("every recording at or below a folder is found, and what is left out is
     add("runs/bench", {"imu.csv", "truth.csv"});
     add("notes", {"notes.txt"});
     add("night.part/beacon_7", {"imu.csv", "ultrasonic.csv"});
-    const evaluation::FoundRecordings found = evaluation::recordings_in(folder.path());
-    CHECK(found.folders == std::vector{folder / "runs/walk"});
-    REQUIRE(found.left_out.size() == 2);
-    CHECK(found.left_out.front() ==
-          (folder / "night.part").string() + ": is not complete; name it to score it");
-    CHECK(found.left_out.back() == (folder / "runs/bench").string() + ": has no ultrasonic.csv");
-    CHECK(evaluation::recordings_in(folder / "runs/walk").folders.size() == 1);
+    THEN("the log alone is found, and the others are named") {
+      const evaluation::FoundRecordings found = evaluation::recordings_in(folder.path());
+      CHECK(found.folders == std::vector{folder / "runs/walk"});
+      REQUIRE(found.left_out.size() == 2);
+      CHECK(found.left_out.front() ==
+            (folder / "night.part").string() + ": is not complete; name it to score it");
+      CHECK(found.left_out.back() == (folder / "runs/bench").string() + ": has no ultrasonic.csv");
+      CHECK(evaluation::recordings_in(folder / "runs/walk").folders.size() == 1);
+    }
   }
   CHECK_THROWS_WITH(evaluation::recordings_in("/nowhere/at/all"), Catch::Contains("/nowhere/at/all"));
 }
@@ -43,9 +45,7 @@ SCENARIO("a case of a scenario that varies has the disturbances of its run") {
         const auto* fix = std::get_if<UltrasonicFix>(&event);
         if (fix == nullptr) continue;
         const double time_s = seconds_between(available_at_ns(hall.events.front()), fix->emission_time_ns);
-        for (const sim::Outage& outage : hall.outages) {
-          REQUIRE((time_s < outage.begin_s || time_s >= outage.begin_s + outage.duration_s));
-        }
+        REQUIRE_FALSE(sim::is_outage(hall.outages, time_s));
       }
     }
     THEN("the map of seed " + std::to_string(seed) + " moves where its truth jumps") {

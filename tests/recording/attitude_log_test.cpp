@@ -33,22 +33,26 @@ SCENARIO("an attitude log is read, with and without what may be absent") {
   write_text(folder / "imu.csv", imu_text);
   GIVEN("the IMU alone") {
     const AttitudeLog log = read_attitude_log(folder.path());
-    CHECK(log.imu.size() == 1);
-    CHECK(log.imu[0].magnetic_field_body_t->isApprox(Vector3d(20e-6, 0, -40e-6)));
-    CHECK(log.truth.empty());
-    CHECK(log.movements.empty());
+    THEN("there is neither truth nor a movement") {
+      CHECK(log.imu.size() == 1);
+      CHECK(log.imu[0].magnetic_field_body_t->isApprox(Vector3d(20e-6, 0, -40e-6)));
+      CHECK(log.truth.empty());
+      CHECK(log.movements.empty());
+    }
   }
   GIVEN("truth without a position, and two movements") {
     write_text(folder / "truth.csv", "#timestamp,p_x,p_y,p_z,q_w,q_x,q_y,q_z\n5,,,,0,1,0,0\n6,,,,,,,\n");
     write_text(folder / "movement.csv", "#start [ns],end [ns]\n5,9\n20,20\n");
     const AttitudeLog log = read_attitude_log(folder.path());
-    REQUIRE(log.truth.size() == 2);
-    CHECK(log.truth[0].q_body_to_world.x() == 1.0);
-    REQUIRE(log.movements.size() == 2);
-    CHECK(log.movements[0].contains(5));
-    CHECK(log.movements[0].contains(9));
-    CHECK_FALSE(log.movements[0].contains(10));
-    CHECK(log.movements[1].contains(20));
+    THEN("truth and movements are read") {
+      REQUIRE(log.truth.size() == 2);
+      CHECK(log.truth[0].q_body_to_world.x() == 1.0);
+      REQUIRE(log.movements.size() == 2);
+      CHECK(log.movements[0].contains(5));
+      CHECK(log.movements[0].contains(9));
+      CHECK_FALSE(log.movements[0].contains(10));
+      CHECK(log.movements[1].contains(20));
+    }
   }
 }
 
@@ -56,18 +60,24 @@ SCENARIO("an invalid attitude log is refused by name") {
   const TemporaryFolder folder;
   GIVEN("no sample") {
     write_text(folder / "imu.csv", imu_text.substr(0, imu_text.find('\n') + 1));
-    CHECK_THAT(complaint_about(folder), Contains("imu.csv") && Contains("no sample"));
+    THEN("the file is named") {
+      CHECK_THAT(complaint_about(folder), Contains("imu.csv") && Contains("no sample"));
+    }
   }
   GIVEN("movements without one") {
     write_text(folder / "imu.csv", imu_text);
     write_text(folder / "movement.csv", "#start [ns],end [ns]\n");
-    CHECK_THAT(complaint_about(folder), Contains("movement.csv") && Contains("no span"));
+    THEN("the file is named") {
+      CHECK_THAT(complaint_about(folder), Contains("movement.csv") && Contains("no span"));
+    }
   }
   GIVEN("a movement that ends before it starts") {
     write_text(folder / "imu.csv", imu_text);
     write_text(folder / "movement.csv", "#start [ns],end [ns]\n5,9\n20,19\n");
-    CHECK_THAT(complaint_about(folder),
-               Contains("movement.csv:3") && Contains("19") && Contains("before the start"));
+    THEN("its line is named") {
+      CHECK_THAT(complaint_about(folder),
+                 Contains("movement.csv:3") && Contains("19") && Contains("before the start"));
+    }
   }
 }
 

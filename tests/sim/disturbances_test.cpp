@@ -126,35 +126,43 @@ SCENARIO("spikes lie at the configured distance in any direction") {
 SCENARIO("disturbances begin and end on time") {
   GIVEN("an outage from 5 to 7 s") {
     const Disturbances disturbances{.outages = {{5.0, 2.0}}};
-    CHECK_FALSE(is_outage(disturbances.outages, 4.999));
-    CHECK(is_outage(disturbances.outages, 5.0));
-    CHECK(is_outage(disturbances.outages, 6.999));
-    CHECK_FALSE(is_outage(disturbances.outages, 7.0));
-    CHECK_FALSE(is_outage({}, 6.0));
+    THEN("it is there from 5 s to just before 7 s") {
+      CHECK_FALSE(is_outage(disturbances.outages, 4.999));
+      CHECK(is_outage(disturbances.outages, 5.0));
+      CHECK(is_outage(disturbances.outages, 6.999));
+      CHECK_FALSE(is_outage(disturbances.outages, 7.0));
+      CHECK_FALSE(is_outage({}, 6.0));
+    }
   }
   GIVEN("a halved fix rate from 5 to 7 s") {
     const Disturbances disturbances{.halved_fix_rates = {{5.0, 2.0}}};
-    CHECK_FALSE(is_left_out(disturbances, 4.999, 51));
-    CHECK(is_left_out(disturbances, 5.0, 51));
-    CHECK_FALSE(is_left_out(disturbances, 5.1, 52));
-    CHECK(is_left_out(disturbances, 6.999, 53));
-    CHECK_FALSE(is_left_out(disturbances, 7.0, 53));
+    THEN("every other fix of that time is left out") {
+      CHECK_FALSE(is_left_out(disturbances, 4.999, 51));
+      CHECK(is_left_out(disturbances, 5.0, 51));
+      CHECK_FALSE(is_left_out(disturbances, 5.1, 52));
+      CHECK(is_left_out(disturbances, 6.999, 53));
+      CHECK_FALSE(is_left_out(disturbances, 7.0, 53));
+    }
   }
   GIVEN("a burst from 5 to 7 s") {
     const Vector3d offset(1.0, -2.0, 0.5);
     const Disturbances disturbances{.outlier_bursts = {{5.0, 2.0, offset}}};
     const Vector3d anywhere(3.0, 4.0, 5.0);
-    CHECK(track_offset_world_m(disturbances, 4.999, anywhere) == Vector3d::Zero());
-    CHECK(track_offset_world_m(disturbances, 5.0, anywhere) == offset);
-    CHECK(track_offset_world_m(disturbances, 7.0, anywhere) == Vector3d::Zero());
+    THEN("fixes of that time are off by its offset") {
+      CHECK(track_offset_world_m(disturbances, 4.999, anywhere) == Vector3d::Zero());
+      CHECK(track_offset_world_m(disturbances, 5.0, anywhere) == offset);
+      CHECK(track_offset_world_m(disturbances, 7.0, anywhere) == Vector3d::Zero());
+    }
   }
   GIVEN("a track that drifts away by 0.5 m/s from 5 to 9 s") {
     const Disturbances disturbances{
         .outlier_bursts = {{.begin_s = 5.0, .duration_s = 4.0, .drift_world_mps = {0.3, 0.0, -0.4}}}};
-    CHECK(track_offset_world_m(disturbances, 5.0, Vector3d::Zero()) == Vector3d::Zero());
-    CHECK((track_offset_world_m(disturbances, 7.0, Vector3d::Zero()) - Vector3d(0.6, 0.0, -0.8)).norm() <
-          1e-12);
-    CHECK(track_offset_world_m(disturbances, 9.0, Vector3d::Zero()) == Vector3d::Zero());
+    THEN("fixes of that time are off by the way that it went") {
+      CHECK(track_offset_world_m(disturbances, 5.0, Vector3d::Zero()) == Vector3d::Zero());
+      CHECK((track_offset_world_m(disturbances, 7.0, Vector3d::Zero()) - Vector3d(0.6, 0.0, -0.8)).norm() <
+            1e-12);
+      CHECK(track_offset_world_m(disturbances, 9.0, Vector3d::Zero()) == Vector3d::Zero());
+    }
   }
   GIVEN("a track that a wall at 45° through the origin mirrors") {
     const Wall wall{Vector3d::Zero(), Vector3d(1.0, -1.0, 0.0).normalized()};
@@ -167,9 +175,11 @@ SCENARIO("disturbances begin and end on time") {
   }
   GIVEN("two relocations") {
     const Disturbances disturbances{.relocations = {{5.0, {1, 0, 0}}, {9.0, {0, 2, 0}}}};
-    CHECK(relocated(disturbances, 4.999, {}).position_world_m == Vector3d::Zero());
-    CHECK(relocated(disturbances, 5.0, {}).position_world_m == Vector3d(1, 0, 0));
-    CHECK(relocated(disturbances, 100.0, {}).position_world_m == Vector3d(1, 2, 0));
+    THEN("each moves the truth from its time on") {
+      CHECK(relocated(disturbances, 4.999, {}).position_world_m == Vector3d::Zero());
+      CHECK(relocated(disturbances, 5.0, {}).position_world_m == Vector3d(1, 0, 0));
+      CHECK(relocated(disturbances, 100.0, {}).position_world_m == Vector3d(1, 2, 0));
+    }
   }
   GIVEN("a map that turns by 90° about (1, 0) and shifts by 5 m along X") {
     const Disturbances disturbances{.relocations = {{5.0, {5, 0, 0}, std::numbers::pi / 2, {1, 0, 0}}}};
@@ -185,19 +195,23 @@ SCENARIO("disturbances begin and end on time") {
   }
   GIVEN("a heading that is off by up to 0.5 rad from 5 to 9 s") {
     const Disturbances disturbances{.heading_errors = {{5.0, 4.0, 0.5}}};
-    CHECK(heading_error_rad(disturbances, 4.999) == 0.0);
-    CHECK(heading_error_rad(disturbances, 5.0) == 0.0);
-    CHECK(heading_error_rad(disturbances, 6.0) == Approx(0.25));
-    CHECK(heading_error_rad(disturbances, 7.0) == Approx(0.5));
-    CHECK(heading_error_rad(disturbances, 8.999) < 1e-6);
-    CHECK(heading_error_rad(disturbances, 9.0) == 0.0);
+    THEN("the error rises, falls and is over") {
+      CHECK(heading_error_rad(disturbances, 4.999) == 0.0);
+      CHECK(heading_error_rad(disturbances, 5.0) == 0.0);
+      CHECK(heading_error_rad(disturbances, 6.0) == Approx(0.25));
+      CHECK(heading_error_rad(disturbances, 7.0) == Approx(0.5));
+      CHECK(heading_error_rad(disturbances, 8.999) < 1e-6);
+      CHECK(heading_error_rad(disturbances, 9.0) == 0.0);
+    }
   }
   GIVEN("a gyro that drifts from 5 to 9 s") {
     const Disturbances disturbances{.gyro_drift = GyroDrift{5.0, 4.0, {0.4, 0.0, -0.8}}};
-    CHECK(gyro_drift_body_radps(disturbances, 5.0) == Vector3d::Zero());
-    CHECK((gyro_drift_body_radps(disturbances, 6.0) - Vector3d(0.1, 0.0, -0.2)).norm() < 1e-12);
-    CHECK(gyro_drift_body_radps(disturbances, 50.0) == Vector3d(0.4, 0.0, -0.8));
-    CHECK(gyro_drift_body_radps({}, 6.0) == Vector3d::Zero());
+    THEN("the error grows with time, and stays") {
+      CHECK(gyro_drift_body_radps(disturbances, 5.0) == Vector3d::Zero());
+      CHECK((gyro_drift_body_radps(disturbances, 6.0) - Vector3d(0.1, 0.0, -0.2)).norm() < 1e-12);
+      CHECK(gyro_drift_body_radps(disturbances, 50.0) == Vector3d(0.4, 0.0, -0.8));
+      CHECK(gyro_drift_body_radps({}, 6.0) == Vector3d::Zero());
+    }
   }
 }
 

@@ -214,17 +214,19 @@ SCENARIO("without a heading each seed starts in another direction") {
     }
   }
   GIVEN("some runs") {
-    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-      const Run run{.seed = seed, .duration_s = 30.0};
-      const Recording recording = record(scenario, run);
-      REQUIRE(of_kind<PairHeading>(recording).empty());
-      // The walk looks where it goes, in whatever direction it started, and the fixes are there with it.
-      const TruthSample& last = recording.truth.back();
-      const double course = std::atan2(last.velocity_world_mps.y(), last.velocity_world_mps.x());
-      CHECK(std::abs(geometry::wrap_angle(course - geometry::yaw_of(last.q_body_to_world))) < 1e-9);
-      const auto fix = of_kind<UltrasonicFix>(recording).back();
-      const Motion motion = Simulator(scenario, run).motion_at(fix.emission_time_ns);
-      CHECK((motion.position_world_m - fix.position_world_m).norm() < 0.14);
+    THEN("each walks in its direction, and its fixes are there with it") {
+      for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+        const Run run{.seed = seed, .duration_s = 30.0};
+        const Recording recording = record(scenario, run);
+        REQUIRE(of_kind<PairHeading>(recording).empty());
+        // The walk looks where it goes, in whatever direction it started, and the fixes are there with it.
+        const TruthSample& last = recording.truth.back();
+        const double course = std::atan2(last.velocity_world_mps.y(), last.velocity_world_mps.x());
+        CHECK(std::abs(geometry::wrap_angle(course - geometry::yaw_of(last.q_body_to_world))) < 1e-9);
+        const auto fix = of_kind<UltrasonicFix>(recording).back();
+        const Motion motion = Simulator(scenario, run).motion_at(fix.emission_time_ns);
+        CHECK((motion.position_world_m - fix.position_world_m).norm() < 0.14);
+      }
     }
   }
   CHECK(scenario.score_after_s == 20.0);
@@ -284,14 +286,16 @@ SCENARIO("a whole run is recorded in order") {
     }
   }
   GIVEN("every scenario, twice") {
-    for (const auto& group : {scenarios(), harder_scenarios()}) {
-      for (const Scenario& scenario : group) {
-        CAPTURE(scenario.name);
-        const Recording once = record(scenario, {.seed = 3});
-        CHECK(once.events == record(scenario, {.seed = 3}).events);
-        CHECK(once.events == record(drawn(scenario, {.seed = 3}), {.seed = 3}).events);
-        CHECK(once.events != record(scenario, {.seed = 4}).events);
-        for (std::size_t i = 0; i < once.events.size(); ++i) REQUIRE(sequence_of(once.events[i]) == i + 1);
+    THEN("a seed gives the same events again, another one others") {
+      for (const auto& group : {scenarios(), harder_scenarios()}) {
+        for (const Scenario& scenario : group) {
+          CAPTURE(scenario.name);
+          const Recording once = record(scenario, {.seed = 3});
+          CHECK(once.events == record(scenario, {.seed = 3}).events);
+          CHECK(once.events == record(drawn(scenario, {.seed = 3}), {.seed = 3}).events);
+          CHECK(once.events != record(scenario, {.seed = 4}).events);
+          for (std::size_t i = 0; i < once.events.size(); ++i) REQUIRE(sequence_of(once.events[i]) == i + 1);
+        }
       }
     }
   }

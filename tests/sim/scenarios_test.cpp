@@ -78,13 +78,15 @@ SCENARIO("every scenario rests for the first three seconds, level, so that gyros
   for (const Scenario& scenario : scenarios()) {
     GIVEN("the scenario " + std::string(scenario.name)) {
       const Motion first = scenario.motion(0.0);
-      for (double t = 0; t <= 3.0; t += 0.05) {
-        const Motion motion = scenario.motion(t);
-        CHECK(motion.position_world_m == first.position_world_m);
-        CHECK(motion.velocity_world_mps.norm() == 0.0);
-        CHECK(motion.acceleration_world_mps2.norm() == 0.0);
-        CHECK(motion.angular_velocity_body_radps.norm() == 0.0);
-        CHECK((motion.q_body_to_world * Vector3d::UnitZ()).z() == Approx(1.0));
+      THEN("it is at rest and level until then") {
+        for (double t = 0; t <= 3.0; t += 0.05) {
+          const Motion motion = scenario.motion(t);
+          CHECK(motion.position_world_m == first.position_world_m);
+          CHECK(motion.velocity_world_mps.norm() == 0.0);
+          CHECK(motion.acceleration_world_mps2.norm() == 0.0);
+          CHECK(motion.angular_velocity_body_radps.norm() == 0.0);
+          CHECK((motion.q_body_to_world * Vector3d::UnitZ()).z() == Approx(1.0));
+        }
       }
     }
   }
@@ -211,21 +213,25 @@ SCENARIO("the drone flies by its thrust alone") {
 
 SCENARIO("driven and walked paths are periodic") {
   GIVEN("an hour later") {
-    for (const Scenario& scenario : scenarios()) {
-      const Motion late = scenario.motion(3600.0);
-      CAPTURE(scenario.name);
-      CHECK(late.position_world_m.norm() < 40.0);
-      CHECK(late.velocity_world_mps.norm() < 7.0);
+    THEN("no path has run away") {
+      for (const Scenario& scenario : scenarios()) {
+        const Motion late = scenario.motion(3600.0);
+        CAPTURE(scenario.name);
+        CHECK(late.position_world_m.norm() < 40.0);
+        CHECK(late.velocity_world_mps.norm() < 7.0);
+      }
     }
   }
   GIVEN("the joints of the laps") {
-    for (const char* name : {"forklift", "spin"}) {
-      const Scenario& scenario = find_scenario(name);
-      for (double t = 3.0; t < 130.0; t += 1e-3) {
-        const Motion before = scenario.motion(t);
-        const Motion after = scenario.motion(t + 1e-3);
-        REQUIRE((after.position_world_m - before.position_world_m).norm() < 2.1e-3);
-        REQUIRE(before.q_body_to_world.angularDistance(after.q_body_to_world) < 9.1e-3);
+    THEN("nothing jumps there") {
+      for (const char* name : {"forklift", "spin"}) {
+        const Scenario& scenario = find_scenario(name);
+        for (double t = 3.0; t < 130.0; t += 1e-3) {
+          const Motion before = scenario.motion(t);
+          const Motion after = scenario.motion(t + 1e-3);
+          REQUIRE((after.position_world_m - before.position_world_m).norm() < 2.1e-3);
+          REQUIRE(before.q_body_to_world.angularDistance(after.q_body_to_world) < 9.1e-3);
+        }
       }
     }
   }

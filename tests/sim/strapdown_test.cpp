@@ -75,16 +75,14 @@ Drift drift_after_20_s(const Scenario& scenario, double rate_hz, const Vector3d&
 
 SCENARIO("a perfect IMU integrates back to the truth of every harder scenario, too") {
   for (const Scenario& variable : harder_scenarios()) {
-    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-      GIVEN("20 s of " + std::string(variable.name) + " at 1 kHz, seed " + std::to_string(seed)) {
-        Scenario scenario = drawn(variable, {.seed = seed});
-        scenario.disturbances = {};
-        const Drift drift = drift_after_20_s(scenario, 1000.0);
-        THEN("pure integration ends within millimetres, shaken or not") {
-          CHECK(drift.position_m < 3e-3);
-          CHECK(drift.velocity_mps < 1e-3);
-          CHECK(drift.angle_rad < 3e-5);
-        }
+    GIVEN("20 s of " + std::string(variable.name) + " at 1 kHz") {
+      Scenario scenario = drawn(variable, {.seed = 1});
+      scenario.disturbances = {};
+      const Drift drift = drift_after_20_s(scenario, 1000.0);
+      THEN("pure integration ends within millimetres, shaken or not") {
+        CHECK(drift.position_m < 3e-3);
+        CHECK(drift.velocity_mps < 1e-3);
+        CHECK(drift.angle_rad < 3e-5);
       }
     }
   }
@@ -112,8 +110,10 @@ SCENARIO("the integration's error falls with the square of the step, as the trap
       const double middle_m = drift_after_20_s(scenario, 250.0).position_m;
       const double fine_m = drift_after_20_s(scenario, 500.0).position_m;
       INFO("position errors " << coarse_m << ", " << middle_m << ", " << fine_m << " m");
-      CHECK(coarse_m / middle_m == Approx(4.0).epsilon(0.15));
-      CHECK(middle_m / fine_m == Approx(4.0).epsilon(0.15));
+      THEN("half the step has a quarter of the error") {
+        CHECK(coarse_m / middle_m == Approx(4.0).epsilon(0.15));
+        CHECK(middle_m / fine_m == Approx(4.0).epsilon(0.15));
+      }
     }
   }
 }

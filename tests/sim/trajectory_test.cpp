@@ -25,6 +25,7 @@ Vector3d rate_between(const Quaterniond& before, const Quaterniond& after, doubl
 /// Every motion, and the largest third derivative of its position (m/s³) and of its attitude (rad/s³).
 struct Case {
   Scenario scenario;
+  std::uint64_t seed;
   double jerk_limit;
   double angular_jerk_limit;
 };
@@ -32,23 +33,23 @@ struct Case {
 std::vector<Case> cases() {
   std::vector<Case> found;
   // Bobbing by 1 cm at 1.8 Hz: 14 m/s³. A step of the acceleration would be thousands.
-  for (const Scenario& scenario : scenarios()) found.push_back({scenario, 60.0, 60.0});
+  for (const Scenario& scenario : scenarios()) found.push_back({scenario, 0, 60.0, 60.0});
   for (const Scenario& scenario : harder_scenarios()) {
     const std::string_view name = scenario.name;
     // A stop from 2.5 m/s with 20 m/s² has 5.77 · 2.5 m/s / (0.234 s)². Shaking at 6 Hz multiplies 1 cm and
     // 2° by 53,600 s⁻³ per axis.
     const double jerk_limit = name == "hard_stops" ? 500.0 : name == "hand_held" ? 1000.0 : 60.0;
     const double angular_jerk_limit = name == "hand_held" ? 5000.0 : 120.0;
-    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-      found.push_back({drawn(scenario, {.seed = seed}), jerk_limit, angular_jerk_limit});
+    for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+      found.push_back({drawn(scenario, {.seed = seed}), seed, jerk_limit, angular_jerk_limit});
     }
   }
   return found;
 }
 
 SCENARIO("the derivatives of each motion are consistent") {
-  for (const auto& [scenario, jerk_limit, angular_jerk_limit] : cases()) {
-    GIVEN("the scenario " + std::string(scenario.name)) {
+  for (const auto& [scenario, seed, jerk_limit, angular_jerk_limit] : cases()) {
+    GIVEN("the scenario " + std::string(scenario.name) + ", seed " + std::to_string(seed)) {
       WHEN("finite differences are taken every few hundredths of a second") {
         constexpr double h = 1e-4;
         double velocity_error = 0;
@@ -89,8 +90,8 @@ SCENARIO("the derivatives of each motion are consistent") {
 }
 
 SCENARIO("no motion has a step in its acceleration") {
-  for (const auto& [scenario, jerk_limit, angular_jerk_limit] : cases()) {
-    GIVEN("the scenario " + std::string(scenario.name)) {
+  for (const auto& [scenario, seed, jerk_limit, angular_jerk_limit] : cases()) {
+    GIVEN("the scenario " + std::string(scenario.name) + ", seed " + std::to_string(seed)) {
       constexpr double step_s = 1e-3;
       double jerk = 0;
       double angular_jerk = 0;
@@ -103,8 +104,10 @@ SCENARIO("no motion has a step in its acceleration") {
             angular_jerk,
             (next.angular_acceleration_body_radps2 - now.angular_acceleration_body_radps2).norm() / step_s);
       }
-      CHECK(jerk < jerk_limit);
-      CHECK(angular_jerk < angular_jerk_limit);
+      THEN("no third derivative exceeds that of the motion") {
+        CHECK(jerk < jerk_limit);
+        CHECK(angular_jerk < angular_jerk_limit);
+      }
     }
   }
 }

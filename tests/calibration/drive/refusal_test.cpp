@@ -19,7 +19,7 @@ using namespace sonopose::test;
 using namespace sonopose::calibration::drive;
 using Catch::Contains;
 
-constexpr double short_drive_s = 60.0;
+constexpr double short_drive_s = 45.0;
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool is_sanitized = true;  // a pass then takes twenty times as long
 #else

@@ -1,6 +1,7 @@
 /// Whatever the settings and the samples are: the state stays finite, and a body at rest is not set in
 /// motion.
 
+#include "support/seeds.hpp"
 #include <sonopose/estimation/documented/engine.hpp>
 #include <sonopose/estimation/documented/state_fields.hpp>
 #include <sonopose/estimation/estimator.hpp>
@@ -182,8 +183,8 @@ private:
   TimeNs now_ns_ = start_ns;
 };
 
-TEST_CASE("the state stays finite for any settings and any samples in any order") {
-  constexpr unsigned cases = 10'000;
+TEST_CASE("the state stays finite for any settings and any samples in any order", "[accuracy]") {
+  const unsigned cases = test::seeds(1500, 10'000);
   constexpr int events = 250;
   std::uint64_t poses = 0;
   for (unsigned seed = 1; seed <= cases; ++seed) {
@@ -204,9 +205,9 @@ TEST_CASE("the state stays finite for any settings and any samples in any order"
         std::size_t{cases} * 85);  // most of the samples were taken, however strange their calibration
 }
 
-TEST_CASE("a body at rest stays bounded for any settings") {
+TEST_CASE("a body at rest stays bounded for any settings", "[accuracy]") {
   // An error of the accelerometer of 0.05 m/s² that nothing corrects makes 1 m/s in 20 s.
-  constexpr unsigned cases = 10'000;
+  const unsigned cases = test::seeds(1500, 10'000);
   constexpr int samples = 400;
   for (unsigned seed = 1; seed <= cases; ++seed) {
     Dice dice(seed);

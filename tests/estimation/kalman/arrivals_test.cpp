@@ -3,6 +3,7 @@
 #include "sim/scenario.hpp"
 #include "sim/simulator.hpp"
 #include "support/poses_of.hpp"
+#include "support/seeds.hpp"
 #include <sonopose/estimation/estimator.hpp>
 #include <sonopose/estimation/kalman/engine.hpp>
 #include <sonopose/geometry/rotation.hpp>
@@ -93,7 +94,7 @@ SCENARIO("the order of arrival does not matter") {
   GIVEN("runs whose fixes and headings arrive at random within 0.85 s") {
     const char* const scenario = GENERATE("walk", "outlier_bursts", "no_heading", "hall", "moved_map",
                                           "drone", "wrong_tracks", "imu_gaps");
-    const std::uint64_t seed = GENERATE(range(71U, 75U));
+    const std::uint64_t seed = GENERATE(range(71U, 73U));
     const bool is_fast = seed == 71;
     CAPTURE(scenario, seed, is_fast);
     const sim::Recording run = record(scenario, is_fast ? 12.0 : 30.0, seed, is_fast ? 1000.0 : 100.0);
@@ -138,12 +139,12 @@ std::vector<Event> jittered(std::vector<Event> events, std::uint32_t seed) {
   return events;
 }
 
-SCENARIO("a microsecond in the stamps decides nothing for long") {
-  GIVEN("200 runs with wrong tracks, corners, gaps and an unknown yaw") {
+SCENARIO("a microsecond in the stamps decides nothing for long", "[accuracy]") {
+  GIVEN("runs with wrong tracks, corners, gaps and an unknown yaw") {
     constexpr double visible_m = 1e-3;
     int visible_runs = 0;
     double longest_s = 0.0;
-    for (std::uint32_t i = 0; i < 200; ++i) {
+    for (std::uint32_t i = 0; i < test::seeds(50, 200); ++i) {
       const std::array scenarios{"walk", "kart", "outlier_bursts", "hall", "no_heading"};
       const sim::Recording run = record(scenarios[i % scenarios.size()], 20.0, 3001 + i);
       kalman::Engine engine{settings::Settings{}};

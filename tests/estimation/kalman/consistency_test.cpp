@@ -5,6 +5,7 @@
 #include "sim/scenario.hpp"
 #include "sim/simulator.hpp"
 #include "support/recordings.hpp"
+#include "support/seeds.hpp"
 #include <sonopose/estimation/estimator.hpp>
 #include <sonopose/estimation/kalman/engine.hpp>
 #include <sonopose/geometry/rotation.hpp>
@@ -120,13 +121,13 @@ void add_run(Consistency& consistency, const sim::Scenario& scenario, std::uint6
   }
 }
 
-SCENARIO("the Kalman engine knows how uncertain it is") {
-  GIVEN("100 runs of ordinary motion that nothing was tuned on") {
-    // With fewer, chance alone may halve the share of innovations above 0.1 %.
+SCENARIO("the Kalman engine knows how uncertain it is", "[accuracy]") {
+  const unsigned runs = test::seeds(30, 100);
+  GIVEN("runs of ordinary motion that nothing was tuned on") {
     const std::string name = GENERATE("walk", "forklift", "kart", "drone");
     const bool known_noise = GENERATE(false, true);
     Consistency consistency;
-    for (std::uint64_t seed = 2001; seed <= 2100; ++seed) {
+    for (std::uint64_t seed = 2001; seed < 2001 + runs; ++seed) {
       add_run(consistency, sim::find_scenario(name), seed, known_noise);
     }
     fmt::print("{}, fix noise {}: {}\n", name, known_noise ? "known" : "learned", consistency.text());
@@ -138,7 +139,8 @@ SCENARIO("the Kalman engine knows how uncertain it is") {
       AND_THEN("so are its innovations, and outliers are as rare as in a normal distribution") {
         CHECK(consistency.innovation.value() == Approx(1.0).margin(0.05));
         constexpr std::array expected{0.05, 0.01, 0.001};
-        for (std::size_t i = 0; i < expected.size(); ++i) {
+        const std::size_t shares = runs < 100 ? 2 : 3;  // chance alone may halve the rarest of few
+        for (std::size_t i = 0; i < shares; ++i) {
           CAPTURE(expected[i]);
           CHECK(consistency.share_above(i) < 2.0 * expected[i]);
           CHECK(consistency.share_above(i) > 0.5 * expected[i]);
