@@ -240,6 +240,7 @@ void HistoryChecker::check_late(BeaconAddress address, const Track& track) {
     if ((pose.status & status_late) == 0U || may_be_late(pose)) continue;
     if (transit_ns(pose) > limits_.prompt_transit_ns) continue;
     if (!had_warm_fusion(address, pose.received - limits_.lease_ns, pose.received)) continue;
+    if (stalled_ns(pose.received - limits_.late_after_ns, pose.received) >= limits_.lease_ns / 2) continue;
     const auto stops =
         std::count_if(history_.episodes.begin(), history_.episodes.end(), [&](const Episode& episode) {
           return episode.step.fault == Fault::stop &&
@@ -261,7 +262,8 @@ bool HistoryChecker::may_be_late(const Arrival& pose) const {
 /// A weaker fusion is received only when the stronger one has lost its lease, was taken out or has released
 /// the beacon because it received no samples of it.
 bool HistoryChecker::may_weaken(const Track& track, const Arrival& before, const Arrival& after) const {
-  constexpr TimeNs notice_ns = 20'000'000;  // another thread records the loss
+  // Another thread records the loss.
+  const TimeNs notice_ns = 20'000'000 + stalled_ns(before.received, after.received + 1'000'000'000);
   const auto is_loss = [&](const LivelinessLoss& loss) {
     return loss.writer == before.writer && loss.at >= before.received &&
            loss.at <= after.received + notice_ns;

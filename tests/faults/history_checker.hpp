@@ -21,6 +21,7 @@ struct Limits {
   /// From the stamp of the sample of a pose without LATE until it left the bridge: LATE_AFTER, and 0.3 s for
   /// the delay of the line.
   TimeNs transit_ns = 550'000'000;
+  TimeNs late_after_ns = 250'000'000;      ///< LATE_AFTER
   TimeNs prompt_transit_ns = 150'000'000;  ///< above this a pose may have LATE for what the bridge did
   TimeNs future_ns = 10'000'000;           ///< how far a stamp may be ahead of the host's clock
   TimeNs recovery_ns = 3'000'000'000;      ///< after the last fault

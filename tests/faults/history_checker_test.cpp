@@ -181,6 +181,12 @@ SCENARIO("late poses end no silence, and a fusion that continues sends one at mo
     mark_late(7, 7.004);
     CHECK(violations_of(history) == none);
   }
+  GIVEN("some that a busy machine kept waiting") {
+    mark_late(7, 7.05);
+    CHECK_THAT(violations_of(history).at(0), Contains("late beside a warm fusion"));
+    history.stalls = {{at(6.9), at(6.98)}};
+    CHECK(violations_of(history) == none);
+  }
   GIVEN("a step of the bridge's clock, after which all are late") {
     history.episodes.push_back({{.fault = Fault::clock_step, .target = Role::bridge}, {at(6.5), at(6.5)}});
     mark_late(7, 7.3);

@@ -74,8 +74,9 @@ struct Plan {
 /// The plan of this seed, always the same. Without `clock_steps` it has none of them.
 Plan draw_plan(std::uint64_t seed, bool clock_steps = true);
 
-/// Ten seeds whose plans together have every fault of a bridge and of a fusion, on both lines and both disks.
-inline constexpr std::array<std::uint64_t, 10> short_seeds{2, 12, 17, 18, 24, 28, 30, 38, 48, 49};
+/// Seeds whose plans together have every fault of a bridge and of a fusion, except an unplugged line and a
+/// step of the bridge's clock, on both lines and both disks.
+inline constexpr std::array<std::uint64_t, 3> short_seeds{901, 1018, 1089};
 
 /// The process whose clock the plan steps.
 std::optional<Role> stepped_clock(const Plan& plan);

@@ -18,6 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr TimeNs least_ns = 3'000'000;  ///< of a stall
+
 /// The folders of the threads of this process and of its children.
 std::vector<fs::path> thread_folders() {
   std::vector<fs::path> folders;
@@ -64,8 +66,12 @@ void StallWatch::watch(const std::stop_token& stop) {
   constexpr int rounds_per_search = 10;
   for (int round = 0; !stop.stop_requested(); ++round) {
     if (round % rounds_per_search == 0) find_tasks();
-    sample(clocks::steady_now());
+    const SteadyTime now = clocks::steady_now();
+    sample(now);
     std::this_thread::sleep_for(period);
+    // A virtual machine that does not run at all is no wait of a thread.
+    const SteadyTime due = now + TimeNs{std::chrono::nanoseconds(period).count()};
+    if (clocks::steady_now() - due >= least_ns) add({due, clocks::steady_now()});
   }
 }
 
@@ -78,8 +84,12 @@ void StallWatch::find_tasks() {
   }
 }
 
+void StallWatch::add(const Interval& stall) {
+  const std::lock_guard lock(mutex_);
+  stalls_.push_back(stall);
+}
+
 void StallWatch::sample(SteadyTime now) {
-  constexpr TimeNs least_ns = 3'000'000;
   for (auto entry = tasks_.begin(); entry != tasks_.end();) {
     Task& task = entry->second;
     const auto waited = waited_ns(task.file);
@@ -89,10 +99,7 @@ void StallWatch::sample(SteadyTime now) {
       continue;
     }
     const auto more_ns = static_cast<TimeNs>(*waited - std::exchange(task.waited_ns, *waited));
-    if (more_ns >= least_ns) {
-      const std::lock_guard lock(mutex_);
-      stalls_.push_back({now - more_ns, now});
-    }
+    if (more_ns >= least_ns) add({now - more_ns, now});
     ++entry;
   }
 }

@@ -16,6 +16,7 @@ namespace sonopose::faults {
 
 /// Watches the threads of this process and of its children by what the kernel reports: how long each was
 /// ready to run and waited for a processor. A kernel without /proc/PID/task/TID/schedstat reports nothing.
+/// Also by how much its own sleeps are too long.
 class StallWatch {
 public:
   StallWatch();
@@ -35,6 +36,7 @@ private:
   void watch(const std::stop_token& stop);
   void find_tasks();
   void sample(SteadyTime now);
+  void add(const Interval& stall);
 
   std::map<std::string, Task> tasks_;  ///< by name of the file
   mutable std::mutex mutex_;
