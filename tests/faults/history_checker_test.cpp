@@ -173,24 +173,32 @@ SCENARIO("late poses end no silence, and a fusion that continues sends one at mo
   GIVEN("late poses for 0.3 s") {
     mark_late(7, 7.3);
     const Violations violations = violations_of(history);
-    REQUIRE(violations.size() == 2);
-    CHECK_THAT(violations[0] + violations[1],
-               Contains("late beside a warm fusion") && Contains("no pose for 300"));
+    THEN("a promise is broken") {
+      REQUIRE(violations.size() == 2);
+      CHECK_THAT(violations[0] + violations[1],
+                 Contains("late beside a warm fusion") && Contains("no pose for 300"));
+    }
   }
   GIVEN("a single one") {
     mark_late(7, 7.004);
-    CHECK(violations_of(history) == none);
+    THEN("no promise is broken") {
+      CHECK(violations_of(history) == none);
+    }
   }
   GIVEN("some that a busy machine kept waiting") {
     mark_late(7, 7.05);
-    CHECK_THAT(violations_of(history).at(0), Contains("late beside a warm fusion"));
-    history.stalls = {{at(6.9), at(6.98)}};
-    CHECK(violations_of(history) == none);
+    THEN("they are no violation if it waited shortly before") {
+      CHECK_THAT(violations_of(history).at(0), Contains("late beside a warm fusion"));
+      history.stalls = {{at(6.9), at(6.98)}};
+      CHECK(violations_of(history) == none);
+    }
   }
   GIVEN("a step of the bridge's clock, after which all are late") {
     history.episodes.push_back({{.fault = Fault::clock_step, .target = Role::bridge}, {at(6.5), at(6.5)}});
     mark_late(7, 7.3);
-    CHECK(violations_of(history) == none);
+    THEN("no promise is broken") {
+      CHECK(violations_of(history) == none);
+    }
   }
 }
 
@@ -201,25 +209,33 @@ SCENARIO("lost packets of the bridge excuse short silences, and no change of the
     erase_poses(history, 7, 7.15);
     for (FusionReport& report : history.statuses)
       report.status.samples_lost += report.received > at(7) ? 30U : 0U;
-    CHECK(violations_of(history) == none);
+    THEN("no promise is broken") {
+      CHECK(violations_of(history) == none);
+    }
   }
   GIVEN("a longer one") {
     erase_poses(history, 7, 7.2);
     for (FusionReport& report : history.statuses)
       report.status.samples_lost += report.received > at(7) ? 40U : 0U;
-    REQUIRE(violations_of(history).size() == 1);
-    CHECK_THAT(violations_of(history).front(), Contains("beside a warm fusion"));
+    THEN("a promise is broken") {
+      REQUIRE(violations_of(history).size() == 1);
+      CHECK_THAT(violations_of(history).front(), Contains("beside a warm fusion"));
+    }
   }
   GIVEN("a weaker fusion that is received for no other reason") {
     pass_on(history, 7);
-    REQUIRE(violations_of(history).size() == 1);
-    CHECK_THAT(violations_of(history).front(), Contains("although fusion-300 owns the beacon"));
+    THEN("a promise is broken") {
+      REQUIRE(violations_of(history).size() == 1);
+      CHECK_THAT(violations_of(history).front(), Contains("although fusion-300 owns the beacon"));
+    }
   }
   GIVEN("one that is received after a gap in the samples") {
     erase_imu(history, 6.95, 7);
     erase_poses(history, 6.95, 7);
     pass_on(history, 7);
-    CHECK(violations_of(history) == none);
+    THEN("no promise is broken") {
+      CHECK(violations_of(history) == none);
+    }
   }
 }
 
@@ -234,11 +250,13 @@ SCENARIO("poses whose samples the observer missed are few") {
 
 SCENARIO("stamps rise") {
   GIVEN("a fusion whose stamp steps back, and one that repeats a stamp") {
-    for (const TimeNs back_ns : {period_ns + ms, period_ns}) {
-      History history = undisturbed();
-      pose_after(history, 8).time_ns -= back_ns;
-      CHECK(violations_of(history).size() == 1);
-      CHECK_THAT(violations_of(history).front(), Contains("steps back"));
+    THEN("a promise is broken") {
+      for (const TimeNs back_ns : {period_ns + ms, period_ns}) {
+        History history = undisturbed();
+        pose_after(history, 8).time_ns -= back_ns;
+        CHECK(violations_of(history).size() == 1);
+        CHECK_THAT(violations_of(history).front(), Contains("steps back"));
+      }
     }
   }
   GIVEN("an engine that was initialised again") {
@@ -253,28 +271,30 @@ SCENARIO("stamps rise") {
     }
   }
   GIVEN("a fusion that is received with older samples while no fusion serves") {
-    for (const std::int32_t strength : {0, 300}) {
-      History history = undisturbed();
-      history.lives.clear();
-      for (Arrival& pose : history.poses) {
-        if (pose.received < at(8)) pose.strength = strength;
+    THEN("a step back is a violation beside a fusion with a strength of its own") {
+      for (const std::int32_t strength : {0, 300}) {
+        History history = undisturbed();
+        history.lives.clear();
+        for (Arrival& pose : history.poses) {
+          if (pose.received < at(8)) pose.strength = strength;
+        }
+        pass_on(history, 8);
+        for (Arrival& pose : history.poses) {
+          if (pose.strength == 200) pose.received += 200 * ms;
+        }
+        for (Arrival& pose : history.poses) {
+          if (pose.strength == 200) continue;
+          pose.received += 190 * ms;
+          pose.bridge_time_ns += 190 * ms;
+          pose.time_ns += 190 * ms;
+        }
+        history.losses.push_back({at(8.2), process_of(300)});
+        const auto violations = violations_of(history);
+        const bool steps_back = std::any_of(
+            violations.begin(), violations.end(),
+            [](const std::string& text) { return text.find("steps back by 185.0 ms") != std::string::npos; });
+        CHECK(steps_back == (strength == 300));
       }
-      pass_on(history, 8);
-      for (Arrival& pose : history.poses) {
-        if (pose.strength == 200) pose.received += 200 * ms;
-      }
-      for (Arrival& pose : history.poses) {
-        if (pose.strength == 200) continue;
-        pose.received += 190 * ms;
-        pose.bridge_time_ns += 190 * ms;
-        pose.time_ns += 190 * ms;
-      }
-      history.losses.push_back({at(8.2), process_of(300)});
-      const auto violations = violations_of(history);
-      const bool steps_back = std::any_of(violations.begin(), violations.end(), [](const std::string& text) {
-        return text.find("steps back by 185.0 ms") != std::string::npos;
-      });
-      CHECK(steps_back == (strength == 300));
     }
   }
   GIVEN("a stronger fusion that is 20 samples behind in a backlog of the bridge") {
@@ -334,13 +354,18 @@ SCENARIO("what a bridge sends after a stop is marked if it is old") {
   };
   GIVEN("marked poses") {
     add_backlog(status_late);
-    CHECK(violations_of(history) == none);
+    THEN("no promise is broken") {
+      CHECK(violations_of(history) == none);
+    }
   }
   GIVEN("poses without a mark") {
     add_backlog(0U);
     const auto violations = violations_of(history);
-    REQUIRE(violations.size() == 1);
-    CHECK_THAT(violations.front(), Contains("is not marked, but its sample was 1000.0 ms old when it left"));
+    THEN("a promise is broken") {
+      REQUIRE(violations.size() == 1);
+      CHECK_THAT(violations.front(),
+                 Contains("is not marked, but its sample was 1000.0 ms old when it left"));
+    }
   }
 }
 
@@ -380,8 +405,10 @@ SCENARIO("a beacon has one owner") {
     Arrival& pose = pose_after(history, 8);
     pose.process = pose.writer = process_of(pose.strength = 200);
     const auto violations = violations_of(history);
-    REQUIRE(violations.size() == 1);
-    CHECK_THAT(violations.front(), Contains("fusion-200 is received although fusion-300 owns"));
+    THEN("a promise is broken") {
+      REQUIRE(violations.size() == 1);
+      CHECK_THAT(violations.front(), Contains("fusion-200 is received although fusion-300 owns"));
+    }
   }
   GIVEN("a takeover after a kill") {
     THEN("the weaker one is received") {
@@ -524,14 +551,18 @@ SCENARIO("three seconds after the last fault poses flow as before") {
       if (pose.received < at(ready_s)) pose.status = flag;
     }
     const Verdict verdict = HistoryChecker(history).check();
-    CHECK(verdict.violations.empty() == (ready_s < 9.2));
-    CHECK(seconds_between(0, verdict.recovery_ns) == Approx(ready_s - 6.2).margin(0.01));
+    THEN("it is a violation above three seconds") {
+      CHECK(verdict.violations.empty() == (ready_s < 9.2));
+      CHECK(seconds_between(0, verdict.recovery_ns) == Approx(ready_s - 6.2).margin(0.01));
+    }
   }
   GIVEN("poses that end") {
     History history = undisturbed();
     erase_poses(history, 9.8, 10);
-    REQUIRE(violations_of(history).size() == 1);
-    CHECK_THAT(violations_of(history).front(), Contains("not recovered"));
+    THEN("a promise is broken") {
+      REQUIRE(violations_of(history).size() == 1);
+      CHECK_THAT(violations_of(history).front(), Contains("not recovered"));
+    }
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iostream>
 #include <thread>
 
 namespace stall_watch_test {
@@ -16,7 +17,10 @@ using namespace sonopose;
 using namespace sonopose::faults;
 
 SCENARIO("threads that wait for a processor are stalls") {
-  if (!std::filesystem::exists("/proc/self/schedstat")) return;
+  if (!std::filesystem::exists("/proc/self/schedstat")) {
+    std::cout << "skipped: the kernel does not say how long threads wait (CONFIG_SCHED_INFO)\n";
+    return;
+  }
   const StallWatch watch;
   const SteadyTime begin = clocks::steady_now();
   {

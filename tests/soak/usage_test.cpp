@@ -49,12 +49,16 @@ SCENARIO("descriptors and threads must not grow") {
       ++usages[i].descriptors;
       ++usages[i].threads;
     }
-    CHECK(judge("relay", usages).violations.size() == 2);
-    CHECK(judge("relay", usages).more_descriptors == 1);
+    THEN("each is a violation") {
+      CHECK(judge("relay", usages).violations.size() == 2);
+      CHECK(judge("relay", usages).more_descriptors == 1);
+    }
   }
   GIVEN("one that comes and goes") {
     for (std::size_t i = 0; i < usages.size(); i += 2) ++usages[i].descriptors;
-    CHECK(judge("relay", usages).violations.empty());
+    THEN("it is none") {
+      CHECK(judge("relay", usages).violations.empty());
+    }
   }
 }
 
