@@ -67,7 +67,7 @@ endfunction()
 # sonopose_module(NAME [COLD | HOT] [SOURCES ...] [USES ...] [PRIVATELY_USES ...]): one library `sonopose::NAME` for the
 # folder of its CMakeLists.txt; without sources it is headers alone. USES and PRIVATELY_USES are the dependency rule: a
 # module includes only what is listed there (tests/architecture/dependencies_test.cpp). COLD: not on the path of a
-# sample. HOT: most of the work for a sample.
+# sample. HOT: most of the work for a sample, or for a look of the doctor.
 function(sonopose_module name)
   cmake_parse_arguments(module "COLD;HOT" "" "SOURCES;USES;PRIVATELY_USES" ${ARGN})
   set(includes

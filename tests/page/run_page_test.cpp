@@ -144,15 +144,16 @@ SCENARIO("the page of an hour can be mailed") {
     data.title = "hour";
     plots::RunCurves& curves = data.runs.emplace_back("fused", settings::Settings(), "", log, page::detail);
     const TimeNs begin_ns = available_at_ns(log.events.front());
+    Covariance<6>::Matrix matrix = 1.2345e-3 * Covariance<6>::Matrix::Identity();
+    matrix(0, 1) = matrix(1, 0) = 0.3456e-3;
+    const auto covariance = Covariance<6>::from_matrix(matrix);
     for (int i = 0; i < 360'000; ++i) {
       FusedPose pose;
       pose.time_ns = begin_ns + i * TimeNs{10'000'000};
       const double phase = 1e-3 * i;
       pose.position_world_m = {10.12345 * std::cos(phase), -7.54321 * std::sin(3 * phase), 1.23456};
       pose.trust = 0.98765;
-      Covariance<6>::Matrix covariance = 1.2345e-3 * Covariance<6>::Matrix::Identity();
-      covariance(0, 1) = covariance(1, 0) = 0.3456e-3;
-      pose.pose_covariance = Covariance<6>::from_matrix(covariance);
+      pose.pose_covariance = covariance;
       curves.add(pose);
       if (i % 6 != 0) continue;
       FixReport fix;
