@@ -34,11 +34,17 @@ for launch_file in "$share"/launch/*.py; do
 done
 test -f "$share/rviz/sonopose.rviz"
 
-export ROS_DOMAIN_ID=$((200 + $$ % 30))
+# A domain of its own, reserved as by TestDomain in tests/support.
+for ROS_DOMAIN_ID in $(seq 100); do
+  exec {lock}>>"${TMPDIR:-/tmp}/sonopose-test-domain-$ROS_DOMAIN_ID.lock"
+  flock -n "$lock" && break
+  exec {lock}>&-
+done
+export ROS_DOMAIN_ID
 "$package/lib/sonopose_ros2/sonopose-ros2" --network loopback --ros-args -r __node:=sonopose -r __ns:=/ \
   --params-file "$share/config/relay.yaml" 2>"$work/relay.log" &
 relay=$!
-for _ in $(seq 300); do
+for _ in $(seq 1000); do
   grep -q "relaying as /sonopose" "$work/relay.log" && break
   sleep 0.1
 done

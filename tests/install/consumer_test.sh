@@ -16,26 +16,32 @@ trap cleanup EXIT
 
 "$cmake" --install "$build" --prefix "$work/prefix" >/dev/null
 flags=$(sed -n 's/^SONOPOSE_SANITIZE:STRING=//p' "$build/CMakeCache.txt")
-for example in consumer ros2_listener_cyclone; do
-  "$cmake" -S "$source/examples/$example" -B "$work/$example" -G Ninja -DCMAKE_PREFIX_PATH="$work/prefix" \
-    ${flags:+-DCMAKE_CXX_FLAGS=-fsanitize=$flags} >/dev/null
-  "$cmake" --build "$work/$example" >/dev/null
-done
 share=$work/prefix/share/sonopose
-"$cmake" -S "$source/examples/c_consumer" -B "$work/c_consumer" -G Ninja \
-  -DSONOPOSE_IDL="$share/idl/sonopose.idl" >/dev/null
-"$cmake" --build "$work/c_consumer" >/dev/null
+build_example() { # NAME CMAKE-ARGUMENTS
+  "$cmake" -S "$source/examples/$1" -B "$work/$1" -G Ninja "${@:2}" >/dev/null
+  "$cmake" --build "$work/$1" >/dev/null
+}
+for example in consumer ros2_listener_cyclone; do
+  build_example $example -DCMAKE_PREFIX_PATH="$work/prefix" ${flags:+-DCMAKE_CXX_FLAGS=-fsanitize=$flags}
+done
+build_example c_consumer -DSONOPOSE_IDL="$share/idl/sonopose.idl"
 
-export ROS_DOMAIN_ID=$((200 + $$ % 30))
+# A domain of its own, reserved as by TestDomain in tests/support.
+for ROS_DOMAIN_ID in $(seq 100); do
+  exec {lock}>>"${TMPDIR:-/tmp}/sonopose-test-domain-$ROS_DOMAIN_ID.lock"
+  flock -n "$lock" && break
+  exec {lock}>&-
+done
+export ROS_DOMAIN_ID
 "$work/prefix/bin/sonopose-fusion" & pids+=($!)
 "$work/prefix/bin/sonopose-ros2" & pids+=($!)
 "$work/prefix/bin/sonopose-bridge" & pids+=($!)
 for consumer in consumer/sonopose_consumer ros2_listener_cyclone/sonopose_ros2_listener; do
-  poses=$(timeout 60 "$work/$consumer" 50 | tee "$work/poses" | wc -l)
+  poses=$(timeout 200 "$work/$consumer" 50 | tee "$work/poses" | wc -l)
   tail -n 1 "$work/poses"
   [ "$poses" -ge 50 ]
 done
 
-CYCLONEDDS_URI=file://$share/cyclonedds-loopback.xml timeout 60 "$work/c_consumer/sonopose_c_consumer" 50 >"$work/poses"
+CYCLONEDDS_URI=file://$share/cyclonedds-loopback.xml timeout 200 "$work/c_consumer/sonopose_c_consumer" 50 >"$work/poses"
 tail -n 1 "$work/poses"
 [ "$(wc -l <"$work/poses")" -ge 50 ]

@@ -8,7 +8,7 @@ namespace sonopose::test {
 
 /// Reserves one of the domains 1 … 100 during its lifetime, with a lock file per domain in the temporary
 /// folder, so that no two tests of this machine share one. The ports of these domains are below the ephemeral
-/// ports; domain 0 is for users; the test of the page, which is in Python, uses domains from 101 on.
+/// ports; domain 0 is for users. The tests in Python and in shell lock the same files.
 class TestDomain {
 public:
   /// Throws std::runtime_error if all are in use.
