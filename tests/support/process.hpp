@@ -16,12 +16,8 @@
 
 namespace sonopose::test {
 
-/// Upper bound; every wait ends with its event.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+/// Upper bound; every wait ends with its event. Only a test that fails waits so long.
 inline constexpr std::chrono::milliseconds timeout{180'000};
-#else
-inline constexpr std::chrono::milliseconds timeout{30'000};
-#endif
 
 /// Variables added to the environment of the test; an empty value removes one.
 using Environment = std::map<std::string, std::string>;

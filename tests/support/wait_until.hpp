@@ -7,10 +7,10 @@
 
 namespace sonopose::test {
 
-/// Asks `done` again and again. Returns false after 20 s without success.
+/// Asks `done` again and again. Returns false after three minutes without success.
 template <class Done>
 bool wait_until(const Done& done) {
-  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::minutes(3);
   while (!done()) {
     if (std::chrono::steady_clock::now() > give_up) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
