@@ -64,6 +64,12 @@ public:
         limit);
   }
 
+  /// Calls `inspect(const T&)` for each message that is there.
+  template <class Look>
+  void take(const Look& inspect) {
+    reader_.take_each([&](const T& message, const dds::SampleInfo&) { inspect(message); });
+  }
+
   /// Whether the topic has a writer.
   bool wait_for_writer() {
     return wait_for_status(reader_, dds::StatusMask::subscription_matched(),

