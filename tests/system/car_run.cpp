@@ -1,13 +1,13 @@
 #include "system/car_run.hpp"
 
-#include "support/beacon_bytes.hpp"
-#include "support/pose_tap.hpp"
+#include "recording/log_folder.hpp"
 #include "support/pseudo_terminal.hpp"
 #include "support/recordings.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <variant>
 
 namespace sonopose::test {
 namespace {
@@ -70,34 +70,58 @@ CarRun play_car(const std::string& source, const std::string& engine, const Argu
   return run;
 }
 
-std::vector<FusedPose> play_car_over_serial_line(const std::string& engine, std::uint64_t until_sequence) {
+CarPart part_of_car(std::size_t first_imu_sample, std::size_t imu_samples) {
+  const auto cut = [&](auto& items, std::size_t last_imu_sample, const auto& is_imu) {
+    std::size_t count = 0;
+    std::erase_if(items, [&](const auto& item) {
+      if (is_imu(item)) ++count;
+      return count <= first_imu_sample || count > last_imu_sample;
+    });
+  };
+  const std::size_t last = first_imu_sample + imu_samples;
+  CarPart part{recording::read_sensor_log(car_folder).events,
+               timed_frames(read_bytes(car_folder / "stream.bin"))};
+  cut(part.events, last, [](const Event& event) { return std::holds_alternative<ImuSample>(event); });
+  constexpr std::uint8_t imu_packet = 3;
+  cut(part.frames, last + 10, [](const TimedFrame& frame) { return frame.bytes[2] == imu_packet; });
+  const TimeNs begin_ns = part.frames.front().sent_after_ns;
+  for (TimedFrame& frame : part.frames) frame.sent_after_ns -= begin_ns;
+  return part;
+}
+
+LiveRun play_over_serial_line(const CarPart& part, const std::string& engine) {
   const Bus bus;
-  const PoseTap poses(bus);
-  const auto fusion = bus.fusion(settings_of(engine));
-  const auto frames = timed_frames(read_bytes(car_folder / "stream.bin"));
-  const PseudoTerminal line;
+  Consumer<sonopose_FusedPose> poses(bus, topics::pose);
   Consumer<sonopose_ImuSample> imu(bus, topics::imu);
+  Consumer<sonopose_UltrasonicFix> fixes(bus, topics::fix);
+  Arguments settings = settings_of(engine);
+  settings.emplace_back("--lossless");
+  const auto fusion = bus.fusion(settings);
+  const PseudoTerminal line;
   const auto bridge = bus.bridge({"--source", "serial", "--device", line.device()});
   REQUIRE(bridge->wait_for_line(Stream::error, "reading"));
   REQUIRE(imu.wait_for_writers());
-  send_in_time(frames, [&](std::span<const std::uint8_t> bytes) { line.send(bytes); });
-  CHECK(poses.wait_for(
-      [until_sequence](const TappedPose& tapped) { return tapped.pose.sequence >= until_sequence; }, 0));
-  std::vector<FusedPose> live;
-  for (const TappedPose& tapped : poses.since(0)) live.push_back(tapped.pose);
-  return live;
-}
-
-std::vector<FusedPose> counterparts(const std::vector<FusedPose>& live, const CarRun& stream,
-                                    const CarRun& log) {
-  std::vector<FusedPose> counterparts;
-  auto next = live.begin();
-  for (std::size_t k = 0; k < stream.poses.size() && next != live.end(); ++k) {
-    if (stream.poses[k].sequence != next->sequence) continue;
-    counterparts.push_back(log.poses[k]);
-    ++next;
+  REQUIRE(fixes.wait_for_writers());
+  REQUIRE(poses.wait_for_writers());
+  send_in_time(part.frames, [&](std::span<const std::uint8_t> bytes) {
+    line.send(bytes);
+    poses.take();
+    imu.take();
+    fixes.take();
+  });
+  std::size_t imu_count = 0;
+  std::size_t fix_count = 0;
+  for (const Event& event : part.events) {
+    if (std::holds_alternative<ImuSample>(event)) ++imu_count;
+    if (std::holds_alternative<UltrasonicFix>(event)) ++fix_count;
   }
-  return counterparts;
+  REQUIRE(poses.wait_for_count(imu_count));
+  REQUIRE(imu.wait_for_count(imu_count));
+  REQUIRE(fixes.wait_for_count(fix_count));
+  poses.samples.resize(imu_count);
+  imu.samples.resize(imu_count);
+  fixes.samples.resize(fix_count);
+  return {std::move(poses.samples), std::move(imu.samples), std::move(fixes.samples)};
 }
 
 RunDistance distance_between(const std::vector<FusedPose>& run, const std::vector<FusedPose>& other) {

@@ -2,6 +2,7 @@
 /// \file
 /// Runs the recorded car through the real programs.
 
+#include "support/beacon_bytes.hpp"
 #include "support/bus.hpp"
 
 #include <filesystem>
@@ -29,14 +30,22 @@ struct CarRun {
 /// Plays the log folder (`source` "log") or the bytes ("stream") as fast as possible, with more settings.
 CarRun play_car(const std::string& source, const std::string& engine, const Arguments& more = {});
 
-/// Sends the bytes over a serial line at the rate of their contents, like a beacon. Returns the poses up to
-/// that of the event `until_sequence`. A busy machine makes the fusion skip some.
-std::vector<FusedPose> play_car_over_serial_line(const std::string& engine, std::uint64_t until_sequence);
+/// A part of the recording: the log from one IMU sample to another, and the bytes that contain the same, with
+/// some more at the end.
+struct CarPart {
+  std::vector<Event> events;
+  std::vector<TimedFrame> frames;
+};
+CarPart part_of_car(std::size_t first_imu_sample, std::size_t imu_samples);
 
-/// The poses of `log` for the same IMU samples as `live`. `stream` relates them: it comes from the same bytes
-/// as `live`, so its events have the same numbers, and has a pose for every sample, as `log` has.
-std::vector<FusedPose> counterparts(const std::vector<FusedPose>& live, const CarRun& stream,
-                                    const CarRun& log);
+/// What consumers receive for the samples of the part, when a beacon sends the bytes over a serial line at
+/// the rate of their contents.
+struct LiveRun {
+  std::vector<FusedPose> poses;
+  std::vector<ImuSample> imu;
+  std::vector<UltrasonicFix> fixes;
+};
+LiveRun play_over_serial_line(const CarPart& part, const std::string& engine);
 
 /// Difference between two runs, the k-th pose of one against the k-th of the other.
 struct Distance {
