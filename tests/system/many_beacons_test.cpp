@@ -25,11 +25,11 @@ SCENARIO("a bridge with five beacons") {
     Consumer<sonopose_FusedPose> poses(bus, dds::topics::pose);
     const auto fusion = bus.fusion();
     const auto bridge = bus.bridge({"--beacons", "5", "--address", "20"});
-    WHEN("they have run for two seconds") {
+    WHEN("they have run for a second") {
       REQUIRE(poses.wait_until([&] {
         const Tracks tracks = tracks_of(poses.samples);
         return tracks.size() == 5 && std::all_of(tracks.begin(), tracks.end(), [](const auto& track) {
-                 return track.second.size() >= 200;
+                 return track.second.size() >= 100;
                });
       }));
       const Tracks tracks = tracks_of(poses.samples);
