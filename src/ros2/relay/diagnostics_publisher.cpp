@@ -34,7 +34,7 @@ bool DiagnosticsPublisher::is_present(BeaconAddress address) const {
 bool DiagnosticsPublisher::is_gone(BeaconAddress address) const {
   const SteadyTime now = clocks::steady_now();
   const auto found = presences_.find(address);
-  return found == presences_.end() ? now - started_ > Presence::gone_after_ns
+  return found == presences_.end() ? now - started_ > options_.presence.gone_after_ns
                                    : found->second.state(now) == Presence::State::gone;
 }
 
@@ -44,7 +44,7 @@ void DiagnosticsPublisher::publish(const Beacons& beacons, const Source* source)
   for (const observation::BeaconView& view : observers_.take_windows(now_ns)) {
     if (!options_.addresses.contains(view.address)) continue;
     const SteadyTime now = clocks::steady_now();
-    Presence& presence = presences_.try_emplace(view.address, now).first->second;
+    Presence& presence = presences_.try_emplace(view.address, options_.presence, now).first->second;
     presence.update(view, has_bridge(view, now_ns), now);
     observation::BeaconView& previous = previous_views_[view.address];
     if (presence.state(now) == Presence::State::gone) {

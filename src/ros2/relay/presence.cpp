@@ -10,8 +10,8 @@ void Presence::update(const observation::BeaconView& view, bool has_bridge, Stea
 
 Presence::State Presence::state(SteadyTime now) const {
   const TimeNs silence_ns = now - active_at_;
-  if (silence_ns > gone_after_ns) return State::gone;
-  return silence_ns > stale_after_ns ? State::stale : State::present;
+  if (silence_ns > limits_.gone_after_ns) return State::gone;
+  return silence_ns > limits_.stale_after_ns ? State::stale : State::present;
 }
 
 }  // namespace sonopose::ros2::relay

@@ -14,14 +14,16 @@ class Presence {
 public:
   enum class State : std::uint8_t {
     present,
-    stale,  ///< no sample for `stale_after_ns`
-    gone    ///< no sample for `gone_after_ns`; present again at the next one
+    stale,  ///< no sample for `Limits::stale_after_ns`
+    gone    ///< no sample for `Limits::gone_after_ns`; present again at the next one
   };
 
-  static constexpr TimeNs stale_after_ns = 5'000'000'000;
-  static constexpr TimeNs gone_after_ns = 30'000'000'000;
+  struct Limits {
+    TimeNs stale_after_ns = 5'000'000'000;
+    TimeNs gone_after_ns = 30'000'000'000;
+  };
 
-  explicit Presence(SteadyTime now) : active_at_(now) {}
+  Presence(const Limits& limits, SteadyTime now) : limits_(limits), active_at_(now) {}
 
   /// `view`: the observations since the last update. A beacon is active if it has poses, or samples by the
   /// status of its bridge. `has_bridge`: whether this status is recent.
@@ -31,6 +33,7 @@ public:
   [[nodiscard]] double silent_s(SteadyTime now) const { return seconds_between(active_at_, now); }
 
 private:
+  Limits limits_;
   SteadyTime active_at_;
 };
 

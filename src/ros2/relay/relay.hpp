@@ -6,6 +6,7 @@
 #include "process/address_set.hpp"
 #include "process/beacon_admission.hpp"
 #include "process/stop_signal.hpp"
+#include "ros2/relay/presence.hpp"
 #include "ros2/relay/source.hpp"
 #include "ros2/relay/startup_settings.hpp"
 #include <sonopose/dds/binding/domain.hpp>
@@ -79,6 +80,7 @@ struct RelayOptions {
   ServicesMode services = ServicesMode::automatic;
   std::vector<StartupSetting> startup_settings;  ///< sent when a fusion appears and no other is known
   bool rosout = true;                            ///< whether log lines are published
+  Presence::Limits presence = {};                ///< when a beacon is stale, and gone
 };
 
 /// Samples and poses are published on Cyclone's receive thread as they arrive. The main thread creates the

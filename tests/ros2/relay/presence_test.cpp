@@ -14,7 +14,7 @@ constexpr TimeNs second_ns = 1'000'000'000;
 
 SCENARIO("a beacon without samples becomes stale, and then leaves") {
   GIVEN("a beacon with poses at 100 s") {
-    Presence presence(SteadyTime{0});
+    Presence presence({}, SteadyTime{0});
     const auto at = [](TimeNs time_s) { return SteadyTime{time_s * second_ns}; };
     observation::BeaconView view;
     view.poses = 100;
