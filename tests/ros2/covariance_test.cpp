@@ -37,9 +37,14 @@ FusedPose pose_of_a_turning_robot() {
   return pose;
 }
 
-/// The covariance of the errors of many poses with random errors according to the pose's covariances.
-template <class Error>
-Covariance6 spread_of(const FusedPose& pose, const Noise& noise, const Error& error_of) {
+/// The covariances of the errors of many poses of the base, and of its velocities, with random errors
+/// according to the pose's covariances.
+struct Spread {
+  Covariance6 pose = Covariance6::Zero();
+  Covariance6 twist = Covariance6::Zero();
+};
+Spread spread_of(const FusedPose& pose, const Mount& mount, const Noise& noise) {
+  const BaseState truth = base_state(pose, mount);
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;
   const auto draw = [&]<int N>(const Eigen::Matrix<double, N, N>& root) {
@@ -50,8 +55,8 @@ Covariance6 spread_of(const FusedPose& pose, const Noise& noise, const Error& er
   const Eigen::Matrix<double, 6, 6> pose_root = pose.pose_covariance.matrix().llt().matrixL();
   const Eigen::Matrix3d velocity_root = pose.velocity_covariance.matrix().llt().matrixL();
   const Eigen::Matrix3d gyro_root = noise.gyro_std_radps * Eigen::Matrix3d::Identity();
-  constexpr int count = 200'000;
-  Covariance6 sum = Covariance6::Zero();
+  constexpr int count = 50'000;
+  Spread spread;
   for (int i = 0; i < count; ++i) {
     FusedPose wrong = pose;
     const Eigen::Matrix<double, 6, 1> pose_error = draw(pose_root);
@@ -60,17 +65,22 @@ Covariance6 spread_of(const FusedPose& pose, const Noise& noise, const Error& er
     wrong.velocity_world_mps += draw(velocity_root);
     wrong.q_body_to_world = geometry::rotation_by(turn) * pose.q_body_to_world;
     wrong.angular_velocity_body_radps += draw(gyro_root);
-    const Eigen::Matrix<double, 6, 1> error = error_of(wrong, turn);
-    sum += error * error.transpose();
+    const BaseState base = base_state(wrong, mount);
+    Eigen::Matrix<double, 6, 1> error;
+    error << base.position_map_m - truth.position_map_m, turn;
+    spread.pose += error * error.transpose() / count;
+    error << base.velocity_base_mps - truth.velocity_base_mps,
+        base.angular_velocity_base_radps - truth.angular_velocity_base_radps;
+    spread.twist += error * error.transpose() / count;
   }
-  return sum / count;
+  return spread;
 }
 
 void check_close(const Covariance6& computed, const Covariance6& sampled) {
   for (int row = 0; row < 6; ++row) {
     for (int column = 0; column < 6; ++column) {
       CAPTURE(row, column, computed(row, column), sampled(row, column));
-      // The standard error of 200,000 draws is about half a percent of the product of the two standard
+      // The standard error of 50,000 draws is about half a percent of the product of the two standard
       // deviations.
       const double scale = std::sqrt(sampled(row, row) * sampled(column, column));
       CHECK(std::abs(computed(row, column) - sampled(row, column)) < 0.02 * scale);
@@ -86,27 +96,11 @@ SCENARIO("the covariance is the spread of the errors") {
     const FusedPose pose = pose_of_a_turning_robot();
     const Mount mount{{0.8, -0.3, 0.5}, Quaterniond(Eigen::AngleAxisd(0.6, Vector3d(1, 2, 2) / 3))};
     const Noise noise{.gyro_std_radps = 0.02, .tilt_std_deg = 1.2};
-    const BaseState truth = base_state(pose, mount);
-    WHEN("poses of the base are computed from many poses with random errors") {
-      const auto error = [&](const FusedPose& wrong, const Vector3d& turn) {
-        Eigen::Matrix<double, 6, 1> both;
-        both << base_state(wrong, mount).position_map_m - truth.position_map_m, turn;
-        return both;
-      };
-      THEN("their spread is the covariance") {
-        check_close(pose_covariance(pose, mount, noise), spread_of(pose, noise, error));
-      }
-    }
-    WHEN("velocities of the base are computed from them") {
-      const auto error = [&](const FusedPose& wrong, const Vector3d& /*turn*/) {
-        const BaseState base = base_state(wrong, mount);
-        Eigen::Matrix<double, 6, 1> both;
-        both << base.velocity_base_mps - truth.velocity_base_mps,
-            base.angular_velocity_base_radps - truth.angular_velocity_base_radps;
-        return both;
-      };
-      THEN("their spread is the covariance, in the axes of the base") {
-        check_close(twist_covariance(pose, mount, noise), spread_of(pose, noise, error));
+    WHEN("poses and velocities of the base are computed from many poses with random errors") {
+      const Spread spread = spread_of(pose, mount, noise);
+      THEN("their spread is the covariance, that of the velocities in the axes of the base") {
+        check_close(pose_covariance(pose, mount, noise), spread.pose);
+        check_close(twist_covariance(pose, mount, noise), spread.twist);
       }
     }
   }
