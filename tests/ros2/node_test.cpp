@@ -8,13 +8,11 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
-#include <chrono>
 #include <csignal>
 #include <map>
 #include <memory>
 #include <set>
 #include <string>
-#include <thread>
 #include <type_traits>
 #include <vector>
 
@@ -57,11 +55,11 @@ TEMPLATE_TEST_CASE("A node announces its readers and writers, and withdraws them
   // Announced endpoints have been discovered, or will be shortly.
   std::map<std::string, dds::FoundEndpoint> writers;
   std::map<std::string, dds::FoundEndpoint> readers;
-  for (int attempt = 0; attempt < 1000 && (writers.size() < 3 || readers.empty()); ++attempt) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  REQUIRE(watcher.wait_until([&] {
     writers = endpoints_of(discovery.writers(), info.participant);
     readers = endpoints_of(discovery.readers(), info.participant);
-  }
+    return writers.size() >= 3 && !readers.empty();
+  }));
   const auto& imu = writers.at("rt/hall/imu/data");
   const auto& fix = readers.at("rt/hall/locator/fix_in");
   CHECK(info.nodes[0].writers == std::set<std::string>{imu.key, writers.at("rt/tf_static").key});

@@ -71,7 +71,7 @@ TEST_CASE("On the wire, the topics of a node have names, types, QoS and hashes o
   const test::TestDomain domain;
   const auto sniffer = capture(domain.id());
   if (!sniffer) {
-    std::cout << "skipped: there is no tshark here that can capture on lo\n";
+    std::cout << "skipped: no tshark that can capture on lo; as root, apt-get install tshark\n";
     return;
   }
   Process node(SONOPOSE_TEST_ROS2_NODE, {std::to_string(domain.id()), "jazzy"});
