@@ -130,7 +130,7 @@ SCENARIO("the datagrams of a beacon give poses") {
   GIVEN("a fusion, a listening bridge, and a beacon at rest") {
     const Bus bus;
     const UdpSender beacon;
-    const auto datagrams = resting_beacon(bus, 21, 3);
+    const auto datagrams = resting_beacon(bus, 21, 2);
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
     const auto fusion = bus.fusion();
     REQUIRE(poses.wait_for_writers());
