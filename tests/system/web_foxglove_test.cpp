@@ -94,8 +94,9 @@ SCENARIO("a client of Foxglove that is not ours decodes the poses") {
                            "require('@foxglove/ws-protocol'); require('@foxglove/omgidl-parser'); "
                            "require('@foxglove/omgidl-serialization'); require('ws')"});
   if (has_packages.code != 0) {
-    std::cout << "skipped: no node with @foxglove/ws-protocol, @foxglove/omgidl-parser, "
-                 "@foxglove/omgidl-serialization and ws\n";
+    std::cout << "skipped: no node with Foxglove's packages; npm install @foxglove/ws-protocol "
+                 "@foxglove/omgidl-parser @foxglove/omgidl-serialization ws, and set "
+                 "NODE_PATH=$PWD/node_modules\n";
     return;
   }
   const Bus bus;
@@ -131,7 +132,7 @@ SCENARIO("a client of Foxglove that is not ours decodes the poses") {
       latest_s = std::stod(each["timestamp"].get<std::string>()) * 1e-9;
     }
     CHECK(by_kind["message"].size() >= 11);  // and the settings
-    CHECK(latest_s == Approx(static_cast<double>(std::time(nullptr))).margin(10));
+    CHECK(latest_s == Approx(static_cast<double>(std::time(nullptr))).margin(300));
     CHECK(by_kind["end"].at(0)["posesAfterwards"].get<int>() < 50);  // on their way; 2 s would be 200
   }
 }

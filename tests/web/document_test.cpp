@@ -9,7 +9,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <limits>
+#include <string>
 
 namespace document_test {
 
@@ -101,13 +103,18 @@ SCENARIO("many beacons share the rows of a document") {
       document.add(pose);
     }
   }
-  const json read = json::parse(document.json());
-  for (const json& beacon : read["beacons"]) {
-    const std::size_t rows = beacon["poses"]["t"].size();
+  const std::string text = document.json();
+  int found = 0;
+  for (auto at = text.find("\"rows\":"); at != std::string::npos;
+       at = text.find("\"rows\":", at + 1), ++found) {
+    const auto begin =
+        text.begin() + static_cast<std::ptrdiff_t>(text.find("\"t\":[", at) + 5);     // of the poses
+    const auto rows = 1 + std::count(begin, std::find(begin, text.end(), ']'), ',');  // parsing takes seconds
     CHECK(rows <= 5000);
     CHECK(rows >= 2500);
-    CHECK(beacon["rows"].get<std::size_t>() >= rows);
+    CHECK(std::stol(text.substr(at + 7, 10)) >= rows);
   }
+  CHECK(found == beacons);
 }
 
 SCENARIO("a document has the changes of state as events") {

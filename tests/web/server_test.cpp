@@ -68,11 +68,11 @@ public:
     note("dropped " + std::to_string(total), client);
   }
 
-  /// The client of the next event that begins with `text`; fails the test after 5 s.
+  /// The client of the next event that begins with `text`; fails the test after three minutes.
   ClientId wait_for(const std::string& text) {
     std::unique_lock lock(mutex_);
     ClientId client = 0;
-    const bool came = changed_.wait_for(lock, 5s, [&] {
+    const bool came = changed_.wait_for(lock, 3min, [&] {
       for (std::size_t i = seen_; i < events_.size(); ++i) {
         if (!events_[i].first.starts_with(text)) continue;
         seen_ = i + 1;
