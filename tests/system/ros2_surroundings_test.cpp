@@ -101,11 +101,12 @@ SCENARIO("a killed relay leaves the graph soon") {
 }
 
 SCENARIO("changes of parameters are published") {
-  GIVEN("a fusion and a relay") {
+  GIVEN("a relay, and then a fusion") {
     const Bus bus;
     RosReader<ros2::ParameterEvent> events(bus, "/parameter_events");
-    const auto fusion = bus.fusion();
     const auto relay = bus.ros2();
+    REQUIRE(events.wait_for_writer());
+    const auto fusion = bus.fusion();
     const auto names_in = [](const auto& parameters) {
       std::set<std::string> names;
       for (std::uint32_t i = 0; i < parameters._length; ++i) names.insert(parameters._buffer[i].name);
