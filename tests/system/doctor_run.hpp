@@ -4,20 +4,36 @@
 
 #include "support/bus.hpp"
 
-#include <chrono>
 #include <cstdint>
+#include <memory>
 #include <string>
 
 namespace sonopose::test {
 
-/// Runs the doctor until it exits; the environment is neutral but for `changes`.
-inline Result doctor(std::uint32_t domain_id, Arguments arguments = {}, const Environment& changes = {}) {
+/// Starts the doctor in a neutral environment.
+inline std::unique_ptr<Process> start_doctor(std::uint32_t domain_id, Arguments arguments = {}) {
   arguments.insert(arguments.end(), {"--domain", std::to_string(domain_id)});
-  Environment environment = neutral;
-  for (const auto& [name, value] : changes) environment[name] = value;
-  Process process(SONOPOSE_TEST_DOCTOR, arguments, environment);
-  const auto code = process.wait_for_exit(std::chrono::seconds(90));  // fits beside many processes
-  return {code, process.text(Stream::output), process.text(Stream::error)};
+  return std::make_unique<Process>(SONOPOSE_TEST_DOCTOR, arguments, neutral);
+}
+
+/// Waits until it exits.
+inline Result result_of(Process& doctor) {
+  const auto code = doctor.wait_for_exit();
+  return {code, doctor.text(Stream::output), doctor.text(Stream::error)};
+}
+
+inline Result look(std::uint32_t domain_id, const Arguments& arguments = {}) {
+  return result_of(*start_doctor(domain_id, arguments));
+}
+
+/// Looks until the report has this text, at most ten times; returns the last result. In a short look on a
+/// busy machine, what the doctor must find may not have reached it, and a healthy system may have a silence.
+inline Result look_for(const std::string& text, std::uint32_t domain_id, const Arguments& arguments) {
+  Result result;
+  for (int i = 0; i < 10 && result.output.find(text) == std::string::npos; ++i) {
+    result = look(domain_id, arguments);
+  }
+  return result;
 }
 
 }  // namespace sonopose::test

@@ -230,8 +230,7 @@ std::size_t visit_first(std::deque<std::uint32_t>& ids, dds::Network network, co
 }  // namespace
 
 void search_other_domains(const dds::DomainOptions& here, const process::StopSignal& stop,
-                          rules::BusObservation& bus) {
-  constexpr TimeNs longest_ns = 12'000'000'000;
+                          rules::BusObservation& bus, TimeNs longest_ns) {
   const SteadyTime end = clocks::steady_now() + longest_ns;
   std::deque<std::uint32_t> ids = domains_to_visit(here);
   bus.searched_other_domains = true;

@@ -30,10 +30,10 @@ std::vector<rules::EndpointObservation> others_of(const std::vector<dds::FoundEn
 /// Domain, interfaces and peers.
 rules::BusObservation bus_of(const dds::DomainOptions& options);
 
-/// Joins other domains of the same network, some at a time, for at most 12 s: on loopback those of the UDP
-/// ports that are in use on this machine, otherwise all. Sets in `bus` those with processes of this system,
-/// and how many could not be visited.
+/// Joins other domains of the same network, some at a time, until no more of them fit into `longest_ns`: on
+/// loopback those of the UDP ports that are in use on this machine, otherwise all. Sets in `bus` those with
+/// processes of this system, and how many could not be visited.
 void search_other_domains(const dds::DomainOptions& here, const process::StopSignal& stop,
-                          rules::BusObservation& bus);
+                          rules::BusObservation& bus, TimeNs longest_ns = 12'000'000'000);
 
 }  // namespace sonopose::doctor::probe
