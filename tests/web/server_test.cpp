@@ -10,6 +10,7 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <semaphore>
@@ -42,6 +43,8 @@ public:
   }
   static constexpr int large_blocks = 25;
 
+  std::function<void(ClientId)> on_call;  ///< for a message "call", on the thread that serves
+
   [[nodiscard]] bool is_public(std::string_view path) const override { return path == "/script.js"; }
   std::optional<std::string> choose_protocol(std::string_view path, const std::vector<std::string>& offered,
                                              bool is_foreign) override {
@@ -62,6 +65,7 @@ public:
     note("message " + std::string(message), client);
     if (message == "block") unblocked_.acquire();
     if (message == "throw") throw std::runtime_error("broken");
+    if (message == "call") on_call(client);
   }
   void on_close(ClientId client) override { note("close", client); }
   void on_dropped(ClientId client, std::uint64_t total) override {
@@ -216,6 +220,25 @@ SCENARIO("messages go both ways") {
       CHECK(site.wait_for("close") == client);
     }
   }
+}
+
+SCENARIO("messages are sent in the order in which they are given, by whatever thread") {
+  Site site;
+  Server server(options());
+  site.on_call = [&server](ClientId client) {
+    const auto give = [&](const char* text) {
+      server.send({client}, std::make_shared<const std::string>(text), true, Loss::never);
+    };
+    give("first");
+    std::thread([&] { give("second"); }).join();
+  };
+  const Serving serving(server, site);
+  HttpSocket socket(server.endpoint().port);
+  socket.send(upgrade(server, "/ws", "mine"));
+  socket.read_until("\r\n\r\n");
+  socket.send_message("call");
+  CHECK(socket.read_message() == "first");
+  CHECK(socket.read_message() == "second");
 }
 
 SCENARIO("connections are bounded") {

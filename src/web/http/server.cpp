@@ -134,7 +134,8 @@ private:
   std::map<ClientId, std::uint64_t> drops_;
   RefusalLog refusal_log_;
   RefusalLog protocol_log_;  ///< of WebSockets that passed the rules
-  asio::io_context context_{1};
+  // Not for one thread only: then what the thread that serves posts comes after what others post later.
+  asio::io_context context_;
   tcp::acceptor acceptor_;
   asio::steady_timer retry_{context_};
   ClientId next_id_ = 1;
