@@ -88,56 +88,69 @@ void check_state_hashes(const std::string& log, const fs::path& file) {
   }
 }
 
-SCENARIO("the same events give the same state, bit for bit") {
-  GIVEN("inputs of two beacons, a lossless fusion that gets them from a player, and a recorder") {
-    const TemporaryFolder folder;
-    record_walk(folder / "inputs.mcap", 4.0, {beacons.begin(), beacons.end()});
-    std::map<BeaconAddress, std::vector<FusedPose>> expected;
-    std::size_t pose_count = 0;
+/// Inputs of two beacons, a lossless fusion that got them from a player, a recording of both, and another
+/// lossless fusion that got the recording.
+struct PlayedTwice {
+  PlayedTwice() {
+    record_walk(inputs, 4.0, {beacons.begin(), beacons.end()});
     for (const BeaconAddress address : beacons) {
-      expected[address] = replayed(folder / "inputs.mcap", address);
+      expected[address] = replayed(inputs, address);
       pose_count += expected[address].size();
     }
     REQUIRE(pose_count == 800);
     const Bus bus;
-    const fs::path file = folder / "run.mcap";
     const auto record = start_recording(bus, file, {"--topics", "imu,fix,heading,pose"});
-    Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+    Consumer<sonopose_FusedPose> consumer(bus, topics::pose);
     const auto fusion = bus.fusion({"--lossless"});
-    REQUIRE(poses.wait_for_writers());
+    REQUIRE(consumer.wait_for_writers());
     // Its writer of poses is older than the one of the settings: then the recorder knows both.
     REQUIRE(wait_for_part(file, {"sonopose/settings"}, 1));
-    WHEN("the recording is played to another lossless fusion") {
-      const std::string live = play_to(*fusion, poses, bus, folder / "inputs.mcap", "2", pose_count);
-      REQUIRE(wait_for_part(file, {"sonopose/imu", "sonopose/fix", "sonopose/heading"},
-                            messages_of(folder / "inputs.mcap").size()));
-      REQUIRE(wait_for_part(file, {"sonopose/pose"}, pose_count));
-      REQUIRE(record->end_by(SIGINT).code == 0);
-      const Bus other;
-      Consumer<sonopose_FusedPose> poses_again(other, topics::pose);
-      const auto fusion_again = other.fusion({"--lossless"});
-      REQUIRE(poses_again.wait_for_writers());
-      const std::string again = play_to(*fusion_again, poses_again, other, file, "1", pose_count);
-      THEN("both computed the poses of a replay, which are those in the recording") {
-        const auto recorded = recorded_poses(file);
-        CHECK(recorded.size() == pose_count);
-        for (const BeaconAddress address : beacons) {
-          CAPTURE(address);
-          const auto bits = bits_of_beacon(expected[address], address);
-          CHECK((bits_of_beacon(poses.samples, address) == bits));
-          CHECK((bits_of_beacon(poses_again.samples, address) == bits));
-          CHECK((bits_of_beacon(replayed(file, address), address) == bits));
-          for (const FusedPose& pose : expected[address]) {
-            const auto found = recorded.find({address, pose.sequence});
-            REQUIRE(found != recorded.end());
-            REQUIRE((found->second == bits_of(pose)));
-          }
+    log = play_to(*fusion, consumer, bus, inputs, "2", pose_count);
+    poses = consumer.samples;
+    REQUIRE(wait_for_part(file, {"sonopose/imu", "sonopose/fix", "sonopose/heading"},
+                          messages_of(inputs).size()));
+    REQUIRE(wait_for_part(file, {"sonopose/pose"}, pose_count));
+    REQUIRE(record->end_by(SIGINT).code == 0);
+    const Bus other;
+    Consumer<sonopose_FusedPose> other_consumer(other, topics::pose);
+    const auto other_fusion = other.fusion({"--lossless"});
+    REQUIRE(other_consumer.wait_for_writers());
+    log_again = play_to(*other_fusion, other_consumer, other, file, "1", pose_count);
+    poses_again = other_consumer.samples;
+  }
+
+  TemporaryFolder folder;
+  fs::path inputs = folder / "inputs.mcap";
+  fs::path file = folder / "run.mcap";
+  std::map<BeaconAddress, std::vector<FusedPose>> expected;  ///< of a replay
+  std::size_t pose_count = 0;
+  std::string log, log_again;  ///< of the fusions
+  std::vector<FusedPose> poses, poses_again;
+};
+
+SCENARIO("the same events give the same state, bit for bit") {
+  GIVEN("a recording of a lossless fusion, played to another one") {
+    static const PlayedTwice run;
+    THEN("both computed the poses of a replay, which are those in the recording") {
+      const auto recorded = recorded_poses(run.file);
+      CHECK(recorded.size() == run.pose_count);
+      for (const BeaconAddress address : beacons) {
+        CAPTURE(address);
+        const auto& expected = run.expected.at(address);
+        const auto bits = bits_of_beacon(expected, address);
+        CHECK((bits_of_beacon(run.poses, address) == bits));
+        CHECK((bits_of_beacon(run.poses_again, address) == bits));
+        CHECK((bits_of_beacon(replayed(run.file, address), address) == bits));
+        for (const FusedPose& pose : expected) {
+          const auto found = recorded.find({address, pose.sequence});
+          REQUIRE(found != recorded.end());
+          REQUIRE((found->second == bits_of(pose)));
         }
       }
-      THEN("both ended in the state of a replay") {
-        check_state_hashes(live, file);
-        check_state_hashes(again, file);
-      }
+    }
+    THEN("both ended in the state of a replay") {
+      check_state_hashes(run.log, run.file);
+      check_state_hashes(run.log_again, run.file);
     }
   }
 }

@@ -7,6 +7,7 @@
 #include "support/held_thread.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/terminal_process.hpp"
+#include "support/wait_until.hpp"
 #include "system/recorded_part.hpp"
 #include "system/recorded_walk.hpp"
 
@@ -32,7 +33,7 @@ void record_run(const fs::path& file, const std::string& names) {
   const Bus bus;
   const auto record = start_recording(bus, file, {"--topics", names});
   const auto fusion = bus.fusion();
-  REQUIRE(bus.bridge({"--duration", "4", "--beacons", "2"})->wait_for_exit() == 0);
+  REQUIRE(bus.bridge({"--duration", "4", "--rate", "4", "--beacons", "2"})->wait_for_exit() == 0);
   REQUIRE(fusion->end_by(SIGTERM).code == 0);
   REQUIRE(record->end_by(SIGINT).code == 0);
 }
@@ -107,9 +108,9 @@ SCENARIO("what is played is what was recorded") {
 }
 
 SCENARIO("no message is played before its time") {
-  GIVEN("a recording of two seconds, each sample recorded when it was available") {
+  GIVEN("a recording of a second, each sample recorded when it was available") {
     const TemporaryFolder folder;
-    const auto events = record_walk(folder / "walk.mcap", 2.0, {7});
+    const auto events = record_walk(folder / "walk.mcap", 1.0, {7});
     const Bus bus;
     Consumer<sonopose_ImuSample> imu(bus, topics::imu);
     WHEN("it is played in real time with its times moved to now") {
@@ -231,7 +232,7 @@ SCENARIO("a player waits for the number of readers that was asked for") {
     Consumer<sonopose_ImuSample> imu(bus, topics::imu);
     const auto play = bus.play({file, "--topics", "imu,fix", "--rate", "0", "--readers", "1"});
     REQUIRE(play->wait_for_line(Stream::error, "waiting for readers: a topic has 0 of 1"));
-    CHECK(imu.samples.empty());
+    REQUIRE(imu.samples.empty());
     WHEN("a reader of the other comes") {
       Consumer<sonopose_UltrasonicFix> fixes(bus, topics::fix);
       THEN("both get all from the first sample on") {
@@ -315,10 +316,14 @@ SCENARIO("a second Ctrl-C ends a player that hangs, and restores the terminal") 
     const HeldThread held(play.pid(), "sonopose-play");
     WHEN("Ctrl-C is pressed, and again after more than a second") {
       play.type("\x03");
-      CHECK_FALSE(play.wait_for_exit(std::chrono::milliseconds(2500)));
+      CHECK_FALSE(play.wait_for_exit(std::chrono::milliseconds(1200)));
       CHECK_FALSE(play.has_normal_line());
-      play.type("\x03");
-      THEN("it ends, and the terminal is as before") {
+      // Again and again: a busy machine may have been late with the first one.
+      REQUIRE(wait_until([&play] {
+        play.type("\x03");
+        return play.wait_for_exit(std::chrono::milliseconds(200)).has_value();
+      }));
+      THEN("it has ended, and the terminal is as before") {
         CHECK(play.wait_for_exit() == 128 + SIGINT);
         CHECK(play.has_normal_line());
       }

@@ -73,73 +73,85 @@ std::map<std::string, bool> disposed_by_instance(const std::vector<OwnedMessage>
   return disposed;
 }
 
-SCENARIO("a recording has the times, the ends and the settings of a run") {
-  GIVEN("a recorder and a fusion") {
+/// A run of a bridge with two beacons, a fusion and a recorder, until the recorder has the ends of all.
+struct RecordedRun {
+  RecordedRun() {
     const Bus bus;
-    const TemporaryFolder folder;
-    const fs::path file = folder / "run.mcap";
+    domain_id = bus.domain_id();
     const auto record = start_recording(bus, file);
     const auto fusion = bus.fusion({"--set", "beacon.8.heading.mount_offset_deg=90"});
-    WHEN("a bridge has published five seconds of two beacons") {
-      const auto bridge = bus.bridge({"--duration", "5", "--beacons", "2"});
-      REQUIRE(bridge->wait_for_exit() == 0);
-      fusion->end_by(SIGTERM);
-      const bool has_ends = wait_for_part(file, [](const std::vector<OwnedMessage>& messages) {
-        const auto ended = disposed_by_instance(messages);
-        return ended.contains("sonopose/imu 7") && ended.contains("sonopose/imu 8") &&
-               ended.contains("sonopose/pose 7") && ended.contains("sonopose/pose 8") &&
-               ended.contains("sonopose/report 7") && ended.contains("sonopose/report 8");
+    const auto bridge = bus.bridge({"--beacons", "2"});
+    REQUIRE(wait_for_part(file, {"sonopose/pose"}, 200));  // it writes while it records
+    REQUIRE(bridge->end_by(SIGINT).code == 0);
+    fusion->end_by(SIGTERM);
+    const bool has_ends = wait_for_part(file, [](const std::vector<OwnedMessage>& written) {
+      const auto ended = disposed_by_instance(written);
+      return ended.contains("sonopose/imu 7") && ended.contains("sonopose/imu 8") &&
+             ended.contains("sonopose/pose 7") && ended.contains("sonopose/pose 8") &&
+             ended.contains("sonopose/report 7") && ended.contains("sonopose/report 8");
+    });
+    REQUIRE(has_ends);
+    REQUIRE(record->end_by(SIGINT).code == 0);
+    messages = messages_of(file);
+  }
+
+  TemporaryFolder folder;
+  fs::path file = folder / "run.mcap";
+  std::uint32_t domain_id = 0;
+  std::vector<OwnedMessage> messages;
+};
+
+SCENARIO("a recording has the times, the ends and the settings of a run") {
+  GIVEN("a recording of a bridge with two beacons, and a fusion") {
+    static const RecordedRun run;
+    THEN("the times are those of arrival and of writing, and messages are numbered without a gap") {
+      std::map<std::string, std::uint32_t> last;
+      for (const OwnedMessage& message : run.messages) {
+        CAPTURE(message.topic, message.sequence);
+        REQUIRE(message.sequence == ++last[message.topic]);
+        REQUIRE(message.log_time_ns >= message.publish_time_ns);
+      }
+    }
+    THEN("the ends of instances are recorded") {
+      for (const auto& [instance, is_disposed] : disposed_by_instance(run.messages)) {
+        CAPTURE(instance);
+        if (instance.starts_with("sonopose/imu")) CHECK(is_disposed);
+        if (instance.starts_with("sonopose/report")) CHECK(is_disposed);
+        if (instance.starts_with("sonopose/pose")) CHECK_FALSE(is_disposed);
+      }
+    }
+    THEN("it was written in pieces, and the file says what it is") {
+      const mcap::Reader reader(run.file);
+      CHECK(reader.damages().empty());
+      CHECK(reader.contents().blocks.size() > 1);
+      const auto schema =
+          std::find_if(reader.schemas().begin(), reader.schemas().end(),
+                       [](const auto& each) { return each.second.name == "sonopose::ImuSample"; });
+      REQUIRE(schema != reader.schemas().end());
+      CHECK(schema->second.encoding == "omgidl");
+      CHECK(schema->second.data == read_text(SONOPOSE_SOURCE_DIR "/idl/sonopose.idl"));
+      const auto about = metadata_of(run.file, "sonopose.recording");
+      CHECK(about.at("domain") == std::to_string(run.domain_id));
+      CHECK_FALSE(about.at("version").empty());
+      const auto end = metadata_of(run.file, "sonopose.recording_end");
+      CHECK(end.at("reason") == "stopped");
+      CHECK(end.at("received") == std::to_string(run.messages.size()));
+      CHECK(end.at("recorded") == end.at("received"));
+    }
+    THEN("the file has the settings of all beacons, and those of one") {
+      const auto metadata = mcap::Reader(run.file).metadata();
+      const auto settings = std::find_if(metadata.begin(), metadata.end(), [](const mcap::Metadata& each) {
+        return each.name == "sonopose.settings" && !each.values.contains("address");
       });
-      REQUIRE(record->end_by(SIGINT).code == 0);
-      const auto messages = messages_of(file);
-      THEN("the times are those of arrival and of writing, and messages are numbered without a gap") {
-        std::map<std::string, std::uint32_t> last;
-        for (const OwnedMessage& message : messages) {
-          CAPTURE(message.topic, message.sequence);
-          REQUIRE(message.sequence == ++last[message.topic]);
-          REQUIRE(message.log_time_ns >= message.publish_time_ns);
-        }
-      }
-      THEN("the ends of instances are recorded") {
-        CHECK(has_ends);
-        for (const auto& [instance, is_disposed] : disposed_by_instance(messages)) {
-          CAPTURE(instance);
-          if (instance.starts_with("sonopose/imu")) CHECK(is_disposed);
-          if (instance.starts_with("sonopose/report")) CHECK(is_disposed);
-          if (instance.starts_with("sonopose/pose")) CHECK_FALSE(is_disposed);
-        }
-      }
-      THEN("it was written in pieces, and the file says what it is") {
-        const mcap::Reader reader(file);
-        CHECK(reader.damages().empty());
-        CHECK(reader.contents().blocks.size() > 2);  // how many depends on the load
-        const auto schema =
-            std::find_if(reader.schemas().begin(), reader.schemas().end(),
-                         [](const auto& each) { return each.second.name == "sonopose::ImuSample"; });
-        REQUIRE(schema != reader.schemas().end());
-        CHECK(schema->second.encoding == "omgidl");
-        CHECK(schema->second.data == read_text(SONOPOSE_SOURCE_DIR "/idl/sonopose.idl"));
-        const auto about = metadata_of(file, "sonopose.recording");
-        CHECK(about.at("domain") == std::to_string(bus.domain_id()));
-        CHECK_FALSE(about.at("version").empty());
-        const auto metadata = reader.metadata();
-        const auto settings = std::find_if(metadata.begin(), metadata.end(), [](const mcap::Metadata& each) {
-          return each.name == "sonopose.settings" && !each.values.contains("address");
-        });
-        REQUIRE(settings != metadata.end());
-        CHECK(settings->values.at("fusion.engine") == "kalman");
-        const auto of_beacon = std::find_if(metadata.begin(), metadata.end(), [](const mcap::Metadata& each) {
-          return each.name == "sonopose.settings" && each.values.contains("address") &&
-                 each.values.at("address") == "8";
-        });
-        REQUIRE(of_beacon != metadata.end());
-        CHECK(of_beacon->values.at("heading.mount_offset_deg") == "90");
-        CHECK(of_beacon->values.at("fusion.engine") == "kalman");
-        const auto end = metadata_of(file, "sonopose.recording_end");
-        CHECK(end.at("reason") == "stopped");
-        CHECK(end.at("received") == std::to_string(messages.size()));
-        CHECK(end.at("recorded") == end.at("received"));
-      }
+      REQUIRE(settings != metadata.end());
+      CHECK(settings->values.at("fusion.engine") == "kalman");
+      const auto of_beacon = std::find_if(metadata.begin(), metadata.end(), [](const mcap::Metadata& each) {
+        return each.name == "sonopose.settings" && each.values.contains("address") &&
+               each.values.at("address") == "8";
+      });
+      REQUIRE(of_beacon != metadata.end());
+      CHECK(of_beacon->values.at("heading.mount_offset_deg") == "90");
+      CHECK(of_beacon->values.at("fusion.engine") == "kalman");
     }
   }
 }
@@ -194,56 +206,64 @@ SCENARIO("topics and beacons are selected, and what is not ours is named") {
   }
 }
 
-SCENARIO("the topics of ROS 2 have a file of their own") {
-  GIVEN("a relay with its fusion, and a recorder of ROS 2") {
+/// A run of a bridge, a fusion and a relay, until odometry is recorded for a while.
+struct RecordedRos2 {
+  RecordedRos2() {
     const Bus bus;
-    const TemporaryFolder folder;
     const auto fusion = bus.fusion();
     const auto relay = bus.ros2();
     const auto record = start_recording(bus, folder / "run.mcap", {"--ros2"});
-    WHEN("a bridge publishes until odometry is recorded for a while") {
-      const auto bridge = bus.bridge({});
-      REQUIRE(record->wait_for_line(Stream::error, "recording /hedge_7/odom of ROS 2"));
-      REQUIRE(wait_for_part(folder / "run_ros2.mcap", {"/hedge_7/odom"}, 101));
-      REQUIRE(wait_for_part(folder / "run_ros2.mcap", {"/hedge_7/imu/data"}, 1));
-      REQUIRE(wait_for_part(folder / "run_ros2.mcap", {"/tf"}, 1));
-      REQUIRE(record->end_by(SIGINT).code == 0);
-      THEN("the file has the profile, the definitions and the messages of ROS 2") {
-        const fs::path file = folder / "run_ros2.mcap";
-        const mcap::Reader reader(file);
-        CHECK(reader.contents().profile == "ros2");
-        CHECK(reader.damages().empty());
-        std::set<std::string> channels;
-        for (const auto& [id, channel] : reader.channels()) {
-          channels.insert(channel.topic);
-          CHECK(channel.message_encoding == "cdr");
-          CHECK_THAT(channel.metadata.at("offered_qos_profiles"), Contains("- history: 1\n"));
-          const mcap::Schema& schema = reader.schemas().at(channel.schema_id);
-          CHECK(schema.encoding == "ros2msg");
-          if (channel.topic != "/hedge_7/odom") continue;
-          CHECK(schema.name == "nav_msgs/msg/Odometry");
-          CHECK_THAT(schema.data, Catch::StartsWith("std_msgs/Header header\nstring child_frame_id\n") &&
-                                      Contains("\nMSG: geometry_msgs/PoseWithCovariance\ngeometry_msgs/Pose "
-                                               "pose\nfloat64[36] covariance\n"));
-        }
-        CHECK(channels.contains("/hedge_7/odom"));
-        CHECK(channels.contains("/hedge_7/imu/data"));
-        CHECK(channels.contains("/tf"));
-        const auto odometry = of_topic(messages_of(file), "/hedge_7/odom");
-        REQUIRE(odometry.size() > 100);
-        for (const OwnedMessage& message : odometry) {
-          const dds::CdrSample<ros2::Odometry> sample(message.data);
-          REQUIRE(sample.get() != nullptr);
-          CHECK(std::string(sample.get()->header.frame_id) == "map");
-        }
+    const auto bridge = bus.bridge({});
+    REQUIRE(record->wait_for_line(Stream::error, "recording /hedge_7/odom of ROS 2"));
+    REQUIRE(wait_for_part(folder / "run_ros2.mcap", {"/hedge_7/odom"}, 101));
+    REQUIRE(wait_for_part(folder / "run_ros2.mcap", {"/hedge_7/imu/data"}, 1));
+    REQUIRE(wait_for_part(folder / "run_ros2.mcap", {"/tf"}, 1));
+    REQUIRE(record->end_by(SIGINT).code == 0);
+    log = record->text(Stream::error);
+  }
+
+  TemporaryFolder folder;
+  std::string log;
+};
+
+SCENARIO("the topics of ROS 2 have a file of their own") {
+  GIVEN("a recording of a relay, its fusion and a bridge") {
+    static const RecordedRos2 run;
+    THEN("the file has the profile, the definitions and the messages of ROS 2") {
+      const fs::path file = run.folder / "run_ros2.mcap";
+      const mcap::Reader reader(file);
+      CHECK(reader.contents().profile == "ros2");
+      CHECK(reader.damages().empty());
+      std::set<std::string> channels;
+      for (const auto& [id, channel] : reader.channels()) {
+        channels.insert(channel.topic);
+        CHECK(channel.message_encoding == "cdr");
+        CHECK_THAT(channel.metadata.at("offered_qos_profiles"), Contains("- history: 1\n"));
+        const mcap::Schema& schema = reader.schemas().at(channel.schema_id);
+        CHECK(schema.encoding == "ros2msg");
+        if (channel.topic != "/hedge_7/odom") continue;
+        CHECK(schema.name == "nav_msgs/msg/Odometry");
+        CHECK_THAT(schema.data, Catch::StartsWith("std_msgs/Header header\nstring child_frame_id\n") &&
+                                    Contains("\nMSG: geometry_msgs/PoseWithCovariance\ngeometry_msgs/Pose "
+                                             "pose\nfloat64[36] covariance\n"));
       }
-      THEN("the other file has the native topics alone") {
-        const mcap::Reader reader(folder / "run.mcap");
-        for (const auto& [id, channel] : reader.channels()) {
-          CHECK(channel.topic.starts_with("sonopose/"));
-        }
-        CHECK_THAT(record->text(Stream::error), !Contains("not recorded: rt/hedge_7"));
+      CHECK(channels.contains("/hedge_7/odom"));
+      CHECK(channels.contains("/hedge_7/imu/data"));
+      CHECK(channels.contains("/tf"));
+      const auto odometry = of_topic(messages_of(file), "/hedge_7/odom");
+      REQUIRE(odometry.size() > 100);
+      for (const OwnedMessage& message : odometry) {
+        const dds::CdrSample<ros2::Odometry> sample(message.data);
+        REQUIRE(sample.get() != nullptr);
+        CHECK(std::string(sample.get()->header.frame_id) == "map");
       }
+    }
+    THEN("the other file has the native topics alone") {
+      const mcap::Reader reader(run.folder / "run.mcap");
+      for (const auto& [id, channel] : reader.channels()) {
+        CHECK(channel.topic.starts_with("sonopose/"));
+      }
+      CHECK_THAT(run.log, !Contains("not recorded: rt/hedge_7"));
     }
   }
 }
