@@ -14,7 +14,7 @@
 namespace sonopose::dds::test {
 
 /// Only an upper bound: every wait ends with its event.
-inline constexpr Duration test_timeout = std::chrono::seconds(20);
+inline constexpr Duration test_timeout = std::chrono::minutes(3);
 
 /// A domain of this process alone.
 inline std::uint32_t test_domain() {

@@ -53,7 +53,7 @@ void wait_for_settings(dds::DataReader<sonopose_EffectiveSettings>& reader, Beac
   waitset += has_data;
   bool came = false;
   while (!came) {
-    REQUIRE(waitset.wait(std::chrono::seconds(10)) > 0);
+    REQUIRE(waitset.wait(std::chrono::minutes(3)) > 0);
     reader.take_each([&](const sonopose_EffectiveSettings& sample, const dds::SampleInfo&) {
       came = came || sample.address == address;
     });

@@ -28,7 +28,7 @@ public:
 
   std::vector<LogLine> wait_for(std::size_t count) {
     std::vector<LogLine> lines;
-    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    const auto give_up = std::chrono::steady_clock::now() + std::chrono::minutes(3);
     while (lines.size() < count && std::chrono::steady_clock::now() < give_up) {
       reader_.try_take_each([&](const sonopose_LogLine& sample, const dds::SampleInfo&) {
         lines.push_back(dds::topics::from_idl(sample));
