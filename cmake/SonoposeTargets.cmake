@@ -29,12 +29,12 @@ function(sonopose_compile_options target)
   endif()
 endfunction()
 
-# Code off the hot path compiles in half the time without optimisation. Releases optimise everything.
+# Code off the hot path compiles in two thirds of the time with -Og. Releases optimise everything.
 function(sonopose_cold target)
   if(SONOPOSE_SANITIZE MATCHES fuzzer)
     return()  # a fuzzer lives from its speed
   endif()
-  target_compile_options(${target} PRIVATE $<$<CONFIG:RelWithDebInfo>:-O0>)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:RelWithDebInfo>:-Og>)
 endfunction()
 
 # Products of small matrices take a third less time with -O3. Without precompiled headers, which are made with -O2.
@@ -82,6 +82,7 @@ function(sonopose_module name)
     sonopose_compile_options(sonopose_${name})
     if(module_COLD)
       sonopose_cold(sonopose_${name})
+      sonopose_precompile(sonopose_${name} sonopose_precompiled_cold)
     elseif(module_HOT)
       sonopose_hot(sonopose_${name})
     else()
