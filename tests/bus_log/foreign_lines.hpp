@@ -37,7 +37,8 @@ inline bool has_foreign_decompressors() {
 }
 
 inline constexpr const char* no_foreign_decoders =
-    "skipped: no node with @mcap/core, @foxglove/omgidl-parser and @foxglove/omgidl-serialization\n";
+    "skipped: no node with Foxglove's packages; npm install @mcap/core @mcap/support @foxglove/omgidl-parser "
+    "@foxglove/omgidl-serialization, and set NODE_PATH=$PWD/node_modules\n";
 
 inline std::vector<std::string> our_lines(const std::filesystem::path& file) {
   const mcap::Reader reader(file);

@@ -100,7 +100,9 @@ const std::vector<recording::AttitudeLog>& trials() {
     }
     return read;
   }();
-  if (logs.empty()) std::cout << "skipped: no recordings\n";
+  if (logs.empty())
+    std::cout << "skipped: no recordings in " SONOPOSE_RECORDINGS
+                 "; cmake --preset dev -DSONOPOSE_RECORDINGS=FOLDER uses those of another folder\n";
   return logs;
 }
 

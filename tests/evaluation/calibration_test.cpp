@@ -156,7 +156,7 @@ TEST_CASE("the Allan deviation of a minute at rest is printed as text and JSON a
 
   CHECK_THROWS_AS(plots::AllanPlot(folder / "a.pdf"), plots::PlotError);
   if (std::system("gnuplot --version > /dev/null 2>&1") != 0) {
-    std::cout << "skipped: no gnuplot\n";
+    std::cout << "skipped: no gnuplot; scripts/setup test installs it\n";
     return;
   }
   plots::AllanPlot plot(folder / "a.svg");

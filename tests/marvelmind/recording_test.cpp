@@ -47,7 +47,9 @@ std::vector<Row> read_csv(const std::string& name) {
 /// The recorded bytes; nothing, and the word that marks a test as skipped, where there are none.
 marvelmind::testing::Bytes read_stream() {
   std::ifstream file(folder + "stream.bin", std::ios::binary);
-  if (!file) std::cout << "skipped: no recordings\n";
+  if (!file)
+    std::cout << "skipped: no recordings in " SONOPOSE_RECORDINGS
+                 "; cmake --preset dev -DSONOPOSE_RECORDINGS=FOLDER uses those of another folder\n";
   return {std::istreambuf_iterator<char>(file), {}};
 }
 

@@ -18,7 +18,7 @@ using plots::Plot;
 
 bool gnuplot_is_here() {
   if (std::system("gnuplot --version > /dev/null 2>&1") == 0) return true;
-  std::cout << "skipped: no gnuplot\n";
+  std::cout << "skipped: no gnuplot; scripts/setup test installs it\n";
   return false;
 }
 

@@ -15,7 +15,8 @@ inline std::filesystem::path beacon_recordings(const std::string& name = {}) {
 /// Whether it is there; otherwise marks the test as skipped.
 inline bool is_here(const std::filesystem::path& recording) {
   if (exists(recording)) return true;
-  std::cout << "skipped: no recordings\n";
+  std::cout << "skipped: no recordings in " SONOPOSE_RECORDINGS
+               "; cmake --preset dev -DSONOPOSE_RECORDINGS=FOLDER uses those of another folder\n";
   return false;
 }
 
