@@ -35,8 +35,8 @@ SCENARIO("the first fifty plans have every fault, three to five each, and end wi
       CHECK(step.at_ns >= free);
       free = step.at_ns + step.for_ns;
       CHECK(free < 5'000'000'000);
-      CHECK((step.fault != Fault::unplug || plan.line == Line::serial));
-      CHECK((step.fault != Fault::reorder || plan.line == Line::udp));
+      if (step.fault == Fault::unplug) CHECK(plan.line == Line::serial);
+      if (step.fault == Fault::reorder) CHECK(plan.line == Line::udp);
     }
   }
   CHECK(faults.size() == 9);

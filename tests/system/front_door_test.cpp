@@ -249,7 +249,7 @@ TEST_CASE("A help that cuts the description of an option says so") {
       if (whole == all.end()) continue;
       CAPTURE(program, option, text, whole->second);
       if (whole->second.find("(default") == std::string::npos) text = text.substr(0, text.find(" (default"));
-      CHECK((whole->second == text || text.find(" …") != std::string::npos));
+      if (text.find(" …") == std::string::npos) CHECK(whole->second == text);
     }
   }
 }
