@@ -1,5 +1,7 @@
 #include "faults/history_checker.hpp"
 
+#include "faults/stall_watch.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,20 +24,6 @@ TimeNs transit_ns(const Arrival& pose) {
 
 bool overlap(const Interval& interval, SteadyTime from, SteadyTime until) {
   return interval.from <= until && interval.until >= from;
-}
-
-std::vector<Interval> merged(std::vector<Interval> intervals) {
-  std::sort(intervals.begin(), intervals.end(),
-            [](const Interval& a, const Interval& b) { return a.from < b.from; });
-  std::vector<Interval> disjoint;
-  for (const Interval& interval : intervals) {
-    if (!disjoint.empty() && interval.from <= disjoint.back().until) {
-      disjoint.back().until = std::max(disjoint.back().until, interval.until);
-    } else {
-      disjoint.push_back(interval);
-    }
-  }
-  return disjoint;
 }
 
 }  // namespace
@@ -440,11 +428,7 @@ std::optional<Interval> HistoryChecker::backward_stamps() const {
 }
 
 TimeNs HistoryChecker::stalled_ns(SteadyTime from, SteadyTime until) const {
-  TimeNs sum_ns = 0;
-  for (const Interval& stall : stalls_) {
-    sum_ns += std::max<TimeNs>(0, std::min(stall.until, until) - std::max(stall.from, from));
-  }
-  return sum_ns;
+  return covered_ns(stalls_, from, until);
 }
 
 }  // namespace sonopose::faults

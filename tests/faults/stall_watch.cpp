@@ -2,6 +2,7 @@
 
 #include "clocks/clocks.hpp"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdlib>
@@ -102,6 +103,28 @@ void StallWatch::sample(SteadyTime now) {
     if (more_ns >= least_ns) add({now - more_ns, now});
     ++entry;
   }
+}
+
+std::vector<Interval> merged(std::vector<Interval> intervals) {
+  std::sort(intervals.begin(), intervals.end(),
+            [](const Interval& a, const Interval& b) { return a.from < b.from; });
+  std::vector<Interval> disjoint;
+  for (const Interval& interval : intervals) {
+    if (!disjoint.empty() && interval.from <= disjoint.back().until) {
+      disjoint.back().until = std::max(disjoint.back().until, interval.until);
+    } else {
+      disjoint.push_back(interval);
+    }
+  }
+  return disjoint;
+}
+
+TimeNs covered_ns(const std::vector<Interval>& disjoint, SteadyTime from, SteadyTime until) {
+  TimeNs sum_ns = 0;
+  for (const Interval& interval : disjoint) {
+    sum_ns += std::max<TimeNs>(0, std::min(interval.until, until) - std::max(interval.from, from));
+  }
+  return sum_ns;
 }
 
 }  // namespace sonopose::faults

@@ -14,9 +14,9 @@
 
 namespace sonopose::faults {
 
-/// Watches the threads of this process and of its children by what the kernel reports: how long each was
-/// ready to run and waited for a processor. A kernel without /proc/PID/task/TID/schedstat reports nothing.
-/// Also by how much its own sleeps are too long.
+/// Reads from the kernel how long each thread of this process and of its children was ready to run and waited
+/// for a processor, and measures by how much its own sleeps are too long. A kernel without
+/// /proc/PID/task/TID/schedstat reports nothing.
 class StallWatch {
 public:
   StallWatch();
@@ -24,6 +24,7 @@ public:
   StallWatch& operator=(const StallWatch&) = delete;
   ~StallWatch();
 
+  /// One interval for each stall of a thread; those of several threads overlap.
   [[nodiscard]] std::vector<Interval> stalls() const;
 
 private:
@@ -43,5 +44,11 @@ private:
   std::vector<Interval> stalls_;
   std::jthread thread_;
 };
+
+/// The same times as disjoint intervals, by time.
+std::vector<Interval> merged(std::vector<Interval> intervals);
+
+/// Part of the time from `from` to `until` that is in one of the disjoint intervals.
+TimeNs covered_ns(const std::vector<Interval>& disjoint, SteadyTime from, SteadyTime until);
 
 }  // namespace sonopose::faults

@@ -34,13 +34,7 @@ for launch_file in "$share"/launch/*.py; do
 done
 test -f "$share/rviz/sonopose.rviz"
 
-# A domain of its own, reserved as by TestDomain in tests/support.
-for ROS_DOMAIN_ID in $(seq 100); do
-  exec {lock}>>"${TMPDIR:-/tmp}/sonopose-test-domain-$ROS_DOMAIN_ID.lock"
-  flock -n "$lock" && break
-  exec {lock}>&-
-done
-export ROS_DOMAIN_ID
+. "$source/tests/install/reserve_domain.sh"
 "$package/lib/sonopose_ros2/sonopose-ros2" --network loopback --ros-args -r __node:=sonopose -r __ns:=/ \
   --params-file "$share/config/relay.yaml" 2>"$work/relay.log" &
 relay=$!

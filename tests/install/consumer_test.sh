@@ -26,13 +26,7 @@ for example in consumer ros2_listener_cyclone; do
 done
 build_example c_consumer -DSONOPOSE_IDL="$share/idl/sonopose.idl"
 
-# A domain of its own, reserved as by TestDomain in tests/support.
-for ROS_DOMAIN_ID in $(seq 100); do
-  exec {lock}>>"${TMPDIR:-/tmp}/sonopose-test-domain-$ROS_DOMAIN_ID.lock"
-  flock -n "$lock" && break
-  exec {lock}>&-
-done
-export ROS_DOMAIN_ID
+. "$source/tests/install/reserve_domain.sh"
 "$work/prefix/bin/sonopose-fusion" & pids+=($!)
 "$work/prefix/bin/sonopose-ros2" & pids+=($!)
 "$work/prefix/bin/sonopose-bridge" & pids+=($!)

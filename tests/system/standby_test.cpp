@@ -23,7 +23,7 @@ constexpr TimeNs imu_period_ns = 5'000'000;
 constexpr BeaconAddress contested = 7;   ///< both fusions have it
 constexpr BeaconAddress undisputed = 8;  ///< only the weak fusion has it
 
-/// How often a fusion is taken out; docs/standby.md has the figures of more.
+/// Number of times that a fusion is taken out; docs/standby.md has the figures of more.
 int kills() {
   const char* const number = std::getenv("SONOPOSE_KILLS");
   return number == nullptr ? 5 : std::atoi(number);
@@ -269,21 +269,9 @@ SCENARIO("while the stronger fusion is alive, the weaker one delivers only what 
   }
 }
 
-/// How long a busy machine kept any thread waiting in a time.
-TimeNs stalled_ns(std::vector<faults::Interval> stalls, SteadyTime from, SteadyTime until) {
-  std::sort(stalls.begin(), stalls.end(), [](const auto& a, const auto& b) { return a.from < b.from; });
-  TimeNs sum_ns = 0;
-  for (const faults::Interval& stall : stalls) {
-    const SteadyTime end = std::min(stall.until, until);
-    sum_ns += std::max<TimeNs>(0, end - std::max(stall.from, from));
-    from = std::max(from, end);
-  }
-  return sum_ns;
-}
-
-/// One beacon's poses around the time at which the strong fusion serves it: each is of the next sample, or of
-/// the same one again, and close to the one before. Two processes may be some samples apart, above all where
-/// the machine kept one of them waiting.
+/// Checks one beacon's poses around the time at which the strong fusion serves it: each is of the next
+/// sample, or of the same one again, and close to the one before. Two processes may be some samples apart,
+/// above all where the machine kept one of them waiting. `stalls` are disjoint.
 void check_hand_overs(std::vector<TappedPose> poses, const Fusion& strong, const Fusion& weak,
                       const std::vector<faults::Interval>& stalls) {
   REQUIRE(weak.wrote(poses.front()));
@@ -303,7 +291,7 @@ void check_hand_overs(std::vector<TappedPose> poses, const Fusion& strong, const
     if (missing_ns > 1000) {
       constexpr TimeNs watch_period_ns = 10'000'000;  // a stall is known this exactly
       const TimeNs waited_ns =
-          stalled_ns(stalls, poses[k].received - 1'000'000'000, poses[k].received + watch_period_ns);
+          faults::covered_ns(stalls, poses[k].received - 1'000'000'000, poses[k].received + watch_period_ns);
       REQUIRE(waited_ns > 0);
       CHECK(missing_ns <= waited_ns + watch_period_ns);
     }
@@ -345,7 +333,8 @@ SCENARIO(
       THEN("each beacon has a pose for every sample, and they are close to each other") {
         std::map<BeaconAddress, std::vector<TappedPose>> poses;
         for (const TappedPose& tapped : pair.tap.since(begin)) poses[tapped.pose.address].push_back(tapped);
-        for (const auto& entry : poses) check_hand_overs(entry.second, strong, weak, stalls.stalls());
+        const auto disjoint = faults::merged(stalls.stalls());
+        for (const auto& entry : poses) check_hand_overs(entry.second, strong, weak, disjoint);
       }
     }
   }
