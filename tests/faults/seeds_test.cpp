@@ -38,7 +38,7 @@ constexpr bool sanitized = false;
 constexpr TimeNs slowness = 1;
 #endif
 
-/// Those of SONOPOSE_FAULT_SEEDS, "7" or "1-10".
+/// Seeds that SONOPOSE_FAULT_SEEDS names, as "7" or "1-10".
 std::vector<std::uint64_t> chosen_seeds() {
   const char* const value = std::getenv("SONOPOSE_FAULT_SEEDS");
   const std::string_view text = value == nullptr ? "" : value;
@@ -71,7 +71,7 @@ bool all_serve(const Plan& plan, const std::vector<FusionReport>& reports, Stead
   return serving.size() == 2 * static_cast<std::size_t>(plan.fusions);
 }
 
-/// Both beacons have had a row of good poses since the one with this index.
+/// True if both beacons have had a row of good poses since the one with this index.
 bool flows(const std::vector<Arrival>& poses, std::size_t from) {
   constexpr std::uint32_t bad = status_initialising | status_stale | status_late;
   constexpr std::size_t row = 80;
@@ -100,10 +100,10 @@ void wait_for_recovery(const Observer& observer, const Plan& plan) {
   });
 }
 
-/// How poses are judged.
+/// Kind of the limits by which poses are judged.
 enum class Timing : std::uint8_t {
   limited,  ///< also by limits in milliseconds, and by how long the machine kept threads waiting meanwhile
-  relative  ///< these limits grow by twice of what it kept threads waiting during the whole run
+  relative  ///< these limits grow by twice the time that it kept threads waiting during the whole run
 };
 
 Limits limits_of_run(Timing timing, TimeNs stalled_ns) {

@@ -6,7 +6,6 @@
 #include <catch2/catch.hpp>
 
 #include <chrono>
-#include <thread>
 
 namespace beacon_admission_test {
 

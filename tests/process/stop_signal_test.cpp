@@ -80,8 +80,7 @@ SCENARIO("a wait ends at its deadline or at the stop") {
   }
 }
 
-/// A process that receives a second SIGTERM after this time, and ends with 0 by itself. `prepare` is called
-/// in it first.
+/// Starts a process that calls `prepare`, raises SIGTERM twice with this pause between, and exits with 0.
 pid_t signalled_twice(
     std::chrono::milliseconds pause, SuddenEndCall call = nullptr, void (*prepare)() = [] {}) {
   const pid_t child = ::fork();
@@ -98,7 +97,7 @@ pid_t signalled_twice(
   return child;
 }
 
-/// Its exit code, or minus the signal that ended it.
+/// Exit code of the process, or minus the signal that ended it.
 int code_of(pid_t child) {
   int status = 0;
   ::waitpid(child, &status, 0);

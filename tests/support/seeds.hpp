@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Over how many seeds a test scores the accuracy.
+/// Number of seeds over which a test scores the accuracy.
 
 #include <cstdlib>
 

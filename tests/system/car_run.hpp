@@ -38,8 +38,7 @@ struct CarPart {
 };
 CarPart part_of_car(std::size_t first_imu_sample, std::size_t imu_samples);
 
-/// What consumers receive for the samples of the part, when a beacon sends the bytes over a serial line at
-/// the rate of their contents.
+/// Samples and poses that consumers receive when a beacon sends the part over a serial line in real time.
 struct LiveRun {
   std::vector<FusedPose> poses;
   std::vector<ImuSample> imu;

@@ -31,14 +31,14 @@ bool is_ready(const FusedPose& pose) {
   return (pose.status & not_yet) == 0U;
 }
 
-/// What the doctor says of one chain: as it is, with more processes, and without its fusion.
+/// Reports of the doctor on one chain: as it is, with more processes, and without its fusion.
 struct Looks {
   std::uint32_t domain_id = 0;
   int fusion = 0, bridge = 0, second_bridge = 0;  ///< their processes
   Result healthy, json, stopped, paused, disturbed, without_fusion;
 };
 
-/// Waits until so many doctors listen.
+/// Waits until `count` doctors listen.
 void wait_for_doctors(const Bus& bus, std::ptrdiff_t count) {
   const dds::DomainParticipant participant({.domain_id = bus.domain_id()});
   const dds::Discovery discovery(participant);
@@ -92,7 +92,7 @@ Looks look_at_chain() {
   return looks;
 }
 
-SCENARIO("the doctor says what is wrong with a running system, and that nothing is") {
+SCENARIO("the doctor reports what is wrong with a running system, or that nothing is") {
   static const Looks looks = look_at_chain();
   const auto process = [](int pid) { return "(process " + std::to_string(pid) + " on "; };
   GIVEN("a bridge, a fusion and a consumer") {
@@ -134,7 +134,7 @@ SCENARIO("the doctor says what is wrong with a running system, and that nothing 
                                              Contains(process(looks.second_bridge)));
     }
   }
-  GIVEN("no fusion any more") {
+  GIVEN("a bridge whose fusion has ended") {
     THEN("the doctor reports that it is missing, and that the beacon is published") {
       CAPTURE(looks.without_fusion.output, looks.without_fusion.error);
       CHECK(looks.without_fusion.code == 1);
@@ -231,7 +231,7 @@ std::size_t entries_of(const std::filesystem::path& folder) {
   return count;
 }
 
-/// What the doctor used while it searched.
+/// Exit code of a search of all domains, and the resources that it used.
 struct SearchUsage {
   std::optional<int> code;
   std::size_t most_threads = 0;
@@ -242,16 +242,16 @@ SearchUsage search(std::uint32_t domain_id) {
   const auto process = start_doctor(domain_id, {"--duration", "0.5"});
   const std::filesystem::path folder = "/proc/" + std::to_string(process->pid());
   SearchUsage usage;
-  const auto give_up = std::chrono::steady_clock::now() + timeout;
-  while (!usage.code && std::chrono::steady_clock::now() < give_up) {
+  wait_until([&] {
     usage.most_threads = std::max(usage.most_threads, entries_of(folder / "task"));
     usage.most_files = std::max(usage.most_files, entries_of(folder / "fd"));
     usage.code = process->wait_for_exit(std::chrono::milliseconds(5));
-  }
+    return usage.code.has_value();
+  });
   return usage;
 }
 
-/// Limits the files that this process may open, for the time of its life.
+/// Limits the number of files that this process may open, until destruction.
 class FileLimit {
 public:
   explicit FileLimit(rlim_t most) {

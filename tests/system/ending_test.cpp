@@ -14,7 +14,7 @@ using namespace sonopose::test;
 namespace topics = dds::topics;
 using std::chrono::milliseconds;
 
-/// How long an undisturbed program takes here and now to start, print its version and end.
+/// Time that an undisturbed program needs at present to start, print its version and end.
 milliseconds time_of_a_version() {
   const auto began = std::chrono::steady_clock::now();
   REQUIRE(run(SONOPOSE_TEST_FUSION, {"--version"}).code == 0);

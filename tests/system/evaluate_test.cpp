@@ -144,7 +144,7 @@ SCENARIO("own logs are scored with and without truth, alone, and what is left ou
       }
     }
   }
-  GIVEN("the name of nothing") {
+  GIVEN("an unknown name") {
     const Result none = run(SONOPOSE_TEST_EVALUATE, {"no_such_case"});
     THEN("it is named") {
       CHECK(none.code == 1);

@@ -34,7 +34,7 @@ constexpr double tolerated_mb = 2000;  // their allocators keep what is freed
 constexpr double tolerated_mb = 25;
 #endif
 
-/// What a process uses.
+/// Resources that a process uses.
 struct Usage {
   double processor_s = 0;  ///< per sample of the healthy beacon
   double memory_mb = 0;
@@ -65,7 +65,7 @@ Usage usage_of(int pid) {
           .descriptors = entries_of(pid, "fd")};
 }
 
-/// A process that floods must leave as it was.
+/// A process whose resources must be the same before and after a flood.
 struct Observed {
   std::string name;
   Process& process;
@@ -289,7 +289,7 @@ public:
     feed_.add(healthy);
   }
 
-  /// As another beacon would send it.
+  /// The latest IMU datagram, as the beacon of `address` would send it.
   std::vector<std::uint8_t> forged(std::uint8_t address) const {
     const std::lock_guard lock(mutex_);
     auto bytes = imu_;

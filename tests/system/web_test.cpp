@@ -213,7 +213,7 @@ SCENARIO("a page resets estimators, runs the doctor, and learns that no fusion a
   }
 }
 
-/// Of a beacon without poses: its stream is silent, or lost if a busy fusion has missed its lease too.
+/// Least severity of a beacon whose pose stream is silent, or lost because a busy fusion missed its lease.
 constexpr int severity_without_poses = 95;
 
 SCENARIO("a page that opens late sees a beacon that has stopped, as without poses") {

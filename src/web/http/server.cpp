@@ -134,7 +134,8 @@ private:
   std::map<ClientId, std::uint64_t> drops_;
   RefusalLog refusal_log_;
   RefusalLog protocol_log_;  ///< of WebSockets that passed the rules
-  // Not for one thread only: then what the thread that serves posts comes after what others post later.
+  // Without a concurrency hint of 1: with it, what the serving thread posts runs after what other threads
+  // post later.
   asio::io_context context_;
   tcp::acceptor acceptor_;
   asio::steady_timer retry_{context_};

@@ -113,7 +113,7 @@ std::string unexplained(const std::string& problems, const std::vector<const cha
   return rest;
 }
 
-/// Findings in looks at every scenario.
+/// Results of looks at every scenario.
 struct Survey {
   int looks = 0;
   std::vector<std::string> wrong;   ///< looks with a finding that is not that of the scenario's fault
@@ -150,7 +150,7 @@ TEST_CASE("In every scenario, the doctor finds only the fault that is there") {
   CHECK(result.not_found == std::set<std::string>{});
 }
 
-TEST_CASE("Of hundreds of looks at all scenarios, at most 2 % have a wrong finding", "[.][accuracy]") {
+TEST_CASE("Hundreds of looks at all scenarios have a wrong finding in at most 2 %", "[.][accuracy]") {
   for (const Survey& result : {survey(2201, 12, 8.0), survey(2301, 12, 16.0)}) {
     for (const std::string& look : result.wrong) std::cout << look;
     std::cout << result.wrong.size() << " of " << result.looks << " looks have a wrong finding\n";

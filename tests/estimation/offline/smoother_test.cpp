@@ -112,7 +112,7 @@ void print(const std::string& name, const Errors& errors) {
              errors.normalised.mean());
 }
 
-/// Of the runs that are scored. No parameter was chosen on the seeds from 901 on.
+/// Last seed of the scored runs. The first is 901; no parameter was chosen on the seeds from there on.
 unsigned last_seed() {
   return 900 + test::seeds(2, 4);
 }
