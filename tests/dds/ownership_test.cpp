@@ -92,7 +92,7 @@ TEST_CASE("With the pose's profile a standby takes over from a hanging fusion, a
         },
         timeout);
   };
-  // The standby writes while the strong one is alive: without a stall of the machine in between.
+  // The standby writes while the strong one is alive. Repeated if the machine stalled in between.
   const Duration lease = strong.qos().policy<policy::Liveliness>()->lease_duration;
   auto began = std::chrono::steady_clock::now();
   do {

@@ -139,7 +139,7 @@ TEST_CASE("A writer that asserts its liveliness in time keeps it without writing
   const milliseconds lease(300);
   DataWriter<Command> writer(member, topic, manual_liveliness(lease));
   const auto lost = [&writer] { return writer.liveliness_lost_status().total_count; };
-  // Whether it was in time, for two leases; a busy machine may let it be late.
+  // Asserts the liveliness for two leases. Returns false if a busy machine delayed it by half a lease.
   std::uint32_t lost_before = 0;
   const auto assert_in_time = [&] {
     writer.assert_liveliness();

@@ -70,7 +70,7 @@ void StallWatch::watch(const std::stop_token& stop) {
     const SteadyTime now = clocks::steady_now();
     sample(now);
     std::this_thread::sleep_for(period);
-    // A virtual machine that does not run at all is no wait of a thread.
+    // The kernel counts no wait while the virtual machine itself does not run.
     const SteadyTime due = now + TimeNs{std::chrono::nanoseconds(period).count()};
     if (clocks::steady_now() - due >= least_ns) add({due, clocks::steady_now()});
   }

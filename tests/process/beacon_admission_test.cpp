@@ -91,7 +91,7 @@ SCENARIO("DDS makes no instance of a beacon that is not admitted") {
   const auto begin = std::chrono::steady_clock::now();
   for (sample.address = 1; sample.address <= 1000; ++sample.address) writer.write(sample);
   const auto passed = [&begin] { return std::chrono::steady_clock::now() - begin; };
-  // One instance misses one deadline in a period, a thousand miss as many.
+  // Each instance misses one deadline in a period.
   std::uint32_t missed = 0;
   REQUIRE(test::wait_until([&] {
     missed = reader.requested_deadline_missed_status().total_count;

@@ -219,7 +219,7 @@ SCENARIO("without a heading each seed starts in another direction") {
         const Run run{.seed = seed, .duration_s = 30.0};
         const Recording recording = record(scenario, run);
         REQUIRE(of_kind<PairHeading>(recording).empty());
-        // The walk looks where it goes, in whatever direction it started, and the fixes are there with it.
+        // The body faces its course, whatever the initial yaw, and the fixes agree with the truth.
         const TruthSample& last = recording.truth.back();
         const double course = std::atan2(last.velocity_world_mps.y(), last.velocity_world_mps.x());
         CHECK(std::abs(geometry::wrap_angle(course - geometry::yaw_of(last.q_body_to_world))) < 1e-9);

@@ -33,7 +33,7 @@ void check_ending(Process& process, int signal) {
   CHECK(ending.took <= std::max(milliseconds(1000), 50 * undisturbed));
 }
 
-/// Starts two of a program, waits until each has printed `line`, and ends each with another signal.
+/// Starts a program twice, waits until both have printed `line`, and ends one with each signal.
 template <class Start>
 void check_both_signals(Stream stream, const std::string& line, const Start& start) {
   const auto one = start();

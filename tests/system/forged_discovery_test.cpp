@@ -16,8 +16,7 @@ namespace topics = dds::topics;
 SCENARIO("programs that a forged discovery message has ended serve again after their restart") {
   GIVEN("a running bridge and fusion") {
     const Bus bus;
-    // A doctor of another test that visits this domain would end, too: what has another tag is not
-    // discovered.
+    // With a tag of their own: a doctor of another test that visits this domain would end, too.
     ::setenv("CYCLONEDDS_URI",
              "<CycloneDDS><Domain><Discovery><Tag>forged</Tag></Discovery></Domain></CycloneDDS>", 1);
     const auto bridge = bus.bridge({"--scenario", "rest"});

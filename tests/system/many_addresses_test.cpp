@@ -95,8 +95,8 @@ bool is_as_before(const Observed& each) {
          each.after.threads == each.before.threads && each.after.descriptors == each.before.descriptors;
 }
 
-/// Measures again and again until the processes are as before: what came last is gone after 5 s, and memory
-/// is given back every 10 s.
+/// Measures until the processes are as before: the latest addresses are released after 5 s, and memory every
+/// 10 s.
 template <class Receive>
 void check_as_before(std::vector<Observed>& all, const Receive& receive) {
   for (int i = 0; i < 30; ++i) {

@@ -318,7 +318,7 @@ SCENARIO("a second Ctrl-C ends a player that hangs, and restores the terminal") 
       play.type("\x03");
       CHECK_FALSE(play.wait_for_exit(std::chrono::milliseconds(1200)));
       CHECK_FALSE(play.has_normal_line());
-      // Again and again: a busy machine may have been late with the first one.
+      // Repeated, because a busy machine may have been late with the first one.
       REQUIRE(wait_until([&play] {
         play.type("\x03");
         return play.wait_for_exit(std::chrono::milliseconds(200)).has_value();

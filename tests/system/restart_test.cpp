@@ -20,7 +20,7 @@ SCENARIO("a bridge is killed and restarted") {
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
     Consumer<sonopose_FusionStatus> status(bus, topics::fusion_status, dds::topics::Delivery::live);
     const auto fusion = bus.fusion();
-    // Its numbers rise fast, so that those of a new one are known even where it is discovered late.
+    // At 500 Hz the numbers rise fast: those of a new bridge are lower even if it is discovered late.
     auto bridge = bus.bridge({"--scenario", "rest", "--imu-rate", "500"});
     REQUIRE(poses.wait_for([](const FusedPose& pose) { return is_ready(pose) && pose.sequence > 500; }));
     WHEN("the bridge is killed, and a new one numbers its events from 1") {

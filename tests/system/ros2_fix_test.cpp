@@ -77,7 +77,7 @@ SCENARIO("each fix arrives once, with the variance that the fusion assigns to it
           return is_weighted(one.variance_m2, stds_m, weights.equal_range(one.stamp_ns));
         });
       };
-      // Others precede settings and estimates, or time out.
+      // Other fixes precede the settings and estimates, or time out.
       for (std::size_t count = 4; weighted() < 12; count += 4) {
         REQUIRE(count < 400);
         const auto more = fixes_seen(fix, count);

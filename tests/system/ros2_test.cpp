@@ -148,7 +148,7 @@ SCENARIO("imu/data has every sample, also where its pose arrives first") {
     THEN("each of 200 samples as measured has its counterpart with the orientation") {
       std::set<TimeNs> raw_ns;
       std::set<TimeNs> fused_ns;
-      // Where the machine is busy, the transport loses some, and the count begins again.
+      // On a busy machine the transport loses some samples, and the count begins again.
       const auto longest_run = [&] {
         int longest = 0;
         int run = 0;

@@ -4,6 +4,7 @@
 #include "support/bus.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/terminal_process.hpp"
+#include "support/wait_until.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -36,12 +37,7 @@ int child_named(int parent, const std::string& name) {
 
 /// Whether the process ends, also one that is not ours.
 bool ends(int pid) {
-  const auto give_up = std::chrono::steady_clock::now() + timeout;
-  while (fs::exists("/proc/" + std::to_string(pid) + "/exe")) {
-    if (std::chrono::steady_clock::now() > give_up) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  return true;
+  return wait_until([&] { return !fs::exists("/proc/" + std::to_string(pid) + "/exe"); });
 }
 
 SCENARIO("one command runs bridge, fusion and monitor") {

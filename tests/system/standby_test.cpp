@@ -3,6 +3,7 @@
 #include "faults/stall_watch.hpp"
 #include "support/held_thread.hpp"
 #include "support/pose_tap.hpp"
+#include "support/wait_until.hpp"
 
 #include <fmt/format.h>
 
@@ -52,12 +53,11 @@ public:
     Arguments arguments{"--standby-strength", strength};
     arguments.insert(arguments.end(), further.begin(), further.end());
     fusion.process = bus.fusion(arguments);
-    const auto give_up = std::chrono::steady_clock::now() + timeout;
-    while (fusion.writers.size() < 2 && std::chrono::steady_clock::now() < give_up) {
+    wait_until([&] {
       fusion.writers = tap.writers();
       for (const auto handle : before) fusion.writers.erase(handle);
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+      return fusion.writers.size() >= 2;
+    });
     REQUIRE(fusion.writers.size() == 2);
     for (const auto writer : fusion.writers) {
       if (tap.strength_of(writer) > 0) fusion.claim = writer;
@@ -128,7 +128,7 @@ void check_takeovers(const std::string& what, UnequalPair& pair, int times,
 }
 
 SCENARIO("a killed fusion is replaced within its lease, and its consumer learns of its death") {
-  // What takes over does not depend on the engine, so one of them is killed less often.
+  // A takeover does not depend on the engine, so one of the engines is killed less often.
   const auto [engine, times] =
       GENERATE(table<std::string, int>({{"kalman", kills()}, {"documented", (3 * kills() + 4) / 5}}));
   UnequalPair pair("rest", engine);
@@ -209,7 +209,7 @@ SCENARIO("a process that was stopped for a second passes nothing old off as live
     Consumer<sonopose_FusionStatus> status(bus, topics::fusion_status, dds::topics::Delivery::live);
     REQUIRE(tap.wait_for_count(0, 100).size() >= 100);
     for (const std::string name : {"fusion", "bridge"}) {
-      // What gathers before a bridge that is stopped leaves it only then.
+      // Samples that gather while the bridge is stopped leave it only when it continues.
       const auto since_ns = name == "fusion" ? &FusedPose::imu_bridge_time_ns : &FusedPose::time_ns;
       WHEN("the " + name + " continues") {
         const std::size_t before = tap.count();
@@ -255,7 +255,7 @@ SCENARIO("while the stronger fusion is alive, the weaker one delivers only what 
             continue;
           }
           if (latest != nullptr && pair.strong.wrote(*latest)) {
-            // Where the machine starves it for a lease, the weaker one rightly serves.
+            // If a busy machine starves the stronger fusion for a lease, the weaker one rightly serves.
             if (pair.weak.wrote(tapped)) {
               REQUIRE(tapped.received - latest->received > lease_ns / 4);
             } else {

@@ -72,7 +72,7 @@ SCENARIO("a flood of forged datagrams does not interrupt a beacon") {
         int sent = 0;
         send_in_time(datagrams, [&](std::span<const std::uint8_t> bytes) {
           for (int i = 0; i < 100; ++i, ++sent) attacker.send(forged);
-          // So that a busy machine, which may not run the bridge, does not lose the beacon's.
+          // A full receive buffer of a bridge that a busy machine delays would lose the beacon's datagram.
           REQUIRE(wait_until([&] { return waiting_bytes(beacon.to()) == 0; }));
           beacon.send(bytes);
         });

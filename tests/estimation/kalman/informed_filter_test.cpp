@@ -90,7 +90,7 @@ SCENARIO("the Kalman engine is nearly as good as a filter that knows the noise",
     const std::string name = GENERATE("hard_stops", "gyro_scale", "magnetic_heading", "moving_start",
                                       "hand_held", "sparse_fixes", "moved_map", "wrong_delay");
     const sim::Scenario& scenario = sim::find_scenario(name);
-    // The moment of a map that turns makes most of the error of `moved_map`, and it differs from run to run.
+    // Most of the error of `moved_map` comes from the moment when the map turns, and differs between runs.
     const bool is_moved = name == "moved_map";
     std::vector<double> kalman_m;
     std::vector<double> documented_m;
