@@ -138,10 +138,10 @@ SCENARIO("what has gathered while a process was stopped is skipped") {
   feed.poses(101);
   const auto skips = [&feed](TimeNs late_ns) { return feed.standby.on_pose(7, 0, late_ns, feed.now).skip; };
   // Takes the samples that gathered in a stop; returns how many poses are skipped.
-  const auto skipped_of = [&](int samples, TimeNs taken_every_ns) {
+  const auto skipped_of = [&](TimeNs samples, TimeNs taken_every_ns) {
     feed.now += samples * 10 * ms;
     int skipped = 0;
-    for (int i = 0; i < samples; ++i) {
+    for (TimeNs i = 0; i < samples; ++i) {
       feed.now += taken_every_ns;
       if (skips((samples - i) * 10 * ms + i * taken_every_ns)) ++skipped;
     }
