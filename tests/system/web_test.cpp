@@ -190,7 +190,7 @@ SCENARIO("a page resets estimators, runs the doctor, and learns that no fusion a
       if (message["running"] == false) findings = message;
       was_running = was_running || findings.is_null();
     }
-    THEN("it is told of progress and findings, as the other page is, and who does not answer") {
+    THEN("both pages receive progress and findings, and the one that asked learns that no fusion answers") {
       CHECK(was_running);
       CHECK_FALSE(findings["findings"].empty());
       CHECK(reply["id"] == 9);
