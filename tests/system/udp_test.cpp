@@ -10,6 +10,7 @@
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 namespace udp_test {
 
@@ -17,16 +18,16 @@ using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
-/// Bytes that have arrived at a port and wait for its program.
-std::size_t waiting_bytes(const sockaddr_in& at) {
+/// Bytes that have arrived at a port and wait for its program. The kernel's list may miss a socket while
+/// others close.
+std::optional<std::size_t> waiting_bytes(const sockaddr_in& at) {
   const std::string address = fmt::format("0100007F:{:04X}", ntohs(at.sin_port));
   std::ifstream sockets("/proc/net/udp");
   for (std::string number, local, remote, state, queues, rest;
        sockets >> number >> local >> remote >> state >> queues && std::getline(sockets, rest);) {
     if (local == address) return std::stoul(queues.substr(queues.find(':') + 1), nullptr, 16);
   }
-  FAIL("nobody listens at " << address);
-  return 0;
+  return std::nullopt;
 }
 
 /// A bridge that listens where this beacon sends.
