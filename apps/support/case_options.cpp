@@ -54,7 +54,8 @@ void add_recordings(const std::filesystem::path& folder, std::vector<std::filesy
 bool is_scenario(const std::string& name) {
   const auto has_name = [&name](const sim::Scenario& scenario) { return scenario.name == name; };
   return std::any_of(sim::scenarios().begin(), sim::scenarios().end(), has_name) ||
-         std::any_of(sim::harder_scenarios().begin(), sim::harder_scenarios().end(), has_name);
+         std::any_of(sim::harder_scenarios().begin(), sim::harder_scenarios().end(), has_name) ||
+         std::any_of(sim::violations().begin(), sim::violations().end(), has_name);
 }
 
 const sim::Scenario& scenario_named(const std::string& name) {
@@ -83,6 +84,7 @@ void for_each_case(const CaseOptions& options, const std::function<void(std::vec
   }
   if (options.harder) {
     for (const sim::Scenario& scenario : sim::harder_scenarios()) chosen.push_back(&scenario);
+    for (const sim::Scenario& scenario : sim::violations()) chosen.push_back(&scenario);
   }
   if (chosen.empty() && recordings.empty()) {
     for (const sim::Scenario& scenario : sim::scenarios()) chosen.push_back(&scenario);

@@ -1,5 +1,7 @@
 #include "sim/disturbances.hpp"
 
+#include <sonopose/geometry/rotation.hpp>
+
 #include <Eigen/Cholesky>
 
 #include <algorithm>
@@ -119,6 +121,20 @@ void check(const Disturbances& disturbances) {
     check_time("gyro_drift.duration_s", drift->duration_s);
     check_vector("gyro_drift.by_body_radps", drift->by_body_radps);
   }
+  check_spans("imu_faults", disturbances.imu_faults);
+  for (const ImuFault& fault : disturbances.imu_faults) {
+    check_vector("imu_faults.accel_offset_body_mps2", fault.accel_offset_body_mps2);
+    check_vector("imu_faults.gyro_offset_body_radps", fault.gyro_offset_body_radps);
+    check_vector("imu_faults.accel_factor", fault.accel_factor);
+    check_vector("imu_faults.gyro_factor", fault.gyro_factor);
+    check_vector("imu_faults.turned_by_rad", fault.turned_by_rad);
+    check_time("imu_faults.vibration_mps2", fault.vibration_mps2);
+  }
+  if (const auto& field = disturbances.bias_field) {
+    check_vector("bias_field.amplitude_world_m", field->amplitude_world_m);
+    check_vector("bias_field.wave_radpm", field->wave_radpm);
+    require(std::isfinite(field->phase_rad), "bias_field.phase_rad", field->phase_rad);
+  }
   if (disturbances.misplaced_beacon) check_beacons(*disturbances.misplaced_beacon);
   double poor_share = 0;
   for (const PoorFixes& kind : disturbances.poor_fixes) {
@@ -130,6 +146,7 @@ void check(const Disturbances& disturbances) {
       require(percent >= 0 && percent <= 100, "poor_fixes.quality_percent", percent);
     }
     check_range("poor_fixes.offset_m", kind.offset_m);
+    check_vector("poor_fixes.default_world_m", kind.default_world_m.value_or(Vector3d::Zero()));
   }
   check_share("poor_fixes: the sum of the shares", poor_share);
   check_packets("imu_packets", disturbances.imu_packets);
@@ -144,6 +161,24 @@ bool is_left_out(const Disturbances& disturbances, double time_s, std::uint64_t 
   return emission % 2 == 1 && any_holds(disturbances.halved_fix_rates, time_s);
 }
 
+void apply_imu_faults(const Disturbances& disturbances, double time_s, Random& random, ImuSample& sample) {
+  for (const ImuFault& fault : disturbances.imu_faults) {
+    if (!holds(fault, time_s)) continue;
+    if (!fault.turned_by_rad.isZero()) {
+      const Quaterniond q_body_to_imu = geometry::rotation_by(fault.turned_by_rad).conjugate();
+      sample.specific_force_body_mps2 = q_body_to_imu * sample.specific_force_body_mps2;
+      sample.angular_velocity_body_radps = q_body_to_imu * sample.angular_velocity_body_radps;
+    }
+    sample.specific_force_body_mps2 =
+        fault.accel_factor.cwiseProduct(sample.specific_force_body_mps2) + fault.accel_offset_body_mps2;
+    sample.angular_velocity_body_radps =
+        fault.gyro_factor.cwiseProduct(sample.angular_velocity_body_radps) + fault.gyro_offset_body_radps;
+    if (fault.vibration_mps2 > 0.0) {
+      sample.specific_force_body_mps2 += fault.vibration_mps2 * random.normal_vector();
+    }
+  }
+}
+
 Vector3d track_offset_world_m(const Disturbances& disturbances, double time_s,
                               const Vector3d& position_world_m) {
   Vector3d offset_world_m = Vector3d::Zero();
@@ -154,6 +189,10 @@ Vector3d track_offset_world_m(const Disturbances& disturbances, double time_s,
       const Vector3d& normal = burst.mirror->normal_world;
       offset_world_m += 2.0 * normal.dot(burst.mirror->point_world_m - position_world_m) * normal;
     }
+  }
+  if (const auto& field = disturbances.bias_field) {
+    offset_world_m +=
+        std::sin(field->wave_radpm.dot(position_world_m) + field->phase_rad) * field->amplitude_world_m;
   }
   if (const auto& map = disturbances.misplaced_beacon) {
     offset_world_m += misplacement_world_m(*map, position_world_m);

@@ -65,6 +65,27 @@ struct GyroDrift {
   Vector3d by_body_radps = Vector3d::Zero();
 };
 
+/// The IMU reads something else than the motion in [begin, begin + duration). Of several that hold at a time
+/// all apply, one after the other.
+struct ImuFault {
+  double begin_s = 0;
+  double duration_s = 0;
+  Vector3d accel_offset_body_mps2 = Vector3d::Zero();  ///< a shock, or a step of the bias
+  Vector3d gyro_offset_body_radps = Vector3d::Zero();
+  Vector3d accel_factor = Vector3d::Ones();   ///< reads this times the specific force, per axis
+  Vector3d gyro_factor = Vector3d::Ones();    ///< 0: the axis is dead; −1: inverted
+  Vector3d turned_by_rad = Vector3d::Zero();  ///< rotation vector of the IMU in the body, as of a loose mount
+  double vibration_mps2 = 0;                  ///< standard deviation of a white acceleration, per axis
+};
+
+/// The error of the fixes depends on where they are, as with a wrong speed of sound: a sine wave of the
+/// position in every coordinate.
+struct BiasField {
+  Vector3d amplitude_world_m = Vector3d::Zero();
+  Vector3d wave_radpm = Vector3d::Zero();  ///< wave vector, world
+  double phase_rad = 0;
+};
+
 /// The map has one stationary beacon in the wrong place. Fixes are the least-squares solution of the ranges
 /// to all of them, to first order in the error of the map, so their error depends on where the mobile beacon
 /// is, which must not be in the plane of all of them.
@@ -76,10 +97,11 @@ struct MisplacedBeacon {
 
 /// A share of the fixes that is worse than the others.
 struct PoorFixes {
-  double share = 0;                        ///< 0…1
-  std::optional<Range> quality_percent{};  ///< reported, uniform; empty: that of the other fixes
-  double noise_factor = 1;                 ///< standard deviation in units of the run's fix noise
-  Range offset_m{};                        ///< distance from the true place in a random direction, uniform
+  double share = 0;                           ///< 0…1
+  std::optional<Range> quality_percent{};     ///< reported, uniform; empty: that of the other fixes
+  double noise_factor = 1;                    ///< standard deviation in units of the run's fix noise
+  Range offset_m{};                           ///< distance from the true place in a random direction, uniform
+  std::optional<Vector3d> default_world_m{};  ///< reported instead of a position, exactly
 };
 
 /// Faults of the packets' transport to the host; shares are 0…1, and each packet has at most one fault.
@@ -100,6 +122,8 @@ struct Disturbances {
   std::vector<Relocation> relocations{};
   std::vector<HeadingError> heading_errors{};
   std::optional<GyroDrift> gyro_drift{};
+  std::vector<ImuFault> imu_faults{};
+  std::optional<BiasField> bias_field{};
   std::optional<MisplacedBeacon> misplaced_beacon{};
   std::vector<PoorFixes> poor_fixes{};  ///< for disjoint sets of fixes: the shares add up
   PacketFaults imu_packets{};
@@ -114,6 +138,9 @@ bool is_outage(const std::vector<Outage>& outages, double time_s);
 
 /// Whether the emission of this number is left out because the fix rate is halved.
 bool is_left_out(const Disturbances& disturbances, double time_s, std::uint64_t emission);
+
+/// The sample as the IMU with its faults measures it. Draws only while it vibrates.
+void apply_imu_faults(const Disturbances& disturbances, double time_s, Random& random, ImuSample& sample);
 
 /// The offset of the fixes' track from the true position.
 Vector3d track_offset_world_m(const Disturbances& disturbances, double time_s,

@@ -35,7 +35,10 @@ std::span<const Scenario> scenarios();
 /// The scenarios whose difficulties differ from run to run.
 std::span<const Scenario> harder_scenarios();
 
-/// The scenario of that name, of either kind. Throws std::invalid_argument, which lists the known names.
+/// The scenarios whose sensors violate what an estimator assumes of them.
+std::span<const Scenario> violations();
+
+/// The scenario of that name, of any kind. Throws std::invalid_argument, which lists the known names.
 const Scenario& find_scenario(std::string_view name);
 
 }  // namespace sonopose::sim

@@ -137,7 +137,7 @@ std::span<const Scenario> scenarios() {
 
 const Scenario& find_scenario(std::string_view name) {
   std::string known;
-  for (const auto& group : {scenarios(), harder_scenarios()}) {
+  for (const auto& group : {scenarios(), harder_scenarios(), violations()}) {
     for (const Scenario& scenario : group) {
       if (scenario.name == name) return scenario;
       known += known.empty() ? "" : ", ";

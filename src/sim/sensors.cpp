@@ -66,6 +66,9 @@ void check(const SensorSettings& settings) {
   for (const double error : settings.gyro_scale_error) {
     require(std::isfinite(error), "gyro_scale_error", error);
   }
+  not_negative(settings.accel_limit_mps2, "accel_limit_mps2");
+  not_negative(settings.gyro_limit_radps, "gyro_limit_radps");
+  for (const double factor : settings.fix_noise_factor) not_negative(factor, "fix_noise_factor");
   range(settings.fix_rate_hz, "fix_rate_hz");
   range(settings.fix_noise_m, "fix_noise_m");
   not_negative(settings.fix_delay_s, "fix_delay_s");
@@ -98,13 +101,21 @@ ImuModel::ImuModel(const SensorSettings& settings, const Random& random)
       accel_bias_mps2_{settings.accel_bias_mps2 * random_.normal_vector()},
       gyro_bias_radps_{settings.gyro_bias_radps * random_.normal_vector()} {}
 
-ImuSample ImuModel::measure(const Motion& motion, const Vector3d& gyro_drift_body_radps) {
+ImuSample ImuModel::measure(const Motion& motion, const Vector3d& gyro_drift_body_radps,
+                            const std::function<void(ImuSample&)>& faults) {
   ImuSample sample = ideal_imu_sample(motion, settings_.imu_from_tracked_point_body_m);
   sample.specific_force_body_mps2 += accel_bias_mps2_ + settings_.accel_noise_mps2 * random_.normal_vector();
   sample.angular_velocity_body_radps +=
       settings_.gyro_scale_error.cwiseProduct(motion.angular_velocity_body_radps);
   sample.angular_velocity_body_radps +=
       gyro_bias_radps_ + gyro_drift_body_radps + settings_.gyro_noise_radps * random_.normal_vector();
+  if (faults) faults(sample);
+  const auto limited = [](const Vector3d& value, double limit) {
+    return value.cwiseMax(-limit).cwiseMin(limit).eval();
+  };
+  sample.specific_force_body_mps2 = limited(sample.specific_force_body_mps2, settings_.accel_limit_mps2);
+  sample.angular_velocity_body_radps =
+      limited(sample.angular_velocity_body_radps, settings_.gyro_limit_radps);
   if (settings_.imu_quantised) {
     sample.specific_force_body_mps2 = quantised(sample.specific_force_body_mps2, accel_mps2_per_lsb);
     sample.angular_velocity_body_radps = quantised(sample.angular_velocity_body_radps, gyro_radps_per_lsb);
@@ -129,7 +140,8 @@ double UltrasonicModel::next_delay_s() {
 UltrasonicFix UltrasonicModel::measure_fix(const Motion& motion, const FixCondition& condition) {
   UltrasonicFix fix;
   const double noise_m = condition.noise_factor * fix_noise_m_;
-  fix.position_world_m = motion.position_world_m + noise_m * random_.normal_vector();
+  fix.position_world_m =
+      motion.position_world_m + noise_m * settings_.fix_noise_factor.cwiseProduct(random_.normal_vector());
   const double quality = condition.quality_percent
                              ? random_.uniform_in(*condition.quality_percent)
                              : settings_.quality_percent + settings_.quality_noise_percent * random_.normal();

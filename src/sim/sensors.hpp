@@ -8,6 +8,7 @@
 #include <sonopose/geometry/rotation.hpp>
 #include <sonopose/samples/samples.hpp>
 
+#include <functional>
 #include <optional>
 
 namespace sonopose::sim {
@@ -23,11 +24,14 @@ struct SensorSettings {
   double accel_bias_walk_mps2_rts = 0.0005;      ///< growth of the bias, per √s
   double gyro_bias_walk_radps_rts = 0.0001;      ///< growth of the bias, per √s
   Vector3d gyro_scale_error = Vector3d::Zero();  ///< the gyro reads 1 + this times the rate, per axis
-  bool imu_quantised = true;                     ///< 1 mg and 0.0175 deg/s in 16 bits, as the beacon sends it
+  double accel_limit_mps2 = 16.0 * standard_gravity_mps2;  ///< a reading beyond it is cut off, per axis
+  double gyro_limit_radps = 35.0;                          ///< likewise: 2000 °/s
+  bool imu_quantised = true;  ///< 1 mg and 0.0175 deg/s in 16 bits, as the beacon sends it
   Vector3d imu_from_tracked_point_body_m = Vector3d::Zero();  ///< lever arm of the IMU
 
-  Range fix_rate_hz{8.0, 16.0};     ///< 0: no fixes and no headings
-  Range fix_noise_m{0.015, 0.025};  ///< per axis
+  Range fix_rate_hz{8.0, 16.0};                  ///< 0: no fixes and no headings
+  Range fix_noise_m{0.015, 0.025};               ///< per axis
+  Vector3d fix_noise_factor = Vector3d::Ones();  ///< of each axis, in units of `fix_noise_m`
   double fix_delay_s = 0.068;
   double fix_delay_jitter_s = 0.003;
   double reported_delay_error_s = 0.0;  ///< the reported delay minus the true one
@@ -51,8 +55,9 @@ public:
   ImuModel(const SensorSettings& settings, const Random& random);
 
   /// The next sample, for this motion; the caller sets stamps, address and number. `gyro_drift_body_radps` is
-  /// added to the sensor's own bias.
-  ImuSample measure(const Motion& motion, const Vector3d& gyro_drift_body_radps = Vector3d::Zero());
+  /// added to the sensor's own bias; `faults` changes the reading before it is limited and quantised.
+  ImuSample measure(const Motion& motion, const Vector3d& gyro_drift_body_radps = Vector3d::Zero(),
+                    const std::function<void(ImuSample&)>& faults = {});
 
 private:
   SensorSettings settings_;

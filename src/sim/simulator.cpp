@@ -19,7 +19,8 @@ enum Stream : std::uint64_t {
   imu_packet_stream = 5,
   position_packet_stream = 6,
   poor_fix_stream = 7,
-  variation_stream = 8
+  variation_stream = 8,
+  imu_fault_stream = 9
 };
 
 Random stream_of(const Run& run, Stream stream) {
@@ -65,6 +66,7 @@ Simulator::Simulator(const Scenario& scenario, const SensorSettings& sensors, co
       imu_packets_{scenario_.disturbances.imu_packets, stream_of(run, imu_packet_stream)},
       position_packets_{scenario_.disturbances.position_packets, stream_of(run, position_packet_stream)},
       poor_fixes_{stream_of(run, poor_fix_stream)},
+      imu_faults_{stream_of(run, imu_fault_stream)},
       fix_phase_{stream_of(run, phase_stream).uniform()},
       start_yaw_rad_{scenario_.random_start_yaw
                          ? stream_of(run, start_yaw_stream).uniform_in({-std::numbers::pi, std::numbers::pi})
@@ -117,7 +119,9 @@ void Simulator::take_imu_sample(TimeNs time_ns) {
   ++imu_count_;
   const double time_s = since_start_s(time_ns);
   const Motion motion = motion_at(time_ns);
-  ImuSample sample = imu_.measure(motion, gyro_drift_body_radps(scenario_.disturbances, time_s));
+  ImuSample sample = imu_.measure(
+      motion, gyro_drift_body_radps(scenario_.disturbances, time_s),
+      [&](ImuSample& reading) { apply_imu_faults(scenario_.disturbances, time_s, imu_faults_, reading); });
   sample.address = run_.address;
   sample.sensor_time_ns = time_ns;
   const PacketFate fate = imu_packets_.next();
@@ -173,13 +177,15 @@ void Simulator::emit_one() {
 
 UltrasonicFix Simulator::measure_fix(const Motion& motion, double time_s) {
   FixCondition condition;
+  std::optional<Vector3d> default_world_m;
   Vector3d offset_world_m = track_offset_world_m(scenario_.disturbances, time_s, motion.position_world_m);
   if (const PoorFixes* kind = draw_poor_fix(scenario_.disturbances, poor_fixes_)) {
     condition = {kind->noise_factor, kind->quality_percent};
     offset_world_m += draw_offset_world_m(*kind, poor_fixes_);
+    default_world_m = kind->default_world_m;
   }
   UltrasonicFix fix = ultrasonic_.measure_fix(motion, condition);
-  fix.position_world_m += offset_world_m;
+  fix.position_world_m = default_world_m.value_or(fix.position_world_m + offset_world_m);
   return fix;
 }
 

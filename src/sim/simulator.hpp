@@ -73,6 +73,7 @@ private:
   PacketChannel imu_packets_;
   PacketChannel position_packets_;
   Random poor_fixes_;
+  Random imu_faults_;
   double fix_phase_;
   double start_yaw_rad_;
   std::uint64_t imu_count_ = 0;
