@@ -29,8 +29,9 @@ void check_options(const RunOptions& options) {
 }
 
 void replace(FusedPose& pose, const SmoothedPose& smoothed) {
-  constexpr std::uint32_t of_measurements =
-      status_stale | status_frozen_track | status_imu_gap | status_low_trust;
+  constexpr std::uint32_t of_measurements = status_stale | status_frozen_track | status_imu_gap |
+                                            status_low_trust | status_imu_inconsistent |
+                                            status_fixes_inconsistent;
   pose.position_world_m = smoothed.position_world_m;
   pose.velocity_world_mps = smoothed.velocity_world_mps;
   pose.q_body_to_world = smoothed.q_body_to_world;

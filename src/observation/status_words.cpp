@@ -9,7 +9,7 @@
 namespace sonopose::observation {
 namespace {
 
-constexpr std::array<std::pair<PoseStatus, std::string_view>, 12> status_names{{
+constexpr std::array<std::pair<PoseStatus, std::string_view>, 14> status_names{{
     {status_initialising, "initialising"},
     {status_uncalibrated, "uncalibrated"},
     {status_stale, "stale"},
@@ -22,6 +22,8 @@ constexpr std::array<std::pair<PoseStatus, std::string_view>, 12> status_names{{
     {status_rotating_fast, "rotating fast"},
     {status_late, "late"},
     {status_overloaded, "overloaded"},
+    {status_imu_inconsistent, "IMU inconsistent"},
+    {status_fixes_inconsistent, "fixes inconsistent"},
 }};
 
 }  // namespace

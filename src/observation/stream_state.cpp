@@ -23,11 +23,13 @@ int severity_of(const BeaconView& view) {
 }
 
 int severity_of_status(std::uint32_t status) {
-  constexpr std::array<std::pair<std::uint32_t, int>, 11> severities{{{status_initialising, 80},
+  constexpr std::array<std::pair<std::uint32_t, int>, 13> severities{{{status_initialising, 80},
                                                                       {status_stale, 75},
                                                                       {status_frozen_track, 70},
                                                                       {status_overloaded, 65},
+                                                                      {status_imu_inconsistent, 63},
                                                                       {status_low_trust, 60},
+                                                                      {status_fixes_inconsistent, 58},
                                                                       {status_late, 55},
                                                                       {status_imu_gap, 40},
                                                                       {status_converging, 35},

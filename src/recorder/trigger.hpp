@@ -55,8 +55,9 @@ private:
 };
 
 /// The bits of a pose's status that a beacon in order does not have.
-inline constexpr std::uint32_t bad_status =
-    status_stale | status_frozen_track | status_imu_gap | status_low_trust | status_overloaded;
+inline constexpr std::uint32_t bad_status = status_stale | status_frozen_track | status_imu_gap |
+                                            status_low_trust | status_overloaded | status_imu_inconsistent |
+                                            status_fixes_inconsistent;
 
 /// Fires when one of these bits appears at a beacon whose pose had none of them before.
 class BadStatusTrigger final : public TopicTrigger {

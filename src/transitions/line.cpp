@@ -50,6 +50,15 @@ Line words_of(const Transition& transition) {
       return begun_or_ended(transition, Level::warning,
                             "low trust: the fixes contradict the IMU; sonopose-doctor names causes",
                             "the fixes are trusted again");
+    case Kind::imu_inconsistent:
+      return begun_or_ended(
+          transition, Level::warning,
+          "IMU inconsistent: its gyroscope or accelerometer contradicts fixes, headings or gravity",
+          "the IMU is consistent again");
+    case Kind::fixes_inconsistent:
+      return begun_or_ended(transition, Level::warning,
+                            "fixes inconsistent: some are a default position; they are not used",
+                            "no default position any more");
     case Kind::heading_unknown:
       return begun_or_ended(transition, Level::warning,
                             "heading unknown: no recent pair heading, and too little motion",

@@ -70,10 +70,12 @@ private:
     Kind kind;
     bool is_usual_at_start;  ///< then only its end is a change
   };
-  static constexpr std::array<Bit, 6> bits{{{status_stale, Kind::stale, false},
+  static constexpr std::array<Bit, 8> bits{{{status_stale, Kind::stale, false},
                                             {status_frozen_track, Kind::frozen, false},
                                             {status_converging, Kind::converging, true},
                                             {status_low_trust, Kind::low_trust, true},
+                                            {status_imu_inconsistent, Kind::imu_inconsistent, false},
+                                            {status_fixes_inconsistent, Kind::fixes_inconsistent, false},
                                             {status_heading_unknown, Kind::heading_unknown, true},
                                             {status_imu_gap, Kind::imu_gap, false}}};
 

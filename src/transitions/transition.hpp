@@ -22,6 +22,8 @@ enum class Kind : std::uint8_t {
   gated,
   converging,
   low_trust,
+  imu_inconsistent,
+  fixes_inconsistent,
   heading_unknown,
   imu_gap,
   imu_silent,
@@ -30,7 +32,7 @@ enum class Kind : std::uint8_t {
   bridge_lost,
   overloaded  ///< of the whole process: the address is all_beacons
 };
-inline constexpr std::size_t kind_count = 16;
+inline constexpr std::size_t kind_count = 18;
 
 struct Transition {
   BeaconAddress address = 0;

@@ -23,7 +23,9 @@ enum PoseStatus : std::uint32_t {
   status_low_trust = 1U << 8U,        ///< many of the last fixes were not used
   status_rotating_fast = 1U << 9U,    ///< documented engine: settings 35–37 suppress acceleration
   status_late = 1U << 10U,            ///< its IMU sample arrived much later than usual
-  status_overloaded = 1U << 11U       ///< the fusion cannot keep up with its input and skips poses
+  status_overloaded = 1U << 11U,      ///< the fusion cannot keep up with its input and skips poses
+  status_imu_inconsistent = 1U << 12U,   ///< gyroscope or accelerometer contradict fixes, headings or gravity
+  status_fixes_inconsistent = 1U << 13U  ///< the source reports a default position instead of some fixes
 };
 
 /// The pose of one beacon at one IMU sample.

@@ -33,6 +33,8 @@ static_assert(status_low_trust == sonopose_STATUS_LOW_TRUST);
 static_assert(status_rotating_fast == sonopose_STATUS_ROTATING_FAST);
 static_assert(status_late == sonopose_STATUS_LATE);
 static_assert(status_overloaded == sonopose_STATUS_OVERLOADED);
+static_assert(status_imu_inconsistent == sonopose_STATUS_IMU_INCONSISTENT);
+static_assert(status_fixes_inconsistent == sonopose_STATUS_FIXES_INCONSISTENT);
 static_assert(fix_used == sonopose_FIX_USED);
 static_assert(fix_outlier == sonopose_FIX_OUTLIER);
 static_assert(fix_low_quality == sonopose_FIX_LOW_QUALITY);
