@@ -9,7 +9,8 @@
 namespace sonopose::estimation::kalman {
 namespace {
 
-constexpr int still_fixes = 4;  // enough to measure that there is no velocity
+constexpr TimeNs doubt_ns = 3'000'000'000;  // an IMU that was wrong a moment ago may be wrong again
+constexpr int still_fixes = 4;              // enough to measure that there is no velocity
 
 /// The rate and acceleration of the latest step, where those of the joined ones are means.
 void set_latest(NominalState& state, const Filter& filter, const ImuStep& latest) {
@@ -40,6 +41,7 @@ void Belief::copy_from(const Belief& other) {
   mean_force_body_mps2 = other.mean_force_body_mps2;
   in_imu_gap = other.in_imu_gap;
   restart_pending = other.restart_pending;
+  shocks = other.shocks;
   rest = other.rest;
   noise = other.noise;
   repetition = other.repetition;
@@ -58,6 +60,14 @@ void Belief::copy_from(const Belief& other) {
   }
   open_steps = other.open_steps;
   wrong_tracks = other.wrong_tracks;
+  default_position = other.default_position;
+  correlation = other.correlation;
+  explanations = other.explanations;
+  imu_doubted_until_ns = other.imu_doubted_until_ns;
+  imu_doubted_ns = other.imu_doubted_ns;
+  imu_doubts = other.imu_doubts;
+  trusted_gyro_bias_body_radps = other.trusted_gyro_bias_body_radps;
+  trusted_accel_bias_body_mps2 = other.trusted_accel_bias_body_mps2;
   last_fix_ns = other.last_fix_ns;
   fixes_since_start = other.fixes_since_start;
   fixes_rejected_in_row = other.fixes_rejected_in_row;
@@ -107,9 +117,10 @@ ImuOutcome Belief::on_imu(const settings::Settings& settings, const ImuMeasureme
   } else if (in_imu_gap) {
     end_imu_gap(imu.time_ns);
   } else if (dt_s > 0.0) {
-    const ImuStep step = step_between(
+    ImuStep step = step_between(
         {.time_ns = time_ns, .rate_body_radps = rate_body_radps, .force_body_mps2 = force_body_mps2}, imu,
         usual_step_s);
+    step.shock_variance_m2ps2 = shocks.add(imu.force_body_mps2, dt_s);
     predict(step);
     if (step.irregular) {
       propagate();
@@ -150,7 +161,7 @@ void Belief::close_steps() {
   if (open_steps.empty()) return;
   const ImuStep step = open_steps.joined();
   for_each_filter([&](Filter& each, const ProcessNoise&) {
-    each.predict(step.rate_body_radps, step.force_body_mps2, step.duration_s);
+    each.predict(step.rate_body_radps, step.force_body_mps2, step.duration_s, step.shock_variance_m2ps2);
   });
   repetition.moved_world_m += step.duration_s * repetition.velocity_world_mps;
   repetition.velocity_world_mps += step.duration_s * filter().acceleration_world_mps2;
@@ -210,19 +221,17 @@ void Belief::update_rest(const ImuMeasurement& imu, ImuOutcome& outcome) {
       (!stands_still(few_fixes) || rest::headings_turn(rest, std::sqrt(noise.heading_rad2.variance))))
     return;
   propagate();
-  constexpr double mean_rate_std_radps = 3e-4;  // of half a second, with a slow residual motion
-  constexpr double still_speed_std_mps = 0.01;
   outcome.still = true;
-  outcome.still_rate_variance = square(mean_rate_std_radps);
+  outcome.still_rate_variance = rest::still_rate_variance(rest, imu.time_ns);
   for_each_filter([&](Filter& each, const ProcessNoise&) {
     each.correct_states(at_gyro_bias, rest.still_gyro_mean - each.gyro_bias_body_radps,
-                        square(mean_rate_std_radps));
+                        outcome.still_rate_variance);
   });
   if (!stands_still(still_fixes) || filter().velocity_world_mps.norm() > 0.1) return;
-  outcome.no_velocity_variance = square(still_speed_std_mps);
+  outcome.no_velocity_variance = rest::still_velocity_variance(rest, imu.time_ns);
   for (int i = 0; i < candidate_count; ++i) {
     Filter& each = candidates[static_cast<std::size_t>(i)].filter;
-    each.correct_states(at_velocity, -each.velocity_world_mps, square(still_speed_std_mps));
+    each.correct_states(at_velocity, -each.velocity_world_mps, outcome.no_velocity_variance);
   }
 }
 
@@ -231,7 +240,7 @@ void Belief::bound_dead_reckoning(ImuOutcome& outcome) {
   constexpr TimeNs after_ns = 1'000'000'000;
   constexpr TimeNs period_ns = 97'500'000;  // no multiple of a usual sample interval
   // The rougher the IMU that the fixes showed, the sooner its integral is worth nothing.
-  constexpr std::array<double, model_count> speed_mps_rts{1.5, 1.0, 0.3};
+  constexpr std::array<double, model_count> speed_mps_rts{1.5, 1.0, 0.3, 0.3, 0.3};
   const auto model = static_cast<std::size_t>(phase == Phase::tracking ? best : 0);
   if (phase == Phase::waiting || time_ns - last_fix_ns < after_ns || time_ns - slowed_ns < period_ns) return;
   slowed_ns = time_ns;
@@ -251,6 +260,15 @@ FixOutcome Belief::on_fix(const settings::Settings& settings, const FixMeasureme
   if (time_ns == 0) return outcome;
   propagate();
   coast_if_silent(settings, fix.time_ns);
+  if (default_position.add(fix.time_ns, fix.position_world_m)) {
+    // A start at it is none.
+    constexpr double near_m = 0.5;
+    const bool is_there = phase != Phase::waiting &&
+                          (filter().tracked_position_world_m() - fix.position_world_m).norm() < near_m;
+    if (fixes_since_start < proven_fixes && is_there) restart_pending = true;
+    outcome.flags = fix_outlier;
+    return outcome;
+  }
   if (check_frozen(settings.frozen, fix)) {
     outcome.flags = fix_frozen;
     return outcome;
@@ -314,15 +332,24 @@ FixOutcome Belief::judge(const settings::Settings& settings, const FixMeasuremen
   const Matrix3d covariance = covariance_of(fix);
   outcome.covariance_world_m2 = covariance;
   const Innovations innovations = innovations_of(fix, covariance, ahead_s);
-  if (phase == Phase::searching_yaw) choose_start(innovations);
-  outcome.innovation = innovations[static_cast<std::size_t>(best)];
+  const int judge = phase == Phase::searching_yaw ? nearest_start(innovations) : best;
+  outcome.innovation = innovations[static_cast<std::size_t>(judge)];
   outcome.has_innovation = true;
   const double d = outcome.innovation.squared_norm;
   outcome.test_ratio = d / rejected_above;
   constexpr double trust_memory = 8.0;
+  if (phase == Phase::tracking) explain(fix, covariance, innovations, ahead_s);
   if (!(d <= rejected_above) || rival_explains_better(fix, covariance, ahead_s, outcome.innovation)) {
     trust -= trust / trust_memory;
     ++fixes_rejected_in_row;
+    if (phase == Phase::tracking) correct_open(innovations, covariance);
+    if (const int model = wrong_sensor(); model != best) {
+      doubt_imu(model);
+      note_used(fix);
+      outcome.flags = fix_used;
+      outcome.weight = 1.0;
+      return outcome;
+    }
     reject(settings, fix, covariance, ahead_s, outcome);
     return outcome;
   }
@@ -348,15 +375,14 @@ Belief::Innovations Belief::innovations_of(const FixMeasurement& fix, const Matr
   return innovations;
 }
 
-/// Chooses the start that explains a fix best.
-void Belief::choose_start(const Innovations& innovations) {
-  double least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < candidate_count; ++i) {
-    const double squared_norm = innovations[static_cast<std::size_t>(i)].squared_norm;
-    if (!(squared_norm < least)) continue;
-    least = squared_norm;
-    best = i;
-  }
+/// The start that explains a fix best.
+int Belief::nearest_start(const Innovations& innovations) const {
+  const auto nearer = [](const Innovation& a, const Innovation& b) {
+    return a.squared_norm < b.squared_norm;
+  };
+  return static_cast<int>(
+      std::min_element(innovations.begin(), innovations.begin() + candidate_count, nearer) -
+      innovations.begin());
 }
 
 /// Registers a fix that the best filter has used.
@@ -386,8 +412,10 @@ void Belief::correct_candidates(const FixMeasurement& fix, const Matrix3d& covar
     const Innovation& innovation = innovations[static_cast<std::size_t>(i)];
     if (phase == Phase::tracking) candidate.score *= 1.0 - forgetting;
     candidate.score += log_likelihood(innovation);
-    const bool rejected = phase == Phase::tracking && innovation.squared_norm > 2.0 * rejected_above;
+    const bool rejected = innovation.squared_norm > 2.0 * rejected_above;
     candidate.rejected_in_row = rejected ? candidate.rejected_in_row + 1 : 0;
+    candidate.explained_in_row =
+        innovation.squared_norm <= explained_below ? std::min(candidate.explained_in_row + 1, 10000) : 0;
     if (!rejected) candidate.filter.correct_fix(innovation, more_covariance);
   }
   if (phase == Phase::searching_yaw) {
@@ -395,24 +423,27 @@ void Belief::correct_candidates(const FixMeasurement& fix, const Matrix3d& covar
     return;
   }
   choose_model();
-  if (fix.has_covariance) return;
+  if (fix.has_covariance || is_open(best)) return;  // an error of the motion would count as noise
+  correlation.add(innovations[static_cast<std::size_t>(best)]);
   const Innovation after = filter().fix_innovation(fix.position_world_m, covariance, ahead_s);
-  noise.add_fix(fix.quality_percent, after.value_world_m, (after.covariance_m2 - covariance).diagonal(),
-                stands_still(few_fixes));
+  noise.add_fix(fix.quality_percent, std::sqrt(correlation.white_share()) * after.value_world_m,
+                (after.covariance_m2 - covariance).diagonal(), stands_still(few_fixes));
 }
 
 void Belief::choose_model() {
   constexpr double advantage = 2.0;
+  constexpr double most_behind = 4.0;  // the noise may change at any time
   constexpr int lost_after = 6;
   for (int i = 0; i < model_count; ++i) {
     const Candidate& chosen = candidates[static_cast<std::size_t>(best)];
     Candidate& candidate = candidates[static_cast<std::size_t>(i)];
-    if (i != best && candidate.rejected_in_row >= lost_after) {
-      candidate = chosen;
-      candidate.score = chosen.score - advantage;
-    }
-    if (candidate.score > chosen.score + advantage) best = i;
+    if (i != best && candidate.rejected_in_row >= lost_after) clone_best(candidate);
+    if (is_open(i)) continue;
+    if (is_open(best) ? trusts_imu_again(candidate) : candidate.score > chosen.score + advantage) best = i;
   }
+  const double most = candidates[static_cast<std::size_t>(best)].score;
+  for (Candidate& candidate : candidates) candidate.score = std::max(candidate.score, most - most_behind);
+  if (is_open(best)) imu_doubted_until_ns = state_ns + doubt_ns;
 }
 
 }  // namespace sonopose::estimation::kalman

@@ -58,6 +58,7 @@ void Engine::catch_up() noexcept {
 /// Reads nearly all of the covariance, which a pose need not wait for.
 void Engine::update_uncertainty() {
   constexpr double unlearned_bias_radps = 0.01;
+  constexpr double wrong_gain_mps2 = 0.5;  // a bias of five initial deviations: a wrong unit, gain or sign
   constexpr double unknown_yaw_rad = 5.0 * geometry::radians_per_degree;
   if (belief().phase == Phase::waiting) return;
   const Filter& filter = belief().filter();
@@ -65,8 +66,17 @@ void Engine::update_uncertainty() {
   uncertainty_ = {.pose_covariance = filter.pose_covariance(),
                   .velocity_covariance = filter.velocity_covariance(),
                   .gyro_bias_is_unknown = bias_std > unlearned_bias_radps,
+                  .accel_bias_is_large = filter.accel_bias_body_mps2.norm() > wrong_gain_mps2,
                   .yaw_is_unknown = belief().phase == Phase::searching_yaw ||
                                     filter.yaw_variance_rad2() > unknown_yaw_rad * unknown_yaw_rad};
+  if (belief().phase != Phase::searching_yaw) return;
+  const Spread spread = belief().spread();
+  Covariance<6>::Matrix pose = uncertainty_.pose_covariance.matrix();
+  pose.topLeftCorner<3, 3>() += spread.position_m2;
+  pose(5, 5) += spread.yaw_rad2;
+  uncertainty_.pose_covariance = Covariance<6>::from_matrix(pose);
+  uncertainty_.velocity_covariance =
+      Covariance<3>::from_matrix(uncertainty_.velocity_covariance.matrix() + spread.velocity_m2ps2);
 }
 
 void Engine::reset() noexcept {
@@ -286,6 +296,9 @@ std::uint32_t Engine::status(TimeNs time_ns) const {
          bit(since_fix_s > settings_.outage.stale_after_s, status_stale) |
          bit(time_ns < now.converging_until_ns, status_converging) |
          bit(uncertainty_.yaw_is_unknown, status_heading_unknown) |
+         bit(time_ns < now.imu_doubted_until_ns || uncertainty_.accel_bias_is_large,
+             status_imu_inconsistent) |
+         bit(now.default_position.is_active(time_ns), status_fixes_inconsistent) |
          bit(now.repetition.frozen, status_frozen_track) | bit(now.trust < low_trust, status_low_trust);
 }
 

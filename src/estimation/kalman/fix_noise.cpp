@@ -10,6 +10,8 @@ namespace {
 constexpr VarianceLimits fix_limits_m2{
     .initial = 0.05 * 0.05, .least = 0.01 * 0.01, .most = 0.5 * 0.5, .memory_samples = 40};
 constexpr double prior_fixes = 0.5;
+constexpr double prior_vertical_fixes = 0.1;
+constexpr double initial_vertical_m2 = 0.15 * 0.15;  // where all beacons are as high, the height is uncertain
 // Standard deviations of 1.5°, 0.17° and 20°.
 constexpr VarianceLimits heading_limits_rad2{
     .initial = 0.026 * 0.026, .least = 0.003 * 0.003, .most = 0.35 * 0.35, .memory_samples = 60};
@@ -75,7 +77,7 @@ void AdaptiveVariance::add_at_rest(const VarianceSample& sample, const VarianceL
   if (!(sample.weight > 0.0)) return;
   const double before = samples;
   if (variance > least || sample.variance >= std::min(limits.initial, large_ratio * variance)) {
-    count(sample, std::max(before, few_samples));
+    count(sample, std::max(before, sample.variance > variance ? few_samples : rest_samples));
     move_towards(variance, sample, samples, limits);
   }
   if (variance > least) return;
@@ -84,8 +86,9 @@ void AdaptiveVariance::add_at_rest(const VarianceSample& sample, const VarianceL
 }
 
 MeasurementNoise::MeasurementNoise() {
-  constexpr AdaptiveVariance fixes_m2{fix_limits_m2.initial, prior_fixes, fix_limits_m2.initial};
-  any_quality = {fixes_m2, fixes_m2};
+  constexpr AdaptiveVariance horizontal_m2{fix_limits_m2.initial, prior_fixes, fix_limits_m2.initial};
+  constexpr AdaptiveVariance vertical_m2{initial_vertical_m2, prior_vertical_fixes, fix_limits_m2.initial};
+  any_quality = {horizontal_m2, vertical_m2};
   heading_rad2 = {heading_limits_rad2.initial, prior_headings, heading_limits_rad2.initial};
 }
 

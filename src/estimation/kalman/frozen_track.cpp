@@ -6,7 +6,6 @@ namespace sonopose::estimation::kalman {
 
 /// Whether the coordinates only repeat while the IMU measures a motion.
 bool Belief::check_frozen(const settings::FrozenSettings& settings, const FixMeasurement& fix) {
-  constexpr double same_coordinate_m = 0.0005;  // half the finest resolution of a beacon
   const auto begin_window = [&] {
     repetition.began_ns = time_ns;
     repetition.moved_world_m.setZero();
@@ -14,8 +13,7 @@ bool Belief::check_frozen(const settings::FrozenSettings& settings, const FixMea
         phase == Phase::waiting ? Vector3d::Zero() : filter().tracked_velocity_world_mps();
   };
   const bool repeated =
-      repetition.has_fix &&
-      (fix.position_world_m - repetition.coordinates_world_m).cwiseAbs().maxCoeff() < same_coordinate_m;
+      repetition.has_fix && is_same_position(fix.position_world_m, repetition.coordinates_world_m);
   if (!repeated) {
     repetition.has_fix = true;
     repetition.frozen = false;

@@ -11,15 +11,6 @@ namespace {
 constexpr double full_below = 6.6;  // χ², 1 degree of freedom: 1 % is above
 constexpr double heading_rejected_above = 25.0;
 
-double squared_norm(const Filter::HeadingInnovation& innovation) {
-  return square(innovation.value_rad) / innovation.variance_rad2;
-}
-
-/// Student's t with six degrees of freedom, up to a constant.
-double log_likelihood(const Filter::HeadingInnovation& innovation) {
-  return -3.5 * std::log1p(squared_norm(innovation) / 6.0) - 0.5 * std::log(innovation.variance_rad2);
-}
-
 /// By how much the variance of a heading grows with its innovation.
 double scale_of(const Filter::HeadingInnovation& innovation) {
   return std::max(1.0, squared_norm(innovation) / full_below);
@@ -87,6 +78,20 @@ HeadingOutcome Belief::judge_heading(const settings::Settings& settings, const H
   const auto innovation = innovation_of(filter());
   if (!innovation.observable) return outcome;
   const bool rejected = squared_norm(innovation) > heading_rejected_above;
+  if (best != open_gyro) {
+    Filter& open = candidates[open_gyro].filter;
+    const auto of_gyro = innovation_of(open);
+    explanations.add_heading(innovation, of_gyro);
+    if (rejected && squared_norm(of_gyro) <= heading_rejected_above) {
+      open.correct_heading(heading.heading_world_rad, mount_rad, scale_of(of_gyro) * variance, ahead_s);
+    }
+    if (const int model = wrong_sensor(); rejected && model != best) {
+      doubt_imu(model);
+      outcome.used = true;
+      keep_heading(settings, heading);
+      return outcome;
+    }
+  }
   if (rejected && !reject_heading(heading.time_ns, innovation.value_rad)) {
     turn_rival(heading, mount_rad, innovation.value_rad);
     return outcome;
@@ -100,6 +105,11 @@ HeadingOutcome Belief::judge_heading(const settings::Settings& settings, const H
   heading_rejected_since_ns = 0;
   headings_rejected_in_row = 0;
   keep_heading(settings, heading);
+  for (int i = 0; i < candidate_count; ++i) {
+    Candidate& candidate = candidates[static_cast<std::size_t>(i)];
+    if (squared_norm(innovation_of(candidate.filter)) > heading_rejected_above)
+      candidate.explained_in_row = 0;
+  }
   for_each_filter([&](Filter& each, const ProcessNoise&) {
     if (rejected) each.add_yaw_variance(outcome.added_variance_rad2);
     each.correct_heading(heading.heading_world_rad, mount_rad, scale_of(innovation_of(each)) * variance,

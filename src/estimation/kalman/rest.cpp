@@ -110,6 +110,24 @@ bool fixes_stand_still(const RestState& state, double fix_std_m, int least_fixes
          is_steady(state.fixes, drift_mps, fix_std_m);
 }
 
+// A body that stands may lean slowly to and fro, by a bounded angle: the longer it stands, the less its mean
+// rate differs from the bias. The variances add up to that of the mean over the whole rest.
+double still_rate_variance(const RestState& state, TimeNs now_ns) {
+  constexpr double most_turn_rad = 0.01;
+  constexpr double least_std_radps = 3e-4;
+  const double still_s = seconds_between(state.still_since_ns, now_ns);
+  const double information_s2 = window_s * (2.0 * still_s - window_s);
+  return std::max(least_std_radps * least_std_radps, most_turn_rad * most_turn_rad / information_s2);
+}
+
+double still_velocity_variance(const RestState& state, TimeNs now_ns) {
+  constexpr double most_shift_m = 0.06;
+  constexpr double least_std_mps = 0.01;
+  const double std_mps =
+      std::max(least_std_mps, most_shift_m / seconds_between(state.still_since_ns, now_ns));
+  return std_mps * std_mps;
+}
+
 bool headings_turn(const RestState& state, double heading_std_rad) {
   constexpr int enough = 4;
   constexpr double drift_radps = 0.005;

@@ -23,7 +23,7 @@ void Belief::start_at(const FixMeasurement& fix, const settings::Settings& setti
   // That of a usual fix, or of this one where it is larger.
   const Vector3d position_variance_m2 =
       covariance_of(fix).diagonal().cwiseMax(start.covariance.diagonal().segment<3>(at_position));
-  candidate_count = has_heading ? 1 : start_count;
+  candidate_count = has_heading ? 1 : most_candidates;
   for (int i = 0; i < candidate_count; ++i) {
     Candidate& candidate = candidates[static_cast<std::size_t>(i)];
     candidate = Candidate{};
@@ -98,17 +98,20 @@ void Belief::adopt(const Filter& track) {
   best = std::min(best, model_count - 1);
 }
 
-/// Removes starts that the fixes and headings contradict, and those that became equal to a better one.
+/// Removes starts that the fixes and headings contradict, and those that became equal to another one. The
+/// best candidate changes only if another is much more likely: the yaw must not jump while nothing is
+/// learned.
 void Belief::prune_starts() {
   constexpr double contradicted = 14.0;
   constexpr double merged_rad = 4.0 * geometry::radians_per_degree;
+  constexpr double much_better = 2.0;
+  const int starts = start_count_now();
   double most = -std::numeric_limits<double>::infinity();
-  for (int i = 0; i < candidate_count; ++i) {
-    most = std::max(most, candidates[static_cast<std::size_t>(i)].score);
-  }
+  for (int i = 0; i < starts; ++i) most = std::max(most, candidates[static_cast<std::size_t>(i)].score);
   int kept = 0;
+  int kept_best = -1;
   std::array<double, start_count> kept_yaw_rad{};
-  for (int i = 0; i < candidate_count; ++i) {
+  for (int i = 0; i < starts; ++i) {
     const Candidate& candidate = candidates[static_cast<std::size_t>(i)];
     if (!(candidate.score > most - contradicted && candidate.filter.is_finite())) continue;
     const double yaw_rad = geometry::yaw_of(candidate.filter.q_body_to_world);
@@ -116,26 +119,86 @@ void Belief::prune_starts() {
     const auto equal = std::find_if(kept_yaw_rad.begin(), end, [yaw_rad](double other_rad) {
       return std::abs(geometry::wrap_angle(other_rad - yaw_rad)) < merged_rad;
     });
-    const auto place = static_cast<std::size_t>(equal - kept_yaw_rad.begin());
+    const auto place = static_cast<int>(equal - kept_yaw_rad.begin());
+    Candidate& other = candidates[static_cast<std::size_t>(place)];
+    if (i == best) kept_best = place;
     if (equal == end) {
       ++kept;
-    } else if (!(candidate.score > candidates[place].score)) {
+    } else if (!(candidate.score > other.score)) {
       continue;
     }
-    if (place != static_cast<std::size_t>(i)) candidates[place] = candidate;
-    kept_yaw_rad[place] = yaw_rad;
+    if (place != i) other = candidate;
+    kept_yaw_rad[static_cast<std::size_t>(place)] = yaw_rad;
   }
-  candidate_count = kept;
-  best = 0;
-  if (kept == 0) {
-    candidates[0].filter.position_world_m.setConstant(std::numeric_limits<double>::quiet_NaN());
-    return;  // none is finite: recover_if_not_finite starts again
+  if (best == starts) kept_best = kept;
+  if (kept != starts)
+    candidates[static_cast<std::size_t>(kept)] = candidates[static_cast<std::size_t>(starts)];
+  candidate_count = kept + 1;
+  best = std::max(kept_best, 0);
+  for (int i = 0; i < candidate_count; ++i) {
+    const double least =
+        candidates[static_cast<std::size_t>(best)].score + (kept_best < 0 ? 0.0 : much_better);
+    if (candidates[static_cast<std::size_t>(i)].score > least) best = i;
   }
-  for (int i = 1; i < kept; ++i) {
-    if (candidates[static_cast<std::size_t>(i)].score > candidates[static_cast<std::size_t>(best)].score)
-      best = i;
+  if (best == kept) {
+    if (kept < 2) search_yaw_again();
+  } else if (kept == 1) {
+    adopt(filter());
   }
-  if (kept == 1) adopt(filter());
+}
+
+/// Starts again in all directions from the filter that follows the fixes alone, where they contradict every
+/// start.
+void Belief::search_yaw_again() {
+  constexpr double attitude_std_rad = radians(5.0);
+  constexpr double yaw_std_rad = radians(15.0);
+  Filter from = filter();
+  const Vector3d up = geometry::up_in_body(from.q_body_to_world);
+  from.decorrelate(at_attitude, Vector3d::Constant(square(attitude_std_rad)));
+  from.add_yaw_variance(square(yaw_std_rad));
+  candidate_count = most_candidates;
+  for (int i = 0; i < candidate_count; ++i) {
+    Candidate& candidate = candidates[static_cast<std::size_t>(i)];
+    candidate = {.filter = from};
+    candidate.filter.q_body_to_world = geometry::level_with(up, i * 2.0 * std::numbers::pi / start_count);
+    candidate.filter.position_world_m =
+        from.tracked_position_world_m() + candidate.filter.q_body_to_world * from.lever_arm_body_m;
+  }
+  best = start_count;
+}
+
+Spread Belief::spread() const {
+  Spread spread;
+  if (phase != Phase::searching_yaw) return spread;
+  double most = -std::numeric_limits<double>::infinity();
+  for (int i = 0; i < candidate_count; ++i) {
+    most = std::max(most, candidates[static_cast<std::size_t>(i)].score);
+  }
+  const double yaw_rad = geometry::yaw_of(filter().q_body_to_world);
+  constexpr double no_yaw_rad2 = std::numbers::pi * std::numbers::pi / 3.0;  // of a uniform angle
+  double weights = 0.0;
+  double yaw_rad2 = 0.0;
+  for (int i = 0; i < candidate_count; ++i) {
+    const Candidate& candidate = candidates[static_cast<std::size_t>(i)];
+    const double weight = std::exp(candidate.score - most);
+    if (i == start_count_now()) {
+      yaw_rad2 += weight * no_yaw_rad2;
+      weights += weight;
+      continue;
+    }
+    const double by_rad = geometry::wrap_angle(geometry::yaw_of(candidate.filter.q_body_to_world) - yaw_rad);
+    const Vector3d by_m = candidate.filter.tracked_position_world_m() - filter().tracked_position_world_m();
+    const Vector3d by_mps =
+        candidate.filter.tracked_velocity_world_mps() - filter().tracked_velocity_world_mps();
+    weights += weight;
+    yaw_rad2 += weight * (square(by_rad) + candidate.filter.yaw_variance_rad2());
+    spread.position_m2 += weight * by_m * by_m.transpose();
+    spread.velocity_m2ps2 += weight * by_mps * by_mps.transpose();
+  }
+  spread.yaw_rad2 = std::max(0.0, std::min(yaw_rad2 / weights, no_yaw_rad2) - filter().yaw_variance_rad2());
+  spread.position_m2 /= weights;
+  spread.velocity_m2ps2 /= weights;
+  return spread;
 }
 
 }  // namespace sonopose::estimation::kalman

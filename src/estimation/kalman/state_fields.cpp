@@ -75,7 +75,7 @@ std::optional<FieldFault> find_timing_fault(const Belief& base) {
 }
 
 std::optional<FieldFault> find_fault(const Belief& base) {
-  if (base.candidate_count > start_count) {
+  if (base.candidate_count > most_candidates) {
     return FieldFault{"candidate_count", "is more than the number of starts"};
   }
   if (base.phase != Phase::waiting && base.candidate_count == 0) {

@@ -3,6 +3,8 @@
 /// The state of the engine at one moment, computed from the events in the order of their measurement. It
 /// depends on nothing else, so that events that arrive in another order give the same belief.
 
+#include <sonopose/estimation/kalman/default_position.hpp>
+#include <sonopose/estimation/kalman/explanations.hpp>
 #include <sonopose/estimation/kalman/filter.hpp>
 #include <sonopose/estimation/kalman/fix_noise.hpp>
 #include <sonopose/estimation/kalman/imu_steps.hpp>
@@ -16,8 +18,15 @@
 
 namespace sonopose::estimation::kalman {
 
-inline constexpr int model_count = 3;   ///< models of process noise
-inline constexpr int start_count = 8;   ///< directions from which an unknown yaw is searched
+inline constexpr int model_count = 5;  ///< models of process noise
+inline constexpr int open_gyro = 3;    ///< the one that hardly trusts the gyroscope
+inline constexpr int open_accel = 4;   ///< the one that hardly trusts the accelerometer
+constexpr bool is_open(int model) {
+  return model == open_gyro || model == open_accel;
+}
+inline constexpr int start_count = 8;  ///< directions from which an unknown yaw is searched
+/// While it is searched, the last candidate follows the fixes alone.
+inline constexpr int most_candidates = start_count + 1;
 inline constexpr int proven_fixes = 8;  ///< used fixes after which the first one is believed
 inline constexpr double longest_heading_interval_s = 10.0;  ///< a longer one counts as this
 
@@ -39,8 +48,9 @@ constexpr std::array<std::string_view, 3> choices_of(Phase /*phase*/) {
 /// A filter and how well it explained the recent fixes.
 struct Candidate {
   Filter filter;
-  double score = 0;         ///< log-likelihood, with forgetting
-  int rejected_in_row = 0;  ///< fixes that it could not explain
+  double score = 0;          ///< log-likelihood, with forgetting
+  int rejected_in_row = 0;   ///< fixes that it could not explain
+  int explained_in_row = 0;  ///< fixes since the last fix or heading that it could not explain
 
   bool operator==(const Candidate&) const = default;
 };
@@ -160,6 +170,13 @@ struct ImuOutcome {
   double no_velocity_variance = 0;  ///< of a velocity of zero, (m/s)²; 0: no such measurement
 };
 
+/// What the other directions of an unknown yaw add to the covariance of the best filter.
+struct Spread {
+  double yaw_rad2 = 0;
+  Matrix3d position_m2 = Matrix3d::Zero();
+  Matrix3d velocity_m2ps2 = Matrix3d::Zero();
+};
+
 struct Belief {
   Phase phase = Phase::waiting;
   TimeNs time_ns = 0;                           ///< of the latest IMU sample; 0 before the first
@@ -170,16 +187,26 @@ struct Belief {
                         ///< silence of the IMU
   bool in_imu_gap = false;
   bool restart_pending = false;  ///< a gap left the yaw unknown: the next fix starts the estimate again
+  ShockDetector shocks;
   RestState rest;
   MeasurementNoise noise;
   Repetition repetition;
   int best = 0;  ///< candidate
   int candidate_count = 0;
-  std::array<Candidate, start_count> candidates;
+  std::array<Candidate, most_candidates> candidates;
   Rival rival;
   Former former;
   JoinedSteps open_steps;  ///< not yet applied to the filters; none in a checkpoint
   WrongTracks wrong_tracks;
+  DefaultPosition default_position;
+  Correlation correlation;
+  Explanations explanations;
+  TimeNs imu_doubted_until_ns =
+      0;                      ///< up to when the last fix showed that the IMU is wrong, and a little longer
+  TimeNs imu_doubted_ns = 0;  ///< when an open model last became the best; 0: never
+  int imu_doubts = 0;         ///< how often of late
+  Vector3d trusted_gyro_bias_body_radps = Vector3d::Zero();  ///< before the doubt
+  Vector3d trusted_accel_bias_body_mps2 = Vector3d::Zero();
   TimeNs last_fix_ns = 0;     ///< measurement of the last fix that was used; 0: none
   int fixes_since_start = 0;  ///< that were used; up to proven_fixes
   int fixes_rejected_in_row = 0;
@@ -201,6 +228,13 @@ struct Belief {
   bool operator==(const Belief&) const = default;
 
   [[nodiscard]] const Filter& filter() const { return candidates[static_cast<std::size_t>(best)].filter; }
+
+  /// The mean square of the distance of all starts from the best one, weighted by their likelihood; zero
+  /// while tracking.
+  [[nodiscard]] Spread spread() const;
+
+  /// Directions that are left of an unknown yaw.
+  [[nodiscard]] int start_count_now() const { return candidate_count - 1; }
 
   /// Copies only what is in use.
   void copy_from(const Belief& other);
@@ -253,16 +287,24 @@ private:
   [[nodiscard]] bool stands_still(int least_fixes) const;
   void update_rest(const ImuMeasurement& imu, ImuOutcome& outcome);
   void bound_dead_reckoning(ImuOutcome& outcome);
-  using Innovations = std::array<Innovation, start_count>;  ///< of each candidate
+  using Innovations = std::array<Innovation, most_candidates>;  ///< of each candidate
   [[nodiscard]] Innovations innovations_of(const FixMeasurement& fix, const Matrix3d& covariance,
                                            double ahead_s) const;
   FixOutcome judge(const settings::Settings& settings, const FixMeasurement& fix);
-  void choose_start(const Innovations& innovations);
+  [[nodiscard]] int nearest_start(const Innovations& innovations) const;
   void note_used(const FixMeasurement& fix);
   void correct_candidates(const FixMeasurement& fix, const Matrix3d& covariance,
                           const Matrix3d& more_covariance, const Innovations& innovations, double ahead_s);
   void prune_starts();
+  void search_yaw_again();
   void choose_model();
+  void explain(const FixMeasurement& fix, const Matrix3d& covariance, const Innovations& innovations,
+               double ahead_s);
+  void correct_open(const Innovations& innovations, const Matrix3d& covariance);
+  [[nodiscard]] int wrong_sensor() const;
+  void doubt_imu(int model);
+  void clone_best(Candidate& candidate);
+  [[nodiscard]] bool trusts_imu_again(const Candidate& candidate) const;
   [[nodiscard]] bool rival_explains_better(const FixMeasurement& fix, const Matrix3d& covariance,
                                            double ahead_s, const Innovation& innovation) const;
   void reject(const settings::Settings& settings, const FixMeasurement& fix, const Matrix3d& covariance,

@@ -82,6 +82,7 @@ private:
     Covariance<6> pose_covariance;
     Covariance<3> velocity_covariance;
     bool gyro_bias_is_unknown = false;
+    bool accel_bias_is_large = false;
     bool yaw_is_unknown = false;
   };
   Uncertainty uncertainty_;

@@ -59,6 +59,7 @@ struct Innovation {
 struct Transition {
   double duration_s = 0;                               ///< of the steps
   double position_velocity_s = 0;                      ///< ∂p/∂v
+  double shock_variance_m2ps2 = 0;                     ///< added to the velocity, per axis
   Matrix3d rotation_start = Matrix3d::Identity();      ///< body to world, before the first step
   Vector3d impulse_mps = Vector3d::Zero();             ///< Σ Δt f
   Vector3d impulse_sum_m = Vector3d::Zero();           ///< Σ Δt impulse
@@ -109,8 +110,9 @@ public:
                                  const Vector3d& specific_force_body_mps2, double dt_s) const;
 
   /// Moves the nominal state by one step with the mean rate and specific force over it, and composes the
-  /// transition. The covariance follows in `propagate`.
-  void predict(const Vector3d& rate_body_radps, const Vector3d& specific_force_body_mps2, double dt_s);
+  /// transition. The covariance follows in `propagate`. `shock_variance_m2ps2` is added to the velocity's.
+  void predict(const Vector3d& rate_body_radps, const Vector3d& specific_force_body_mps2, double dt_s,
+               double shock_variance_m2ps2 = 0.0);
 
   /// Moves the state and its covariance over a time without samples. The covariance must have been
   /// propagated.

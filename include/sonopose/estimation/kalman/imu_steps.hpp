@@ -4,6 +4,8 @@
 
 #include <sonopose/samples/samples.hpp>
 
+#include <array>
+
 namespace sonopose::estimation::kalman {
 
 /// A calibrated IMU sample.
@@ -25,11 +27,27 @@ struct ImuStep {
   double velocity_std_mps = 0;                  ///< what it may miss
   double position_std_m = 0;                    ///< the same
   double attitude_std_rad = 0;                  ///< the same
+  double shock_variance_m2ps2 = 0;              ///< of the velocity, per axis: what a shock may have left
 
   bool operator==(const ImuStep&) const = default;
 };
 /// `usual_s`: the interval between most samples.
 [[nodiscard]] ImuStep step_between(const ImuMeasurement& last, const ImuMeasurement& next, double usual_s);
+
+/// Finds shocks in the specific force. A shock is as short as a few samples, may exceed the range of the
+/// sensor and bends its mount, so its integral is hardly known. The motion of a body is smooth at this scale.
+struct ShockDetector {
+  int intervals = 0;  ///< that are known, up to 2
+  double open_s = 0;  ///< duration of the interval that is not complete
+  Vector3d open_impulse_body_mps = Vector3d::Zero();
+  double roughness_mps2 = 0;  ///< usual second difference
+  std::array<Vector3d, 2> force_body_mps2{Vector3d::Zero(),
+                                          Vector3d::Zero()};  ///< means of the last intervals
+
+  /// Adds a step. Returns the variance of the velocity, per axis, that a shock adds.
+  double add(const Vector3d& force_body_mps2, double duration_s);
+  bool operator==(const ShockDetector&) const = default;
+};
 
 /// The usual interval between samples after one more.
 [[nodiscard]] double usual_step_s(double before_s, double step_s);
@@ -57,6 +75,7 @@ private:
   Vector3d impulse_mps_ = Vector3d::Zero();  // Σ f Δt
   Vector3d coning_rad_ = Vector3d::Zero();
   Vector3d sculling_mps_ = Vector3d::Zero();
+  double shock_variance_m2ps2_ = 0;
   ImuStep latest_;
 };
 

@@ -62,6 +62,13 @@ void restart(RestState& state);
 /// that.
 [[nodiscard]] bool fixes_stand_still(const RestState& state, double fix_std_m, int least_fixes);
 
+/// Variance of the mean rate of the half second of rest that ends now as a measurement of the gyro bias,
+/// (rad/s)².
+[[nodiscard]] double still_rate_variance(const RestState& state, TimeNs now_ns);
+
+/// Variance of a velocity of zero as a measurement at this moment of a rest, (m/s)².
+[[nodiscard]] double still_velocity_variance(const RestState& state, TimeNs now_ns);
+
 /// Whether the latest headings since the rest began contradict a body that does not turn.
 [[nodiscard]] bool headings_turn(const RestState& state, double heading_std_rad);
 

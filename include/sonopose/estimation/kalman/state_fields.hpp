@@ -36,6 +36,7 @@ void for_each_field(IsFieldsOf<HeadingMeasurement> auto& heading, const auto& vi
 void for_each_field(IsFieldsOf<Transition> auto& transition, const auto& visit) {
   visit("duration_s", transition.duration_s);
   visit("position_velocity_s", transition.position_velocity_s);
+  visit("shock_variance_m2ps2", transition.shock_variance_m2ps2);
   visit("rotation_start", transition.rotation_start);
   visit("impulse_mps", transition.impulse_mps);
   visit("impulse_sum_m", transition.impulse_sum_m);
@@ -78,6 +79,7 @@ void for_each_field(IsFieldsOf<Candidate> auto& candidate, const auto& visit) {
   for_each_field(candidate.filter, visit);
   visit("score", candidate.score);
   visit("rejected_in_row", candidate.rejected_in_row);
+  visit("explained_in_row", candidate.explained_in_row);
 }
 
 void for_each_field(IsFieldsOf<Rival> auto& rival, const auto& visit) {
@@ -123,6 +125,10 @@ void for_each_field(IsFieldsOf<Trend> auto& trend, const auto& visit) {
   visit("products", trend.products);
 }
 
+void for_each_field(IsFieldsOf<DefaultPosition::Coordinates> auto& coordinates, const auto& visit) {
+  visit("position_world_m", coordinates.position_world_m);
+}
+
 void for_each_field(IsFieldsOf<Belief> auto& belief, const auto& visit) {
   visit("phase", belief.phase);
   visit("time_ns", belief.time_ns);
@@ -131,6 +137,13 @@ void for_each_field(IsFieldsOf<Belief> auto& belief, const auto& visit) {
   visit("mean_force_body_mps2", belief.mean_force_body_mps2);
   visit("in_imu_gap", belief.in_imu_gap);
   visit("restart_pending", belief.restart_pending);
+
+  visit("shocks.intervals", belief.shocks.intervals);
+  visit("shocks.open_s", belief.shocks.open_s);
+  visit("shocks.roughness_mps2", belief.shocks.roughness_mps2);
+  visit("shocks.open_impulse_body_mps", belief.shocks.open_impulse_body_mps);
+  visit("shocks.force_body_mps2.before", belief.shocks.force_body_mps2[0]);
+  visit("shocks.force_body_mps2.last", belief.shocks.force_body_mps2[1]);
 
   visit("rest.window_began_ns", belief.rest.window_began_ns);
   visit("rest.samples", belief.rest.samples);
@@ -167,6 +180,31 @@ void for_each_field(IsFieldsOf<Belief> auto& belief, const auto& visit) {
   visit("former", belief.former);
   visit("wrong_tracks.longest_s", belief.wrong_tracks.longest_s);
   visit("wrong_tracks.seen_ns", belief.wrong_tracks.seen_ns);
+  visit("default_position.recent", belief.default_position.recent);
+  visit("default_position.fixes", belief.default_position.fixes);
+  visit("default_position.is_known", belief.default_position.is_known);
+  visit("default_position.default_world_m", belief.default_position.default_world_m);
+  visit("default_position.seen_ns", belief.default_position.seen_ns);
+  visit("default_position.in_row", belief.default_position.in_row);
+  visit("correlation.last", belief.correlation.last);
+  visit("correlation.product", belief.correlation.product);
+  visit("correlation.square", belief.correlation.square);
+  visit("explanations.best", belief.explanations.best);
+  visit("explanations.rival", belief.explanations.rival);
+  visit("explanations.gyro", belief.explanations.gyro);
+  visit("explanations.accel", belief.explanations.accel);
+  visit("explanations.scatter_m2", belief.explanations.scatter_m2);
+  visit("explanations.shift_ns", belief.explanations.shift_ns);
+  visit("explanations.shift_world_m", belief.explanations.shift_world_m);
+  visit("explanations.shift_world_mps", belief.explanations.shift_world_mps);
+  visit("explanations.shift_variance_m2", belief.explanations.shift_variance_m2);
+  visit("explanations.shift_covariance", belief.explanations.shift_covariance);
+  visit("explanations.shift_rate_variance", belief.explanations.shift_rate_variance);
+  visit("imu_doubted_until_ns", belief.imu_doubted_until_ns);
+  visit("imu_doubted_ns", belief.imu_doubted_ns);
+  visit("imu_doubts", belief.imu_doubts);
+  visit("trusted_gyro_bias_body_radps", belief.trusted_gyro_bias_body_radps);
+  visit("trusted_accel_bias_body_mps2", belief.trusted_accel_bias_body_mps2);
   visit("last_fix_ns", belief.last_fix_ns);
   visit("fixes_since_start", belief.fixes_since_start);
   visit("fixes_rejected_in_row", belief.fixes_rejected_in_row);

@@ -1,0 +1,37 @@
+#pragma once
+/// \file
+/// A position that a source reports where it has none.
+
+#include <sonopose/samples/samples.hpp>
+
+#include <array>
+#include <cstddef>
+
+namespace sonopose::estimation::kalman {
+
+/// Whether two positions have the same coordinates, to the resolution of a beacon.
+[[nodiscard]] bool is_same_position(const Vector3d& a_world_m, const Vector3d& b_world_m);
+
+/// Detects a position that the source reports instead of a solution: the fixes leave it by decimetres and
+/// return to it to the millimetre.
+struct DefaultPosition {
+  static constexpr std::size_t capacity = 8;
+  struct Coordinates {
+    Vector3d position_world_m = Vector3d::Zero();
+    bool operator==(const Coordinates&) const = default;
+  };
+  std::array<Coordinates, capacity> recent;  ///< the latest fixes
+  int fixes = 0;                             ///< so far, modulo a multiple of the capacity
+  bool is_known = false;
+  Vector3d default_world_m = Vector3d::Zero();
+  TimeNs seen_ns = 0;  ///< when it was last reported
+  int in_row = 0;      ///< fixes at it, up to the latest
+
+  /// Adds a fix. Whether it is the default position.
+  bool add(TimeNs time_ns, const Vector3d& position_world_m);
+  /// Whether it was reported in the last seconds.
+  [[nodiscard]] bool is_active(TimeNs now_ns) const;
+  bool operator==(const DefaultPosition&) const = default;
+};
+
+}  // namespace sonopose::estimation::kalman
