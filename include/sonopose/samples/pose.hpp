@@ -24,7 +24,8 @@ enum PoseStatus : std::uint32_t {
   status_rotating_fast = 1U << 9U,    ///< documented engine: settings 35–37 suppress acceleration
   status_late = 1U << 10U,            ///< its IMU sample arrived much later than usual
   status_overloaded = 1U << 11U,      ///< the fusion cannot keep up with its input and skips poses
-  status_imu_inconsistent = 1U << 12U,   ///< gyroscope or accelerometer contradict fixes, headings or gravity
+  status_imu_inconsistent =
+      1U << 12U,  ///< gyroscope, accelerometer or mount contradict fixes, headings or gravity
   status_fixes_inconsistent = 1U << 13U  ///< the source reports a default position instead of some fixes
 };
 

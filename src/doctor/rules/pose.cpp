@@ -43,10 +43,10 @@ constexpr std::array lasting_bits{
                "check the line to the beacon"},
     LastingBit{status_low_trust, 1.0, 0.0, Cause::fixes, "its fusion has low trust in the fixes",
                "check for reflections and a wrong map; see docs/tuning.md"},
-    LastingBit{status_imu_inconsistent, 0.5, 0.0, Cause::none,
-               "its gyroscope or accelerometer contradicts fixes, headings or gravity",
-               "check units, signs and axes of the IMU, its range and its mount; sonopose-calibrate measures "
-               "its errors"},
+    LastingBit{
+        status_imu_inconsistent, 0.5, 0.0, Cause::none,
+        "its gyroscope, accelerometer or mount contradicts fixes, headings or gravity",
+        "check units, signs, axes and range of the IMU, how it is mounted, and heading.mount_offset_deg"},
     LastingBit{status_fixes_inconsistent, 0.3, 0.0, Cause::none,
                "its positioning system reports a default position instead of some fixes",
                "let the source leave out fixes without a solution; check that enough beacons are in sight"},

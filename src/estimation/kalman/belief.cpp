@@ -63,6 +63,7 @@ void Belief::copy_from(const Belief& other) {
   default_position = other.default_position;
   correlation = other.correlation;
   explanations = other.explanations;
+  suspicious_until_ns = other.suspicious_until_ns;
   imu_doubted_until_ns = other.imu_doubted_until_ns;
   imu_doubted_ns = other.imu_doubted_ns;
   imu_doubts = other.imu_doubts;
@@ -203,7 +204,7 @@ void Belief::turn_last_heading(const ImuMeasurement& imu) {
 }
 
 bool Belief::stands_still(int least_fixes) const {
-  const double fix_std_m = std::sqrt(noise.fix_covariance_m2(quality_percent).diagonal().maxCoeff());
+  const Vector3d fix_std_m = noise.fix_covariance_m2(quality_percent).diagonal().cwiseSqrt();
   return rest::fixes_stand_still(rest, fix_std_m, least_fixes);
 }
 
@@ -290,6 +291,7 @@ FixOutcome Belief::on_fix(const settings::Settings& settings, const FixMeasureme
   const double yaw_before = geometry::yaw_of(filter().q_body_to_world);
   const bool is_stale = seconds_between(last_fix_ns, fix.time_ns) > settings.outage.stale_after_s;
   outcome = judge(settings, fix);
+  suspect_imu(outcome.innovation.squared_norm > explained_below);
   recover_if_not_finite();
   outcome.jump_world_m = filter().tracked_position_world_m() - position_before;
   outcome.velocity_change_world_mps = filter().tracked_velocity_world_mps() - velocity_before;
@@ -431,18 +433,24 @@ void Belief::correct_candidates(const FixMeasurement& fix, const Matrix3d& covar
 }
 
 void Belief::choose_model() {
-  constexpr double advantage = 2.0;
-  constexpr double most_behind = 4.0;  // the noise may change at any time
+  constexpr double noisier = 1.0;
+  constexpr double quieter = 3.0;      // to trust an IMU too much costs more than to trust it too little
+  constexpr double most_behind = 8.0;  // the noise may change at any time
   constexpr int lost_after = 6;
-  for (int i = 0; i < model_count; ++i) {
+  for (int i = 0; i < candidate_count; ++i) {
     const Candidate& chosen = candidates[static_cast<std::size_t>(best)];
     Candidate& candidate = candidates[static_cast<std::size_t>(i)];
     if (i != best && candidate.rejected_in_row >= lost_after) clone_best(candidate);
     if (is_open(i)) continue;
-    if (is_open(best) ? trusts_imu_again(candidate) : candidate.score > chosen.score + advantage) best = i;
+    if (is_open(best) ? trusts_imu_again(candidate)
+                      : candidate.score > chosen.score + (i > best ? noisier : quieter))
+      best = i;
   }
   const double most = candidates[static_cast<std::size_t>(best)].score;
-  for (Candidate& candidate : candidates) candidate.score = std::max(candidate.score, most - most_behind);
+  for (int i = best + 1; i < candidate_count; ++i) {
+    Candidate& candidate = candidates[static_cast<std::size_t>(i)];
+    candidate.score = std::max(candidate.score, most - most_behind);
+  }
   if (is_open(best)) imu_doubted_until_ns = state_ns + doubt_ns;
 }
 

@@ -23,13 +23,14 @@ bool DefaultPosition::add(TimeNs time_ns, const Vector3d& position_world_m) {
   }
   recent[static_cast<std::size_t>(fixes % places)].position_world_m = position_world_m;
   fixes = fixes + 1 == 2 * places ? places : fixes + 1;
-  if (returned) {
+  if (is_known && seconds_between(seen_ns, time_ns) > memory_s) is_known = false;
+  if (returned && !(is_known && is_same_position(default_world_m, position_world_m))) {
     is_known = true;
     default_world_m = position_world_m;
     in_row = 0;
     seen_ns = time_ns;
   }
-  if (!is_known || seconds_between(seen_ns, time_ns) > memory_s) return false;
+  if (!is_known) return false;
   if (!is_same_position(default_world_m, position_world_m)) {
     in_row = 0;
     return false;

@@ -16,7 +16,7 @@ void Correlation::add(const Innovation& innovation) {
 }
 
 double Correlation::white_share() const {
-  constexpr double by_chance = 0.2;  // of twenty pairs
+  constexpr double by_chance = 0.6;  // of twenty pairs
   const double correlated = std::max(0.0, product - by_chance);
   return std::clamp(1.0 - correlated / std::max(square, 0.1), 0.1, 1.0);
 }

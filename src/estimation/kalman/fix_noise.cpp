@@ -10,8 +10,8 @@ namespace {
 constexpr VarianceLimits fix_limits_m2{
     .initial = 0.05 * 0.05, .least = 0.01 * 0.01, .most = 0.5 * 0.5, .memory_samples = 40};
 constexpr double prior_fixes = 0.5;
-constexpr double prior_vertical_fixes = 0.1;
-constexpr double initial_vertical_m2 = 0.15 * 0.15;  // where all beacons are as high, the height is uncertain
+constexpr double prior_vertical_fixes = 0.05;
+constexpr double initial_vertical_m2 = 0.12 * 0.12;  // where all beacons are as high, the height is uncertain
 // Standard deviations of 1.5°, 0.17° and 20°.
 constexpr VarianceLimits heading_limits_rad2{
     .initial = 0.026 * 0.026, .least = 0.003 * 0.003, .most = 0.35 * 0.35, .memory_samples = 60};
@@ -68,7 +68,9 @@ void AdaptiveVariance::add(const VarianceSample& sample, const VarianceLimits& l
   if (motion_variance == 0.0) motion_variance = first;
   count(sample, limits.memory_samples);
   move_towards(variance, sample, samples, limits);
-  move_towards(motion_variance, sample, samples, limits);
+  // The first residuals are mostly errors of the first fix.
+  const bool is_of_noise = sample.weight > 0.9 || variance <= limits.initial || samples >= few_samples;
+  if (is_of_noise) move_towards(motion_variance, sample, samples, limits);
 }
 
 void AdaptiveVariance::add_at_rest(const VarianceSample& sample, const VarianceLimits& limits, double least) {
@@ -77,7 +79,7 @@ void AdaptiveVariance::add_at_rest(const VarianceSample& sample, const VarianceL
   if (!(sample.weight > 0.0)) return;
   const double before = samples;
   if (variance > least || sample.variance >= std::min(limits.initial, large_ratio * variance)) {
-    count(sample, std::max(before, sample.variance > variance ? few_samples : rest_samples));
+    count(sample, std::max(before, few_samples));
     move_towards(variance, sample, samples, limits);
   }
   if (variance > least) return;

@@ -78,7 +78,8 @@ HeadingOutcome Belief::judge_heading(const settings::Settings& settings, const H
   const auto innovation = innovation_of(filter());
   if (!innovation.observable) return outcome;
   const bool rejected = squared_norm(innovation) > heading_rejected_above;
-  if (best != open_gyro) {
+  suspect_imu(squared_norm(innovation) > explained_below);
+  if (best != open_gyro && has_open_models()) {
     Filter& open = candidates[open_gyro].filter;
     const auto of_gyro = innovation_of(open);
     explanations.add_heading(innovation, of_gyro);

@@ -49,11 +49,12 @@ void begin_window(RestState& state, TimeNs time_ns) {
   state.accel_squares.setZero();
 }
 
-bool is_steady(const Trend& trend, double slowest, double std) {
-  constexpr double sigmas = 2.8;
+/// Whether no axis has a significant slope.
+bool is_steady(const Trend& trend, double slowest, const Vector3d& std) {
+  constexpr double sigmas = 2.4;  // 5 % of the trends of three axes without a slope exceed it
   if (!(trend.time_squares_s2 > 0.0)) return false;
-  const double slope = (trend.products / trend.time_squares_s2).norm();
-  return slope < slowest + sigmas * std / std::sqrt(trend.time_squares_s2);
+  const Eigen::Array3d slopes = (trend.products / trend.time_squares_s2).array().abs();
+  return (slopes < slowest + sigmas * std.array() / std::sqrt(trend.time_squares_s2)).all();
 }
 
 }  // namespace
@@ -104,7 +105,7 @@ void restart(RestState& state) {
   state = RestState{};
 }
 
-bool fixes_stand_still(const RestState& state, double fix_std_m, int least_fixes) {
+bool fixes_stand_still(const RestState& state, const Vector3d& fix_std_m, int least_fixes) {
   constexpr double drift_mps = 0.004;
   return state.still_windows >= 1 && state.fixes.samples >= least_fixes &&
          is_steady(state.fixes, drift_mps, fix_std_m);
@@ -113,7 +114,7 @@ bool fixes_stand_still(const RestState& state, double fix_std_m, int least_fixes
 // A body that stands may lean slowly to and fro, by a bounded angle: the longer it stands, the less its mean
 // rate differs from the bias. The variances add up to that of the mean over the whole rest.
 double still_rate_variance(const RestState& state, TimeNs now_ns) {
-  constexpr double most_turn_rad = 0.01;
+  constexpr double most_turn_rad = 0.006;
   constexpr double least_std_radps = 3e-4;
   const double still_s = seconds_between(state.still_since_ns, now_ns);
   const double information_s2 = window_s * (2.0 * still_s - window_s);
@@ -121,7 +122,7 @@ double still_rate_variance(const RestState& state, TimeNs now_ns) {
 }
 
 double still_velocity_variance(const RestState& state, TimeNs now_ns) {
-  constexpr double most_shift_m = 0.06;
+  constexpr double most_shift_m = 0.03;
   constexpr double least_std_mps = 0.01;
   const double std_mps =
       std::max(least_std_mps, most_shift_m / seconds_between(state.still_since_ns, now_ns));
@@ -131,7 +132,8 @@ double still_velocity_variance(const RestState& state, TimeNs now_ns) {
 bool headings_turn(const RestState& state, double heading_std_rad) {
   constexpr int enough = 4;
   constexpr double drift_radps = 0.005;
-  return state.headings.samples >= enough && !is_steady(state.headings, drift_radps, heading_std_rad);
+  return state.headings.samples >= enough &&
+         !is_steady(state.headings, drift_radps, {heading_std_rad, 0.0, 0.0});
 }
 
 }  // namespace rest

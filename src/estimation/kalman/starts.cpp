@@ -91,11 +91,12 @@ double Belief::yaw_of_last_heading_rad(TimeNs fix_ns, const settings::Settings& 
 void Belief::adopt(const Filter& track) {
   // `track` may be one of the candidates: each assignment leaves its value as it is.
   phase = Phase::tracking;
-  candidate_count = model_count;
-  for (int i = 0; i < model_count; ++i) {
+  candidate_count = closed_count;
+  for (int i = 0; i < closed_count; ++i) {
     candidates[static_cast<std::size_t>(i)] = Candidate{.filter = track};
   }
-  best = std::min(best, model_count - 1);
+  best = std::min(best, closed_count - 1);
+  suspicious_until_ns = 0;
 }
 
 /// Removes starts that the fixes and headings contradict, and those that became equal to another one. The

@@ -69,6 +69,9 @@ std::optional<FieldFault> find_timing_fault(const Belief& base) {
   if (!(base.wrong_tracks.longest_s >= 0.0)) {
     return FieldFault{"wrong_tracks.longest_s", "is negative or no number"};
   }
+  if (base.default_position.fixes >= 2 * static_cast<int>(DefaultPosition::capacity)) {
+    return FieldFault{"default_position.fixes", "is more than twice the number of places"};
+  }
   if (!is_trend(base.rest.fixes)) return FieldFault{"rest.fixes", "have a negative weight or square"};
   if (!is_trend(base.rest.headings)) return FieldFault{"rest.headings", "have a negative weight or square"};
   return std::nullopt;
@@ -81,7 +84,8 @@ std::optional<FieldFault> find_fault(const Belief& base) {
   if (base.phase != Phase::waiting && base.candidate_count == 0) {
     return FieldFault{"candidate_count", "is 0 although the estimate has begun"};
   }
-  if (base.phase == Phase::tracking && base.candidate_count != model_count) {
+  if (base.phase == Phase::tracking && base.candidate_count != model_count &&
+      base.candidate_count != closed_count) {
     return FieldFault{"candidate_count", "is not the number of models"};
   }
   if (base.best >= std::max(base.candidate_count, 1)) {

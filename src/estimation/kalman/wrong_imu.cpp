@@ -21,12 +21,40 @@ void Belief::explain(const FixMeasurement& fix, const Matrix3d& covariance, cons
   if (!rival.alive) explanations.rival = explanations.best;  // it would begin as the best filter
   explanations.best = kept * explanations.best + of_best;
   explanations.rival = kept * explanations.rival + of_rival;
-  explanations.gyro = kept * explanations.gyro + log_likelihood_or_wrong(innovations[open_gyro]);
-  explanations.accel = kept * explanations.accel + log_likelihood_or_wrong(innovations[open_accel]);
+  if (has_open_models()) {
+    explanations.gyro = kept * explanations.gyro + log_likelihood_or_wrong(innovations[open_gyro]);
+    explanations.accel = kept * explanations.accel + log_likelihood_or_wrong(innovations[open_accel]);
+  }
+}
+
+/// Lets the open models begin where fixes or headings fit badly, and ends them after a while without such.
+void Belief::suspect_imu(bool is_suspicious) {
+  constexpr TimeNs kept_ns = 2'000'000'000;
+  if (is_suspicious) suspicious_until_ns = state_ns + kept_ns;
+  if (phase != Phase::tracking || is_open(best)) return;
+  if (has_open_models()) {
+    if (state_ns > suspicious_until_ns) candidate_count = closed_count;
+    return;
+  }
+  if (state_ns > suspicious_until_ns) return;
+  candidate_count = model_count;
+  explanations.gyro = explanations.accel = explanations.best;
+  // What was wrong has been so for some tenths of a second.
+  for (const int model : {open_gyro, open_accel}) {
+    Candidate& candidate = candidates[static_cast<std::size_t>(model)];
+    candidate = candidates[static_cast<std::size_t>(best)];
+    candidate.filter.add_variance(at_velocity, Vector3d::Constant(square(0.2)));
+  }
+  Filter& gyro = candidates[open_gyro].filter;
+  gyro.add_variance(at_attitude, Vector3d::Constant(square(radians(2.0))));
+  gyro.add_yaw_variance(square(radians(10.0)));
+  gyro.add_variance(at_gyro_bias, Vector3d::Constant(square(0.3)));
+  candidates[open_accel].filter.add_variance(at_accel_bias, Vector3d::Constant(square(1.0)));
 }
 
 /// Corrects the open models by a fix that the best one rejects.
 void Belief::correct_open(const Innovations& innovations, const Matrix3d& covariance) {
+  if (!has_open_models()) return;
   for (const int model : {open_gyro, open_accel}) {
     const Innovation& innovation = innovations[static_cast<std::size_t>(model)];
     if (model == best || !(innovation.squared_norm <= rejected_above)) continue;
@@ -38,9 +66,10 @@ void Belief::correct_open(const Innovations& innovations, const Matrix3d& covari
 /// The open model of the sensor whose error explains the recent fixes and headings better than everything
 /// else; else the best model.
 int Belief::wrong_sensor() const {
-  constexpr double advantage = 6.0;
+  constexpr double advantage = 8.0;
   constexpr int least_rejected = 4;
-  if (phase != Phase::tracking || std::max(fixes_rejected_in_row, headings_rejected_in_row) < least_rejected)
+  if (phase != Phase::tracking || !has_open_models() ||
+      std::max(fixes_rejected_in_row, headings_rejected_in_row) < least_rejected)
     return best;
   const double needed = std::max(explanations.best, explanations.rival) + advantage;
   const bool is_gyro = explanations.gyro > explanations.accel;
@@ -69,7 +98,7 @@ void Belief::doubt_imu(int model) {
   }
   candidates[static_cast<std::size_t>(model)].score = candidates[static_cast<std::size_t>(best)].score;
   best = model;
-  for (int i = 0; i < model_count; ++i) {
+  for (int i = 0; i < candidate_count; ++i) {
     if (i != best) clone_best(candidates[static_cast<std::size_t>(i)]);
   }
   rival.alive = false;

@@ -19,8 +19,10 @@
 namespace sonopose::estimation::kalman {
 
 inline constexpr int model_count = 5;  ///< models of process noise
-inline constexpr int open_gyro = 3;    ///< the one that hardly trusts the gyroscope
-inline constexpr int open_accel = 4;   ///< the one that hardly trusts the accelerometer
+inline constexpr int closed_count =
+    3;                               ///< those that trust the IMU; the others live only while they are needed
+inline constexpr int open_gyro = 3;  ///< the one that hardly trusts the gyroscope
+inline constexpr int open_accel = 4;  ///< the one that hardly trusts the accelerometer
 constexpr bool is_open(int model) {
   return model == open_gyro || model == open_accel;
 }
@@ -201,6 +203,7 @@ struct Belief {
   DefaultPosition default_position;
   Correlation correlation;
   Explanations explanations;
+  TimeNs suspicious_until_ns = 0;  ///< up to when fixes or headings that fit badly keep the open models alive
   TimeNs imu_doubted_until_ns =
       0;                      ///< up to when the last fix showed that the IMU is wrong, and a little longer
   TimeNs imu_doubted_ns = 0;  ///< when an open model last became the best; 0: never
@@ -303,6 +306,8 @@ private:
   void correct_open(const Innovations& innovations, const Matrix3d& covariance);
   [[nodiscard]] int wrong_sensor() const;
   void doubt_imu(int model);
+  void suspect_imu(bool is_suspicious);
+  [[nodiscard]] bool has_open_models() const { return candidate_count == model_count; }
   void clone_best(Candidate& candidate);
   [[nodiscard]] bool trusts_imu_again(const Candidate& candidate) const;
   [[nodiscard]] bool rival_explains_better(const FixMeasurement& fix, const Matrix3d& covariance,

@@ -60,7 +60,7 @@ void restart(RestState& state);
 
 /// Whether the body rests, and the latest fixes since the rest began, at least `least_fixes`, agree with
 /// that.
-[[nodiscard]] bool fixes_stand_still(const RestState& state, double fix_std_m, int least_fixes);
+[[nodiscard]] bool fixes_stand_still(const RestState& state, const Vector3d& fix_std_m, int least_fixes);
 
 /// Variance of the mean rate of the half second of rest that ends now as a measurement of the gyro bias,
 /// (rad/s)².

@@ -200,6 +200,7 @@ void for_each_field(IsFieldsOf<Belief> auto& belief, const auto& visit) {
   visit("explanations.shift_variance_m2", belief.explanations.shift_variance_m2);
   visit("explanations.shift_covariance", belief.explanations.shift_covariance);
   visit("explanations.shift_rate_variance", belief.explanations.shift_rate_variance);
+  visit("suspicious_until_ns", belief.suspicious_until_ns);
   visit("imu_doubted_until_ns", belief.imu_doubted_until_ns);
   visit("imu_doubted_ns", belief.imu_doubted_ns);
   visit("imu_doubts", belief.imu_doubts);
