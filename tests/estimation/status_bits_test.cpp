@@ -75,7 +75,8 @@ SCENARIO("both engines report what happens to their inputs with the same bits") 
       CHECK(walk.has(status_initialising, 0.0, 0.1));
       for (const PoseStatus bit :
            {status_initialising, status_uncalibrated, status_stale, status_converging, status_heading_unknown,
-            status_frozen_track, status_imu_gap, status_low_trust, status_rotating_fast}) {
+            status_frozen_track, status_imu_gap, status_low_trust, status_rotating_fast,
+            status_imu_inconsistent, status_fixes_inconsistent}) {
         CAPTURE(bit);
         CHECK_FALSE(walk.has(bit, 5.0, 30.0));
       }

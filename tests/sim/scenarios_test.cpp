@@ -59,7 +59,7 @@ Extremes extremes_of(const Scenario& scenario) {
 
 SCENARIO("the names of the scenarios are unique") {
   std::set<std::string> names;
-  for (const auto& group : {scenarios(), harder_scenarios()}) {
+  for (const auto& group : {scenarios(), harder_scenarios(), violations()}) {
     for (const Scenario& scenario : group) {
       CHECK(names.insert(std::string(scenario.name)).second);
       CHECK_FALSE(scenario.summary.empty());

@@ -74,12 +74,12 @@ SCENARIO("another first seed gives other runs") {
   CHECK(rmse_of({"--first-seed", "101"}) != first);
 }
 
-SCENARIO("--harder scores the harder scenarios, and those that are named") {
+SCENARIO("--harder scores the harder scenarios, the violations, and those that are named") {
   const Result result = run(SONOPOSE_TEST_EVALUATE, {"rest", "--harder", "--seeds", "1", "--json"});
   CAPTURE(result.error);
   REQUIRE(result.code == 0);
   const json rows = json::parse(result.output);
-  REQUIRE(rows.size() == 15);
+  REQUIRE(rows.size() == 31);
   CHECK(rows.at(0).at("case") == "rest");
   CHECK(rows.at(1).at("case") == "wrong_tracks");
   for (const json& row : rows) CHECK(row.at("position_rmse_m").is_number());

@@ -85,7 +85,7 @@ SCENARIO("a freeze and a wrong mount are each logged once, with level and reason
       }
       THEN("the wrong mount is logged by what it causes") {
         CHECK(count(*fusion, "<4>beacon 8: low trust: ") >= 1);
-        CHECK(count(*fusion, "<4>beacon 8: gated: 10 fixes in a row are outliers, the latest by ") >= 1);
+        CHECK(count(*fusion, "<4>beacon 8: IMU inconsistent: ") >= 1);
         CHECK(count(*fusion, "<4>beacon 8: ") < 20);
       }
     }

@@ -60,7 +60,7 @@ SCENARIO("the bits of the status have the words and the order of the monitor") {
   const json table = json::parse(status_table_json());
   std::map<std::uint32_t, json> by_bit;
   for (const json& row : table) by_bit[row["bit"]] = row;
-  CHECK(by_bit.size() == 12);
+  CHECK(by_bit.size() == 14);
   CHECK(by_bit.at(status_stale)["word"] == "stale");
   CHECK(by_bit.at(status_stale)["severity"] > by_bit.at(status_converging)["severity"]);
   CHECK(by_bit.at(status_predicted)["severity"] == 0);

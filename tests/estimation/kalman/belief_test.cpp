@@ -119,6 +119,7 @@ SCENARIO("all filters follow the motion between two fixes, however fast the IMU 
     Belief& belief = drive.belief;
     if (is_searching) belief.phase = kalman::Phase::searching_yaw;
     const kalman::Filter start = belief.filter();
+    belief.candidate_count = kalman::model_count;
     for (auto& candidate : belief.candidates) candidate.filter = start;
     REQUIRE(belief.former.alive);
     belief.former.filter = start;

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <string>
 
 namespace kalman_imu_steps_test {
 
@@ -80,6 +81,39 @@ SCENARIO("one step alone is returned unchanged") {
   CHECK_FALSE(steps.empty());
   CHECK_FALSE(steps.has_several());
   CHECK(steps.joined() == step);
+}
+
+/// Variance that a pulse of the specific force of half a sine adds to the velocity.
+double shock_variance(double peak_mps2, double duration_s, double rate_hz) {
+  ShockDetector shocks;
+  double variance = 0.0;
+  for (double time_s = 0.0; time_s < 2.0; time_s += 1.0 / rate_hz) {
+    const double since_s = time_s - 1.0;
+    const double pulse_mps2 = since_s >= 0.0 && since_s < duration_s
+                                  ? peak_mps2 * std::sin(std::numbers::pi * since_s / duration_s)
+                                  : 0.0;
+    variance += shocks.add({0.0, 0.0, standard_gravity_mps2 + pulse_mps2}, 1.0 / rate_hz);
+  }
+  return variance;
+}
+
+SCENARIO("only a shock makes the velocity uncertain") {
+  const double rate_hz = GENERATE(100.0, 200.0, 1000.0);
+  GIVEN("an IMU of " + std::to_string(rate_hz) + " Hz") {
+    WHEN("a wheel passes a sill: 10 m/s² for 30 ms") {
+      const double impulse_mps = 10.0 * 0.03 * 2.0 / std::numbers::pi;
+      THEN("the uncertainty is about that of its impulse") {
+        const double std_mps = std::sqrt(shock_variance(10.0, 0.03, rate_hz));
+        CHECK(std_mps > 0.3 * impulse_mps);
+        CHECK(std_mps < 3.0 * impulse_mps);
+      }
+    }
+    WHEN("a truck brakes: 17 m/s² for a quarter of a second") {
+      THEN("there is none") {
+        CHECK(shock_variance(17.0, 0.25, rate_hz) == 0.0);
+      }
+    }
+  }
 }
 
 }  // namespace kalman_imu_steps_test

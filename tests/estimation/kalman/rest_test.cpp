@@ -48,8 +48,8 @@ TEST_CASE("a smooth cruise is no standstill once its fixes have moved") {
     rest::add_fix(state, time_ns, {0.05 * 0.1 * k, 0.0, 0.0});  // 5 cm/s
     rest::add_fix(standing, time_ns, {0.01 * std::sin(7.0 * k), 0.0, 0.0});
   }
-  CHECK_FALSE(rest::fixes_stand_still(state, 0.02, 4));
-  CHECK(rest::fixes_stand_still(standing, 0.02, 4));
+  CHECK_FALSE(rest::fixes_stand_still(state, Vector3d::Constant(0.02), 4));
+  CHECK(rest::fixes_stand_still(standing, Vector3d::Constant(0.02), 4));
 }
 
 TEST_CASE("a creep after a long rest is no standstill") {
@@ -61,9 +61,9 @@ TEST_CASE("a creep after a long rest is no standstill") {
     rest::add_fix(state, epoch_ns + to_ns(0.6 + 0.1 * k), {x_m + 0.01 * std::sin(7.0 * k), 0.0, 0.0});
   };
   for (int k = 0; k < 3000; ++k) add(k, 0.0);  // five minutes
-  REQUIRE(rest::fixes_stand_still(state, 0.02, 4));
+  REQUIRE(rest::fixes_stand_still(state, Vector3d::Constant(0.02), 4));
   for (int k = 3000; k < 3040; ++k) add(k, 0.05 * 0.1 * (k - 3000));  // 5 cm/s
-  CHECK_FALSE(rest::fixes_stand_still(state, 0.02, 4));
+  CHECK_FALSE(rest::fixes_stand_still(state, Vector3d::Constant(0.02), 4));
 }
 
 }  // namespace rest_test

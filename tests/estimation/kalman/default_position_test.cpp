@@ -1,0 +1,65 @@
+#include <sonopose/estimation/kalman/default_position.hpp>
+
+#include <catch2/catch.hpp>
+
+namespace kalman_default_position_test {
+
+using namespace sonopose;
+using estimation::kalman::DefaultPosition;
+
+const Vector3d origin = Vector3d::Zero();
+
+/// A fix of a body that walks, every tenth of a second.
+Vector3d walked_m(int i) {
+  return {3.0 + 0.1 * i, 2.0 + 0.003 * (i % 3), 1.0};
+}
+
+TimeNs time_ns(int i) {
+  return TimeNs{100'000'000} * (i + 1);
+}
+
+SCENARIO("a position that the fixes leave and return to exactly is a default one") {
+  GIVEN("a walk") {
+    DefaultPosition position;
+    for (int i = 0; i < 3; ++i) REQUIRE_FALSE(position.add(time_ns(i), walked_m(i)));
+    WHEN("the fixes are at the origin once") {
+      THEN("that may be a single wrong fix") {
+        CHECK_FALSE(position.add(time_ns(3), origin));
+      }
+    }
+    WHEN("they come back to it") {
+      position.add(time_ns(3), origin);
+      position.add(time_ns(4), walked_m(4));
+      const bool is_default = position.add(time_ns(5), origin);
+      THEN("it is the default position, also from then on") {
+        CHECK(is_default);
+        CHECK_FALSE(position.add(time_ns(6), walked_m(6)));
+        CHECK(position.add(time_ns(7), origin));
+        CHECK(position.is_active(time_ns(8)));
+      }
+      AND_WHEN("it was not reported for a minute") {
+        for (int i = 6; i < 610; ++i) position.add(time_ns(i), walked_m(i));
+        THEN("it is one like any other") {
+          CHECK_FALSE(position.is_active(time_ns(610)));
+          CHECK_FALSE(position.add(time_ns(610), origin));
+        }
+      }
+      AND_WHEN("twenty fixes in a row are there") {
+        for (int i = 6; i < 25; ++i) position.add(time_ns(i), origin);
+        THEN("the body is there") {
+          CHECK_FALSE(position.add(time_ns(25), origin));
+        }
+      }
+    }
+  }
+  GIVEN("a body at rest, whose fixes repeat to the millimetre") {
+    DefaultPosition position;
+    THEN("no fix is a default position") {
+      for (int i = 0; i < 50; ++i) {
+        CHECK_FALSE(position.add(time_ns(i), {1.0, 2.0, 0.001 * (i % 3)}));
+      }
+    }
+  }
+}
+
+}  // namespace kalman_default_position_test
