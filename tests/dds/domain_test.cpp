@@ -135,9 +135,10 @@ TEST_CASE("The user's CYCLONEDDS_URI takes precedence, except for the single rec
     fs::remove(file);
   }
   SECTION("settings of another domain do not change ours") {
+    const std::string other = std::to_string(test_domain() + 1);
     const std::string effective = effective_configuration(
-        R"(<CycloneDDS><Domain id="5"><General><Interfaces><NetworkInterface name="nowhere"/>)"
-        "</Interfaces></General></Domain></CycloneDDS>",
+        "<CycloneDDS><Domain id=\"" + other +
+            R"("><General><Interfaces><NetworkInterface name="nowhere"/></Interfaces></General></Domain></CycloneDDS>)",
         Network::loopback);
     CHECK_THAT(effective, Contains(lo) && !Contains("nowhere"));
   }
