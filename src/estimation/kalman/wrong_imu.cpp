@@ -79,14 +79,7 @@ int Belief::wrong_sensor() const {
 /// Continues with this open model.
 void Belief::doubt_imu(int model) {
   constexpr double memory_s = 60.0;
-  if (!former.alive || former.is_anchor) {
-    former.alive = true;
-    former.is_anchor = false;
-    former.left_ns = former.left_for_ns = state_ns;
-    former.model = best;
-    former.fixes_in_row = 0;
-    former.filter = filter();
-  }
+  if (!former.alive || former.is_anchor) keep_former(state_ns, state_ns);
   imu_doubts =
       imu_doubted_ns != 0 && seconds_between(imu_doubted_ns, state_ns) < memory_s ? imu_doubts + 1 : 1;
   imu_doubts = std::min(imu_doubts, 100);

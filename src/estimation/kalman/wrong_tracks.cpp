@@ -211,17 +211,9 @@ void Belief::begin_rival(const FixMeasurement& fix, const Matrix3d& covariance) 
 
 void Belief::promote_rival() {
   // A track that replaced the former a moment ago is less credible than the former itself.
-  const bool keep_former =
+  const bool has_better_former =
       former.alive && !former.is_anchor && seconds_between(former.left_ns, rival.last_fix_ns) < established_s;
-  if (!keep_former) {
-    former.alive = true;
-    former.is_anchor = false;
-    former.left_ns = rival.last_fix_ns;
-    former.left_for_ns = rival.began_ns;
-    former.model = best;
-    former.fixes_in_row = 0;
-    former.filter = filter();
-  }
+  if (!has_better_former) keep_former(rival.last_fix_ns, rival.began_ns);
   adopt(rival.filter);
   if (map_has_turned(rival.last_fix_ns)) {
     if (!rival.has_turned) widen_yaw(radians(40.0));
@@ -270,10 +262,16 @@ void Belief::drop_anchor(TimeNs now_ns) {
   constexpr double spacing_s = 5.0;
   if (phase != Phase::tracking || rival.alive) return;
   if (former.alive && (!former.is_anchor || seconds_between(former.left_ns, now_ns) < spacing_s)) return;
-  former.alive = true;
+  keep_former(now_ns, 0);
   former.is_anchor = true;
-  former.left_ns = now_ns;
-  former.left_for_ns = 0;
+}
+
+/// Keeps the best filter as the former track, left at this time for a track that began at the other.
+void Belief::keep_former(TimeNs left_ns, TimeNs left_for_ns) {
+  former.alive = true;
+  former.is_anchor = false;
+  former.left_ns = left_ns;
+  former.left_for_ns = left_for_ns;
   former.model = best;
   former.fixes_in_row = 0;
   former.filter = filter();

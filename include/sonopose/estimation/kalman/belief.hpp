@@ -327,6 +327,7 @@ private:
   void begin_rival(const FixMeasurement& fix, const Matrix3d& covariance);
   void end_rival(TimeNs now_ns);
   void drop_anchor(TimeNs now_ns);
+  void keep_former(TimeNs left_ns, TimeNs left_for_ns);
   void promote_rival();
   bool take_back_former(const FixMeasurement& fix, const Matrix3d& covariance, double ahead_s);
   void adopt(const Filter& track);
