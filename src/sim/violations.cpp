@@ -134,7 +134,7 @@ void vary_default_positions(Scenario& scenario, Random& random) {
   scenario.disturbances.poor_fixes = {{.share = random.uniform_in({0.2, 0.42}), .default_world_m = place}};
 }
 
-/// From the start, or from some second on.
+/// Begin of a fault: the start, or some later second.
 double draw_fault_begin_s(Random& random) {
   return random.uniform() < 0.4 ? 0.0 : random.uniform_in({8.0, 30.0});
 }

@@ -14,7 +14,7 @@ namespace kalman_violations_test {
 
 using namespace sonopose;
 
-/// What the project requires (docs/kalman.md, "Violations").
+/// A requirement of the project (docs/kalman.md, "Violations").
 struct Bar {
   std::string scenario;
   double position_m;

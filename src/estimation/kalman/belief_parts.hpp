@@ -15,7 +15,8 @@ inline constexpr double rejected_above = 30.0;
 inline constexpr double explained_below = 16.0;         // χ²: 0.1 % are above
 inline constexpr TimeNs heading_kept_ns = 500'000'000;  // for a start
 inline constexpr double former_s = 8.0;                 // for which a track that was given up is kept
-inline constexpr int few_fixes = 2;                     // enough to distinguish a rest from a smooth cruise
+inline constexpr TimeNs doubt_ns = 3'000'000'000;  // an IMU that was wrong a moment ago may be wrong again
+inline constexpr int few_fixes = 2;                // enough to distinguish a rest from a smooth cruise
 
 inline constexpr std::array<ProcessNoise, model_count> models{
     ProcessNoise{}, ProcessNoise{.gyro_radps_rthz = 12 * 2e-4, .gyro_bias_radps_rts = 1e-3},
@@ -23,7 +24,7 @@ inline constexpr std::array<ProcessNoise, model_count> models{
     ProcessNoise{.accel_mps2_rthz = 50 * 0.003, .gyro_radps_rthz = 0.2, .gyro_bias_radps_rts = 0.2},
     ProcessNoise{.accel_mps2_rthz = 1.5, .gyro_radps_rthz = 12 * 2e-4, .accel_bias_mps2_rts = 2.0}};
 
-/// Of a filter whose yaw is wrong, so that it cannot use the accelerometer.
+/// Noise of a filter whose yaw is wrong, so that it cannot use the accelerometer.
 inline constexpr ProcessNoise fixes_alone{.accel_mps2_rthz = 3.0, .gyro_radps_rthz = 12 * 2e-4};
 
 /// By how much the covariance of a fix grows with its innovation.
@@ -38,7 +39,7 @@ inline double log_likelihood(const Innovation& innovation) {
 
 inline constexpr double wrong_fix = -4.5;  // log-likelihood of one that lies anywhere within metres
 
-/// The same of a fix that may also be wrong, and then lie anywhere within metres.
+/// Log-likelihood of a fix that may also be wrong, and then lie anywhere within metres.
 inline double log_likelihood_or_wrong(const Innovation& innovation) {
   return std::max(log_likelihood(innovation), wrong_fix);
 }

@@ -49,7 +49,7 @@ void begin_window(RestState& state, TimeNs time_ns) {
   state.accel_squares.setZero();
 }
 
-/// Whether no axis has a significant slope.
+/// True if no axis has a significant slope.
 bool is_steady(const Trend& trend, double slowest, const Vector3d& std) {
   constexpr double sigmas = 2.4;  // 5 % of the trends of three axes without a slope exceed it
   if (!(trend.time_squares_s2 > 0.0)) return false;

@@ -114,7 +114,7 @@ void Belief::clone_best(Candidate& candidate) {
   f.decorrelate(at_accel_bias, Vector3d::Constant(square(start_accel_bias_std_mps2)));
 }
 
-/// Whether a candidate has explained the fixes and headings for long enough, more often each time.
+/// True if a candidate has explained enough fixes and headings; each doubt doubles their number.
 bool Belief::trusts_imu_again(const Candidate& candidate) const {
   constexpr int least = 20;
   return candidate.explained_in_row >= least << std::min(imu_doubts, 4) &&

@@ -48,7 +48,7 @@ std::vector<Moment> moments_of(const std::string& scenario, std::uint64_t seed,
   return moments;
 }
 
-/// When the bit is first set; infinite: never.
+/// Time at which the bit is first set; infinite: never.
 double first_s(const std::vector<Moment>& moments, PoseStatus bit) {
   const auto has_bit = [&](const Moment& moment) { return (moment.pose.status & bit) != 0; };
   const auto found = std::find_if(moments.begin(), moments.end(), has_bit);

@@ -172,7 +172,7 @@ struct ImuOutcome {
   double no_velocity_variance = 0;  ///< of a velocity of zero, (m/s)²; 0: no such measurement
 };
 
-/// What the other directions of an unknown yaw add to the covariance of the best filter.
+/// Share of the other directions of an unknown yaw in the covariance of the best filter.
 struct Spread {
   double yaw_rad2 = 0;
   Matrix3d position_m2 = Matrix3d::Zero();

@@ -9,7 +9,7 @@
 
 namespace sonopose::estimation::kalman {
 
-/// Whether two positions have the same coordinates, to the resolution of a beacon.
+/// Compares the coordinates of two positions, to the resolution of a beacon.
 [[nodiscard]] bool is_same_position(const Vector3d& a_world_m, const Vector3d& b_world_m);
 
 /// Detects a position that the source reports instead of a solution: the fixes leave it by decimetres and
@@ -29,7 +29,7 @@ struct DefaultPosition {
 
   /// Adds a fix. Whether it is the default position.
   bool add(TimeNs time_ns, const Vector3d& position_world_m);
-  /// Whether it was reported in the last seconds.
+  /// True if it was reported in the last seconds.
   [[nodiscard]] bool is_active(TimeNs now_ns) const;
   bool operator==(const DefaultPosition&) const = default;
 };
