@@ -126,7 +126,7 @@ void latest_fix_with_all_starts(benchmark::State& state) {
     estimation::process(before, step->event);
     if (const auto* latest = std::get_if<UltrasonicFix>(&step->event)) fix = *latest;
   }
-  if (before.belief().candidate_count != estimation::kalman::start_count) {
+  if (before.state().phase != estimation::kalman::Phase::searching_yaw) {
     state.SkipWithError("not all starts are alive");
     return;
   }

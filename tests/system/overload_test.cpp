@@ -50,8 +50,8 @@ struct ManyBeacons {
     });
   }
 
-  /// Stops the fusion until much has gathered, again where that does not overload a fast machine, and waits
-  /// until each beacon has a pose that is marked. Returns how many have.
+  /// Stops the fusion until much has gathered, again and for longer where that does not overload a fast machine,
+  /// and waits until each beacon has a pose that is marked. Returns how many have.
   std::size_t overload() {
     std::set<BeaconAddress> marked;
     const auto mark = [&marked](const TappedPose& tapped) {
@@ -62,7 +62,8 @@ struct ManyBeacons {
     for (int i = 0; marked.empty() && i < 20; ++i) {
       from = poses.count();
       fusion->send(SIGSTOP);
-      REQUIRE(fixes.wait_for_more(8 * beacons));
+      const int times = 1 + std::min(i, 7);
+      REQUIRE(fixes.wait_for_more(static_cast<std::size_t>(8 * times) * beacons));
       fusion->send(SIGCONT);
       poses.wait_for(mark, from, std::chrono::milliseconds(500));
     }

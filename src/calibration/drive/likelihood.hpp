@@ -3,7 +3,7 @@
 /// How probable the fixes and headings of a drive are, for given mount, delay and noise: one forward pass of
 /// the error-state Kalman filter. Private to this folder.
 
-#include <sonopose/estimation/kalman/belief.hpp>
+#include <sonopose/estimation/kalman/state.hpp>
 
 #include <cstddef>
 #include <cstdint>

@@ -17,7 +17,7 @@ bool is_recent(const AdmissionSettings& settings, TimeNs now_ns, TimeNs measured
   if (!is_time(measured_ns) || !is_time(received_ns)) return false;
   const double age_s = seconds_between(measured_ns, now_ns);
   const double delay_s = seconds_between(measured_ns, received_ns);
-  return age_s <= settings.max_fix_age_s && age_s >= -ahead_s && delay_s >= 0.0 &&
+  return age_s <= settings.max_fix_age_s && age_s >= -ahead_s && delay_s >= -future_tolerance_s &&
          delay_s <= settings.max_fix_age_s;
 }
 

@@ -59,18 +59,21 @@ void Engine::catch_up() noexcept {
 void Engine::update_uncertainty() {
   constexpr double unlearned_bias_radps = 0.01;
   constexpr double wrong_gain_mps2 = 0.5;  // a bias of five initial deviations: a wrong unit, gain or sign
+  constexpr double other_clock_s = 0.04;
   constexpr double unknown_yaw_rad = 5.0 * geometry::radians_per_degree;
-  if (belief().phase == Phase::waiting) return;
-  const Filter& filter = belief().filter();
+  if (state().phase == Phase::waiting) return;
+  const Filter& filter = state().filter();
   const double bias_std = std::sqrt(filter.covariance.diagonal().segment<3>(at_gyro_bias).maxCoeff());
   uncertainty_ = {.pose_covariance = filter.pose_covariance(),
                   .velocity_covariance = filter.velocity_covariance(),
                   .gyro_bias_is_unknown = bias_std > unlearned_bias_radps,
+                  .clocks_differ = state().bank.best().imu == ImuModel::other_clock &&
+                                   std::abs(filter.delay_error_s) > other_clock_s,
                   .accel_bias_is_large = filter.accel_bias_body_mps2.norm() > wrong_gain_mps2,
-                  .yaw_is_unknown = belief().phase == Phase::searching_yaw ||
+                  .yaw_is_unknown = state().phase == Phase::searching_yaw ||
                                     filter.yaw_variance_rad2() > unknown_yaw_rad * unknown_yaw_rad};
-  if (belief().phase != Phase::searching_yaw) return;
-  const Spread spread = belief().spread();
+  if (state().phase != Phase::searching_yaw) return;
+  const Spread spread = state().spread();
   Covariance<6>::Matrix pose = uncertainty_.pose_covariance.matrix();
   pose.topLeftCorner<3, 3>() += spread.position_m2;
   pose(5, 5) += spread.yaw_rad2;
@@ -127,26 +130,26 @@ std::optional<FusedPose> Engine::predict(const ImuSample& raw) noexcept {
 
 /// Whether the pose needs only the nominal state.
 bool Engine::is_step(const ImuMeasurement& imu) const {
-  const double dt_s = seconds_between(belief().time_ns, imu.time_ns);
-  return belief().phase != Phase::waiting && dt_s > 0.0 && dt_s <= settings_.outage.imu_gap_s;
+  const double dt_s = seconds_between(state().imu.time_ns, imu.time_ns);
+  return state().phase != Phase::waiting && dt_s > 0.0 && dt_s <= settings_.outage.imu_gap_s;
 }
 
 FusedPose Engine::pose_after_step(const ImuSample& imu, const ImuMeasurement& measured) const {
-  const Belief& before = belief();
-  const ImuStep step = step_between({.time_ns = before.time_ns,
-                                     .rate_body_radps = before.rate_body_radps,
-                                     .force_body_mps2 = before.force_body_mps2},
-                                    measured, before.usual_step_s);
+  const State& before = state();
+  const ImuStep step = step_between({.time_ns = before.imu.time_ns,
+                                     .rate_body_radps = before.imu.rate_body_radps,
+                                     .force_body_mps2 = before.imu.force_body_mps2},
+                                    measured, before.imu.usual_step_s);
   return pose_at(imu, before.nominal_after(step));
 }
 
 /// The pose after everything that the sample leads to.
 FusedPose Engine::whole_pose(const ImuSample& imu) {
   catch_up();
-  FusedPose pose = pose_at(imu, belief().nominal());
-  if (belief().in_imu_gap) {
+  FusedPose pose = pose_at(imu, state().nominal());
+  if (state().imu.in_gap) {
     ++counters_.imu_gaps;
-    if (belief().phase != Phase::waiting) pose.status |= status_imu_gap;
+    if (state().phase != Phase::waiting) pose.status |= status_imu_gap;
   }
   return pose;
 }
@@ -172,16 +175,16 @@ FixReport Engine::correct(const UltrasonicFix& fix) noexcept {
   report.flags = rejection_flags(fix, measured);
   if (report.flags != 0) {
     ++counters_.fixes_rejected;
-    catch_up();  // a late fix leaves the belief in the past
-    report.trust = belief().trust;
+    catch_up();  // a late fix leaves the state in the past
+    report.trust = state().fixes.trust;
     return report;
   }
   const FixOutcome outcome = timeline_.add(settings_, measured);
   report.flags = outcome.flags;
   report.weight = outcome.weight;
-  report.trust = belief().trust;
+  report.trust = state().fixes.trust;
   report.hypothesis = outcome.hypothesis;
-  report.model = belief().phase == Phase::tracking ? static_cast<std::uint32_t>(belief().best) : 0U;
+  report.model = state().phase == Phase::tracking ? static_cast<std::uint32_t>(state().bank.best().imu) : 0U;
   if (outcome.has_innovation) {
     report.innovation_world_m = outcome.innovation.value_world_m;
     report.innovation_covariance_m2 = Covariance<3>::from_matrix(outcome.innovation.covariance_m2);
@@ -255,27 +258,27 @@ void Engine::correct(const PairHeading& heading) noexcept {
   timeline_.add(settings_, measured);
 }
 
-FusedPose Engine::pose_at(const ImuSample& imu, const NominalState& state) const {
-  const Belief& now = belief();
+FusedPose Engine::pose_at(const ImuSample& imu, const NominalState& nominal) const {
+  const State& now = state();
   FusedPose pose;
   pose.address = imu.address;
   pose.sequence = imu.sequence;
   pose.time_ns = imu.sensor_time_ns;
   if (now.phase == Phase::waiting) {
-    pose.q_body_to_world = geometry::level_with(now.mean_force_body_mps2, 0.0);
+    pose.q_body_to_world = geometry::level_with(now.imu.mean_force_body_mps2, 0.0);
     pose.angular_velocity_body_radps = imu.angular_velocity_body_radps;
   } else {
     const Filter& filter = now.filter();
-    pose.position_world_m = filter.tracked_position_world_m(state);
-    pose.q_body_to_world = state.q_body_to_world;
-    pose.velocity_world_mps = filter.tracked_velocity_world_mps(state);
+    pose.position_world_m = filter.tracked_position_world_m(nominal);
+    pose.q_body_to_world = nominal.q_body_to_world;
+    pose.velocity_world_mps = filter.tracked_velocity_world_mps(nominal);
     pose.angular_velocity_body_radps = imu.angular_velocity_body_radps - filter.gyro_bias_body_radps;
-    pose.acceleration_world_mps2 = state.acceleration_world_mps2;
+    pose.acceleration_world_mps2 = nominal.acceleration_world_mps2;
     pose.gyro_bias_body_radps = filter.gyro_bias_body_radps;
     pose.pose_covariance = uncertainty_.pose_covariance;
     pose.velocity_covariance = uncertainty_.velocity_covariance;
   }
-  pose.trust = now.trust;
+  pose.trust = now.fixes.trust;
   pose.since_valid_fix_s = last_used_received_ns_ == 0
                                ? std::numeric_limits<double>::infinity()
                                : std::max(0.0, seconds_between(last_used_received_ns_, pose.time_ns));
@@ -289,23 +292,23 @@ FusedPose Engine::pose_at(const ImuSample& imu, const NominalState& state) const
 std::uint32_t Engine::status(TimeNs time_ns) const {
   constexpr double low_trust = 0.6;
   const auto bit = [](bool applies, PoseStatus status) { return applies ? std::uint32_t{status} : 0U; };
-  const Belief& now = belief();
+  const State& now = state();
   if (now.phase == Phase::waiting) return status_initialising | status_heading_unknown;
   const double since_fix_s = seconds_between(last_used_received_ns_, time_ns);
   return bit(uncertainty_.gyro_bias_is_unknown, status_uncalibrated) |
          bit(since_fix_s > settings_.outage.stale_after_s, status_stale) |
          bit(time_ns < now.converging_until_ns, status_converging) |
          bit(uncertainty_.yaw_is_unknown, status_heading_unknown) |
-         bit(time_ns < now.imu_doubted_until_ns || uncertainty_.accel_bias_is_large,
+         bit(time_ns < now.doubt.doubted_until_ns || uncertainty_.accel_bias_is_large,
              status_imu_inconsistent) |
-         bit(now.default_position.is_active(time_ns), status_fixes_inconsistent) |
-         bit(now.repetition.frozen, status_frozen_track) | bit(now.trust < low_trust, status_low_trust);
+         bit(now.default_position.is_active(time_ns) || uncertainty_.clocks_differ, status_fixes_inconsistent) |
+         bit(now.frozen_track.frozen, status_frozen_track) | bit(now.fixes.trust < low_trust, status_low_trust);
 }
 
 Estimate Engine::estimate() const {
   Estimate estimate;
-  const Belief& now = belief();
-  estimate.time_ns = now.time_ns;
+  const State& now = state();
+  estimate.time_ns = now.imu.time_ns;
   if (now.phase == Phase::waiting) return estimate;
   const Filter& filter = now.filter();
   const auto with_std = [&filter](const Vector3d& value, StateIndex index) {
@@ -318,7 +321,7 @@ Estimate Engine::estimate() const {
     estimate.delay_s = ScalarEstimate{.value = last_delay_s_ + filter.delay_error_s,
                                       .std = std::sqrt(filter.delay_variance_s2)};
   }
-  const double fix_std_m = std::sqrt(now.noise.fix_covariance_m2(now.quality_percent)(0, 0));
+  const double fix_std_m = std::sqrt(now.noise.fix_covariance_m2(now.fixes.quality_percent)(0, 0));
   estimate.fix_noise_m = ScalarEstimate{.value = fix_std_m, .std = -1.0};
   estimate.heading_noise_rad =
       ScalarEstimate{.value = std::sqrt(now.noise.heading_rad2.variance), .std = -1.0};

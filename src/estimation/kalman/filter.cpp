@@ -202,7 +202,7 @@ template <int rows>
 void Filter::correct(const Eigen::Matrix<double, state_size, rows>& w,
                      const Eigen::Matrix<double, rows, 1>& innovation,
                      const Eigen::Matrix<double, rows, 1>& w_delay) {
-  constexpr double most_delay_error_s = 0.06;
+  constexpr double most_delay_error_s = 0.3;
   constexpr double least_delay_std_s = 1e-5;
   const StateVector error = w * innovation;
   covariance -= w.lazyProduct(w.transpose());

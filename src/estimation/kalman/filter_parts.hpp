@@ -1,5 +1,5 @@
 #pragma once
-// What the sources of Filter and Belief share.
+// What the sources of Filter and State share.
 
 #include <sonopose/estimation/kalman/filter.hpp>
 

@@ -1,6 +1,9 @@
 #include <sonopose/estimation/kalman/fix_noise.hpp>
 
+#include <Eigen/Cholesky>
+
 #include <algorithm>
+#include <cmath>
 
 namespace sonopose::estimation::kalman {
 namespace {
@@ -85,6 +88,21 @@ void AdaptiveVariance::add_at_rest(const VarianceSample& sample, const VarianceL
   if (variance > least) return;
   variance = least;
   samples = std::max(before, std::min(before + sample.weight, rest_samples));
+}
+
+void Correlation::add(const Vector3d& value_m, const Eigen::Matrix3d& covariance_m2) {
+  constexpr double share = 1.0 / 20.0;
+  const Eigen::LLT<Eigen::Matrix3d> factor(covariance_m2);
+  const Vector3d normalised = factor.matrixL().solve(value_m);
+  product += share * (normalised.dot(last) / 3.0 - product);
+  square += share * (normalised.squaredNorm() / 3.0 - square);
+  last = normalised;
+}
+
+double Correlation::white_share() const {
+  constexpr double by_chance = 0.6;  // of twenty pairs
+  const double correlated = std::max(0.0, product - by_chance);
+  return std::clamp(1.0 - correlated / std::max(square, 0.1), 0.1, 1.0);
 }
 
 MeasurementNoise::MeasurementNoise() {

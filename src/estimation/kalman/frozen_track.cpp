@@ -1,48 +1,26 @@
-// Fixes that repeat their coordinates while the IMU measures a motion.
-
-#include "estimation/kalman/belief_parts.hpp"
+#include <sonopose/estimation/kalman/default_position.hpp>
+#include <sonopose/estimation/kalman/frozen_track.hpp>
 
 namespace sonopose::estimation::kalman {
 
-/// Whether the coordinates only repeat while the IMU measures a motion.
-bool Belief::check_frozen(const settings::FrozenSettings& settings, const FixMeasurement& fix) {
-  const auto begin_window = [&] {
-    repetition.began_ns = time_ns;
-    repetition.moved_world_m.setZero();
-    repetition.velocity_world_mps =
-        phase == Phase::waiting ? Vector3d::Zero() : filter().tracked_velocity_world_mps();
-  };
-  const bool repeated =
-      repetition.has_fix && is_same_position(fix.position_world_m, repetition.coordinates_world_m);
-  if (!repeated) {
-    repetition.has_fix = true;
-    repetition.frozen = false;
-    repetition.repeats = 0;
-    repetition.coordinates_world_m = fix.position_world_m;
-    begin_window();
-    return false;
+void FrozenTrackDetector::move(double duration_s, const Vector3d& acceleration_world_mps2) {
+  moved_world_m += duration_s * velocity_world_mps;
+  velocity_world_mps += duration_s * acceleration_world_mps2;
+}
+
+bool FrozenTrackDetector::add(const settings::FrozenSettings& settings, TimeNs time_ns,
+                              const Vector3d& position_world_m, const Vector3d& begin_velocity_world_mps) {
+  const bool repeated = has_fix && is_same_position(position_world_m, coordinates_world_m);
+  repeats = repeated ? repeats + 1 : 0;
+  frozen = repeated && (frozen || (repeats >= settings.repeats && moved_world_m.norm() > settings.moved_m));
+  if (!repeated || (!frozen && seconds_between(began_ns, time_ns) > settings.window_s)) {
+    has_fix = true;
+    coordinates_world_m = position_world_m;
+    began_ns = time_ns;
+    moved_world_m.setZero();
+    velocity_world_mps = begin_velocity_world_mps;
   }
-  ++repetition.repeats;
-  if (repetition.frozen) return true;
-  repetition.frozen =
-      repetition.repeats >= settings.repeats && repetition.moved_world_m.norm() > settings.moved_m;
-  if (repetition.frozen) {
-    // The repeated fixes before the detection slowed the filters down.
-    const Vector3d lost_mps = repetition.velocity_world_mps - filter().tracked_velocity_world_mps();
-    const Vector3d lost_m =
-        repetition.coordinates_world_m + repetition.moved_world_m - filter().tracked_position_world_m();
-    for (int i = 0; i < candidate_count; ++i) {
-      Filter& each = candidates[static_cast<std::size_t>(i)].filter;
-      each.velocity_world_mps += lost_mps;
-      each.position_world_m += lost_m;
-      each.add_variance(at_velocity, Vector3d::Constant(square(0.3)));
-      each.add_variance(at_position, Vector3d::Constant(square(0.1)));
-    }
-    rival.alive = false;
-  } else if (seconds_between(repetition.began_ns, time_ns) > settings.window_s) {
-    begin_window();
-  }
-  return repetition.frozen;
+  return frozen;
 }
 
 }  // namespace sonopose::estimation::kalman

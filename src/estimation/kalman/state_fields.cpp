@@ -57,70 +57,78 @@ bool is_trend(const Trend& trend) {
 }
 
 /// What the engine has learned of intervals and durations.
-std::optional<FieldFault> find_timing_fault(const Belief& base) {
+std::optional<FieldFault> find_timing_fault(const State& state) {
   const auto is_between = [](double value, double most) { return value >= 0.0 && value <= most; };
   constexpr double longest_gap_s = 5.0;  // that outage.imu_gap_s may be
-  if (!is_between(base.usual_step_s, longest_gap_s)) {
+  if (!is_between(state.imu.usual_step_s, longest_gap_s)) {
     return FieldFault{"usual_step_s", "is not between 0 and 5 s"};
   }
-  if (!is_between(base.heading_interval_s, longest_heading_interval_s)) {
-    return FieldFault{"heading_interval_s", "is not between 0 and 10 s"};
+  if (!is_between(state.headings.interval_s, longest_heading_interval_s)) {
+    return FieldFault{"interval_s", "is not between 0 and 10 s"};
   }
-  if (!(base.wrong_tracks.longest_s >= 0.0)) {
-    return FieldFault{"wrong_tracks.longest_s", "is negative or no number"};
+  if (!(state.wrong_tracks.longest_s >= 0.0)) return FieldFault{"longest_s", "is negative or no number"};
+  if (state.default_position.fixes >= 2 * static_cast<int>(DefaultPosition::capacity)) {
+    return FieldFault{"default_position", "has more fixes than twice the number of places"};
   }
-  if (base.default_position.fixes >= 2 * static_cast<int>(DefaultPosition::capacity)) {
-    return FieldFault{"default_position.fixes", "is more than twice the number of places"};
-  }
-  if (!is_trend(base.rest.fixes)) return FieldFault{"rest.fixes", "have a negative weight or square"};
-  if (!is_trend(base.rest.headings)) return FieldFault{"rest.headings", "have a negative weight or square"};
+  if (!is_trend(state.rest.fixes)) return FieldFault{"rest.fixes", "have a negative weight or square"};
+  if (!is_trend(state.rest.headings)) return FieldFault{"rest.headings", "have a negative weight or square"};
   return std::nullopt;
 }
 
-std::optional<FieldFault> find_fault(const Belief& base) {
-  if (base.candidate_count > most_candidates) {
-    return FieldFault{"candidate_count", "is more than the number of starts"};
-  }
-  if (base.phase != Phase::waiting && base.candidate_count == 0) {
-    return FieldFault{"candidate_count", "is 0 although the estimate has begun"};
-  }
-  if (base.phase == Phase::tracking && base.candidate_count != model_count &&
-      base.candidate_count != closed_count) {
-    return FieldFault{"candidate_count", "is not the number of models"};
-  }
-  if (base.best >= std::max(base.candidate_count, 1)) {
-    return FieldFault{"best", "is not the index of a candidate"};
-  }
-  if (!(base.trust >= 0.0 && base.trust <= 1.0)) return FieldFault{"trust", "is not between 0 and 1"};
-  const auto candidates_end = base.candidates.begin() + base.candidate_count;
-  if (!std::all_of(base.candidates.begin(), candidates_end,
-                   [](const Candidate& candidate) { return is_covariance(candidate.filter); })) {
-    return FieldFault{"candidates", "have a matrix that is not a covariance"};
-  }
-  if (base.rival.alive && !is_covariance(base.rival.filter)) {
-    return FieldFault{"rival", "has a matrix that is not a covariance"};
-  }
-  if (base.former.model >= model_count) return FieldFault{"model", "is not the index of a model"};
-  if (base.former.alive && !is_covariance(base.former.filter)) {
-    return FieldFault{"former", "has a matrix that is not a covariance"};
-  }
+std::optional<FieldFault> find_noise_fault(const MeasurementNoise& noise) {
   const auto is_variance = [](const AdaptiveVariance& any) {
     return any.variance >= 0.0 && any.samples >= 0.0 && any.motion_variance >= 0.0;
   };
   const auto is_positive = [&](const AdaptiveVariance& any) {
     return is_variance(any) && any.variance > 0.0 && any.motion_variance > 0.0;
   };
-  const MeasurementNoise& noise = base.noise;
   if (!std::all_of(noise.bins.begin(), noise.bins.end(), [&](const MeasurementNoise::Bin& bin) {
         return is_variance(bin.horizontal_m2) && is_variance(bin.vertical_m2);
       })) {
-    return FieldFault{"noise.bins", "have a negative variance"};
+    return FieldFault{"bins", "have a negative variance"};
   }
   if (!is_positive(noise.any_quality.horizontal_m2) || !is_positive(noise.any_quality.vertical_m2)) {
-    return FieldFault{"noise.any_quality", "has a variance that is not positive"};
+    return FieldFault{"any_quality", "has a variance that is not positive"};
   }
-  if (!is_positive(noise.heading_rad2)) return FieldFault{"noise.heading_rad2", "is not positive"};
-  return find_timing_fault(base);
+  if (!is_positive(noise.heading_rad2)) return FieldFault{"heading_rad2", "is not positive"};
+  return std::nullopt;
+}
+
+std::optional<FieldFault> find_bank_fault(const State& state) {
+  const HypothesisBank& bank = state.bank;
+  if (bank.count > HypothesisBank::capacity) return FieldFault{"count", "is more than the bank has places"};
+  if ((state.phase == Phase::waiting) != (bank.count == 0)) {
+    return FieldFault{"count", "is 0 although the estimate has begun, or the other way round"};
+  }
+  if (bank.best_index >= std::max(bank.count, 1)) return FieldFault{"best_index", "is not that of a hypothesis"};
+  if (bank.count == 0) return std::nullopt;
+  if (bank.best().track != Track::followed) return FieldFault{"best_index", "is not of the followed track"};
+  if (!std::all_of(bank.begin(), bank.end(),
+                   [](const Hypothesis& each) { return is_covariance(each.filter); })) {
+    return FieldFault{"hypotheses", "have a matrix that is not a covariance"};
+  }
+  for (int i = 0; state.phase == Phase::tracking && i < closed_model_count; ++i) {
+    const auto of_model = std::count_if(bank.begin(), bank.end(), [i](const Hypothesis& each) {
+      return each.track == Track::followed && each.imu == static_cast<ImuModel>(i);
+    });
+    if (of_model != 1) return FieldFault{"hypotheses", "do not have one of each model of the IMU"};
+  }
+  for (const Track track : {Track::other, Track::turned, Track::former}) {
+    const auto on_track = std::count_if(bank.begin(), bank.end(),
+                                        [track](const Hypothesis& each) { return each.track == track; });
+    if (on_track > 1) return FieldFault{"hypotheses", "have several on one track that is not followed"};
+  }
+  return std::nullopt;
+}
+
+std::optional<FieldFault> find_fault(const State& state) {
+  if (!(state.fixes.trust >= 0.0 && state.fixes.trust <= 1.0)) {
+    return FieldFault{"trust", "is not between 0 and 1"};
+  }
+  std::optional<FieldFault> fault = find_bank_fault(state);
+  if (!fault) fault = find_noise_fault(state.noise);
+  if (!fault) fault = find_timing_fault(state);
+  return fault;
 }
 
 }  // namespace
@@ -135,19 +143,19 @@ std::optional<FieldFault> find_fault(const Snapshot& snapshot) {
   if (history.fixes.size() + history.headings.size() > aiding_capacity) {
     return FieldFault{"fixes", "and headings are more than an engine keeps"};
   }
-  TimeNs before_ns = history.base.time_ns;
+  TimeNs before_ns = history.base.imu.time_ns;
   for (const ImuMeasurement& imu : history.imu) {
     if (imu.time_ns < before_ns) return FieldFault{"imu", "has times that go backward"};
     before_ns = imu.time_ns;
   }
   for (const FixMeasurement& fix : history.fixes) {
-    if (turn_of(fix) < history.base.time_ns) return FieldFault{"fixes", "begin before the state"};
+    if (turn_of(fix) < history.base.imu.time_ns) return FieldFault{"fixes", "begin before the state"};
     if (fix.has_covariance && Eigen::LLT<Matrix3d>(fix.covariance_world_m2).info() != Eigen::Success) {
       return FieldFault{"fixes", "have a matrix that is not a covariance"};
     }
   }
   for (const HeadingMeasurement& heading : history.headings) {
-    if (turn_of(heading) < history.base.time_ns) return FieldFault{"headings", "begin before the state"};
+    if (turn_of(heading) < history.base.imu.time_ns) return FieldFault{"headings", "begin before the state"};
   }
   return std::nullopt;
 }

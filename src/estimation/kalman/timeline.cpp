@@ -19,7 +19,7 @@ Timeline::Timeline() : imu_(imu_capacity), checkpoints_(checkpoint_capacity) {
 }
 
 void Timeline::clear() {
-  now_ = Belief{};
+  now_ = State{};
   time_ns_ = 0;
   next_imu_ = first_imu_ = end_imu_ = 0;
   next_aiding_ = 0;
@@ -72,7 +72,7 @@ double Timeline::ahead_s() const {
 }
 
 bool Timeline::reaches(TimeNs time_ns) const {
-  return checkpoint_count_ > 0 && checkpoints_[oldest_].belief.time_ns <= time_ns &&
+  return checkpoint_count_ > 0 && checkpoints_[oldest_].state.imu.time_ns <= time_ns &&
          aiding_.size() < aiding_capacity;
 }
 
@@ -84,7 +84,7 @@ bool Timeline::contains(const Aiding& aiding) const {
 FixOutcome Timeline::add(const settings::Settings& settings, const Aiding& aiding) {
   stamps_are_ahead_ = false;
   const std::size_t index = insert(aiding);
-  const bool is_ahead = index >= next_aiding_ && turn_of(aiding) >= now_.time_ns;
+  const bool is_ahead = index >= next_aiding_ && turn_of(aiding) >= now_.imu.time_ns;
   if (!is_ahead) rewind(turn_of(aiding));
   until_ns_ = forever_ns;
   is_behind_ = true;
@@ -105,15 +105,15 @@ std::size_t Timeline::insert(const Aiding& aiding) {
 void Timeline::rewind(TimeNs time_ns) {
   while (checkpoint_count_ > 1) {
     const Checkpoint& last = checkpoints_[(oldest_ + checkpoint_count_ - 1) % checkpoint_capacity];
-    if (last.belief.time_ns <= time_ns) break;
+    if (last.state.imu.time_ns <= time_ns) break;
     --checkpoint_count_;
   }
   const Checkpoint& from = checkpoints_[(oldest_ + checkpoint_count_ - 1) % checkpoint_capacity];
-  now_.copy_from(from.belief);
+  now_ = from.state;
   next_imu_ = from.next_imu;
   next_aiding_ = static_cast<std::size_t>(
       std::find_if(aiding_.begin(), aiding_.end(),
-                   [&](const Aiding& aiding) { return turn_of(aiding) >= from.belief.time_ns; }) -
+                   [&](const Aiding& aiding) { return turn_of(aiding) >= from.state.imu.time_ns; }) -
       aiding_.begin());
 }
 
@@ -122,7 +122,7 @@ void Timeline::fold_imu(const settings::Settings& settings, const ImuMeasurement
   ++next_imu_;
   const bool due =
       checkpoint_count_ == 0 ||
-      imu.time_ns - checkpoints_[(oldest_ + checkpoint_count_ - 1) % checkpoint_capacity].belief.time_ns >=
+      imu.time_ns - checkpoints_[(oldest_ + checkpoint_count_ - 1) % checkpoint_capacity].state.imu.time_ns >=
           checkpoint_spacing_ns;
   if (due) save_checkpoint();
 }
@@ -155,7 +155,7 @@ void Timeline::save_checkpoint() {
   now_.close_steps();
   if (now_.covariance_is_old()) now_.propagate();
   Checkpoint& next = checkpoints_[(oldest_ + checkpoint_count_) % checkpoint_capacity];
-  next.belief.copy_from(now_);
+  next.state = now_;
   next.next_imu = next_imu_;
   ++checkpoint_count_;
 }
@@ -179,7 +179,7 @@ void Timeline::drop_oldest_checkpoint() {
   const Checkpoint& oldest = checkpoints_[oldest_];
   first_imu_ = oldest.next_imu;
   const auto kept = std::find_if(aiding_.begin(), aiding_.end(), [&](const Aiding& aiding) {
-    return turn_of(aiding) >= oldest.belief.time_ns;
+    return turn_of(aiding) >= oldest.state.imu.time_ns;
   });
   const auto dropped = static_cast<std::size_t>(kept - aiding_.begin());
   aiding_.erase(aiding_.begin(), kept);
@@ -190,7 +190,7 @@ History Timeline::history() const {
   History history;
   history.stamps_are_ahead = stamps_are_ahead_;
   if (checkpoint_count_ == 0) return history;
-  history.base.copy_from(checkpoints_[oldest_].belief);
+  history.base = checkpoints_[oldest_].state;
   for (std::uint64_t i = first_imu_; i < end_imu_; ++i) history.imu.push_back(imu_[i % imu_capacity]);
   for (const Aiding& aiding : aiding_) {
     if (const auto* fix = std::get_if<FixMeasurement>(&aiding)) {
@@ -204,15 +204,15 @@ History Timeline::history() const {
 
 void Timeline::restore(const settings::Settings& settings, const History& history) {
   clear();
-  if (history.base.time_ns == 0) return;
+  if (history.base.imu.time_ns == 0) return;
   stamps_are_ahead_ = history.stamps_are_ahead;
-  now_.copy_from(history.base);
-  now_.state_ns = now_.time_ns;
+  now_ = history.base;
+  now_.time_ns = now_.imu.time_ns;
   save_checkpoint();
   const std::size_t samples = std::min(history.imu.size(), imu_capacity);
   std::copy_n(history.imu.end() - static_cast<std::ptrdiff_t>(samples), samples, imu_.begin());
   end_imu_ = samples;
-  time_ns_ = samples == 0 ? history.base.time_ns : history.imu.back().time_ns;
+  time_ns_ = samples == 0 ? history.base.imu.time_ns : history.imu.back().time_ns;
   const auto has_place = [this] { return aiding_.size() < aiding_capacity; };
   for (const FixMeasurement& fix : history.fixes) {
     if (has_place()) insert(fix);

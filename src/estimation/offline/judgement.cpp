@@ -12,11 +12,11 @@
 namespace sonopose::estimation::offline {
 
 using kalman::Aiding;
-using kalman::Belief;
 using kalman::FixMeasurement;
 using kalman::FixOutcome;
 using kalman::HeadingMeasurement;
 using kalman::ImuMeasurement;
+using kalman::State;
 
 namespace {
 
@@ -92,7 +92,7 @@ private:
   std::vector<Admitted> admitted_;
 };
 
-/// Runs the engine's belief over admitted measurements in their order and collects the verdicts. That is what
+/// Runs the engine's state over admitted measurements in their order and collects the verdicts. That is what
 /// the engine arrives at too, after it has repeated what followed each late measurement. With a fast IMU
 /// there are tiny differences: the engine also makes the open steps at checkpoints.
 class Judge {
@@ -100,21 +100,21 @@ public:
   explicit Judge(const settings::Settings& settings) : settings_(settings) {}
 
   void add(const ImuMeasurement& imu) {
-    const kalman::ImuOutcome outcome = belief_.on_imu(settings_, imu);
+    const kalman::ImuOutcome outcome = state_.on_imu(settings_, imu);
     if (!is_running()) {
       waiting_.push_back(imu);
       return;
     }
-    if (belief_.in_imu_gap) {
+    if (state_.imu.in_gap) {
       segments_.emplace_back();
       tracking_since_ns_ = 0;
     }
     Segment& segment = segments_.back();
     segment.imu.push_back(imu);
-    segment.usual_step_s = belief_.usual_step_s;
+    segment.usual_step_s = state_.imu.usual_step_s;
     if (outcome.still) {
       segment.states.push_back(
-          {imu.time_ns, kalman::at_gyro_bias, belief_.rest.still_gyro_mean, outcome.still_rate_variance});
+          {imu.time_ns, kalman::at_gyro_bias, state_.rest.still_gyro_mean, outcome.still_rate_variance});
     }
     if (outcome.no_velocity_variance > 0.0) {
       segment.states.push_back(
@@ -124,8 +124,8 @@ public:
   }
 
   void add(const FixMeasurement& fix, std::uint64_t sequence) {
-    const kalman::Repetition repetition = belief_.repetition;
-    const FixOutcome outcome = belief_.on_fix(settings_, fix);
+    const kalman::FrozenTrackDetector before = state_.frozen_track;
+    const FixOutcome outcome = state_.on_fix(settings_, fix);
     if (outcome.starts) begin(fix.time_ns);
     if (!is_running()) return;
     JudgedFix judged{.measured = fix,
@@ -137,12 +137,12 @@ public:
       judged.track_change =
           TrackChange{outcome.jump_world_m, outcome.velocity_change_world_mps, outcome.yaw_change_rad};
     }
-    if (belief_.repetition.frozen && !repetition.frozen) take_back_repeated(repetition);
+    if (state_.frozen_track.frozen && !before.frozen) take_back_repeated(before);
     segments_.back().fixes.push_back(judged);
   }
 
   void add(const HeadingMeasurement& heading, std::uint64_t sequence) {
-    const kalman::HeadingOutcome outcome = belief_.on_heading(settings_, heading);
+    const kalman::HeadingOutcome outcome = state_.on_heading(settings_, heading);
     if (!is_running()) return;
     segments_.back().headings.push_back({.measured = heading,
                                          .sequence = sequence,
@@ -156,7 +156,7 @@ public:
 private:
   /// Whether the estimate has started, and does not wait to be started again.
   [[nodiscard]] bool is_running() const {
-    return !segments_.empty() && belief_.phase != kalman::Phase::waiting && !belief_.restart_pending;
+    return !segments_.empty() && state_.phase != kalman::Phase::waiting && !state_.restart_pending;
   }
 
   void begin(TimeNs time_ns) {
@@ -172,30 +172,30 @@ private:
   /// Keeps the filter until some seconds after the yaw became known.
   void settle() {
     constexpr double settling_s = 5.0;
-    if (belief_.phase == kalman::Phase::tracking && tracking_since_ns_ == 0) {
-      tracking_since_ns_ = belief_.time_ns;
+    if (state_.phase == kalman::Phase::tracking && tracking_since_ns_ == 0) {
+      tracking_since_ns_ = state_.imu.time_ns;
     }
     const bool settled =
-        tracking_since_ns_ != 0 && seconds_between(tracking_since_ns_, belief_.time_ns) > settling_s;
+        tracking_since_ns_ != 0 && seconds_between(tracking_since_ns_, state_.imu.time_ns) > settling_s;
     if (settled) return;
     kalman::Filter& kept = segments_.back().settled;
-    kept = belief_.filter();
-    static_cast<kalman::NominalState&>(kept) = belief_.nominal();  // after the open steps
-    segments_.back().settled_ns = belief_.time_ns;
+    kept = state_.filter();
+    static_cast<kalman::NominalState&>(kept) = state_.nominal();  // after the open steps
+    segments_.back().settled_ns = state_.imu.time_ns;
   }
 
-  void take_back_repeated(const kalman::Repetition& repetition) {
+  void take_back_repeated(const kalman::FrozenTrackDetector& detector) {
     auto& fixes = segments_.back().fixes;
-    const auto repeats = std::min(fixes.size(), static_cast<std::size_t>(repetition.repeats));
+    const auto repeats = std::min(fixes.size(), static_cast<std::size_t>(detector.repeats));
     for (auto fix = fixes.end() - static_cast<std::ptrdiff_t>(repeats); fix != fixes.end(); ++fix) {
-      if (fix->measured.time_ns <= repetition.began_ns) continue;
+      if (fix->measured.time_ns <= detector.began_ns) continue;
       fix->used = false;
       fix->flags = fix_frozen;
     }
   }
 
   const settings::Settings& settings_;
-  Belief belief_;
+  State state_;
   std::vector<ImuMeasurement> waiting_;  ///< samples while no estimate runs
   TimeNs tracking_since_ns_ = 0;
   std::vector<Segment> segments_;

@@ -81,7 +81,7 @@ SCENARIO("an engine with a fast IMU continues from a snapshot with the same bits
       for (auto event = half; event != run.events.end(); ++event) {
         process(engine, *event);
         process(copy, *event);
-        REQUIRE(engine.snapshot().history.base.open_steps.empty());  // they are not stored
+        REQUIRE(engine.snapshot().history.base.imu.open_steps.empty());  // they are not stored
       }
       THEN("their states are equal") {
         CHECK(copy.snapshot() == engine.snapshot());
@@ -119,7 +119,7 @@ SCENARIO("the order of arrival does not matter") {
         CHECK(apart_deg(*a, *b) < 0.01);
         in_time.catch_up();
         late.catch_up();
-        CHECK(late.belief().filter() == in_time.belief().filter());
+        CHECK(late.state().filter() == in_time.state().filter());
       }
     }
   }

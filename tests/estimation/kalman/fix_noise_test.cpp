@@ -142,4 +142,30 @@ SCENARIO("the headings of a body at rest do not show that their noise is small")
   }
 }
 
+SCENARIO("the share of an innovation that is noise of the fixes") {
+  constexpr double std_m = 0.02;
+  const Matrix3d covariance_m2 = std_m * std_m * Matrix3d::Identity();
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal(0.0, std_m);
+  Correlation correlation;
+  GIVEN("white innovations") {
+    for (int i = 0; i < 200; ++i) {
+      correlation.add({normal(random), normal(random), normal(random)}, covariance_m2);
+    }
+    THEN("it is all") {
+      CHECK(correlation.white_share() > 0.9);
+    }
+  }
+  GIVEN("innovations of twice the noise that keep their sign for a second") {
+    for (int i = 0; i < 200; ++i) {
+      const double offset_m = (i / 10) % 2 == 0 ? 2.0 * std_m : -2.0 * std_m;
+      const Vector3d noise_m(normal(random), normal(random), normal(random));
+      correlation.add(Vector3d::Constant(offset_m) + noise_m, covariance_m2);
+    }
+    THEN("it is a small part") {
+      CHECK(correlation.white_share() < 0.5);
+    }
+  }
+}
+
 }  // namespace fix_noise_test

@@ -56,7 +56,7 @@ SCENARIO("a copy of a fix or heading is used once, whatever its delay is taken f
     kalman::Engine engine{settings};
     test::poses_of(engine, sim::record(sim::find_scenario("walk"), {.seed = 5, .duration_s = 10.0}).events);
     const double now_s = seconds_between(epoch_ns, engine.time_ns());
-    UltrasonicFix fix = fix_at(now_s, engine.belief().filter().tracked_position_world_m());
+    UltrasonicFix fix = fix_at(now_s, engine.state().filter().tracked_position_world_m());
     fix.emission_time_ns -= 70'000'000;
     REQUIRE((engine.correct(fix).flags & fix_used) != 0);
     const auto before = engine.snapshot();
@@ -102,7 +102,7 @@ SCENARIO("headings win at any rate, if they contradict the yaw for long") {
       if (k % 150 == 0) engine.correct(heading_at(time_s, time_s < 15.0 ? 0.2 : 0.9));
     }
     THEN("the yaw is that of the headings") {
-      CHECK(geometry::yaw_of(engine.belief().filter().q_body_to_world) == Approx(0.9).margin(0.05));
+      CHECK(geometry::yaw_of(engine.state().filter().q_body_to_world) == Approx(0.9).margin(0.05));
     }
   }
 }
@@ -117,7 +117,7 @@ SCENARIO("the gyro turns the last heading until the first fix") {
       if (k == 50) engine.correct(fix_at(time_s, {1, 2, 3}));
     }
     THEN("the yaw begins where the body now points") {
-      CHECK(geometry::yaw_of(engine.belief().filter().q_body_to_world) ==
+      CHECK(geometry::yaw_of(engine.state().filter().q_body_to_world) ==
             Approx(0.5 + 2.0 * 0.45).margin(2.0 * radians_per_degree));
     }
   }
@@ -141,49 +141,49 @@ SCENARIO("no heading from before a silence of the IMU starts the yaw") {
       if (k == 10) engine.correct(heading_at(time_s, 0.5));
     }
     THEN("the yaw is unknown after the silence, and known without one") {
-      const bool is_unknown = engine.belief().phase == kalman::Phase::searching_yaw;
+      const bool is_unknown = engine.state().phase == kalman::Phase::searching_yaw;
       CHECK(is_unknown == (silent_until_s > 0.0));
     }
   }
 }
 
 SCENARIO("a heading is forgotten with a filter that is not finite") {
-  GIVEN("a belief whose yaw became NaN after a heading") {
+  GIVEN("a state whose yaw became NaN after a heading") {
     const settings::Settings settings = settings::resolved(settings::Settings{});
-    kalman::Belief belief;
+    kalman::State state;
     const auto sample = [&](double time_s) {
-      belief.on_imu(settings, {.time_ns = epoch_ns + to_ns(time_s),
+      state.on_imu(settings, {.time_ns = epoch_ns + to_ns(time_s),
                                .rate_body_radps = {0, 0, 0.1},
                                .force_body_mps2 = {0, 0, standard_gravity_mps2}});
     };
     const auto fix = [&](double time_s) {
-      belief.on_fix(settings, {.time_ns = epoch_ns + to_ns(time_s), .position_world_m = {1, 2, 3}});
+      state.on_fix(settings, {.time_ns = epoch_ns + to_ns(time_s), .position_world_m = {1, 2, 3}});
     };
     sample(0.0);
-    belief.on_heading(settings, {.time_ns = epoch_ns, .heading_world_rad = 0.5});
+    state.on_heading(settings, {.time_ns = epoch_ns, .heading_world_rad = 0.5});
     fix(0.01);
-    REQUIRE(belief.phase == kalman::Phase::tracking);
-    for (auto& candidate : belief.candidates)
-      candidate.filter.q_body_to_world.coeffs().setConstant(std::nan(""));
+    REQUIRE(state.phase == kalman::Phase::tracking);
+    for (kalman::Hypothesis& each : state.bank)
+      each.filter.q_body_to_world.coeffs().setConstant(std::nan(""));
     WHEN("two fixes follow") {
       sample(0.02);
       fix(0.03);
-      CHECK(belief.phase == kalman::Phase::waiting);
+      CHECK(state.phase == kalman::Phase::waiting);
       sample(0.04);
       fix(0.05);
       THEN("the second one starts the estimate with an unknown, finite yaw") {
-        CHECK(belief.phase == kalman::Phase::searching_yaw);
-        CHECK(belief.filter().is_finite());
+        CHECK(state.phase == kalman::Phase::searching_yaw);
+        CHECK(state.filter().is_finite());
       }
     }
     WHEN("a heading follows") {
       sample(0.02);
-      belief.on_heading(settings, {.time_ns = epoch_ns + to_ns(0.02), .heading_world_rad = 0.5});
+      state.on_heading(settings, {.time_ns = epoch_ns + to_ns(0.02), .heading_world_rad = 0.5});
       THEN("the estimate waits for a fix that starts it again") {
-        CHECK(belief.phase == kalman::Phase::waiting);
+        CHECK(state.phase == kalman::Phase::waiting);
         fix(0.03);
-        CHECK(belief.phase == kalman::Phase::searching_yaw);
-        CHECK(belief.filter().is_finite());
+        CHECK(state.phase == kalman::Phase::searching_yaw);
+        CHECK(state.filter().is_finite());
       }
     }
   }
@@ -208,7 +208,7 @@ SCENARIO("a slow, smooth turn is no gyro bias") {
       if (has_headings) engine.correct(heading_at(time_s, yaw_rad + 0.01 * std::sin(k)));
     }
     THEN("the bias is small") {
-      CHECK(std::abs(engine.belief().filter().gyro_bias_body_radps.z()) < 0.01);
+      CHECK(std::abs(engine.state().filter().gyro_bias_body_radps.z()) < 0.01);
     }
   }
 }
@@ -245,7 +245,7 @@ SCENARIO("errors that repeat at rest do not show the noise of a body that moves"
       if (time_s > 2.0 && (report.flags & fix_used) == 0) ++rejected;
       const double more_rad = time_s > rest_s ? 2.0 * radians_per_degree : 0.0;
       engine.correct(heading_at(time_s, heading_error_rad + more_rad));
-      headings_rejected = std::max(headings_rejected, engine.belief().headings_rejected_in_row);
+      headings_rejected = std::max(headings_rejected, engine.state().headings.rejected_in_row);
     }
     THEN("no fix or heading is rejected, and the pose is off by no more than the lag explains") {
       CHECK(rejected == 0);
@@ -284,7 +284,7 @@ SCENARIO("an engine keeps little more than a second, whatever the steps of its I
 }
 
 TEST_CASE("an engine reserves less than 2 MB") {
-  constexpr std::size_t bytes = (kalman::checkpoint_capacity + 1) * sizeof(kalman::Belief) +
+  constexpr std::size_t bytes = (kalman::checkpoint_capacity + 1) * sizeof(kalman::State) +
                                 kalman::imu_capacity * sizeof(kalman::ImuMeasurement) +
                                 kalman::aiding_capacity * sizeof(kalman::Aiding);
   STATIC_REQUIRE(bytes < 2'000'000);

@@ -55,51 +55,59 @@ SCENARIO("every state of a run may be restored") {
 }
 
 SCENARIO("an impossible state is refused by the field at fault") {
-  const auto filter_of = [](Snapshot& snapshot) -> Filter& {
-    return snapshot.history.base.candidates[0].filter;
-  };
+  const auto filter_of = [](Snapshot& snapshot) -> Filter& { return snapshot.history.base.bank[0].filter; };
   GIVEN("the state of a walk") {
     THEN("it has no fault") {
       CHECK(fault_after([](Snapshot&) {}) == "none");
     }
     THEN("no index or count may point outside of its array") {
-      CHECK(fault_after([](Snapshot& s) { s.history.base.best = model_count; }) == "best");
-      CHECK(fault_after([](Snapshot& s) { s.history.base.best = -1; }) == "best");
-      CHECK(fault_after([](Snapshot& s) { s.history.base.candidate_count = start_count + 1; }) ==
-            "candidate_count");
-      CHECK(fault_after([](Snapshot& s) { s.history.base.candidate_count = 2; }) == "candidate_count");
+      CHECK(fault_after([](Snapshot& s) { s.history.base.bank.best_index = closed_model_count; }) ==
+            "best_index");
+      CHECK(fault_after([](Snapshot& s) { s.history.base.bank.best_index = -1; }) == "best_index");
+      CHECK(fault_after([](Snapshot& s) { s.history.base.bank.count = HypothesisBank::capacity + 1; }) ==
+            "count");
+      CHECK(fault_after([](Snapshot& s) { s.history.base.bank.count = 0; }) == "count");
       CHECK(fault_after([](Snapshot& s) { s.history.imu.resize(imu_capacity + 1, s.history.imu.back()); }) ==
             "imu");
       CHECK(fault_after([](Snapshot& s) {
               s.history.fixes.resize(aiding_capacity + 1, s.history.fixes.back());
             }) == "fixes");
     }
+    THEN("there is one hypothesis of each closed model, and at most one of each other track") {
+      CHECK(fault_after([](Snapshot& s) { s.history.base.bank.count = closed_model_count - 1; }) ==
+            "hypotheses");
+      CHECK(fault_after([](Snapshot& s) { s.history.base.bank[3].imu = ImuModel::quiet; }) == "hypotheses");
+      const auto add = [](Snapshot& s, Track track) {
+        s.history.base.bank.spawn(s.history.base.bank.best()).track = track;
+      };
+      CHECK(fault_after([&](Snapshot& s) { add(s, Track::other); }) == "none");
+      CHECK(fault_after([&](Snapshot& s) {
+              add(s, Track::former);
+              add(s, Track::former);
+            }) == "hypotheses");
+      CHECK(fault_after([&](Snapshot& s) {
+              add(s, Track::other);
+              s.history.base.bank.best_index = closed_model_count;
+            }) == "best_index");
+    }
     THEN("no count or time may overflow") {
       CHECK(fault_after([](Snapshot& s) { s.history.base.rest.samples = std::numeric_limits<int>::max(); }) ==
-            "rest.samples");
-      CHECK(fault_after([](Snapshot& s) { s.history.base.candidates[0].rejected_in_row = -1; }) ==
-            "rejected_in_row");
-      CHECK(fault_after([](Snapshot& s) { s.history.base.time_ns = std::numeric_limits<TimeNs>::min(); }) ==
-            "time_ns");
+            "samples");
+      CHECK(fault_after([](Snapshot& s) { s.history.base.bank[0].missed_in_row = -1; }) == "missed_in_row");
+      CHECK(fault_after([](Snapshot& s) {
+              s.history.base.imu.time_ns = std::numeric_limits<TimeNs>::min();
+            }) == "time_ns");
       CHECK(fault_after([](Snapshot& s) { s.admission.announced_ns = std::numeric_limits<TimeNs>::max(); }) ==
             "admission.announced_ns");
     }
     THEN("a covariance is finite, symmetric and positive") {
-      CHECK(fault_after([&](Snapshot& s) { filter_of(s).covariance(2, 2) = -1.0; }) == "candidates");
-      CHECK(fault_after([&](Snapshot& s) { filter_of(s).covariance(1, 2) += 1e-6; }) == "candidates");
-      CHECK(fault_after([&](Snapshot& s) { filter_of(s).covariance(0, 0) = std::nan(""); }) == "candidates");
+      CHECK(fault_after([&](Snapshot& s) { filter_of(s).covariance(2, 2) = -1.0; }) == "hypotheses");
+      CHECK(fault_after([&](Snapshot& s) { filter_of(s).covariance(1, 2) += 1e-6; }) == "hypotheses");
+      CHECK(fault_after([&](Snapshot& s) { filter_of(s).covariance(0, 0) = std::nan(""); }) == "hypotheses");
       CHECK(fault_after([&](Snapshot& s) {
               filter_of(s).covariance(0, 9) = filter_of(s).covariance(9, 0) = 10.0;
-            }) == "candidates");
-      CHECK(fault_after([&](Snapshot& s) { filter_of(s).delay_variance_s2 = -1.0; }) == "candidates");
-      CHECK(fault_after([&](Snapshot& s) {
-              s.history.base.rival.alive = true;
-              s.history.base.rival.filter.covariance = -StateCovariance::Identity();
-            }) == "rival");
-      CHECK(fault_after([&](Snapshot& s) {
-              s.history.base.former.alive = true;
-              s.history.base.former.filter.covariance = -StateCovariance::Identity();
-            }) == "former");
+            }) == "hypotheses");
+      CHECK(fault_after([&](Snapshot& s) { filter_of(s).delay_variance_s2 = -1.0; }) == "hypotheses");
       CHECK(fault_after([](Snapshot& s) {
               s.history.fixes.back().has_covariance = true;
               s.history.fixes.back().covariance_world_m2 = -Matrix3d::Identity();
@@ -107,29 +115,29 @@ SCENARIO("an impossible state is refused by the field at fault") {
     }
     THEN("a noise is positive") {
       CHECK(fault_after([](Snapshot& s) { s.history.base.noise.any_quality.vertical_m2.variance = 0.0; }) ==
-            "noise.any_quality");
+            "any_quality");
       CHECK(fault_after([](Snapshot& s) { s.history.base.noise.bins[1].horizontal_m2.samples = -1.0; }) ==
-            "noise.bins");
+            "bins");
       CHECK(fault_after([](Snapshot& s) { s.history.base.noise.heading_rad2.variance = -1.0; }) ==
-            "noise.heading_rad2");
+            "heading_rad2");
       CHECK(fault_after([](Snapshot& s) {
               s.history.base.noise.any_quality.horizontal_m2.motion_variance = 0.0;
-            }) == "noise.any_quality");
+            }) == "any_quality");
       CHECK(fault_after([](Snapshot& s) {
               s.history.base.noise.bins[1].vertical_m2.motion_variance = -1.0;
-            }) == "noise.bins");
+            }) == "bins");
       CHECK(fault_after([](Snapshot& s) { s.history.base.noise.heading_rad2.motion_variance = 0.0; }) ==
-            "noise.heading_rad2");
+            "heading_rad2");
     }
     THEN("what was learned of times is within its limits") {
-      CHECK(fault_after([](Snapshot& s) { s.history.base.usual_step_s = -0.01; }) == "usual_step_s");
-      CHECK(fault_after([](Snapshot& s) { s.history.base.usual_step_s = 5.1; }) == "usual_step_s");
-      CHECK(fault_after([](Snapshot& s) { s.history.base.heading_interval_s = std::nan(""); }) ==
-            "heading_interval_s");
-      CHECK(fault_after([](Snapshot& s) { s.history.base.heading_interval_s = 10.1; }) ==
-            "heading_interval_s");
+      CHECK(fault_after([](Snapshot& s) { s.history.base.imu.usual_step_s = -0.01; }) == "usual_step_s");
+      CHECK(fault_after([](Snapshot& s) { s.history.base.imu.usual_step_s = 5.1; }) == "usual_step_s");
+      CHECK(fault_after([](Snapshot& s) { s.history.base.headings.interval_s = std::nan(""); }) ==
+            "interval_s");
+      CHECK(fault_after([](Snapshot& s) { s.history.base.headings.interval_s = 10.1; }) ==
+            "interval_s");
       CHECK(fault_after([](Snapshot& s) { s.history.base.wrong_tracks.longest_s = -1.0; }) ==
-            "wrong_tracks.longest_s");
+            "longest_s");
       CHECK(fault_after([](Snapshot& s) { s.history.base.rest.fixes.weight = -1.0; }) == "rest.fixes");
       CHECK(fault_after([](Snapshot& s) { s.history.base.rest.headings.time_squares_s2 = -1.0; }) ==
             "rest.headings");

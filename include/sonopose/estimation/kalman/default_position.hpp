@@ -2,6 +2,7 @@
 /// \file
 /// A position that a source reports where it has none.
 
+#include <sonopose/samples/field_fault.hpp>
 #include <sonopose/samples/samples.hpp>
 
 #include <array>
@@ -33,5 +34,18 @@ struct DefaultPosition {
   [[nodiscard]] bool is_active(TimeNs now_ns) const;
   bool operator==(const DefaultPosition&) const = default;
 };
+
+void for_each_field(IsFieldsOf<DefaultPosition::Coordinates> auto& coordinates, const auto& visit) {
+  visit("position_world_m", coordinates.position_world_m);
+}
+
+void for_each_field(IsFieldsOf<DefaultPosition> auto& position, const auto& visit) {
+  visit("recent", position.recent);
+  visit("fixes", position.fixes);
+  visit("is_known", position.is_known);
+  visit("default_world_m", position.default_world_m);
+  visit("seen_ns", position.seen_ns);
+  visit("in_row", position.in_row);
+}
 
 }  // namespace sonopose::estimation::kalman

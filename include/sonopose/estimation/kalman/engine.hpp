@@ -56,7 +56,7 @@ public:
 
   [[nodiscard]] const settings::Settings& settings() const { return settings_; }
   /// After all events that were caught up with.
-  [[nodiscard]] const Belief& belief() const { return timeline_.now(); }
+  [[nodiscard]] const State& state() const { return timeline_.now(); }
   [[nodiscard]] TimeNs time_ns() const { return timeline_.time_ns(); }
   [[nodiscard]] Estimate estimate() const;
   [[nodiscard]] const EstimatorCounters& counters() const { return counters_; }
@@ -70,18 +70,19 @@ private:
   [[nodiscard]] bool is_step(const ImuMeasurement& imu) const;
   [[nodiscard]] FusedPose pose_after_step(const ImuSample& imu, const ImuMeasurement& measured) const;
   FusedPose whole_pose(const ImuSample& imu);
-  [[nodiscard]] FusedPose pose_at(const ImuSample& imu, const NominalState& state) const;
+  [[nodiscard]] FusedPose pose_at(const ImuSample& imu, const NominalState& nominal) const;
   void update_uncertainty();
   [[nodiscard]] std::uint32_t status(TimeNs time_ns) const;
 
   settings::Settings settings_;
   calibration::Calibration calibration_;
   Timeline timeline_;
-  /// Of the belief after the last catch_up().
+  /// Of the state after the last catch_up().
   struct Uncertainty {
     Covariance<6> pose_covariance;
     Covariance<3> velocity_covariance;
     bool gyro_bias_is_unknown = false;
+    bool clocks_differ = false;
     bool accel_bias_is_large = false;
     bool yaw_is_unknown = false;
   };

@@ -3,6 +3,7 @@
 /// One error-state Kalman filter: a nominal state at the IMU and the covariance of its error. The equations
 /// are those of docs/kalman.md.
 
+#include <sonopose/samples/field_fault.hpp>
 #include <sonopose/samples/samples.hpp>
 
 #include <Eigen/Cholesky>
@@ -204,5 +205,47 @@ private:
                const Eigen::Matrix<double, rows, 1>& innovation,
                const Eigen::Matrix<double, rows, 1>& w_delay);
 };
+
+void for_each_field(IsFieldsOf<Transition> auto& transition, const auto& visit) {
+  visit("duration_s", transition.duration_s);
+  visit("position_velocity_s", transition.position_velocity_s);
+  visit("shock_variance_m2ps2", transition.shock_variance_m2ps2);
+  visit("rotation_start", transition.rotation_start);
+  visit("impulse_mps", transition.impulse_mps);
+  visit("impulse_sum_m", transition.impulse_sum_m);
+  visit("rotation_sum_s", transition.rotation_sum_s);
+  visit("rotation_double_sum_s2", transition.rotation_double_sum_s2);
+  visit("velocity_gyro_bias", transition.velocity_gyro_bias);
+  visit("position_gyro_bias", transition.position_gyro_bias);
+}
+
+/// In every state that is kept, the state is that of the latest sample, and all filters have made all steps.
+void for_each_field(IsFieldsOf<Filter> auto& filter, const auto& visit) {
+  visit("position_world_m", filter.position_world_m);
+  visit("velocity_world_mps", filter.velocity_world_mps);
+  visit("q_body_to_world", filter.q_body_to_world);
+  visit("gyro_bias_body_radps", filter.gyro_bias_body_radps);
+  visit("accel_bias_body_mps2", filter.accel_bias_body_mps2);
+  visit("lever_arm_body_m", filter.lever_arm_body_m);
+  visit("delay_error_s", filter.delay_error_s);
+  visit("delay_variance_s2", filter.delay_variance_s2);
+  const auto visit_part = [&](const char* name, StateIndex index) {
+    Vector3d part = filter.delay_covariance.template segment<3>(index);
+    visit(name, part);
+    if constexpr (!std::is_const_v<std::remove_reference_t<decltype(filter)>>) {
+      filter.delay_covariance.template segment<3>(index) = part;
+    }
+  };
+  visit_part("delay_covariance.position", at_position);
+  visit_part("delay_covariance.velocity", at_velocity);
+  visit_part("delay_covariance.attitude", at_attitude);
+  visit_part("delay_covariance.gyro_bias", at_gyro_bias);
+  visit_part("delay_covariance.accel_bias", at_accel_bias);
+  visit_part("delay_covariance.lever_arm", at_lever_arm);
+  visit("covariance", filter.covariance);
+  for_each_field(filter.pending, visit);
+  visit("acceleration_world_mps2", filter.acceleration_world_mps2);
+  visit("angular_velocity_body_radps", filter.angular_velocity_body_radps);
+}
 
 }  // namespace sonopose::estimation::kalman

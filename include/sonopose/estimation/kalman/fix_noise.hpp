@@ -2,6 +2,7 @@
 /// \file
 /// The measurement noise of fixes and headings, learned from their residuals.
 
+#include <sonopose/samples/field_fault.hpp>
 #include <sonopose/samples/samples.hpp>
 
 #include <Eigen/Core>
@@ -48,6 +49,20 @@ private:
   void count(const VarianceSample& sample, double most_samples);
 };
 
+/// The correlation of an innovation with the one before. It is zero if the gain is right; errors of the
+/// motion make it positive, whatever their size (Mehra, On the Identification of Variances and Adaptive
+/// Kalman Filtering, 1970).
+struct Correlation {
+  Vector3d last = Vector3d::Zero();  ///< normalised innovation
+  double product = 0;                ///< mean of the products
+  double square = 1;                 ///< mean of the squares
+
+  void add(const Vector3d& value_m, const Eigen::Matrix3d& covariance_m2);
+  /// The share of the squares that is white.
+  [[nodiscard]] double white_share() const;
+  bool operator==(const Correlation&) const = default;
+};
+
 /// The variances of the fixes per range of the quality percentage, horizontal and vertical, and of headings.
 struct MeasurementNoise {
   static constexpr int bin_count = 5;
@@ -59,6 +74,7 @@ struct MeasurementNoise {
   Bin any_quality;
   std::array<Bin, bin_count> bins;
   AdaptiveVariance heading_rad2;
+  Correlation correlation;  ///< of the fixes
 
   MeasurementNoise();
 
@@ -74,5 +90,29 @@ struct MeasurementNoise {
 
   bool operator==(const MeasurementNoise&) const = default;
 };
+
+void for_each_field(IsFieldsOf<MeasurementNoise::Bin> auto& bin, const auto& visit) {
+  visit("horizontal_m2", bin.horizontal_m2.variance);
+  visit("horizontal_samples", bin.horizontal_m2.samples);
+  visit("horizontal_motion_m2", bin.horizontal_m2.motion_variance);
+  visit("vertical_m2", bin.vertical_m2.variance);
+  visit("vertical_samples", bin.vertical_m2.samples);
+  visit("vertical_motion_m2", bin.vertical_m2.motion_variance);
+}
+
+void for_each_field(IsFieldsOf<Correlation> auto& correlation, const auto& visit) {
+  visit("last", correlation.last);
+  visit("product", correlation.product);
+  visit("square", correlation.square);
+}
+
+void for_each_field(IsFieldsOf<MeasurementNoise> auto& noise, const auto& visit) {
+  visit("any_quality", noise.any_quality);
+  visit("bins", noise.bins);
+  visit("correlation", noise.correlation);
+  visit("heading_rad2", noise.heading_rad2.variance);
+  visit("heading_samples", noise.heading_rad2.samples);
+  visit("heading_motion_rad2", noise.heading_rad2.motion_variance);
+}
 
 }  // namespace sonopose::estimation::kalman

@@ -2,6 +2,7 @@
 /// \file
 /// The motion between two samples of the IMU, and several such steps joined into one.
 
+#include <sonopose/samples/field_fault.hpp>
 #include <sonopose/samples/samples.hpp>
 
 #include <array>
@@ -78,5 +79,21 @@ private:
   double shock_variance_m2ps2_ = 0;
   ImuStep latest_;
 };
+
+void for_each_field(IsFieldsOf<ImuMeasurement> auto& imu, const auto& visit) {
+  visit("time_ns", imu.time_ns);
+  visit("rate_body_radps", imu.rate_body_radps);
+  visit("force_body_mps2", imu.force_body_mps2);
+  visit("is_mean", imu.is_mean);
+}
+
+void for_each_field(IsFieldsOf<ShockDetector> auto& shocks, const auto& visit) {
+  visit("intervals", shocks.intervals);
+  visit("open_s", shocks.open_s);
+  visit("roughness_mps2", shocks.roughness_mps2);
+  visit("open_impulse_body_mps", shocks.open_impulse_body_mps);
+  visit("force_before_body_mps2", shocks.force_body_mps2[0]);
+  visit("force_last_body_mps2", shocks.force_body_mps2[1]);
+}
 
 }  // namespace sonopose::estimation::kalman

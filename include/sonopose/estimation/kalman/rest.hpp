@@ -2,6 +2,7 @@
 /// \file
 /// Detection of rest from the spread of the IMU over windows of half a second.
 
+#include <sonopose/samples/field_fault.hpp>
 #include <sonopose/samples/samples.hpp>
 
 namespace sonopose::estimation::kalman {
@@ -73,4 +74,30 @@ void restart(RestState& state);
 [[nodiscard]] bool headings_turn(const RestState& state, double heading_std_rad);
 
 }  // namespace rest
+void for_each_field(IsFieldsOf<Trend> auto& trend, const auto& visit) {
+  visit("samples", trend.samples);
+  visit("latest_ns", trend.latest_ns);
+  visit("weight", trend.weight);
+  visit("time_mean_s", trend.time_mean_s);
+  visit("time_squares_s2", trend.time_squares_s2);
+  visit("mean", trend.mean);
+  visit("products", trend.products);
+}
+
+void for_each_field(IsFieldsOf<RestState> auto& rest, const auto& visit) {
+  visit("window_began_ns", rest.window_began_ns);
+  visit("samples", rest.samples);
+  visit("gyro_mean", rest.gyro_mean);
+  visit("gyro_squares", rest.gyro_squares);
+  visit("accel_mean", rest.accel_mean);
+  visit("accel_squares", rest.accel_squares);
+  visit("still_windows", rest.still_windows);
+  visit("still_since_ns", rest.still_since_ns);
+  visit("still_gyro_mean", rest.still_gyro_mean);
+  visit("still_accel_mean", rest.still_accel_mean);
+  visit("fixes", rest.fixes);
+  visit("headings", rest.headings);
+  visit("first_heading_rad", rest.first_heading_rad);
+}
+
 }  // namespace sonopose::estimation::kalman

@@ -1,8 +1,8 @@
 #pragma once
 /// \file
-/// The events of about the last 1.2 s in the order of their measurement, and earlier beliefs to go back to.
+/// The events of about the last 1.2 s in the order of their measurement, and earlier states to go back to.
 
-#include <sonopose/estimation/kalman/belief.hpp>
+#include <sonopose/estimation/kalman/state.hpp>
 
 #include <limits>
 #include <variant>
@@ -12,7 +12,7 @@ namespace sonopose::estimation::kalman {
 
 inline constexpr std::size_t imu_capacity = 2048;
 inline constexpr std::size_t aiding_capacity = 512;     ///< fixes and headings
-inline constexpr std::size_t checkpoint_capacity = 16;  ///< earlier beliefs
+inline constexpr std::size_t checkpoint_capacity = 16;  ///< earlier states
 
 /// A fix or a heading.
 using Aiding = std::variant<FixMeasurement, HeadingMeasurement>;
@@ -38,15 +38,15 @@ inline TimeNs turn_of(const Aiding& aiding) {
   return fix != nullptr ? fix->time_ns : std::get<HeadingMeasurement>(aiding).time_ns + after_fix_ns;
 }
 
-/// A belief after the sample at its time and before the fixes and headings of that time.
+/// A state after the sample at its time and before the fixes and headings of that time.
 struct Checkpoint {
-  Belief belief;
+  State state;
   std::uint64_t next_imu = 0;  ///< number of the first sample that is not part of it
 };
 
-/// The oldest belief that is kept, and the events since then: enough to compute everything again.
+/// The oldest state that is kept, and the events since then: enough to compute everything again.
 struct History {
-  Belief base;
+  State base;
   std::vector<ImuMeasurement> imu;
   std::vector<FixMeasurement> fixes;
   std::vector<HeadingMeasurement> headings;
@@ -63,9 +63,9 @@ public:
   /// Forgets everything.
   void clear();
 
-  /// After `add` of a fix or heading: the belief just after it. After `add` of a sample: just before it.
+  /// After `add` of a fix or heading: the state just after it. After `add` of a sample: just before it.
   /// After `catch_up`: after all events.
-  [[nodiscard]] const Belief& now() const { return now_; }
+  [[nodiscard]] const State& now() const { return now_; }
 
   /// Whether `catch_up` has something left to do.
   [[nodiscard]] bool is_behind() const { return is_behind_; }
@@ -76,7 +76,7 @@ public:
   [[nodiscard]] TimeNs time_ns() const { return time_ns_; }
 
   /// Adds a sample that is not older than the latest one, and goes on to just before it; `catch_up` goes on
-  /// to it. Returns whether it comes after everything else, and the belief is still that of the last
+  /// to it. Returns whether it comes after everything else, and the state is still that of the last
   /// `catch_up`. Requires `catch_up` before.
   bool add(const settings::Settings& settings, const ImuMeasurement& imu);
 
@@ -115,7 +115,7 @@ private:
   void begin_again();
   void drop_oldest_checkpoint();
 
-  Belief now_;
+  State now_;
   TimeNs time_ns_ = 0;
   std::uint64_t next_imu_ = 0;       // that is folded into now_
   std::size_t next_aiding_ = 0;      // index into aiding_

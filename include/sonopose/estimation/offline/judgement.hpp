@@ -3,7 +3,7 @@
 /// The measurements of a recording as the Kalman engine judged them while it ran forward: what smoothing and
 /// the estimation of parameters start from.
 
-#include <sonopose/estimation/kalman/belief.hpp>
+#include <sonopose/estimation/kalman/state.hpp>
 #include <sonopose/samples/samples.hpp>
 #include <sonopose/settings/settings.hpp>
 

@@ -1,0 +1,146 @@
+#pragma once
+/// \file
+/// The hypotheses about the motion: filters that differ in what they assume of the IMU and of the fixes.
+
+#include <sonopose/estimation/kalman/filter.hpp>
+#include <sonopose/samples/field_fault.hpp>
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace sonopose::estimation::kalman {
+
+/// How far a hypothesis trusts the IMU.
+enum class ImuModel : std::uint8_t {
+  quiet,
+  rough_gyro,
+  rough,        ///< vibration also shakes the accelerometer
+  other_clock,  ///< its stamps are those of another clock than the stamps of fixes and headings
+  open_gyro,   ///< hardly trusts the gyroscope
+  open_accel,  ///< hardly trusts the accelerometer
+  open         ///< hardly trusts either: follows the fixes alone
+};
+
+constexpr std::array<std::string_view, 7> choices_of(ImuModel /*model*/) {
+  return {"quiet", "rough_gyro", "rough", "other_clock", "open_gyro", "open_accel", "open"};
+}
+
+constexpr bool is_open(ImuModel model) {
+  return model >= ImuModel::open_gyro;
+}
+
+/// Which fixes a hypothesis takes for those of the body.
+enum class Track : std::uint8_t {
+  followed,  ///< that of the pose
+  other,     ///< that of the fixes which the best hypothesis rejects
+  turned,    ///< the same, in a map that has turned
+  former     ///< the one that was followed before
+};
+
+constexpr std::array<std::string_view, 4> choices_of(Track /*track*/) {
+  return {"followed", "other", "turned", "former"};
+}
+
+/// Standard deviations of what a new hypothesis knows less of than the one that it copies.
+struct Widening {
+  double velocity_mps = 0;
+  double tilt_rad = 0;
+  double yaw_rad = 0;
+  double gyro_bias_radps = 0;
+  double accel_bias_mps2 = 0;
+};
+
+/// Adds these variances.
+void widen(Filter& filter, const Widening& widening);
+
+/// What follows from a model of the IMU.
+struct ImuModelParameters {
+  ProcessNoise noise;
+  Widening widening;                   ///< of a hypothesis that begins with it
+  double dead_reckoning_mps_rts = 0;   ///< density of the measurement of no velocity without fixes
+  double clock_offset_std_s = 0;       ///< 0: that of the settings
+};
+
+[[nodiscard]] const ImuModelParameters& parameters_of(ImuModel model);
+
+struct Hypothesis {
+  ImuModel imu = ImuModel::quiet;
+  Track track = Track::followed;
+  Filter filter;
+  double score = 0;           ///< log-likelihood of the last sixty fixes or so
+  double evidence = 0;        ///< that of the last seven fixes or so and their headings, of which each may be wrong
+  int explained = 0;          ///< fixes since it began
+  int explained_in_row = 0;   ///< fixes and headings
+  int missed_in_row = 0;      ///< fixes
+  int headings = 0;           ///< that agreed with a turned map
+  TimeNs began_ns = 0;        ///< of a former track: when the one that replaced it began
+  TimeNs explained_ns = 0;    ///< last fix that it explained
+
+  bool operator==(const Hypothesis&) const = default;
+};
+
+inline constexpr int closed_model_count = 4;  ///< models that trust the IMU: one hypothesis each while tracking
+inline constexpr int start_count = 8;         ///< directions from which an unknown yaw is searched
+
+/// All hypotheses that live, and the best of the followed track. A plain value; a copy takes only what lives.
+struct HypothesisBank {
+  static constexpr int capacity = start_count + 3;
+
+  std::array<Hypothesis, capacity> hypotheses;  ///< the first `count` of them live
+  int count = 0;
+  int best_index = 0;
+
+  HypothesisBank() = default;
+  HypothesisBank(const HypothesisBank& other) { *this = other; }
+  HypothesisBank& operator=(const HypothesisBank& other);
+  ~HypothesisBank() = default;
+  bool operator==(const HypothesisBank& other) const;
+
+  [[nodiscard]] Hypothesis& operator[](int i) { return hypotheses[static_cast<std::size_t>(i)]; }
+  [[nodiscard]] const Hypothesis& operator[](int i) const { return hypotheses[static_cast<std::size_t>(i)]; }
+  [[nodiscard]] Hypothesis* begin() { return hypotheses.data(); }
+  [[nodiscard]] Hypothesis* end() { return hypotheses.data() + count; }
+  [[nodiscard]] const Hypothesis* begin() const { return hypotheses.data(); }
+  [[nodiscard]] const Hypothesis* end() const { return hypotheses.data() + count; }
+  [[nodiscard]] Hypothesis& best() { return (*this)[best_index]; }
+  [[nodiscard]] const Hypothesis& best() const { return (*this)[best_index]; }
+  [[nodiscard]] int index_of(const Hypothesis& hypothesis) const {
+    return static_cast<int>(&hypothesis - hypotheses.data());
+  }
+
+  /// The hypothesis of this model on the followed track; null: none.
+  [[nodiscard]] Hypothesis* find(ImuModel model);
+  /// The hypothesis on a track that is not followed; null: none.
+  [[nodiscard]] Hypothesis* find(Track track);
+
+  /// Adds a copy. Requires that there is place for it.
+  Hypothesis& spawn(const Hypothesis& hypothesis);
+  void remove(const Hypothesis* hypothesis);
+  /// Ends the hypotheses on this track.
+  void remove(Track track);
+  /// Follows this track, with one hypothesis per closed model of the IMU. Other tracks live on.
+  void follow(const Filter& track);
+};
+
+void for_each_field(IsFieldsOf<Hypothesis> auto& hypothesis, const auto& visit) {
+  visit("imu", hypothesis.imu);
+  visit("track", hypothesis.track);
+  for_each_field(hypothesis.filter, visit);
+  visit("score", hypothesis.score);
+  visit("evidence", hypothesis.evidence);
+  visit("explained", hypothesis.explained);
+  visit("explained_in_row", hypothesis.explained_in_row);
+  visit("missed_in_row", hypothesis.missed_in_row);
+  visit("headings", hypothesis.headings);
+  visit("began_ns", hypothesis.began_ns);
+  visit("explained_ns", hypothesis.explained_ns);
+}
+
+void for_each_field(IsFieldsOf<HypothesisBank> auto& bank, const auto& visit) {
+  visit("hypotheses", bank.hypotheses);
+  visit("count", bank.count);
+  visit("best_index", bank.best_index);
+}
+
+}  // namespace sonopose::estimation::kalman

@@ -1,0 +1,65 @@
+#pragma once
+/// \file
+/// The doubt in the IMU that fixes and headings raise.
+
+#include <sonopose/estimation/kalman/filter.hpp>
+#include <sonopose/samples/field_fault.hpp>
+
+namespace sonopose::estimation::kalman {
+
+/// A track at an offset from the followed one that stays or grows evenly. A wrong IMU leads a filter away
+/// faster and faster.
+struct ShiftedTrack {
+  TimeNs seen_ns = 0;
+  Vector3d offset_world_m = Vector3d::Zero();
+  Vector3d offset_world_mps = Vector3d::Zero();
+  double variance_m2 = 0;  ///< per axis; 0: none yet
+  double covariance = 0;
+  double rate_variance = 0;
+
+  double evidence = 0;  ///< as of a hypothesis: of this or the other track, whichever explains a fix better
+
+  /// Adds a fix at this offset. Returns its log-likelihood.
+  double add(TimeNs time_ns, const Vector3d& offset_world_m, const Matrix3d& covariance_m2);
+  bool operator==(const ShiftedTrack&) const = default;
+};
+
+/// What the explanations of bad fixes share, and the doubt that they left.
+struct ImuDoubt {
+  ShiftedTrack shifted;
+  TimeNs suspicious_until_ns = 0;  ///< up to when fixes or headings that fit badly keep the open models alive
+  TimeNs doubted_until_ns = 0;     ///< up to when the IMU counts as wrong
+  TimeNs doubted_ns = 0;           ///< when an open model last became the best; 0: never
+  int doubts = 0;                  ///< of the last minute
+  Vector3d trusted_gyro_bias_body_radps = Vector3d::Zero();  ///< before the doubt
+  Vector3d trusted_accel_bias_body_mps2 = Vector3d::Zero();
+  Vector3d scatter_m2 = Vector3d::Zero();  ///< mean square of the best innovations; zero: none yet
+
+  /// Adds an innovation of the best hypothesis. Returns the log-likelihood of a fix that scatters about it as
+  /// the last ones did.
+  double add_scatter(const Innovation& innovation);
+  bool operator==(const ImuDoubt&) const = default;
+};
+
+void for_each_field(IsFieldsOf<ShiftedTrack> auto& shifted, const auto& visit) {
+  visit("seen_ns", shifted.seen_ns);
+  visit("offset_world_m", shifted.offset_world_m);
+  visit("offset_world_mps", shifted.offset_world_mps);
+  visit("variance_m2", shifted.variance_m2);
+  visit("covariance", shifted.covariance);
+  visit("rate_variance", shifted.rate_variance);
+  visit("evidence", shifted.evidence);
+}
+
+void for_each_field(IsFieldsOf<ImuDoubt> auto& doubt, const auto& visit) {
+  visit("shifted", doubt.shifted);
+  visit("suspicious_until_ns", doubt.suspicious_until_ns);
+  visit("doubted_until_ns", doubt.doubted_until_ns);
+  visit("doubted_ns", doubt.doubted_ns);
+  visit("doubts", doubt.doubts);
+  visit("trusted_gyro_bias_body_radps", doubt.trusted_gyro_bias_body_radps);
+  visit("trusted_accel_bias_body_mps2", doubt.trusted_accel_bias_body_mps2);
+  visit("scatter_m2", doubt.scatter_m2);
+}
+
+}  // namespace sonopose::estimation::kalman

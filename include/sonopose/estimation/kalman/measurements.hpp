@@ -1,0 +1,75 @@
+#pragma once
+/// \file
+/// Fixes and headings at the time of their measurement, and what became of them.
+
+#include <sonopose/estimation/kalman/filter.hpp>
+
+#include <cstdint>
+
+namespace sonopose::estimation::kalman {
+
+struct FixMeasurement {
+  TimeNs time_ns = 0;
+  TimeNs stamp_ns = 0;  ///< of the source: the same in every copy of a fix, whenever it arrives
+  Vector3d position_world_m = Vector3d::Zero();
+  double quality_percent = -1;  ///< negative: unknown
+  bool has_covariance = false;
+  Matrix3d covariance_world_m2 = Matrix3d::Zero();  ///< if the source knows it
+
+  bool operator==(const FixMeasurement&) const = default;
+};
+
+struct HeadingMeasurement {
+  TimeNs time_ns = 0;
+  TimeNs stamp_ns = 0;
+  double heading_world_rad = 0;
+
+  bool operator==(const HeadingMeasurement&) const = default;
+};
+
+/// The verdict on a fix.
+struct FixOutcome {
+  Innovation innovation{};
+  bool has_innovation = false;
+  Matrix3d covariance_world_m2 = Matrix3d::Zero();  ///< of the fix as it was used or rejected; zero: unknown
+  double test_ratio = 0;                            ///< squared norm over the rejection threshold
+  double weight = 0;                                ///< 1: full; 0: rejected
+  // What the fix changed at its time:
+  Vector3d jump_world_m = Vector3d::Zero();
+  Vector3d velocity_change_world_mps = Vector3d::Zero();
+  double yaw_change_rad = 0;
+  std::uint32_t flags = 0;
+  bool starts = false;           ///< the estimate started at it
+  std::uint32_t hypothesis = 0;  ///< 1: it agreed with another track
+};
+
+/// The verdict on a heading.
+struct HeadingOutcome {
+  bool used = false;
+  double variance_rad2 = 0;        ///< of the heading as it was used or rejected; 0: unknown
+  double added_variance_rad2 = 0;  ///< of yaw, before the heading was used: it was believed against the yaw
+};
+
+/// What an IMU sample showed besides the motion.
+struct ImuOutcome {
+  bool still = false;               ///< it ends half a second of rest: rest.still_gyro_mean is the gyro bias
+  double still_rate_variance = 0;   ///< of that bias, (rad/s)²
+  double no_velocity_variance = 0;  ///< of a velocity of zero, (m/s)²; 0: no such measurement
+};
+
+void for_each_field(IsFieldsOf<FixMeasurement> auto& fix, const auto& visit) {
+  visit("time_ns", fix.time_ns);
+  visit("stamp_ns", fix.stamp_ns);
+  visit("position_world_m", fix.position_world_m);
+  visit("quality_percent", fix.quality_percent);
+  visit("has_covariance", fix.has_covariance);
+  visit("covariance_world_m2", fix.covariance_world_m2);
+}
+
+void for_each_field(IsFieldsOf<HeadingMeasurement> auto& heading, const auto& visit) {
+  visit("time_ns", heading.time_ns);
+  visit("stamp_ns", heading.stamp_ns);
+  visit("heading_world_rad", heading.heading_world_rad);
+}
+
+}  // namespace sonopose::estimation::kalman

@@ -1,0 +1,30 @@
+#pragma once
+/// \file
+/// The memory of how long wrong tracks last here.
+
+#include <sonopose/samples/field_fault.hpp>
+#include <sonopose/samples/samples.hpp>
+
+namespace sonopose::estimation::kalman {
+
+/// The longest duration decays exponentially; the wait of others is proportional to it and bounded, so a long
+/// track keeps it at its maximum for longer.
+struct WrongTracks {
+  double longest_s = 0;  ///< as it was at `seen_ns`
+  TimeNs seen_ns = 0;
+
+  void add(double duration_s, TimeNs now_ns);
+  /// For how long the next track must last to be believed.
+  [[nodiscard]] double wait_s(TimeNs now_ns) const;
+  bool operator==(const WrongTracks&) const = default;
+
+private:
+  [[nodiscard]] double faded_s(TimeNs now_ns) const;
+};
+
+void for_each_field(IsFieldsOf<WrongTracks> auto& tracks, const auto& visit) {
+  visit("longest_s", tracks.longest_s);
+  visit("seen_ns", tracks.seen_ns);
+}
+
+}  // namespace sonopose::estimation::kalman

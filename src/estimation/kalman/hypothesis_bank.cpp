@@ -1,0 +1,109 @@
+#include "estimation/kalman/state_parts.hpp"
+#include <sonopose/estimation/kalman/hypothesis_bank.hpp>
+
+#include <algorithm>
+
+namespace sonopose::estimation::kalman {
+
+void widen(Filter& filter, const Widening& widening) {
+  filter.add_variance(at_velocity, Vector3d::Constant(square(widening.velocity_mps)));
+  filter.add_variance(at_attitude, Vector3d::Constant(square(widening.tilt_rad)));
+  filter.add_yaw_variance(square(widening.yaw_rad));
+  filter.add_variance(at_gyro_bias, Vector3d::Constant(square(widening.gyro_bias_radps)));
+  filter.add_variance(at_accel_bias, Vector3d::Constant(square(widening.accel_bias_mps2)));
+}
+
+const ImuModelParameters& parameters_of(ImuModel model) {
+  // A wrong sensor has been wrong for some tenths of a second before it is found.
+  constexpr double wrong_mps = 0.2;
+  // The rougher the IMU that the fixes showed, the sooner its integral is worth nothing.
+  static constexpr std::array<ImuModelParameters, 7> models{{
+      {.noise = {}, .widening = {}, .dead_reckoning_mps_rts = 1.5},
+      {.noise = {.gyro_radps_rthz = 2.4e-3, .gyro_bias_radps_rts = 1e-3},
+       .widening = {},
+       .dead_reckoning_mps_rts = 1.0},
+      {.noise = {.accel_mps2_rthz = 0.15, .gyro_radps_rthz = 2.4e-3},
+       .widening = {},
+       .dead_reckoning_mps_rts = 0.3},
+      {.noise = {.gyro_radps_rthz = 2.4e-3, .gyro_bias_radps_rts = 1e-3},
+       .widening = {},
+       .dead_reckoning_mps_rts = 1.0,
+       .clock_offset_std_s = 0.15},
+      {.noise = {.accel_mps2_rthz = 0.15, .gyro_radps_rthz = 0.2, .gyro_bias_radps_rts = 0.2},
+       .widening = {.velocity_mps = wrong_mps,
+                    .tilt_rad = radians(2.0),
+                    .yaw_rad = radians(10.0),
+                    .gyro_bias_radps = 0.3},
+       .dead_reckoning_mps_rts = 0.3},
+      {.noise = {.accel_mps2_rthz = 1.5, .gyro_radps_rthz = 2.4e-3, .accel_bias_mps2_rts = 2.0},
+       .widening = {.velocity_mps = wrong_mps, .accel_bias_mps2 = 1.0},
+       .dead_reckoning_mps_rts = 0.3},
+      {.noise = {.accel_mps2_rthz = 3.0, .gyro_radps_rthz = 0.05, .accel_bias_mps2_rts = 2.0},
+       .widening = {.velocity_mps = 1.0,
+                    .tilt_rad = radians(5.0),
+                    .yaw_rad = radians(15.0),
+                    .gyro_bias_radps = 0.1,
+                    .accel_bias_mps2 = 5.0},
+       .dead_reckoning_mps_rts = 1.5},
+  }};
+  return models[static_cast<std::size_t>(model)];
+}
+
+HypothesisBank& HypothesisBank::operator=(const HypothesisBank& other) {
+  std::copy_n(other.hypotheses.begin(), other.count, hypotheses.begin());
+  count = other.count;
+  best_index = other.best_index;
+  return *this;
+}
+
+bool HypothesisBank::operator==(const HypothesisBank& other) const {
+  return best_index == other.best_index && std::equal(begin(), end(), other.begin(), other.end());
+}
+
+Hypothesis* HypothesisBank::find(ImuModel model) {
+  Hypothesis* const found = std::find_if(begin(), end(), [model](const Hypothesis& each) {
+    return each.track == Track::followed && each.imu == model;
+  });
+  return found == end() ? nullptr : found;
+}
+
+Hypothesis* HypothesisBank::find(Track track) {
+  Hypothesis* const found =
+      std::find_if(begin(), end(), [track](const Hypothesis& each) { return each.track == track; });
+  return found == end() ? nullptr : found;
+}
+
+Hypothesis& HypothesisBank::spawn(const Hypothesis& hypothesis) {
+  Hypothesis& added = hypotheses[static_cast<std::size_t>(count++)];
+  added = hypothesis;
+  return added;
+}
+
+void HypothesisBank::remove(const Hypothesis* hypothesis) {
+  const int index = index_of(*hypothesis);
+  --count;
+  if (index != count) (*this)[index] = (*this)[count];
+  if (best_index == index) {
+    best_index = 0;
+  } else if (best_index == count) {
+    best_index = index;
+  }
+}
+
+void HypothesisBank::remove(Track track) {
+  for (const Hypothesis* found = find(track); found != nullptr; found = find(track)) remove(found);
+}
+
+void HypothesisBank::follow(const Filter& track) {
+  const Filter filter = track;  // it may be that of a hypothesis
+  const ImuModel model = std::min(best().imu, ImuModel::rough);
+  remove(Track::followed);
+  for (int i = 0; i < closed_model_count; ++i) {
+    Hypothesis& added = spawn({.imu = static_cast<ImuModel>(i), .filter = filter});
+    const double offset_std_s = parameters_of(added.imu).clock_offset_std_s;
+    if (offset_std_s > 0.0 && !filter.estimates_delay()) added.filter.estimate_delay(square(offset_std_s));
+  }
+  best_index = index_of(*find(model));
+}
+
+}  // namespace sonopose::estimation::kalman
