@@ -57,8 +57,8 @@ Line words_of(const Transition& transition) {
           "the IMU is consistent again");
     case Kind::fixes_inconsistent:
       return begun_or_ended(transition, Level::warning,
-                            "fixes inconsistent: some are a default position; they are not used",
-                            "no default position any more");
+                            "fixes inconsistent: some are a default position, or their clock is not that of the IMU",
+                            "the fixes are consistent again");
     case Kind::heading_unknown:
       return begun_or_ended(transition, Level::warning,
                             "heading unknown: no recent pair heading, and too little motion",

@@ -99,17 +99,14 @@ void explain(State& state, const JudgedFix& judged) {
   const Hypothesis& best = state.bank.best();
   const Innovation& of_best = judged.innovation_of(state.bank, best);
   ShiftedTrack& shifted = state.doubt.shifted;
-  const Hypothesis* const other = other_track(state);
-  if (other == nullptr) shifted.evidence = best.evidence;  // it would begin as the best one
+  if (other_track(state) == nullptr) shifted.evidence = best.evidence;  // it would begin as the best one
   const double best_likelihood = std::max(log_likelihood(of_best), state.doubt.add_scatter(of_best));
   for (Hypothesis& each : state.bank) {
     add_evidence(each.evidence, &each == &best ? best_likelihood
                                                : log_likelihood(judged.innovation_of(state.bank, each)));
   }
-  const double of_shift = shifted.add(judged.fix.time_ns, of_best.value_world_m, judged.covariance_m2);
-  const double of_other =
-      other == nullptr ? best_likelihood : log_likelihood(judged.innovation_of(state.bank, *other));
-  add_evidence(shifted.evidence, std::max(of_shift, of_other));
+  add_evidence(shifted.evidence,
+               shifted.add(judged.fix.time_ns, of_best.value_world_m, judged.covariance_m2));
 }
 
 /// Lets the open models begin where fixes or headings fit badly, and ends them after a while without such.
@@ -132,7 +129,7 @@ void suspect_imu(State& state, bool is_suspicious) {
 }
 
 bool doubt_imu(State& state) {
-  constexpr double lead = 10.0;
+  constexpr double lead = 14.0;  // prior odds: IMUs are right
   constexpr int least_rejected = 4;
   if (state.phase != Phase::tracking ||
       std::max(state.fixes.rejected_in_row, state.headings.rejected_in_row) < least_rejected)

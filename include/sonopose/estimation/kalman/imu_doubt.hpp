@@ -17,7 +17,7 @@ struct ShiftedTrack {
   double covariance = 0;
   double rate_variance = 0;
 
-  double evidence = 0;  ///< as of a hypothesis: of this or the other track, whichever explains a fix better
+  double evidence = 0;  ///< as of a hypothesis
 
   /// Adds a fix at this offset. Returns its log-likelihood.
   double add(TimeNs time_ns, const Vector3d& offset_world_m, const Matrix3d& covariance_m2);
