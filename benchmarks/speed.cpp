@@ -127,7 +127,7 @@ void latest_fix_with_all_starts(benchmark::State& state) {
     if (const auto* latest = std::get_if<UltrasonicFix>(&step->event)) fix = *latest;
   }
   if (before.state().phase != estimation::kalman::Phase::searching_yaw) {
-    state.SkipWithError("not all starts are alive");
+    state.SkipWithError("the yaw is not searched");
     return;
   }
   fix.emission_time_ns = before.time_ns() - age_ns;

@@ -120,7 +120,7 @@ void add(Builder& table, const DelaySettings& settings) {
              "estimates.");
   table.read_by(ReadBy::kalman);
   table.flag(no_item, "estimate", settings.estimate,
-             "Estimate a constant error of that delay, of up to 60 ms. It is observable only while the speed "
+             "Estimate a constant error of that delay, of up to 0.3 s. It is observable only while the speed "
              "or the direction changes.");
 }
 

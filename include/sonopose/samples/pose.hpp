@@ -96,8 +96,8 @@ struct FixReport {
   Vector3d innovation_world_m = Vector3d::Zero();         ///< the fix minus its prediction (setting 13)
   std::optional<Covariance<3>> innovation_covariance_m2;  ///< world
   std::optional<double> test_ratio;  ///< squared normalised innovation over its gate: above 1 is an outlier
-  std::uint32_t hypothesis = 0;      ///< the engine's hypothesis that this report is of; 0: the main one
-  std::uint32_t model = 0;           ///< the noise model in use; 0: the first or only one
+  std::uint32_t hypothesis = 0;      ///< 1: a fix that was not used lies on another track
+  std::uint32_t model = 0;           ///< of the IMU, in use: a kalman::ImuModel
   double weight = 0;                 ///< effective, after floor and trust (settings 13–15)
   double trust = 0;                  ///< 0…1
   Vector3d jump_world_m = Vector3d::Zero();               ///< applied at once (setting 4)

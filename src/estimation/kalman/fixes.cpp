@@ -8,12 +8,12 @@
 namespace sonopose::estimation::kalman {
 namespace {
 
-/// Begins or ends the estimation of the delay, as the settings demand.
+/// Begins or ends the estimation of the delay, as the settings demand. Models that do not rely on the clock or
+/// the IMU keep what was found.
 void estimate_delay(State& state, const settings::DelaySettings& settings) {
   constexpr double initial_std_s = 0.02;
   for (Hypothesis& each : state.bank) {
-    const bool has_own = parameters_of(each.imu).clock_offset_std_s > 0.0;
-    if (has_own || each.filter.estimates_delay() == settings.estimate) continue;
+    if (each.imu >= ImuModel::other_clock || each.filter.estimates_delay() == settings.estimate) continue;
     each.filter.estimate_delay(settings.estimate ? square(initial_std_s) : 0.0);
   }
 }
@@ -22,7 +22,7 @@ void estimate_delay(State& state, const settings::DelaySettings& settings) {
 int nearest_start(const HypothesisBank& bank, const Innovations& innovations) {
   int nearest = bank.best_index;
   const auto distance = [&](int i) { return innovations[static_cast<std::size_t>(i)].squared_norm; };
-  for (int i = 0; i < bank.count; ++i) {
+  for (int i = 0; i < bank.size(); ++i) {
     if (bank[i].track == Track::followed && distance(i) < distance(nearest)) nearest = i;
   }
   return nearest;
@@ -78,7 +78,7 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
                    .covariance_m2 = covariance_of(state, fix),
                    .ahead_s = seconds_between(state.time_ns, fix.time_ns),
                    .innovations = {}};
-  for (int i = 0; i < state.bank.count; ++i) {
+  for (int i = 0; i < state.bank.size(); ++i) {
     judged.innovations[static_cast<std::size_t>(i)] =
         state.bank[i].filter.fix_innovation(fix.position_world_m, judged.covariance_m2, judged.ahead_s);
   }
@@ -160,6 +160,7 @@ FixOutcome State::on_fix(const settings::Settings& settings, const FixMeasuremen
   if (frozen_track.add(settings.frozen, imu.time_ns, fix.position_world_m,
                        has_started ? filter().tracked_velocity_world_mps() : Vector3d::Zero())) {
     bank.remove(Track::other);
+    bank.remove(Track::turned);
     outcome.flags = fix_frozen;
     return outcome;
   }

@@ -49,43 +49,53 @@ const ImuModelParameters& parameters_of(ImuModel model) {
   return models[static_cast<std::size_t>(model)];
 }
 
+void assume(Hypothesis& hypothesis, ImuModel model) {
+  hypothesis.imu = model;
+  const double offset_std_s = parameters_of(model).clock_offset_std_s;
+  if (offset_std_s > 0.0 && !hypothesis.filter.estimates_delay()) {
+    hypothesis.filter.estimate_delay(square(offset_std_s));
+  }
+}
+
 HypothesisBank& HypothesisBank::operator=(const HypothesisBank& other) {
-  std::copy_n(other.hypotheses.begin(), other.count, hypotheses.begin());
-  count = other.count;
+  if (!other.hypotheses.empty()) reserve();
+  hypotheses = other.hypotheses;
   best_index = other.best_index;
   return *this;
 }
 
-bool HypothesisBank::operator==(const HypothesisBank& other) const {
-  return best_index == other.best_index && std::equal(begin(), end(), other.begin(), other.end());
+void HypothesisBank::clear() {
+  hypotheses.clear();
+  best_index = 0;
 }
 
 Hypothesis* HypothesisBank::find(ImuModel model) {
-  Hypothesis* const found = std::find_if(begin(), end(), [model](const Hypothesis& each) {
+  const auto found = std::find_if(begin(), end(), [model](const Hypothesis& each) {
     return each.track == Track::followed && each.imu == model;
   });
-  return found == end() ? nullptr : found;
+  return found == end() ? nullptr : &*found;
 }
 
 Hypothesis* HypothesisBank::find(Track track) {
-  Hypothesis* const found =
+  const auto found =
       std::find_if(begin(), end(), [track](const Hypothesis& each) { return each.track == track; });
-  return found == end() ? nullptr : found;
+  return found == end() ? nullptr : &*found;
 }
 
 Hypothesis& HypothesisBank::spawn(const Hypothesis& hypothesis) {
-  Hypothesis& added = hypotheses[static_cast<std::size_t>(count++)];
-  added = hypothesis;
-  return added;
+  reserve();
+  hypotheses.push_back(hypothesis);
+  return hypotheses.back();
 }
 
 void HypothesisBank::remove(const Hypothesis* hypothesis) {
   const int index = index_of(*hypothesis);
-  --count;
-  if (index != count) (*this)[index] = (*this)[count];
+  const int last = size() - 1;
+  if (index != last) (*this)[index] = (*this)[last];
+  hypotheses.pop_back();
   if (best_index == index) {
     best_index = 0;
-  } else if (best_index == count) {
+  } else if (best_index == last) {
     best_index = index;
   }
 }
@@ -96,12 +106,10 @@ void HypothesisBank::remove(Track track) {
 
 void HypothesisBank::follow(const Filter& track) {
   const Filter filter = track;  // it may be that of a hypothesis
-  const ImuModel model = std::min(best().imu, ImuModel::rough);
+  const ImuModel model = is_open(best().imu) ? ImuModel::rough : best().imu;
   remove(Track::followed);
   for (int i = 0; i < closed_model_count; ++i) {
-    Hypothesis& added = spawn({.imu = static_cast<ImuModel>(i), .filter = filter});
-    const double offset_std_s = parameters_of(added.imu).clock_offset_std_s;
-    if (offset_std_s > 0.0 && !filter.estimates_delay()) added.filter.estimate_delay(square(offset_std_s));
+    assume(spawn({.filter = filter}), static_cast<ImuModel>(i));
   }
   best_index = index_of(*find(model));
 }

@@ -16,7 +16,7 @@ void begin_again(Hypothesis& hypothesis, const Hypothesis& best, const ImuDoubt&
   constexpr double handicap = 2.0;
   const ImuModel model = hypothesis.imu;
   hypothesis = best;
-  hypothesis.imu = model;
+  assume(hypothesis, model);
   hypothesis.score -= handicap;
   hypothesis.missed_in_row = hypothesis.explained_in_row = 0;
   if (!is_open(best.imu)) return;
@@ -120,7 +120,7 @@ void suspect_imu(State& state, bool is_suspicious) {
     const Hypothesis* const open = state.bank.find(model);
     if (is_wanted && open == nullptr) {
       Hypothesis& added = state.bank.spawn(state.bank.best());
-      added.imu = model;
+      assume(added, model);
       widen(added.filter, parameters_of(model).widening);
     } else if (!is_wanted && open != nullptr) {
       state.bank.remove(open);

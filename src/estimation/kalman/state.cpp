@@ -189,10 +189,11 @@ void State::propagate() {
 
 bool State::covariance_is_old() const {
   constexpr double longest_s = 0.2;
-  return filter().pending.duration_s > longest_s;
+  return phase != Phase::waiting && filter().pending.duration_s > longest_s;
 }
 
 NominalState State::nominal() const {
+  if (phase == Phase::waiting) return {};
   if (imu.open_steps.empty()) return static_cast<const NominalState&>(filter());
   return moved(filter(), imu.open_steps);
 }
@@ -208,7 +209,7 @@ NominalState State::nominal_after(const ImuStep& step) const {
 
 void recover_if_not_finite(State& state) {
   if (state.phase == Phase::waiting || state.filter().is_finite()) return;
-  state.bank.count = state.bank.best_index = 0;
+  state.bank.clear();
   state.headings = {.seen_ns = state.headings.seen_ns, .interval_s = state.headings.interval_s};
   state.imu.mean_force_body_mps2 = state.imu.force_body_mps2;
   state.phase = Phase::waiting;

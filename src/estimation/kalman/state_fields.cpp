@@ -96,12 +96,12 @@ std::optional<FieldFault> find_noise_fault(const MeasurementNoise& noise) {
 
 std::optional<FieldFault> find_bank_fault(const State& state) {
   const HypothesisBank& bank = state.bank;
-  if (bank.count > HypothesisBank::capacity) return FieldFault{"count", "is more than the bank has places"};
-  if ((state.phase == Phase::waiting) != (bank.count == 0)) {
-    return FieldFault{"count", "is 0 although the estimate has begun, or the other way round"};
+  if (bank.size() > HypothesisBank::capacity) return FieldFault{"hypotheses", "are more than an engine keeps"};
+  if ((state.phase == Phase::waiting) != (bank.size() == 0)) {
+    return FieldFault{"hypotheses", "are none although the estimate has begun, or the other way round"};
   }
-  if (bank.best_index >= std::max(bank.count, 1)) return FieldFault{"best_index", "is not that of a hypothesis"};
-  if (bank.count == 0) return std::nullopt;
+  if (bank.best_index >= std::max(bank.size(), 1)) return FieldFault{"best_index", "is not that of a hypothesis"};
+  if (bank.size() == 0) return std::nullopt;
   if (bank.best().track != Track::followed) return FieldFault{"best_index", "is not of the followed track"};
   if (!std::all_of(bank.begin(), bank.end(),
                    [](const Hypothesis& each) { return is_covariance(each.filter); })) {

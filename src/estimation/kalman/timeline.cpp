@@ -9,12 +9,15 @@ using documented::admission::future_tolerance_s;
 
 namespace {
 
-constexpr double longest_silence_s = 10.0;            // of the IMU, over which fixes and headings are kept
-constexpr TimeNs checkpoint_spacing_ns = 77'500'000;  // no multiple of a usual sample interval
+constexpr double longest_silence_s = 10.0;         // of the IMU, over which fixes and headings are kept
+constexpr std::size_t usual_imu_capacity = 256;  // enough for a second and a half at 170 Hz
 
 }  // namespace
 
-Timeline::Timeline() : imu_(imu_capacity), checkpoints_(checkpoint_capacity) {
+Timeline::Timeline() {
+  now_.bank.reserve();
+  imu_.reserve(imu_capacity);
+  imu_.resize(usual_imu_capacity);
   aiding_.reserve(aiding_capacity);
 }
 
@@ -24,7 +27,7 @@ void Timeline::clear() {
   next_imu_ = first_imu_ = end_imu_ = 0;
   next_aiding_ = 0;
   aiding_.clear();
-  oldest_ = checkpoint_count_ = 0;
+  checkpoints_.clear();
   stamps_are_ahead_ = is_behind_ = false;
 }
 
@@ -33,17 +36,18 @@ bool Timeline::add(const settings::Settings& settings, const ImuMeasurement& imu
     fold(settings, nullptr);
     drop_oldest_checkpoint();
   }
+  make_place_for_imu();
   const bool precedes_aiding = next_aiding_ > 0 && imu.time_ns <= turn_of(aiding_[next_aiding_ - 1]);
   if (precedes_aiding) rewind(imu.time_ns);
   drop_future(imu.time_ns);
   const bool comes_last = !precedes_aiding && next_aiding_ == aiding_.size();
   if (!comes_last) fold(settings, nullptr, imu.time_ns - 1);
-  imu_[end_imu_ % imu_capacity] = imu;
+  imu_at(end_imu_) = imu;
   ++end_imu_;
   time_ns_ = imu.time_ns;
   until_ns_ = imu.time_ns + to_ns(settings.outage.imu_gap_s);
   is_behind_ = true;
-  if (checkpoint_count_ == 0) catch_up(settings);  // the first one, which measurements need to be inserted
+  if (checkpoints_.empty()) catch_up(settings);  // the first one, which measurements need to be inserted
   return comes_last && is_behind_;
 }
 
@@ -54,7 +58,7 @@ void Timeline::catch_up(const settings::Settings& settings) {
 }
 
 void Timeline::on_mount_offset_change(double by_rad) {
-  if (checkpoint_count_ == 0) return;
+  if (checkpoints_.empty()) return;
   now_.on_mount_offset_change(by_rad);
   begin_again();
 }
@@ -72,7 +76,7 @@ double Timeline::ahead_s() const {
 }
 
 bool Timeline::reaches(TimeNs time_ns) const {
-  return checkpoint_count_ > 0 && checkpoints_[oldest_].state.imu.time_ns <= time_ns &&
+  return !checkpoints_.empty() && checkpoints_.oldest().state.imu.time_ns <= time_ns &&
          aiding_.size() < aiding_capacity;
 }
 
@@ -91,6 +95,14 @@ FixOutcome Timeline::add(const settings::Settings& settings, const Aiding& aidin
   return fold(settings, &aiding_[index]);
 }
 
+/// Doubles the ring if it is full: each number then has its old place or one in the new half.
+void Timeline::make_place_for_imu() {
+  const std::uint64_t before = imu_.size();
+  if (end_imu_ - first_imu_ < before) return;
+  imu_.resize(2 * before);  // reallocates in a copy, which has no reserve
+  for (std::uint64_t i = first_imu_; i < end_imu_; ++i) imu_at(i) = imu_[i % before];
+}
+
 /// Inserts it at its turn; of one turn, fixes come before headings, in whatever order they arrive.
 std::size_t Timeline::insert(const Aiding& aiding) {
   const TimeNs turn_ns = turn_of(aiding);
@@ -103,12 +115,7 @@ std::size_t Timeline::insert(const Aiding& aiding) {
 
 /// Goes back to the last checkpoint that is not after this time.
 void Timeline::rewind(TimeNs time_ns) {
-  while (checkpoint_count_ > 1) {
-    const Checkpoint& last = checkpoints_[(oldest_ + checkpoint_count_ - 1) % checkpoint_capacity];
-    if (last.state.imu.time_ns <= time_ns) break;
-    --checkpoint_count_;
-  }
-  const Checkpoint& from = checkpoints_[(oldest_ + checkpoint_count_ - 1) % checkpoint_capacity];
+  const Checkpoint& from = checkpoints_.rewind(time_ns);
   now_ = from.state;
   next_imu_ = from.next_imu;
   next_aiding_ = static_cast<std::size_t>(
@@ -120,18 +127,14 @@ void Timeline::rewind(TimeNs time_ns) {
 void Timeline::fold_imu(const settings::Settings& settings, const ImuMeasurement& imu) {
   now_.on_imu(settings, imu);
   ++next_imu_;
-  const bool due =
-      checkpoint_count_ == 0 ||
-      imu.time_ns - checkpoints_[(oldest_ + checkpoint_count_ - 1) % checkpoint_capacity].state.imu.time_ns >=
-          checkpoint_spacing_ns;
-  if (due) save_checkpoint();
+  if (checkpoints_.is_due(imu.time_ns)) save_checkpoint();
 }
 
 /// Folds the events in their order, up to `last`, whose outcome it returns, or all until a time.
 FixOutcome Timeline::fold(const settings::Settings& settings, const Aiding* last, TimeNs until_ns) {
   while (next_imu_ < end_imu_ || next_aiding_ < aiding_.size()) {
     if (next_imu_ < end_imu_) {
-      const ImuMeasurement& imu = imu_[next_imu_ % imu_capacity];
+      const ImuMeasurement& imu = imu_at(next_imu_);
       if (next_aiding_ == aiding_.size() || imu.time_ns <= turn_of(aiding_[next_aiding_])) {
         fold_imu(settings, imu);
         continue;
@@ -151,32 +154,28 @@ FixOutcome Timeline::fold(const settings::Settings& settings, const Aiding* last
 }
 
 void Timeline::save_checkpoint() {
-  if (checkpoint_count_ == checkpoint_capacity) drop_oldest_checkpoint();
   now_.close_steps();
   if (now_.covariance_is_old()) now_.propagate();
-  Checkpoint& next = checkpoints_[(oldest_ + checkpoint_count_) % checkpoint_capacity];
-  next.state = now_;
-  next.next_imu = next_imu_;
-  ++checkpoint_count_;
+  checkpoints_.add(now_, next_imu_);
+  forget_before_oldest();
 }
 
 /// From now: nothing can be inserted before.
 void Timeline::begin_again() {
-  checkpoint_count_ = 0;
+  checkpoints_.clear();
   aiding_.clear();
   next_aiding_ = 0;
   save_checkpoint();
-  first_imu_ = checkpoints_[oldest_].next_imu;
 }
 
 void Timeline::drop_oldest_checkpoint() {
-  if (checkpoint_count_ < 2) {
-    begin_again();  // more samples between two checkpoints than the ring has
-  } else {
-    oldest_ = (oldest_ + 1) % checkpoint_capacity;
-    --checkpoint_count_;
-  }
-  const Checkpoint& oldest = checkpoints_[oldest_];
+  if (!checkpoints_.drop_oldest()) begin_again();  // more samples between two checkpoints than the ring has
+  forget_before_oldest();
+}
+
+/// Removes the events that are part of the oldest state.
+void Timeline::forget_before_oldest() {
+  const Checkpoint& oldest = checkpoints_.oldest();
   first_imu_ = oldest.next_imu;
   const auto kept = std::find_if(aiding_.begin(), aiding_.end(), [&](const Aiding& aiding) {
     return turn_of(aiding) >= oldest.state.imu.time_ns;
@@ -189,9 +188,9 @@ void Timeline::drop_oldest_checkpoint() {
 History Timeline::history() const {
   History history;
   history.stamps_are_ahead = stamps_are_ahead_;
-  if (checkpoint_count_ == 0) return history;
-  history.base = checkpoints_[oldest_].state;
-  for (std::uint64_t i = first_imu_; i < end_imu_; ++i) history.imu.push_back(imu_[i % imu_capacity]);
+  if (checkpoints_.empty()) return history;
+  history.base = checkpoints_.oldest().state;
+  for (std::uint64_t i = first_imu_; i < end_imu_; ++i) history.imu.push_back(imu_[i % imu_.size()]);
   for (const Aiding& aiding : aiding_) {
     if (const auto* fix = std::get_if<FixMeasurement>(&aiding)) {
       history.fixes.push_back(*fix);
@@ -210,8 +209,10 @@ void Timeline::restore(const settings::Settings& settings, const History& histor
   now_.time_ns = now_.imu.time_ns;
   save_checkpoint();
   const std::size_t samples = std::min(history.imu.size(), imu_capacity);
-  std::copy_n(history.imu.end() - static_cast<std::ptrdiff_t>(samples), samples, imu_.begin());
-  end_imu_ = samples;
+  for (auto imu = history.imu.end() - static_cast<std::ptrdiff_t>(samples); imu != history.imu.end(); ++imu) {
+    make_place_for_imu();
+    imu_at(end_imu_++) = *imu;
+  }
   time_ns_ = samples == 0 ? history.base.imu.time_ns : history.imu.back().time_ns;
   const auto has_place = [this] { return aiding_.size() < aiding_capacity; };
   for (const FixMeasurement& fix : history.fixes) {

@@ -43,7 +43,7 @@ Filter initial_filter(const State& state, bool at_rest) {
 void search(State& state, const Filter& from, const Vector3d& up_body, double first_yaw_rad, int directions) {
   const Vector3d tracked_world_m = from.tracked_position_world_m();
   state.phase = Phase::searching_yaw;
-  state.bank.count = 0;
+  state.bank.clear();
   for (int i = 0; i <= directions; ++i) {
     const bool is_fixes_alone = i == directions;
     if (is_fixes_alone && directions == 1) break;
@@ -124,7 +124,7 @@ void prune_starts(State& state) {
     has_best = has_best && i != bank.best_index;
     bank.remove(&bank[i]);
   };
-  for (int i = bank.count - 1; i >= 0; --i) {
+  for (int i = bank.size() - 1; i >= 0; --i) {
     if (!is_start(bank[i])) continue;
     if (!(bank[i].score > most - contradicted && bank[i].filter.is_finite())) {
       end(i);
@@ -140,7 +140,7 @@ void prune_starts(State& state) {
     }
   }
   const int starts = static_cast<int>(std::count_if(bank.begin(), bank.end(), is_start));
-  for (int i = 0; i < bank.count; ++i) {
+  for (int i = 0; i < bank.size(); ++i) {
     if (bank[i].track != Track::followed) continue;
     const double least = bank.best().score + (has_best ? much_better : 0.0);
     if (bank[i].score > least) bank.best_index = i;

@@ -97,7 +97,7 @@ SCENARIO(
     int other_covariance = 0;
     for (const Event& event : walk.events) {
       const bool started = engine.state().phase != kalman::Phase::waiting;
-      const kalman::Filter before = engine.state().filter();
+      const kalman::Filter before = started ? engine.state().filter() : kalman::Filter{};
       const EventResult output = process(engine, event);
       engine.catch_up();
       const auto* pose = std::get_if<FusedPose>(&output);

@@ -284,7 +284,7 @@ SCENARIO("an engine keeps little more than a second, whatever the steps of its I
 }
 
 TEST_CASE("an engine reserves less than 2 MB") {
-  constexpr std::size_t bytes = (kalman::checkpoint_capacity + 1) * sizeof(kalman::State) +
+  constexpr std::size_t bytes = (kalman::Checkpoints::capacity + 1) * (sizeof(kalman::State) + kalman::HypothesisBank::capacity * sizeof(kalman::Hypothesis)) +
                                 kalman::imu_capacity * sizeof(kalman::ImuMeasurement) +
                                 kalman::aiding_capacity * sizeof(kalman::Aiding);
   STATIC_REQUIRE(bytes < 2'000'000);

@@ -64,9 +64,10 @@ SCENARIO("an impossible state is refused by the field at fault") {
       CHECK(fault_after([](Snapshot& s) { s.history.base.bank.best_index = closed_model_count; }) ==
             "best_index");
       CHECK(fault_after([](Snapshot& s) { s.history.base.bank.best_index = -1; }) == "best_index");
-      CHECK(fault_after([](Snapshot& s) { s.history.base.bank.count = HypothesisBank::capacity + 1; }) ==
-            "count");
-      CHECK(fault_after([](Snapshot& s) { s.history.base.bank.count = 0; }) == "count");
+      CHECK(fault_after([](Snapshot& s) {
+              s.history.base.bank.hypotheses.resize(HypothesisBank::capacity + 1);
+            }) == "hypotheses");
+      CHECK(fault_after([](Snapshot& s) { s.history.base.bank.clear(); }) == "hypotheses");
       CHECK(fault_after([](Snapshot& s) { s.history.imu.resize(imu_capacity + 1, s.history.imu.back()); }) ==
             "imu");
       CHECK(fault_after([](Snapshot& s) {
@@ -74,7 +75,7 @@ SCENARIO("an impossible state is refused by the field at fault") {
             }) == "fixes");
     }
     THEN("there is one hypothesis of each closed model, and at most one of each other track") {
-      CHECK(fault_after([](Snapshot& s) { s.history.base.bank.count = closed_model_count - 1; }) ==
+      CHECK(fault_after([](Snapshot& s) { s.history.base.bank.hypotheses.pop_back(); }) ==
             "hypotheses");
       CHECK(fault_after([](Snapshot& s) { s.history.base.bank[3].imu = ImuModel::quiet; }) == "hypotheses");
       const auto add = [](Snapshot& s, Track track) {

@@ -218,10 +218,10 @@ struct Straight {
 /// The hypothesis of a turned map; null: none.
 const estimation::kalman::Hypothesis* turned_in(const Engine& engine) {
   const auto& bank = engine.state().bank;
-  const auto* const found = std::find_if(bank.begin(), bank.end(), [](const auto& each) {
+  const auto found = std::find_if(bank.begin(), bank.end(), [](const auto& each) {
     return each.track == estimation::kalman::Track::turned;
   });
-  return found == bank.end() ? nullptr : found;
+  return found == bank.end() ? nullptr : &*found;
 }
 
 SCENARIO("a turned track begins where the body is at the heading that shows the turn") {

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
+#include <vector>
 
 namespace sonopose::estimation::kalman {
 
@@ -54,12 +55,12 @@ struct Widening {
 /// Adds these variances.
 void widen(Filter& filter, const Widening& widening);
 
-/// What follows from a model of the IMU.
+/// Consequences of a model of the IMU.
 struct ImuModelParameters {
   ProcessNoise noise;
   Widening widening;                   ///< of a hypothesis that begins with it
   double dead_reckoning_mps_rts = 0;   ///< density of the measurement of no velocity without fixes
-  double clock_offset_std_s = 0;       ///< 0: that of the settings
+  double clock_offset_std_s = 0;       ///< of an error of the delay that it estimates; 0: as the settings say
 };
 
 [[nodiscard]] const ImuModelParameters& parameters_of(ImuModel model);
@@ -80,29 +81,37 @@ struct Hypothesis {
   bool operator==(const Hypothesis&) const = default;
 };
 
+/// Lets a hypothesis assume this model of the IMU.
+void assume(Hypothesis& hypothesis, ImuModel model);
+
 inline constexpr int closed_model_count = 4;  ///< models that trust the IMU: one hypothesis each while tracking
 inline constexpr int start_count = 8;         ///< directions from which an unknown yaw is searched
 
-/// All hypotheses that live, and the best of the followed track. A plain value; a copy takes only what lives.
+/// All hypotheses, and the best of the followed track. A plain value that has memory for all from its first
+/// hypothesis on: an assignment then allocates nothing.
 struct HypothesisBank {
   static constexpr int capacity = start_count + 3;
 
-  std::array<Hypothesis, capacity> hypotheses;  ///< the first `count` of them live
-  int count = 0;
+  std::vector<Hypothesis> hypotheses;
   int best_index = 0;
 
   HypothesisBank() = default;
   HypothesisBank(const HypothesisBank& other) { *this = other; }
   HypothesisBank& operator=(const HypothesisBank& other);
   ~HypothesisBank() = default;
-  bool operator==(const HypothesisBank& other) const;
+  bool operator==(const HypothesisBank&) const = default;
 
+  /// Allocates memory for all.
+  void reserve() { hypotheses.reserve(capacity); }
+  void clear();
+
+  [[nodiscard]] int size() const { return static_cast<int>(hypotheses.size()); }
   [[nodiscard]] Hypothesis& operator[](int i) { return hypotheses[static_cast<std::size_t>(i)]; }
   [[nodiscard]] const Hypothesis& operator[](int i) const { return hypotheses[static_cast<std::size_t>(i)]; }
-  [[nodiscard]] Hypothesis* begin() { return hypotheses.data(); }
-  [[nodiscard]] Hypothesis* end() { return hypotheses.data() + count; }
-  [[nodiscard]] const Hypothesis* begin() const { return hypotheses.data(); }
-  [[nodiscard]] const Hypothesis* end() const { return hypotheses.data() + count; }
+  [[nodiscard]] auto begin() { return hypotheses.begin(); }
+  [[nodiscard]] auto end() { return hypotheses.end(); }
+  [[nodiscard]] auto begin() const { return hypotheses.begin(); }
+  [[nodiscard]] auto end() const { return hypotheses.end(); }
   [[nodiscard]] Hypothesis& best() { return (*this)[best_index]; }
   [[nodiscard]] const Hypothesis& best() const { return (*this)[best_index]; }
   [[nodiscard]] int index_of(const Hypothesis& hypothesis) const {
@@ -139,7 +148,6 @@ void for_each_field(IsFieldsOf<Hypothesis> auto& hypothesis, const auto& visit) 
 
 void for_each_field(IsFieldsOf<HypothesisBank> auto& bank, const auto& visit) {
   visit("hypotheses", bank.hypotheses);
-  visit("count", bank.count);
   visit("best_index", bank.best_index);
 }
 

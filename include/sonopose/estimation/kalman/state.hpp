@@ -33,7 +33,7 @@ inline constexpr double start_lever_arm_std_m = 0.05;
 enum class Phase : std::uint8_t {
   waiting,        ///< for the first fix
   searching_yaw,  ///< one hypothesis per direction, and one that follows the fixes alone
-  tracking        ///< one hypothesis per model of the IMU
+  tracking        ///< one hypothesis per closed model of the IMU
 };
 
 constexpr std::array<std::string_view, 3> choices_of(Phase /*phase*/) {
@@ -94,6 +94,7 @@ struct State {
 
   bool operator==(const State&) const = default;
 
+  /// The best filter. Requires that the estimate has started.
   [[nodiscard]] const Filter& filter() const { return bank.best().filter; }
 
   /// The mean square of the distance of all starts from the best one, weighted by their likelihood; zero
@@ -107,7 +108,7 @@ struct State {
   /// The mount offset was changed by this angle: if headings have held the yaw until now, it is as uncertain.
   void on_mount_offset_change(double by_rad);
 
-  /// The nominal state of the best filter at the latest sample, after the open steps.
+  /// The nominal state of the best filter at the latest sample, after the open steps; while waiting, any.
   [[nodiscard]] NominalState nominal() const;
   /// The same after one more step.
   [[nodiscard]] NominalState nominal_after(const ImuStep& step) const;

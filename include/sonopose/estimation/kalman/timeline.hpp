@@ -2,7 +2,7 @@
 /// \file
 /// The events of about the last 1.2 s in the order of their measurement, and earlier states to go back to.
 
-#include <sonopose/estimation/kalman/state.hpp>
+#include <sonopose/estimation/kalman/checkpoints.hpp>
 
 #include <limits>
 #include <variant>
@@ -11,8 +11,7 @@
 namespace sonopose::estimation::kalman {
 
 inline constexpr std::size_t imu_capacity = 2048;
-inline constexpr std::size_t aiding_capacity = 512;     ///< fixes and headings
-inline constexpr std::size_t checkpoint_capacity = 16;  ///< earlier states
+inline constexpr std::size_t aiding_capacity = 512;  ///< fixes and headings
 
 /// A fix or a heading.
 using Aiding = std::variant<FixMeasurement, HeadingMeasurement>;
@@ -37,12 +36,6 @@ inline TimeNs turn_of(const Aiding& aiding) {
   const auto* fix = std::get_if<FixMeasurement>(&aiding);
   return fix != nullptr ? fix->time_ns : std::get<HeadingMeasurement>(aiding).time_ns + after_fix_ns;
 }
-
-/// A state after the sample at its time and before the fixes and headings of that time.
-struct Checkpoint {
-  State state;
-  std::uint64_t next_imu = 0;  ///< number of the first sample that is not part of it
-};
 
 /// The oldest state that is kept, and the events since then: enough to compute everything again.
 struct History {
@@ -106,6 +99,8 @@ public:
 
 private:
   static constexpr TimeNs forever_ns = std::numeric_limits<TimeNs>::max();
+  [[nodiscard]] ImuMeasurement& imu_at(std::uint64_t number) { return imu_[number % imu_.size()]; }
+  void make_place_for_imu();
   std::size_t insert(const Aiding& aiding);
   void rewind(TimeNs time_ns);
   void fold_imu(const settings::Settings& settings, const ImuMeasurement& imu);
@@ -114,18 +109,17 @@ private:
   void save_checkpoint();
   void begin_again();
   void drop_oldest_checkpoint();
+  void forget_before_oldest();
 
   State now_;
   TimeNs time_ns_ = 0;
   std::uint64_t next_imu_ = 0;       // that is folded into now_
   std::size_t next_aiding_ = 0;      // index into aiding_
-  std::vector<ImuMeasurement> imu_;  // ring
+  std::vector<ImuMeasurement> imu_;  // ring; as large as it was needed
   std::uint64_t first_imu_ = 0;
   std::uint64_t end_imu_ = 0;
-  std::vector<Aiding> aiding_;           // sorted by time
-  std::vector<Checkpoint> checkpoints_;  // ring, the oldest at oldest_
-  std::size_t oldest_ = 0;
-  std::size_t checkpoint_count_ = 0;
+  std::vector<Aiding> aiding_;  // sorted by time
+  Checkpoints checkpoints_;
   bool stamps_are_ahead_ = false;
   bool is_behind_ = false;
   TimeNs until_ns_ = 0;  // up to which catch_up folds fixes and headings

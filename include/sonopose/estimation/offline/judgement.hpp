@@ -63,8 +63,7 @@ struct Segment {
 /// Runs the Kalman engine over a recording's events, in the order of their arrival, and returns what it made
 /// of them. An event that the engine does not admit is left out; so is a fix or heading before the first fix.
 /// Times are those of the measurement: the delay is compensated as the settings say. The verdicts are those
-/// of the moment; only the fixes of a frozen track are taken back from its first repetition on, as the engine
-/// undoes their effect.
+/// of the moment; only the fixes of a frozen track are taken back from its first repetition on.
 [[nodiscard]] std::vector<Segment> judged(const settings::Settings& settings, std::span<const Event> events);
 
 }  // namespace sonopose::estimation::offline

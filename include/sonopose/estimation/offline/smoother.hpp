@@ -36,7 +36,7 @@ struct SmoothedPose {
 };
 
 /// The pose at every IMU sample of a segment, in ascending time; empty if the segment has no sample or no
-/// fix that was used. The equations are those of docs/kalman.md, "Smoother".
+/// fix that was used. The equations are those of docs/smoother.md.
 [[nodiscard]] std::vector<SmoothedPose> smoothed(const settings::Settings& settings, const Segment& segment,
                                                  const Noise& noise);
 

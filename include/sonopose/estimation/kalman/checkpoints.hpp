@@ -1,0 +1,55 @@
+#pragma once
+/// \file
+/// Earlier states of an engine, to go back to: dense in the last three tenths of a second, in which most fixes
+/// were measured, and sparse before.
+
+#include <sonopose/estimation/kalman/state.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace sonopose::estimation::kalman {
+
+/// A state after the sample at its time and before the fixes and headings of that time.
+struct Checkpoint {
+  State state;
+  std::uint64_t next_imu = 0;  ///< number of the first sample that is not part of it
+};
+
+/// Its memory is allocated at construction, and most of it is never touched.
+class Checkpoints {
+public:
+  static constexpr std::size_t capacity = 12;
+
+  Checkpoints();
+
+  [[nodiscard]] bool empty() const { return count_ == 0; }
+  [[nodiscard]] const Checkpoint& oldest() const { return slots_[order_.front()]; }
+  [[nodiscard]] const Checkpoint& latest() const { return slots_[order_[count_ - 1]]; }
+
+  /// Whether a state of this time is to be added.
+  [[nodiscard]] bool is_due(TimeNs time_ns) const;
+
+  /// Adds the latest state, and removes those that are too dense or too old.
+  void add(const State& state, std::uint64_t next_imu);
+
+  /// Goes back to the latest one that is not after this time, or to the oldest.
+  const Checkpoint& rewind(TimeNs time_ns);
+
+  /// Removes the oldest. Returns whether another one is left; the last one stays.
+  bool drop_oldest();
+
+  void clear() { count_ = 0; }
+
+private:
+  [[nodiscard]] TimeNs time_ns(std::size_t i) const { return slots_[order_[i]].state.imu.time_ns; }
+  void remove(std::size_t i);
+
+  std::vector<Checkpoint> slots_;
+  std::array<std::uint8_t, capacity> order_{};  // slots from the oldest state to the latest, then unused ones
+  std::size_t count_ = 0;
+};
+
+}  // namespace sonopose::estimation::kalman
