@@ -177,7 +177,7 @@ void coast_if_silent(State& state, const settings::Settings& settings, TimeNs me
 void end_imu_gap(State& state, TimeNs to_ns) {
   constexpr double unknown_yaw_rad = radians(30.0);
   coast_to(state, to_ns);
-  if (state.filter().yaw_variance_rad2() > square(unknown_yaw_rad)) state.restart_pending = true;
+  if (state.filter().yaw_variance_rad2() > square(unknown_yaw_rad)) search_yaw_again(state);
   rest::restart(state.rest);
   state.frozen_track = {};
 }

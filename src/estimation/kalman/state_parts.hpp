@@ -77,6 +77,7 @@ void note_used(State& state, const FixMeasurement& fix);
 // The yaw: the first fix, and the search for an unknown one.
 void start_at(State& state, const FixMeasurement& fix, const settings::Settings& settings);
 void prune_starts(State& state);
+void search_yaw_again(State& state);
 
 // Headings.
 [[nodiscard]] Filter::HeadingInnovation heading_innovation(const State& state, const Filter& filter,

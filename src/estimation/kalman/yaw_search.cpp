@@ -57,17 +57,6 @@ void search(State& state, const Filter& from, const Vector3d& up_body, double fi
   state.bank.best_index = 0;
 }
 
-/// Starts again in all directions from the hypothesis that follows the fixes alone, where they contradict
-/// every start.
-void search_again(State& state) {
-  Filter from = state.filter();
-  const Vector3d up_body = geometry::up_in_body(from.q_body_to_world);
-  from.decorrelate(at_attitude, Vector3d::Constant(square(radians(5.0))));
-  from.add_yaw_variance(square(radians(15.0)));
-  search(state, from, up_body, 0.0, start_count);
-  state.bank.best_index = start_count;
-}
-
 /// The yaw from the last heading, turned by the gyro to the time of a fix.
 double yaw_of_last_heading_rad(const State& state, TimeNs fix_ns, const settings::Settings& settings) {
   const double since_sample_s = seconds_between(state.imu.time_ns, fix_ns);
@@ -77,6 +66,15 @@ double yaw_of_last_heading_rad(const State& state, TimeNs fix_ns, const settings
 }
 
 }  // namespace
+
+void search_yaw_again(State& state) {
+  Filter from = state.filter();
+  const Vector3d up_body = geometry::up_in_body(from.q_body_to_world);
+  const double yaw_rad = geometry::yaw_of(from.q_body_to_world);
+  from.decorrelate(at_attitude, Vector3d::Constant(square(radians(5.0))));
+  from.add_yaw_variance(square(radians(15.0)));
+  search(state, from, up_body, yaw_rad, start_count);
+}
 
 void start_at(State& state, const FixMeasurement& fix, const settings::Settings& settings) {
   const bool at_rest = state.rest.still_windows >= 1;
@@ -147,7 +145,8 @@ void prune_starts(State& state) {
   }
   if (starts > 1) return;
   if (bank.best().imu == ImuModel::open) {
-    search_again(state);
+    search_yaw_again(state);
+    bank.best_index = start_count;
   } else {
     state.phase = Phase::tracking;
     bank.follow(state.filter());

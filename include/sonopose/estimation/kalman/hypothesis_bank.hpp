@@ -96,7 +96,10 @@ struct HypothesisBank {
   int best_index = 0;
 
   HypothesisBank() = default;
-  HypothesisBank(const HypothesisBank& other) { *this = other; }
+  HypothesisBank(const HypothesisBank& other) {
+    reserve();
+    *this = other;
+  }
   HypothesisBank& operator=(const HypothesisBank& other);
   ~HypothesisBank() = default;
   bool operator==(const HypothesisBank&) const = default;
