@@ -291,6 +291,7 @@ FusedPose Engine::pose_at(const ImuSample& imu, const NominalState& nominal) con
 
 std::uint32_t Engine::status(TimeNs time_ns) const {
   constexpr double low_trust = 0.6;
+  constexpr int contradicted_by = 3;  // headings in a row
   const auto bit = [](bool applies, PoseStatus status) { return applies ? std::uint32_t{status} : 0U; };
   const State& now = state();
   if (now.phase == Phase::waiting) return status_initialising | status_heading_unknown;
@@ -298,7 +299,8 @@ std::uint32_t Engine::status(TimeNs time_ns) const {
   return bit(uncertainty_.gyro_bias_is_unknown, status_uncalibrated) |
          bit(since_fix_s > settings_.outage.stale_after_s, status_stale) |
          bit(time_ns < now.converging_until_ns, status_converging) |
-         bit(uncertainty_.yaw_is_unknown, status_heading_unknown) |
+         bit(uncertainty_.yaw_is_unknown || now.headings.rejected_in_row >= contradicted_by,
+             status_heading_unknown) |
          bit(time_ns < now.doubt.doubted_until_ns || uncertainty_.accel_bias_is_large,
              status_imu_inconsistent) |
          bit(now.default_position.is_active(time_ns) || uncertainty_.clocks_differ, status_fixes_inconsistent) |
