@@ -1,5 +1,6 @@
 #include "beacons_round.hpp"
 
+#include "bare_chain.hpp"
 #include "child.hpp"
 #include "own_realtime.hpp"
 #include "pose_stream.hpp"
@@ -24,12 +25,16 @@ void sleep_s(double seconds) {
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
 
-/// One fusion for all beacons, or two with half of the addresses each.
+/// One fusion for all beacons, two with half of the addresses each, or what a fusion costs at least.
 std::vector<Child> start_fusions(const BeaconsOptions& options, std::uint32_t beacons) {
+  std::vector<Child> fusions;
+  if (options.engine == "bare") {
+    fusions.push_back(Child::fork_to([&] { run_bare_relay(options.domain); }));
+    return fusions;
+  }
   std::vector<std::string> command{SONOPOSE_FUSION, "--domain", std::to_string(options.domain)};
   if (options.realtime) command.emplace_back("--realtime");
   if (!options.engine.empty()) command.insert(command.end(), {"--set", "fusion.engine=" + options.engine});
-  std::vector<Child> fusions;
   if (!options.share) {
     fusions.push_back(Child::execute(command));
     return fusions;

@@ -12,7 +12,7 @@ inline constexpr double beacon_imu_rate_hz = 100.0;
 struct BeaconsOptions {
   std::uint32_t domain = 144;
   double round_s = 4.0;
-  std::string engine;     ///< fusion.engine; empty: the default
+  std::string engine;     ///< fusion.engine; `bare`: a relay of IMU samples in Cyclone's C API instead
   bool share = false;     ///< two fusions, each with half of the addresses
   bool realtime = false;  ///< --realtime for bridge and fusion, the same for the consumer
 };
