@@ -56,9 +56,10 @@ Line words_of(const Transition& transition) {
           "IMU inconsistent: its gyroscope, accelerometer or mount contradicts fixes, headings or gravity",
           "the IMU is consistent again");
     case Kind::fixes_inconsistent:
-      return begun_or_ended(transition, Level::warning,
-                            "fixes inconsistent: some are a default position, or their clock is not that of the IMU",
-                            "the fixes are consistent again");
+      return begun_or_ended(
+          transition, Level::warning,
+          "fixes inconsistent: some are a default position, or their clock is not that of the IMU",
+          "the fixes are consistent again");
     case Kind::heading_unknown:
       return begun_or_ended(transition, Level::warning,
                             "heading unknown: no recent pair heading, and too little motion",

@@ -50,8 +50,8 @@ struct ManyBeacons {
     });
   }
 
-  /// Stops the fusion until much has gathered, again and for longer where that does not overload a fast machine,
-  /// and waits until each beacon has a pose that is marked. Returns how many have.
+  /// Stops the fusion until much has gathered, again and for longer where that does not overload a fast
+  /// machine, and waits until each beacon has a pose that is marked. Returns how many have.
   std::size_t overload() {
     std::set<BeaconAddress> marked;
     const auto mark = [&marked](const TappedPose& tapped) {

@@ -26,7 +26,8 @@ enum PoseStatus : std::uint32_t {
   status_overloaded = 1U << 11U,      ///< the fusion cannot keep up with its input and skips poses
   status_imu_inconsistent =
       1U << 12U,  ///< gyroscope, accelerometer or mount contradict fixes, headings or gravity
-  status_fixes_inconsistent = 1U << 13U  ///< a default position instead of some fixes, or stamps of another clock
+  status_fixes_inconsistent =
+      1U << 13U  ///< a default position instead of some fixes, or stamps of another clock
 };
 
 /// The pose of one beacon at one IMU sample.

@@ -47,10 +47,11 @@ constexpr std::array lasting_bits{
         status_imu_inconsistent, 0.5, 0.0, Cause::none,
         "its gyroscope, accelerometer or mount contradicts fixes, headings or gravity",
         "check units, signs, axes and range of the IMU, how it is mounted, and heading.mount_offset_deg"},
-    LastingBit{status_fixes_inconsistent, 0.3, 0.0, Cause::none,
-               "its fixes are in part a default position, or stamped by another clock than the IMU",
-               "let the source leave out fixes without a solution; check that enough beacons are in sight, and the "
-               "stamps of fixes and IMU (sonopose-monitor shows their delay)"},
+    LastingBit{
+        status_fixes_inconsistent, 0.3, 0.0, Cause::none,
+        "its fixes are in part a default position, or stamped by another clock than the IMU",
+        "let the source leave out fixes without a solution; check that enough beacons are in sight, and the "
+        "stamps of fixes and IMU (sonopose-monitor shows their delay)"},
     LastingBit{status_overloaded, 0.3, 0.0, Cause::none, "its fusion is overloaded and skips poses",
                "give the fusion more processor time, or share its beacons between several fusions "
                "(docs/realtime.md)"},

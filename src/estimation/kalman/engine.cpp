@@ -303,8 +303,10 @@ std::uint32_t Engine::status(TimeNs time_ns) const {
              status_heading_unknown) |
          bit(time_ns < now.doubt.doubted_until_ns || uncertainty_.accel_bias_is_large,
              status_imu_inconsistent) |
-         bit(now.default_position.is_active(time_ns) || uncertainty_.clocks_differ, status_fixes_inconsistent) |
-         bit(now.frozen_track.frozen, status_frozen_track) | bit(now.fixes.trust < low_trust, status_low_trust);
+         bit(now.default_position.is_active(time_ns) || uncertainty_.clocks_differ,
+             status_fixes_inconsistent) |
+         bit(now.frozen_track.frozen, status_frozen_track) |
+         bit(now.fixes.trust < low_trust, status_low_trust);
 }
 
 Estimate Engine::estimate() const {

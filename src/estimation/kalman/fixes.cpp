@@ -8,8 +8,8 @@
 namespace sonopose::estimation::kalman {
 namespace {
 
-/// Begins or ends the estimation of the delay, as the settings demand. Models that do not rely on the clock or
-/// the IMU keep what was found.
+/// Begins or ends the estimation of the delay, as the settings demand. Models that do not rely on the clock
+/// or the IMU keep what was found.
 void estimate_delay(State& state, const settings::DelaySettings& settings) {
   constexpr double initial_std_s = 0.02;
   for (Hypothesis& each : state.bank) {
@@ -67,9 +67,9 @@ void learn_noise(State& state, const JudgedFix& judged) {
   state.noise.correlation.add(before.value_world_m, before.covariance_m2);
   const Innovation after =
       state.filter().fix_innovation(judged.fix.position_world_m, judged.covariance_m2, judged.ahead_s);
-  state.noise.add_fix(judged.fix.quality_percent, std::sqrt(state.noise.correlation.white_share()) * after.value_world_m,
-                      (after.covariance_m2 - judged.covariance_m2).diagonal(),
-                      stands_still(state, few_fixes));
+  state.noise.add_fix(
+      judged.fix.quality_percent, std::sqrt(state.noise.correlation.white_share()) * after.value_world_m,
+      (after.covariance_m2 - judged.covariance_m2).diagonal(), stands_still(state, few_fixes));
 }
 
 FixOutcome judge(State& state, const settings::Settings& settings, const FixMeasurement& fix) {
@@ -97,8 +97,7 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
     const double scale = scale_of(innovation);
     // After rejected fixes the estimate is uncertain too.
     const Matrix3d more_covariance_m2 =
-        (scale - 1.0) *
-        (state.fixes.rejected_in_row > 0 ? innovation.covariance_m2 : judged.covariance_m2);
+        (scale - 1.0) * (state.fixes.rejected_in_row > 0 ? innovation.covariance_m2 : judged.covariance_m2);
     outcome.weight = 1.0 / scale;
     outcome.covariance_world_m2 += more_covariance_m2;
     outcome.flags = fix_used;

@@ -140,7 +140,8 @@ HeadingOutcome State::on_heading(const settings::Settings& settings, const Headi
 }
 
 void State::on_mount_offset_change(double by_rad) {
-  if (phase == Phase::waiting || seconds_between(headings.used_ns, imu.time_ns) > headings.run_ends_s()) return;
+  if (phase == Phase::waiting || seconds_between(headings.used_ns, imu.time_ns) > headings.run_ends_s())
+    return;
   for (Hypothesis& each : bank) each.filter.add_yaw_variance(square(by_rad));
   headings.accept();
 }

@@ -102,8 +102,8 @@ void explain(State& state, const JudgedFix& judged) {
   if (other_track(state) == nullptr) shifted.evidence = best.evidence;  // it would begin as the best one
   const double best_likelihood = std::max(log_likelihood(of_best), state.doubt.add_scatter(of_best));
   for (Hypothesis& each : state.bank) {
-    add_evidence(each.evidence, &each == &best ? best_likelihood
-                                               : log_likelihood(judged.innovation_of(state.bank, each)));
+    add_evidence(each.evidence,
+                 &each == &best ? best_likelihood : log_likelihood(judged.innovation_of(state.bank, each)));
   }
   add_evidence(shifted.evidence,
                shifted.add(judged.fix.time_ns, of_best.value_world_m, judged.covariance_m2));

@@ -10,8 +10,8 @@
 namespace sonopose::estimation::kalman {
 namespace {
 
-constexpr int still_fixes = 4;       // enough to measure that there is no velocity
-constexpr double former_s = 8.0;     // for which a track that was given up is kept
+constexpr int still_fixes = 4;    // enough to measure that there is no velocity
+constexpr double former_s = 8.0;  // for which a track that was given up is kept
 
 /// The rate and acceleration of the latest step, where those of the joined ones are means.
 void set_latest(NominalState& state, const Filter& filter, const ImuStep& latest) {

@@ -96,11 +96,13 @@ std::optional<FieldFault> find_noise_fault(const MeasurementNoise& noise) {
 
 std::optional<FieldFault> find_bank_fault(const State& state) {
   const HypothesisBank& bank = state.bank;
-  if (bank.size() > HypothesisBank::capacity) return FieldFault{"hypotheses", "are more than an engine keeps"};
+  if (bank.size() > HypothesisBank::capacity)
+    return FieldFault{"hypotheses", "are more than an engine keeps"};
   if ((state.phase == Phase::waiting) != (bank.size() == 0)) {
     return FieldFault{"hypotheses", "are none although the estimate has begun, or the other way round"};
   }
-  if (bank.best_index >= std::max(bank.size(), 1)) return FieldFault{"best_index", "is not that of a hypothesis"};
+  if (bank.best_index >= std::max(bank.size(), 1))
+    return FieldFault{"best_index", "is not that of a hypothesis"};
   if (bank.size() == 0) return std::nullopt;
   if (bank.best().track != Track::followed) return FieldFault{"best_index", "is not of the followed track"};
   if (!std::all_of(bank.begin(), bank.end(),

@@ -1,5 +1,6 @@
 #pragma once
-// What the sources of State share: the parameters of the judgement, likelihoods, and the steps of a judgement.
+// What the sources of State share: the parameters of the judgement, likelihoods, and the steps of a
+// judgement.
 
 #include <sonopose/estimation/kalman/state.hpp>
 #include <sonopose/geometry/rotation.hpp>

@@ -9,7 +9,7 @@ using documented::admission::future_tolerance_s;
 
 namespace {
 
-constexpr double longest_silence_s = 10.0;         // of the IMU, over which fixes and headings are kept
+constexpr double longest_silence_s = 10.0;       // of the IMU, over which fixes and headings are kept
 constexpr std::size_t usual_imu_capacity = 256;  // enough for a second and a half at 170 Hz
 
 }  // namespace

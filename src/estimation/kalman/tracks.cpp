@@ -14,11 +14,11 @@ constexpr int track_fixes = 3;                 // fixes that make a track
 
 /// Whether the other track explained the fixes alone for long enough.
 bool has_won(const State& state, const Hypothesis& other, TimeNs now_ns) {
-  constexpr int least_turned = 4;          // fixes and headings in a map that has turned
+  constexpr int least_turned = 4;  // fixes and headings in a map that has turned
   constexpr double least_turned_s = 0.4;
-  constexpr double sees_turn_mps = 0.3;    // the fixes of a faster body show that its motion has turned
+  constexpr double sees_turn_mps = 0.3;  // the fixes of a faster body show that its motion has turned
   constexpr int least_fixes = 8;
-  constexpr double sparse_s = 3.0;         // after which a track of sparse fixes is enough
+  constexpr double sparse_s = 3.0;  // after which a track of sparse fixes is enough
   const double alone_s = seconds_between(std::max(state.fixes.used_ns, other.began_ns), now_ns);
   if (other.track == Track::turned && std::min(other.explained, other.headings) >= least_turned &&
       alone_s > least_turned_s && other.filter.velocity_world_mps.norm() > sees_turn_mps)
@@ -31,8 +31,7 @@ bool has_won(const State& state, const Hypothesis& other, TimeNs now_ns) {
   constexpr double near_s = 2.2;
   constexpr double far_s = 1.0;
   const double nearness = std::clamp((far_m - jump_m) / (far_m - near_m), 0.0, 1.0);
-  const double needed_s =
-      std::max(far_s + nearness * (near_s - far_s), state.wrong_tracks.wait_s(now_ns));
+  const double needed_s = std::max(far_s + nearness * (near_s - far_s), state.wrong_tracks.wait_s(now_ns));
   return alone_s >= needed_s &&
          (other.explained >= least_fixes || (other.explained >= track_fixes && alone_s > sparse_s));
 }

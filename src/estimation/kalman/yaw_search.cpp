@@ -38,8 +38,8 @@ Filter initial_filter(const State& state, bool at_rest) {
   return start;
 }
 
-/// One hypothesis per direction of the body about `up_body`, from this yaw on, with the tracked point where it
-/// is; and, of several directions, one that follows the fixes alone.
+/// One hypothesis per direction of the body about `up_body`, from this yaw on, with the tracked point where
+/// it is; and, of several directions, one that follows the fixes alone.
 void search(State& state, const Filter& from, const Vector3d& up_body, double first_yaw_rad, int directions) {
   const Vector3d tracked_world_m = from.tracked_position_world_m();
   state.phase = Phase::searching_yaw;
@@ -51,8 +51,7 @@ void search(State& state, const Filter& from, const Vector3d& up_body, double fi
     if (is_fixes_alone) start.imu = ImuModel::open;
     start.filter.q_body_to_world =
         geometry::level_with(up_body, first_yaw_rad + i * 2.0 * std::numbers::pi / start_count);
-    start.filter.position_world_m =
-        tracked_world_m + start.filter.q_body_to_world * from.lever_arm_body_m;
+    start.filter.position_world_m = tracked_world_m + start.filter.q_body_to_world * from.lever_arm_body_m;
   }
   state.bank.best_index = 0;
 }
@@ -78,15 +77,18 @@ void search_yaw_again(State& state) {
 
 void start_at(State& state, const FixMeasurement& fix, const settings::Settings& settings) {
   const bool at_rest = state.rest.still_windows >= 1;
-  const Vector3d up_body = at_rest                         ? state.rest.still_accel_mean
-                           : state.phase != Phase::waiting ? geometry::up_in_body(state.filter().q_body_to_world)
-                                                           : state.imu.mean_force_body_mps2;
-  const bool has_heading = state.headings.is_current && fix.time_ns - state.headings.used_ns < heading_kept_ns;
+  const Vector3d up_body = at_rest ? state.rest.still_accel_mean
+                           : state.phase != Phase::waiting
+                               ? geometry::up_in_body(state.filter().q_body_to_world)
+                               : state.imu.mean_force_body_mps2;
+  const bool has_heading =
+      state.headings.is_current && fix.time_ns - state.headings.used_ns < heading_kept_ns;
   const double yaw_rad = has_heading ? yaw_of_last_heading_rad(state, fix.time_ns, settings) : 0.0;
   Filter start = initial_filter(state, at_rest);
   // The noise of a usual fix, or of this one where it is larger.
-  start.decorrelate(at_position, covariance_of(state, fix).diagonal().cwiseMax(
-                                     start.covariance.diagonal().segment<3>(at_position)));
+  start.decorrelate(
+      at_position,
+      covariance_of(state, fix).diagonal().cwiseMax(start.covariance.diagonal().segment<3>(at_position)));
   start.position_world_m = fix.position_world_m + start.q_body_to_world * start.lever_arm_body_m;
   start.angular_velocity_body_radps = state.imu.rate_body_radps;
   search(state, start, up_body, yaw_rad, has_heading ? 1 : start_count);

@@ -153,8 +153,8 @@ SCENARIO("a heading is forgotten with a filter that is not finite") {
     kalman::State state;
     const auto sample = [&](double time_s) {
       state.on_imu(settings, {.time_ns = epoch_ns + to_ns(time_s),
-                               .rate_body_radps = {0, 0, 0.1},
-                               .force_body_mps2 = {0, 0, standard_gravity_mps2}});
+                              .rate_body_radps = {0, 0, 0.1},
+                              .force_body_mps2 = {0, 0, standard_gravity_mps2}});
     };
     const auto fix = [&](double time_s) {
       state.on_fix(settings, {.time_ns = epoch_ns + to_ns(time_s), .position_world_m = {1, 2, 3}});
@@ -284,9 +284,11 @@ SCENARIO("an engine keeps little more than a second, whatever the steps of its I
 }
 
 TEST_CASE("an engine reserves less than 2 MB") {
-  constexpr std::size_t bytes = (kalman::Checkpoints::capacity + 1) * (sizeof(kalman::State) + kalman::HypothesisBank::capacity * sizeof(kalman::Hypothesis)) +
-                                kalman::imu_capacity * sizeof(kalman::ImuMeasurement) +
-                                kalman::aiding_capacity * sizeof(kalman::Aiding);
+  constexpr std::size_t bytes =
+      (kalman::Checkpoints::capacity + 1) *
+          (sizeof(kalman::State) + kalman::HypothesisBank::capacity * sizeof(kalman::Hypothesis)) +
+      kalman::imu_capacity * sizeof(kalman::ImuMeasurement) +
+      kalman::aiding_capacity * sizeof(kalman::Aiding);
   STATIC_REQUIRE(bytes < 2'000'000);
 }
 

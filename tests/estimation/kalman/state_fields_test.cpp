@@ -75,8 +75,7 @@ SCENARIO("an impossible state is refused by the field at fault") {
             }) == "fixes");
     }
     THEN("there is one hypothesis of each closed model, and at most one of each other track") {
-      CHECK(fault_after([](Snapshot& s) { s.history.base.bank.hypotheses.pop_back(); }) ==
-            "hypotheses");
+      CHECK(fault_after([](Snapshot& s) { s.history.base.bank.hypotheses.pop_back(); }) == "hypotheses");
       CHECK(fault_after([](Snapshot& s) { s.history.base.bank[3].imu = ImuModel::quiet; }) == "hypotheses");
       const auto add = [](Snapshot& s, Track track) {
         s.history.base.bank.spawn(s.history.base.bank.best()).track = track;
@@ -135,10 +134,8 @@ SCENARIO("an impossible state is refused by the field at fault") {
       CHECK(fault_after([](Snapshot& s) { s.history.base.imu.usual_step_s = 5.1; }) == "usual_step_s");
       CHECK(fault_after([](Snapshot& s) { s.history.base.headings.interval_s = std::nan(""); }) ==
             "interval_s");
-      CHECK(fault_after([](Snapshot& s) { s.history.base.headings.interval_s = 10.1; }) ==
-            "interval_s");
-      CHECK(fault_after([](Snapshot& s) { s.history.base.wrong_tracks.longest_s = -1.0; }) ==
-            "longest_s");
+      CHECK(fault_after([](Snapshot& s) { s.history.base.headings.interval_s = 10.1; }) == "interval_s");
+      CHECK(fault_after([](Snapshot& s) { s.history.base.wrong_tracks.longest_s = -1.0; }) == "longest_s");
       CHECK(fault_after([](Snapshot& s) { s.history.base.rest.fixes.weight = -1.0; }) == "rest.fixes");
       CHECK(fault_after([](Snapshot& s) { s.history.base.rest.headings.time_squares_s2 = -1.0; }) ==
             "rest.headings");

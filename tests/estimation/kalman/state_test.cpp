@@ -1,4 +1,5 @@
-/// How the filters of a state move, and what it makes of doubtful fixes: of a body that moves by 1 m/s along x.
+/// How the filters of a state move, and what it makes of doubtful fixes: of a body that moves by 1 m/s along
+/// x.
 
 #include <sonopose/estimation/kalman/state.hpp>
 #include <sonopose/geometry/rotation.hpp>
@@ -58,8 +59,8 @@ struct Drive {
 
   void next_heading() {
     state.on_heading(settings, {.time_ns = epoch_ns + to_ns(time_s),
-                                 .stamp_ns = epoch_ns + to_ns(time_s),
-                                 .heading_world_rad = 0.0});
+                                .stamp_ns = epoch_ns + to_ns(time_s),
+                                .heading_world_rad = 0.0});
   }
 };
 

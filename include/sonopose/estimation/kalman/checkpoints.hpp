@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// Earlier states of an engine, to go back to: dense in the last three tenths of a second, in which most fixes
-/// were measured, and sparse before.
+/// Earlier states of an engine, to go back to: dense in the last three tenths of a second, in which most
+/// fixes were measured, and sparse before.
 
 #include <sonopose/estimation/kalman/state.hpp>
 

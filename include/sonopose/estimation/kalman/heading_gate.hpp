@@ -10,18 +10,19 @@ namespace sonopose::estimation::kalman {
 inline constexpr double longest_heading_interval_s = 10.0;  ///< a longer one counts as this
 
 struct HeadingGate {
-  TimeNs used_ns = 0;                ///< last heading that was used
-  double heading_world_rad = 0;      ///< it, turned to the latest IMU sample while it is current
-  bool is_current = false;           ///< it is recent, and no gap of the IMU followed: a start may use it
-  TimeNs rejected_since_ns = 0;      ///< first rejected heading of the present run of them; 0: none
-  TimeNs rejected_ns = 0;            ///< last rejected heading
+  TimeNs used_ns = 0;            ///< last heading that was used
+  double heading_world_rad = 0;  ///< it, turned to the latest IMU sample while it is current
+  bool is_current = false;       ///< it is recent, and no gap of the IMU followed: a start may use it
+  TimeNs rejected_since_ns = 0;  ///< first rejected heading of the present run of them; 0: none
+  TimeNs rejected_ns = 0;        ///< last rejected heading
   int rejected_in_row = 0;
-  TimeNs seen_ns = 0;                ///< last heading, used or not
-  double interval_s = 0;             ///< between most headings; up to longest_heading_interval_s
+  TimeNs seen_ns = 0;     ///< last heading, used or not
+  double interval_s = 0;  ///< between most headings; up to longest_heading_interval_s
 
   /// Registers a heading, used or not.
   void see(TimeNs time_ns);
-  /// Registers a rejected heading. True if headings have been rejected for so long that they must be believed.
+  /// Registers a rejected heading. True if headings have been rejected for so long that they must be
+  /// believed.
   bool reject(TimeNs time_ns);
   /// Ends the run of rejected headings.
   void accept();

@@ -18,9 +18,9 @@ enum class ImuModel : std::uint8_t {
   rough_gyro,
   rough,        ///< vibration also shakes the accelerometer
   other_clock,  ///< its stamps are those of another clock than the stamps of fixes and headings
-  open_gyro,   ///< hardly trusts the gyroscope
-  open_accel,  ///< hardly trusts the accelerometer
-  open         ///< hardly trusts either: follows the fixes alone
+  open_gyro,    ///< hardly trusts the gyroscope
+  open_accel,   ///< hardly trusts the accelerometer
+  open          ///< hardly trusts either: follows the fixes alone
 };
 
 constexpr std::array<std::string_view, 7> choices_of(ImuModel /*model*/) {
@@ -58,9 +58,9 @@ void widen(Filter& filter, const Widening& widening);
 /// Consequences of a model of the IMU.
 struct ImuModelParameters {
   ProcessNoise noise;
-  Widening widening;                   ///< of a hypothesis that begins with it
-  double dead_reckoning_mps_rts = 0;   ///< density of the measurement of no velocity without fixes
-  double clock_offset_std_s = 0;       ///< of an error of the delay that it estimates; 0: as the settings say
+  Widening widening;                  ///< of a hypothesis that begins with it
+  double dead_reckoning_mps_rts = 0;  ///< density of the measurement of no velocity without fixes
+  double clock_offset_std_s = 0;      ///< of an error of the delay that it estimates; 0: as the settings say
 };
 
 [[nodiscard]] const ImuModelParameters& parameters_of(ImuModel model);
@@ -69,14 +69,14 @@ struct Hypothesis {
   ImuModel imu = ImuModel::quiet;
   Track track = Track::followed;
   Filter filter;
-  double score = 0;           ///< log-likelihood of the last sixty fixes or so
-  double evidence = 0;        ///< that of the last seven fixes or so and their headings, of which each may be wrong
-  int explained = 0;          ///< fixes since it began
-  int explained_in_row = 0;   ///< fixes and headings
-  int missed_in_row = 0;      ///< fixes
-  int headings = 0;           ///< that agreed with a turned map
-  TimeNs began_ns = 0;        ///< of a former track: when the one that replaced it began
-  TimeNs explained_ns = 0;    ///< last fix that it explained
+  double score = 0;     ///< log-likelihood of the last sixty fixes or so
+  double evidence = 0;  ///< that of the last seven fixes or so and their headings, of which each may be wrong
+  int explained = 0;    ///< fixes since it began
+  int explained_in_row = 0;  ///< fixes and headings
+  int missed_in_row = 0;     ///< fixes
+  int headings = 0;          ///< that agreed with a turned map
+  TimeNs began_ns = 0;       ///< of a former track: when the one that replaced it began
+  TimeNs explained_ns = 0;   ///< last fix that it explained
 
   bool operator==(const Hypothesis&) const = default;
 };
@@ -84,8 +84,9 @@ struct Hypothesis {
 /// Lets a hypothesis assume this model of the IMU.
 void assume(Hypothesis& hypothesis, ImuModel model);
 
-inline constexpr int closed_model_count = 4;  ///< models that trust the IMU: one hypothesis each while tracking
-inline constexpr int start_count = 8;         ///< directions from which an unknown yaw is searched
+inline constexpr int closed_model_count =
+    4;                                 ///< models that trust the IMU: one hypothesis each while tracking
+inline constexpr int start_count = 8;  ///< directions from which an unknown yaw is searched
 
 /// All hypotheses, and the best of the followed track. A plain value that has memory for all from its first
 /// hypothesis on: an assignment then allocates nothing.

@@ -59,8 +59,8 @@ struct FixGate {
   TimeNs used_ns = 0;   ///< measurement of the last fix that was used; 0: none
   int since_start = 0;  ///< fixes that were used; up to proven_fixes
   int rejected_in_row = 0;
-  double trust = 1;               ///< share of recent fixes that were used
-  double quality_percent = -1;    ///< of the last fix that was used; negative: unknown
+  double trust = 1;                              ///< share of recent fixes that were used
+  double quality_percent = -1;                   ///< of the last fix that was used; negative: unknown
   Vector3d rejected_world_m = Vector3d::Zero();  ///< the latest fix that was rejected
   TimeNs rejected_ns = 0;                        ///< its time
 
