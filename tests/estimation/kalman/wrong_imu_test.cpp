@@ -97,6 +97,22 @@ SCENARIO("an accelerometer of another unit is found") {
   }
 }
 
+SCENARIO("clocks of IMU and fixes that differ are found, and the offset is taken back") {
+  const double error_s = GENERATE(-0.2, -0.06, 0.06, 0.2);
+  const std::uint64_t seed = GENERATE(7051U, 7052U);
+  GIVEN("a kart whose fixes and headings report a delay that is wrong by " << error_s << " s, seed "
+                                                                           << seed) {
+    const auto moments = moments_of(
+        "kart", seed, [&](sim::Scenario& scenario) { scenario.sensors.reported_delay_error_s = error_s; });
+    THEN("the status says so within five seconds of motion") {
+      CHECK(first_s(moments, status_fixes_inconsistent) < 10.0);
+    }
+    THEN("the position is as good as with one clock") {
+      CHECK(largest_error_m(moments, 20.0) < 0.1);
+    }
+  }
+}
+
 SCENARIO("a default position among the fixes is found and not used") {
   const std::uint64_t seed = GENERATE(7021U, 7022U, 7023U);
   GIVEN("a walk of which two fifths of the fixes are (0, 0, 0), seed " << seed) {
