@@ -231,11 +231,24 @@ std::uint32_t Engine::reject(const UltrasonicFix& fix) {
       admission::rejection_flags(settings_.admission, state_.admission, state_.body.time_ns, fix,
                                  delay::measured_at(settings_.delay, fix));
   if (flags != 0) return flags;
+  if (is_default_position(fix)) return fix_outlier;
   const bool was_frozen = state_.frozen.frozen;
   if (frozen::update(settings_.frozen, state_.frozen, state_.body, fix)) return fix_frozen;
   // The repeated fixes before the detection have distorted the pose: initialise it from this one.
   if (was_frozen) state_.outage.init_phase = InitPhase::no_position;
   return 0;
+}
+
+/// Whether the source reports this position where it has none. A pose that is there when it is found out has
+/// started at it: the next fix starts a new run.
+bool Engine::is_default_position(const UltrasonicFix& fix) {
+  constexpr double near_m = 0.5;
+  DefaultPosition& found = state_.default_position;
+  const bool was_known = found.is_known;
+  if (!found.add(delay::measured_at(settings_.delay, fix), fix.position_world_m)) return false;
+  const bool is_there = (state_.body.position_world_m - fix.position_world_m).norm() < near_m;
+  if (!was_known && is_there) state_.outage.init_phase = InitPhase::no_position;
+  return true;
 }
 
 /// The first fix of a run sets the position and restores full trust.
@@ -413,6 +426,7 @@ std::uint32_t Engine::status() const {
          bit(state_.outage.stale, status_stale) | bit(state_.trust.forced || far_off, status_converging) |
          bit(!heading::is_valid(settings_.heading, state_.heading, state_.body.time_ns),
              status_heading_unknown) |
+         bit(state_.default_position.is_active(state_.body.time_ns), status_fixes_inconsistent) |
          bit(state_.frozen.frozen, status_frozen_track) | bit(state_.in_imu_gap, status_imu_gap) |
          bit(state_.trust.trust < 1.0, status_low_trust) |
          bit(motion::is_gated(settings_.motion, state_.body), status_rotating_fast);

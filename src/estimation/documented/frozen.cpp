@@ -1,3 +1,4 @@
+#include <sonopose/estimation/documented/default_position.hpp>
 #include <sonopose/estimation/documented/frozen.hpp>
 
 namespace sonopose::estimation::documented::frozen {
@@ -10,11 +11,7 @@ void begin_window(FrozenState& state, const Kinematics& body) {
 
 bool update(const FrozenSettings& settings, FrozenState& state, const Kinematics& body,
             const UltrasonicFix& fix) {
-  // Half the finest resolution of a beacon.
-  constexpr double same_coordinate_m = 0.0005;
-  const bool repeated =
-      state.has_fix &&
-      (fix.position_world_m - state.coordinates_world_m).cwiseAbs().maxCoeff() < same_coordinate_m;
+  const bool repeated = state.has_fix && is_same_position(fix.position_world_m, state.coordinates_world_m);
   if (!repeated) {
     state = FrozenState{};
     state.has_fix = true;

@@ -1,4 +1,4 @@
-#include <sonopose/estimation/kalman/default_position.hpp>
+#include <sonopose/estimation/documented/default_position.hpp>
 #include <sonopose/estimation/kalman/frozen_track.hpp>
 
 namespace sonopose::estimation::kalman {
@@ -10,7 +10,7 @@ void FrozenTrackDetector::move(double duration_s, const Vector3d& acceleration_w
 
 bool FrozenTrackDetector::add(const settings::FrozenSettings& settings, TimeNs time_ns,
                               const Vector3d& position_world_m, const Vector3d& begin_velocity_world_mps) {
-  const bool repeated = has_fix && is_same_position(position_world_m, coordinates_world_m);
+  const bool repeated = has_fix && documented::is_same_position(position_world_m, coordinates_world_m);
   repeats = repeated ? repeats + 1 : 0;
   frozen = repeated && (frozen || (repeats >= settings.repeats && moved_world_m.norm() > settings.moved_m));
   if (!repeated || (!frozen && seconds_between(began_ns, time_ns) > settings.window_s)) {

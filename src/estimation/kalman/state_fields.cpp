@@ -67,7 +67,7 @@ std::optional<FieldFault> find_timing_fault(const State& state) {
     return FieldFault{"interval_s", "is not between 0 and 10 s"};
   }
   if (!(state.wrong_tracks.longest_s >= 0.0)) return FieldFault{"longest_s", "is negative or no number"};
-  if (state.default_position.fixes >= 2 * static_cast<int>(DefaultPosition::capacity)) {
+  if (state.default_position.fixes >= 2 * static_cast<int>(documented::DefaultPosition::capacity)) {
     return FieldFault{"default_position", "has more fixes than twice the number of places"};
   }
   if (!is_trend(state.rest.fixes)) return FieldFault{"rest.fixes", "have a negative weight or square"};

@@ -42,6 +42,7 @@ TEST_CASE("every field of every group is listed once, under its own name") {
                                                     {"filter", 1},
                                                     {"startup", field_count<StartupState>()},
                                                     {"admission", field_count<AdmissionState>()},
+                                                    {"default_position", field_count<DefaultPosition>()},
                                                     {"frozen", field_count<FrozenState>()},
                                                     {"trust", field_count<TrustState>()},
                                                     {"drift", field_count<DriftState>()},

@@ -67,6 +67,7 @@ private:
   [[nodiscard]] Vector3d world_acceleration(const ImuSample& imu) const;
 
   std::uint32_t reject(const UltrasonicFix& fix);
+  bool is_default_position(const UltrasonicFix& fix);
   void reset_position(const TimedFix& fix, FixReport& report);
   bool reset_velocity(TimedFix& fix, FixReport& report);
   void correct_pose(const TimedFix& fix, FixReport& report);

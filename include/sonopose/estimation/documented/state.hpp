@@ -5,6 +5,7 @@
 #include <sonopose/attitude/any_filter.hpp>
 #include <sonopose/estimation/documented/admission.hpp>
 #include <sonopose/estimation/documented/alignment.hpp>
+#include <sonopose/estimation/documented/default_position.hpp>
 #include <sonopose/estimation/documented/drift.hpp>
 #include <sonopose/estimation/documented/frozen.hpp>
 #include <sonopose/estimation/documented/heading.hpp>
@@ -26,6 +27,7 @@ struct State {
   attitude::AnyFilter filter;
   StartupState startup;
   AdmissionState admission;
+  DefaultPosition default_position;
   FrozenState frozen;
   TrustState trust;
   DriftState drift;

@@ -23,7 +23,7 @@ void for_each_field(IsFieldsOf<InertialPoint> auto& point, const auto& visit) {
 }
 
 /// Calls `visit(name, field)` for each field. Fields are bool, int, TimeNs, double, Vector3d, InitPhase,
-/// attitude::AnyFilter, InertialHistory and an array of PastFix.
+/// attitude::AnyFilter, InertialHistory and arrays of PastFix and of Coordinates.
 void for_each_field(IsFieldsOf<State> auto& state, const auto& visit) {
   visit("body.time_ns", state.body.time_ns);
   visit("body.position_world_m", state.body.position_world_m);
@@ -55,6 +55,13 @@ void for_each_field(IsFieldsOf<State> auto& state, const auto& visit) {
   visit("admission.backward_in_row", state.admission.backward_in_row);
   visit("admission.last_fix_measured_ns", state.admission.last_fix_measured_ns);
   visit("admission.announced_ns", state.admission.announced_ns);
+
+  visit("default_position.recent", state.default_position.recent);
+  visit("default_position.fixes", state.default_position.fixes);
+  visit("default_position.is_known", state.default_position.is_known);
+  visit("default_position.default_world_m", state.default_position.default_world_m);
+  visit("default_position.seen_ns", state.default_position.seen_ns);
+  visit("default_position.in_row", state.default_position.in_row);
 
   visit("frozen.has_fix", state.frozen.has_fix);
   visit("frozen.frozen", state.frozen.frozen);
@@ -127,6 +134,10 @@ inline std::optional<FieldFault> find_fault(const Snapshot& snapshot) {
   const State& state = snapshot.state;
   if (!(state.trust.trust >= 0.0 && state.trust.trust <= 1.0)) {
     return FieldFault{"trust.trust", "is not between 0 and 1"};
+  }
+  if (state.default_position.fixes < 0 ||
+      state.default_position.fixes >= 2 * static_cast<int>(DefaultPosition::capacity)) {
+    return FieldFault{"default_position.fixes", "is not between 0 and twice the number of places"};
   }
   if (state.velocity.count < 0 || state.velocity.count > VelocityState::capacity) {
     return FieldFault{"velocity.count", "is more than the number of fixes"};

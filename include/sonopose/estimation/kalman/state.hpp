@@ -3,7 +3,7 @@
 /// The state of the engine at one moment, computed from the events in the order of their measurement. It
 /// depends on nothing else, so that events that arrive in another order give the same state.
 
-#include <sonopose/estimation/kalman/default_position.hpp>
+#include <sonopose/estimation/documented/default_position.hpp>
 #include <sonopose/estimation/kalman/fix_noise.hpp>
 #include <sonopose/estimation/kalman/frozen_track.hpp>
 #include <sonopose/estimation/kalman/heading_gate.hpp>
@@ -88,7 +88,7 @@ struct State {
   MeasurementNoise noise;
   RestState rest;
   FrozenTrackDetector frozen_track;
-  DefaultPosition default_position;
+  documented::DefaultPosition default_position;
   WrongTracks wrong_tracks;
   ImuDoubt doubt;
 

@@ -1,6 +1,7 @@
 #pragma once
 /// \file
-/// A position that a source reports where it has none.
+/// Default position, which the document does not mention: a position that a source reports where it has none.
+/// The Kalman engine detects it in the same way.
 
 #include <sonopose/samples/field_fault.hpp>
 #include <sonopose/samples/samples.hpp>
@@ -8,7 +9,7 @@
 #include <array>
 #include <cstddef>
 
-namespace sonopose::estimation::kalman {
+namespace sonopose::estimation::documented {
 
 /// Compares the coordinates of two positions, to the resolution of a beacon.
 [[nodiscard]] bool is_same_position(const Vector3d& a_world_m, const Vector3d& b_world_m);
@@ -48,4 +49,4 @@ void for_each_field(IsFieldsOf<DefaultPosition> auto& position, const auto& visi
   visit("in_row", position.in_row);
 }
 
-}  // namespace sonopose::estimation::kalman
+}  // namespace sonopose::estimation::documented

@@ -1,8 +1,8 @@
-#include <sonopose/estimation/kalman/default_position.hpp>
+#include <sonopose/estimation/documented/default_position.hpp>
 
 #include <algorithm>
 
-namespace sonopose::estimation::kalman {
+namespace sonopose::estimation::documented {
 
 bool is_same_position(const Vector3d& a_world_m, const Vector3d& b_world_m) {
   constexpr double same_coordinate_m = 0.0005;  // half the finest resolution of a beacon
@@ -45,4 +45,4 @@ bool DefaultPosition::is_active(TimeNs now_ns) const {
   return is_known && seconds_between(seen_ns, now_ns) < active_s;
 }
 
-}  // namespace sonopose::estimation::kalman
+}  // namespace sonopose::estimation::documented

@@ -1,11 +1,13 @@
-#include <sonopose/estimation/kalman/default_position.hpp>
+#include <sonopose/estimation/documented/default_position.hpp>
 
 #include <catch2/catch.hpp>
 
-namespace kalman_default_position_test {
+#include <support/engine_driver.hpp>
+
+namespace default_position_test {
 
 using namespace sonopose;
-using estimation::kalman::DefaultPosition;
+using estimation::documented::DefaultPosition;
 
 const Vector3d origin = Vector3d::Zero();
 
@@ -62,4 +64,43 @@ SCENARIO("a position that the fixes leave and return to exactly is a default one
   }
 }
 
-}  // namespace kalman_default_position_test
+SCENARIO("an engine does not follow the position that a source reports where it has none") {
+  GIVEN(
+      "a body that drives away 5 m beside the origin, and a source that reports the origin for each third "
+      "fix") {
+    constexpr double noise_m = 0.02;
+    const test::Motion drive = [away = test::departure(1.3)](double time_s) {
+      test::Truth truth = away(time_s);
+      truth.position_world_m.y() += 5.0;
+      return truth;
+    };
+    test::EngineDriver driver({}, drive, test::with_headings(noise_m));
+    const int first = GENERATE(0, 1, 2);  // with 0 the run starts at the origin
+    CAPTURE(first);
+    int fixes = 0;
+    driver.alter_fix = [&](UltrasonicFix& fix, double /*time_s*/) {
+      if (fixes++ % 3 == first) fix.position_world_m = origin;
+    };
+    WHEN("it drives for half a minute") {
+      const auto last = driver.run(30.0);
+      THEN("the pose is as near as the fixes' noise, none of the others is used, and the status tells why") {
+        CHECK(test::worst_error_m(driver.moments, 4.0) < 6.0 * noise_m);
+        CHECK(last.has(status_fixes_inconsistent));
+        CHECK_FALSE(last.has(status_stale));
+        for (const FixReport& report : driver.reports) {
+          if (report.position_world_m != origin || report.applied_time_ns < test::EngineDriver::stamp(1.0))
+            continue;
+          CHECK((report.flags & fix_used) == 0);
+        }
+      }
+      AND_WHEN("the source has a solution again") {
+        driver.alter_fix = nullptr;
+        THEN("the status soon forgets it") {
+          CHECK_FALSE(driver.run(4.0).has(status_fixes_inconsistent));
+        }
+      }
+    }
+  }
+}
+
+}  // namespace default_position_test
