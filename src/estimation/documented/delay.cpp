@@ -32,7 +32,7 @@ void extrapolate_to_now(const DelaySettings& settings, const Kinematics& body, T
 }
 
 TimedFix shift(const DelaySettings& settings, const Kinematics& body, const UltrasonicFix& fix) {
-  TimedFix timed{measured_at(settings, fix), fix.position_world_m, fix.position_world_m};
+  TimedFix timed{measured_at(settings, fix), fix.position_world_m, fix.position_world_m, Vector3d::Ones()};
   extrapolate_to_now(settings, body, timed);
   return timed;
 }

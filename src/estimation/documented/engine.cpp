@@ -110,7 +110,9 @@ void Engine::start(const ImuSample& imu) {
 
 void Engine::calibrate_at_rest(const ImuSample& imu) {
   const bool at_start = state_.startup.waiting;
-  if (startup::update(settings_.startup, state_.startup, imu) != startup::Progress::calibrated) return;
+  if (startup::update(settings_.startup, state_.startup, imu, state_.scatter.noise_world_m) !=
+      startup::Progress::calibrated)
+    return;
   // The mean of a second at rest is more accurate than the filter's estimate of the vertical by then.
   const double yaw_rad = geometry::yaw_of(state_.filter.orientation());
   state_.filter.reset(geometry::level_with(state_.startup.accel_mean, yaw_rad));
@@ -211,14 +213,18 @@ FixReport Engine::correct(const UltrasonicFix& fix) noexcept {
     ++counters_.fixes_rejected;
     return report;
   }
-  startup::update(settings_.startup, state_.startup, fix);
+  startup::update(state_.startup, fix);
   TimedFix timed = delay::shift(settings_.delay, state_.body, fix);  // 6
+  report.shifted_position_world_m = timed.shifted_position_world_m;
+  scatter::learn(state_.scatter, state_.body, timed);
   if (state_.outage.init_phase == InitPhase::no_position) {
     reset_position(timed, report);
-  } else if (state_.outage.init_phase == InitPhase::tracking || !reset_velocity(timed, report)) {
-    correct_pose(timed, report);
+  } else {
+    scatter::weigh(trust::share_of(settings_.trust, state_.scatter.noise_world_m), state_.body, timed);  // 13
+    if (state_.outage.init_phase == InitPhase::tracking || !reset_velocity(timed, report)) {
+      correct_pose(timed, report);
+    }
   }
-  report.shifted_position_world_m = timed.shifted_position_world_m;
   state_.outage.last_valid_fix_ns = fix.received_time_ns;
   report.flags |= fix_used;
   ++counters_.fixes_used;
@@ -247,6 +253,7 @@ bool Engine::is_default_position(const UltrasonicFix& fix) {
   const bool was_known = found.is_known;
   if (!found.add(delay::measured_at(settings_.delay, fix), fix.position_world_m)) return false;
   const bool is_there = (state_.body.position_world_m - fix.position_world_m).norm() < near_m;
+  if (!was_known) state_.scatter = ScatterState{};  // it has learned from them
   if (!was_known && is_there) state_.outage.init_phase = InitPhase::no_position;
   return true;
 }
@@ -284,6 +291,7 @@ bool Engine::reset_velocity(TimedFix& fix, FixReport& report) {
   if (!measured) return false;
   report.velocity_change_world_mps = velocity::adopt(state_.velocity, state_.body, *measured);
   delay::extrapolate_to_now(settings_.delay, state_.body, fix);
+  report.shifted_position_world_m = fix.shifted_position_world_m;
   report.jump_world_m = fix.shifted_position_world_m - state_.body.position_world_m;
   report.weight = 1.0;
   report.trust = 1.0;
@@ -309,7 +317,7 @@ void Engine::correct_pose(const TimedFix& fix, FixReport& report) {
     report.flags = (report.flags & ~std::uint32_t{fix_stale_recovered}) | fix_outlier;
     return;
   }
-  report.innovation_world_m = assessment.innovation_world_m;
+  report.innovation_world_m = assessment.innovation_world_m.cwiseQuotient(fix.share);
   report.test_ratio = assessment.test_ratio;
   report.weight = assessment.weight;
   report.trust = state_.trust.trust;
@@ -389,8 +397,9 @@ FusedPose Engine::pose_at(const ImuSample& imu) const {
   pose.angular_velocity_body_radps = body.angular_velocity_body_radps;
   pose.acceleration_world_mps2 = body.acceleration_world_mps2;
   pose.gyro_bias_body_radps = gyro_bias_body_radps();
-  pose.pose_covariance = uncertainty::pose_covariance(state_.uncertainty);
-  pose.velocity_covariance = uncertainty::velocity_covariance(state_.uncertainty);
+  const Vector3d share = trust::share_of(settings_.trust, state_.scatter.noise_world_m);
+  pose.pose_covariance = uncertainty::pose_covariance(state_.uncertainty, share);
+  pose.velocity_covariance = uncertainty::velocity_covariance(state_.uncertainty, share);
   pose.trust = state_.trust.trust;
   pose.since_valid_fix_s =
       state_.outage.last_valid_fix_ns == 0

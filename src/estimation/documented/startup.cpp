@@ -10,7 +10,7 @@ void begin_window(StartupState& state, TimeNs time_ns) {
   state.accel_mean.setZero();
   state.accel_squares.setZero();
   state.window_has_fix = false;
-  state.window_moved = false;
+  state.window_moved_m.setZero();
 }
 
 namespace {
@@ -22,18 +22,22 @@ void accumulate(Vector3d& mean, Vector3d& squares, const Vector3d& value, int sa
   squares += before.cwiseProduct(value - mean);
 }
 
-bool is_still(const StartupSettings& settings, const StartupState& state) {
+bool is_still(const StartupSettings& settings, const StartupState& state, const Vector3d& fix_noise_world_m) {
   const auto spread_below = [&state](const Vector3d& squares, double std) {
     return squares.maxCoeff() <= std * std * state.window_samples;
   };
-  return !state.window_moved && state.gyro_mean.cwiseAbs().maxCoeff() <= settings.max_gyro_offset_radps &&
+  constexpr double most_sigmas = 5.0;
+  const Vector3d allowed_m = (most_sigmas * fix_noise_world_m).cwiseMax(settings.still_moved_m);
+  return state.window_moved_m.cwiseQuotient(allowed_m).norm() <= 1.0 &&
+         state.gyro_mean.cwiseAbs().maxCoeff() <= settings.max_gyro_offset_radps &&
          spread_below(state.gyro_squares, settings.still_gyro_std_radps) &&
          spread_below(state.accel_squares, settings.still_accel_std_mps2);
 }
 
 }  // namespace
 
-Progress update(const StartupSettings& settings, StartupState& state, const ImuSample& imu) {
+Progress update(const StartupSettings& settings, StartupState& state, const ImuSample& imu,
+                const Vector3d& fix_noise_world_m) {
   if (state.calibrated) return Progress::none;
   if (state.began_ns == 0) {
     state.began_ns = imu.sensor_time_ns;
@@ -48,7 +52,7 @@ Progress update(const StartupSettings& settings, StartupState& state, const ImuS
   const double window_s = seconds_between(state.window_began_ns, imu.sensor_time_ns);
   if (window_s < settings.calibration_s || state.window_samples < least_samples) return Progress::none;
 
-  if (is_still(settings, state)) {
+  if (is_still(settings, state, fix_noise_world_m)) {
     state.waiting = false;
     state.calibrated = true;
     state.ended_ns = imu.sensor_time_ns;
@@ -61,16 +65,15 @@ Progress update(const StartupSettings& settings, StartupState& state, const ImuS
   return Progress::gave_up;
 }
 
-void update(const StartupSettings& settings, StartupState& state, const UltrasonicFix& fix) {
+void update(StartupState& state, const UltrasonicFix& fix) {
   if (state.calibrated) return;
   if (!state.window_has_fix) {
     state.window_has_fix = true;
     state.window_fix_world_m = fix.position_world_m;
     return;
   }
-  if ((fix.position_world_m - state.window_fix_world_m).norm() > settings.still_moved_m) {
-    state.window_moved = true;
-  }
+  const Vector3d moved_world_m = fix.position_world_m - state.window_fix_world_m;
+  state.window_moved_m = state.window_moved_m.cwiseMax(moved_world_m.cwiseAbs());
 }
 
 }  // namespace sonopose::estimation::documented::startup

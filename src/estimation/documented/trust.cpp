@@ -150,6 +150,11 @@ double weight_of(double innovation_m, double sigma_m) {
   return 1.0 / (1.0 + ratio * ratio);
 }
 
+Vector3d share_of(const TrustSettings& settings, const Vector3d& noise_world_m) {
+  constexpr double ordinary_noise = 0.5;  // in units of item 13
+  return (ordinary_noise * settings.sigma_m * noise_world_m.cwiseInverse()).cwiseMin(1.0);
+}
+
 bool is_far(const TrustSettings& settings, double distance_m) {
   return distance_m > settings.sigma_m;
 }

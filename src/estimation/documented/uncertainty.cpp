@@ -51,17 +51,17 @@ void reset_position(const UncertaintySettings& settings, UncertaintyState& state
   state.position_std_m = settings.fix_std_m;
 }
 
-Covariance<6> pose_covariance(const UncertaintyState& state) {
-  const double position_m2 = state.position_std_m * state.position_std_m;
+Covariance<6> pose_covariance(const UncertaintyState& state, const Vector3d& share) {
+  const Vector3d position_m2 = state.position_std_m * state.position_std_m * share.cwiseInverse();
   const double yaw_rad2 = state.yaw_std_rad * state.yaw_std_rad;
   constexpr double unknown = Covariance<6>::unknown;
   Covariance<6>::Vector variances;
-  variances << position_m2, position_m2, position_m2, unknown, unknown, yaw_rad2;
+  variances << position_m2, unknown, unknown, yaw_rad2;
   return Covariance<6>::from_diagonal(variances);
 }
 
-Covariance<3> velocity_covariance(const UncertaintyState& state) {
-  return Covariance<3>::from_diagonal(Vector3d::Constant(state.velocity_std_mps * state.velocity_std_mps));
+Covariance<3> velocity_covariance(const UncertaintyState& state, const Vector3d& share) {
+  return Covariance<3>::from_diagonal(state.velocity_std_mps * state.velocity_std_mps * share.cwiseInverse());
 }
 
 }  // namespace sonopose::estimation::documented::uncertainty

@@ -75,6 +75,7 @@ std::optional<FixVelocity> measure_from(const PastFix* reference, const Kinemati
   FixVelocity measured;
   measured.ultrasonic_world_mps = displacement_world_m / interval_s;
   measured.inertial_world_mps = *moved_world_m / interval_s;
+  measured.share = fix.share;
   measured.displacement_world_m = displacement_world_m;
   measured.interval_s = interval_s;
   return measured;
@@ -172,13 +173,15 @@ VelocityChange correct(const VelocitySettings& settings, VelocityState& state, K
   VelocityChange done;
   done.flags = snap_for(settings, measured, assessment);
   if (done.flags != 0) {
-    done.change_world_mps = measured.ultrasonic_world_mps - body.velocity_world_mps;
+    done.change_world_mps =
+        measured.share.cwiseProduct(measured.ultrasonic_world_mps - body.velocity_world_mps);
   } else {
     // A forced convergence would not end without a correction of the velocity.
     const double reliability = std::max(reliability_of(measured, assessment), assessment.weight_floor);
     done.share =
         blend_of(settings, state) * reliability * accel_gate(settings, body.acceleration_world_mps2.norm());
-    done.change_world_mps = done.share * (measured.ultrasonic_world_mps - measured.inertial_world_mps);
+    done.change_world_mps =
+        done.share * measured.share.cwiseProduct(measured.ultrasonic_world_mps - measured.inertial_world_mps);
   }
   body.correct_velocity(done.change_world_mps);
   if (!state.settled()) ++state.velocities;
@@ -187,7 +190,8 @@ VelocityChange correct(const VelocitySettings& settings, VelocityState& state, K
 
 Vector3d adopt(VelocityState& state, Kinematics& body, const FixVelocity& measured) {
   state.velocities = 1;
-  const Vector3d change_world_mps = measured.ultrasonic_world_mps - body.velocity_world_mps;
+  const Vector3d change_world_mps =
+      measured.share.cwiseProduct(measured.ultrasonic_world_mps - body.velocity_world_mps);
   body.correct_velocity(change_world_mps);
   return change_world_mps;
 }

@@ -44,6 +44,7 @@ TEST_CASE("every field of every group is listed once, under its own name") {
                                                     {"admission", field_count<AdmissionState>()},
                                                     {"default_position", field_count<DefaultPosition>()},
                                                     {"frozen", field_count<FrozenState>()},
+                                                    {"scatter", field_count<ScatterState>()},
                                                     {"trust", field_count<TrustState>()},
                                                     {"drift", field_count<DriftState>()},
                                                     {"velocity", field_count<VelocityState>()},

@@ -20,6 +20,7 @@ struct TimedFix {
   TimeNs measured_ns = 0;  ///< by the selected delay (delay.source)
   Vector3d measured_position_world_m = Vector3d::Zero();
   Vector3d shifted_position_world_m = Vector3d::Zero();  ///< extrapolated by the IMU's motion since then
+  Vector3d share = Vector3d::Ones();  ///< of each axis that counts, by the noise of the fixes (scatter)
 };
 
 namespace delay {

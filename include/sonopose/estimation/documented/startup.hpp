@@ -19,7 +19,7 @@ struct StartupState {
   Vector3d accel_squares = Vector3d::Zero();
   bool window_has_fix = false;
   Vector3d window_fix_world_m = Vector3d::Zero();  ///< the window's first fix
-  bool window_moved = false;                       ///< a later fix was too far from it
+  Vector3d window_moved_m = Vector3d::Zero();      ///< largest distance of a later fix from it, per axis
   bool waiting = true;                             ///< the start waits for stillness
   bool calibrated = false;                         ///< the offset has been measured
   TimeNs ended_ns = 0;                             ///< end of the rest that calibrated
@@ -40,11 +40,13 @@ enum class Progress {
 /// Starts a new window at this time.
 void begin_window(StartupState& state, TimeNs time_ns);
 
-/// Adds one IMU sample to the window. Without a rest at the start, the first later rest calibrates.
-Progress update(const StartupSettings& settings, StartupState& state, const ImuSample& imu);
+/// Adds one IMU sample to the window. Without a rest at the start, the first later rest calibrates. Fixes
+/// with this noise show no motion by it.
+Progress update(const StartupSettings& settings, StartupState& state, const ImuSample& imu,
+                const Vector3d& fix_noise_world_m = Vector3d::Zero());
 
 /// Adds an admitted fix: fixes that are far apart show a motion.
-void update(const StartupSettings& settings, StartupState& state, const UltrasonicFix& fix);
+void update(StartupState& state, const UltrasonicFix& fix);
 
 }  // namespace startup
 }  // namespace sonopose::estimation::documented

@@ -12,6 +12,7 @@
 #include <sonopose/estimation/documented/kinematics.hpp>
 #include <sonopose/estimation/documented/outage.hpp>
 #include <sonopose/estimation/documented/runaway.hpp>
+#include <sonopose/estimation/documented/scatter.hpp>
 #include <sonopose/estimation/documented/startup.hpp>
 #include <sonopose/estimation/documented/trust.hpp>
 #include <sonopose/estimation/documented/uncertainty.hpp>
@@ -29,6 +30,7 @@ struct State {
   AdmissionState admission;
   DefaultPosition default_position;
   FrozenState frozen;
+  ScatterState scatter;
   TrustState trust;
   DriftState drift;
   VelocityState velocity;

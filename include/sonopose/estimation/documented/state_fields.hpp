@@ -46,7 +46,7 @@ void for_each_field(IsFieldsOf<State> auto& state, const auto& visit) {
   visit("startup.accel_squares", state.startup.accel_squares);
   visit("startup.window_has_fix", state.startup.window_has_fix);
   visit("startup.window_fix_world_m", state.startup.window_fix_world_m);
-  visit("startup.window_moved", state.startup.window_moved);
+  visit("startup.window_moved_m", state.startup.window_moved_m);
   visit("startup.waiting", state.startup.waiting);
   visit("startup.calibrated", state.startup.calibrated);
   visit("startup.ended_ns", state.startup.ended_ns);
@@ -70,6 +70,12 @@ void for_each_field(IsFieldsOf<State> auto& state, const auto& visit) {
   visit("frozen.window_began_ns", state.frozen.window_began_ns);
   visit("frozen.window_displacement_world_m", state.frozen.window_displacement_world_m);
   visit("frozen.window_corrections_world_mps", state.frozen.window_corrections_world_mps);
+
+  visit("scatter.noise_world_m", state.scatter.noise_world_m);
+  visit("scatter.learned", state.scatter.learned);
+  visit("scatter.last_measured_ns", state.scatter.last_measured_ns);
+  visit("scatter.last_position_world_m", state.scatter.last_position_world_m);
+  visit("scatter.last_excess_world_mps", state.scatter.last_excess_world_mps);
 
   visit("trust.trust", state.trust.trust);
   visit("trust.rebuild_n", state.trust.rebuild_n);
@@ -138,6 +144,12 @@ inline std::optional<FieldFault> find_fault(const Snapshot& snapshot) {
   if (state.default_position.fixes < 0 ||
       state.default_position.fixes >= 2 * static_cast<int>(DefaultPosition::capacity)) {
     return FieldFault{"default_position.fixes", "is not between 0 and twice the number of places"};
+  }
+  if (!(state.scatter.noise_world_m.minCoeff() > 0.0)) {
+    return FieldFault{"scatter.noise_world_m", "is not positive"};
+  }
+  if (state.scatter.learned < 0 || state.scatter.learned > ScatterState::enough) {
+    return FieldFault{"scatter.learned", "is not between 0 and enough"};
   }
   if (state.velocity.count < 0 || state.velocity.count > VelocityState::capacity) {
     return FieldFault{"velocity.count", "is more than the number of fixes"};

@@ -61,6 +61,10 @@ namespace trust {
 /// w = 1 / (1 + (r/σ)²): one half at r = σ (item 13).
 [[nodiscard]] double weight_of(double innovation_m, double sigma_m);
 
+/// The share of each axis of a fix that counts, by its noise: 1 up to half of item 13, then falling as
+/// 1/noise.
+[[nodiscard]] Vector3d share_of(const TrustSettings& settings, const Vector3d& noise_world_m);
+
 /// Whether a pose at this distance from its fix is still converging: the fix's weight would be below one
 /// half.
 [[nodiscard]] bool is_far(const TrustSettings& settings, double distance_m);

@@ -52,7 +52,8 @@ struct FixVelocity {
       0;  ///< distance to the linear extrapolation of the two previous fixes; infinite without them
   double agreement =
       1;  ///< of the two fixes along the IMU's path: the weight (item 13) of their distance to it
-  bool by_rivals = false;  ///< between two outliers that agree with each other
+  bool by_rivals = false;             ///< between two outliers that agree with each other
+  Vector3d share = Vector3d::Ones();  ///< of each axis that counts (scatter)
 };
 
 /// The velocity correction by one fix.
