@@ -15,9 +15,10 @@
 namespace sonopose::estimation::documented {
 namespace {
 
-void record_path(State& state) {
+void record_path(const HeadingSettings& settings, State& state) {
   Kinematics& body = state.body;
-  const double yaw_rad = geometry::yaw_of(state.filter.orientation()) - body.yaw_corrections_rad;
+  const double yaw_rad =
+      heading::yaw_by_pair(settings, state.filter.orientation()) - body.yaw_corrections_rad;
   body.history.push({body.time_ns, body.displacement_world_m, geometry::wrap_angle(yaw_rad)});
 }
 
@@ -60,12 +61,12 @@ void Engine::restore(const Snapshot& snapshot) noexcept {
 
 Engine::Snapshot Engine::snapshot() const {
   Snapshot snapshot{state_, counters_, reset_counter_};
-  if (path_is_behind_) record_path(snapshot.state);
+  if (path_is_behind_) record_path(settings_.heading, snapshot.state);
   return snapshot;
 }
 
 void Engine::catch_up() noexcept {
-  if (std::exchange(path_is_behind_, false)) record_path(state_);
+  if (std::exchange(path_is_behind_, false)) record_path(settings_.heading, state_);
 }
 
 // One IMU sample

@@ -8,11 +8,20 @@
 namespace sonopose::estimation::documented::heading {
 namespace {
 
-/// Yaw is undefined if body X points up or down.
-bool yaw_is_defined(const attitude::AnyFilter& filter) {
+double mount_rad(const HeadingSettings& settings) {
+  return settings.mount_offset_deg * geometry::radians_per_degree;
+}
+
+/// The pair's axis in the world.
+Vector3d axis_world(const HeadingSettings& settings, const Quaterniond& q_body_to_world) {
+  const double rad = mount_rad(settings);
+  return q_body_to_world * Vector3d(std::cos(rad), std::sin(rad), 0.0);
+}
+
+/// The pair has no heading if its axis points up or down.
+bool has_heading(const Vector3d& axis_world) {
   constexpr double least_horizontal = 0.1;
-  const Vector3d x_world = filter.orientation() * Vector3d::UnitX();
-  return x_world.head<2>().norm() > least_horizontal;
+  return axis_world.head<2>().norm() > least_horizontal;
 }
 
 double direction_of(const Vector3d& world) {
@@ -20,6 +29,10 @@ double direction_of(const Vector3d& world) {
 }
 
 }  // namespace
+
+double yaw_by_pair(const HeadingSettings& settings, const Quaterniond& q_body_to_world) {
+  return geometry::wrap_angle(direction_of(axis_world(settings, q_body_to_world)) - mount_rad(settings));
+}
 
 void turn(Kinematics& body, attitude::AnyFilter& filter, double angle_rad) {
   filter.turn_in_world({0.0, 0.0, angle_rad});
@@ -32,10 +45,10 @@ bool is_valid(const HeadingSettings& settings, const HeadingState& state, TimeNs
 
 void set_target(const HeadingSettings& settings, HeadingState& state, Kinematics& body,
                 attitude::AnyFilter& filter, const PairHeading& heading, TimeNs measured_ns) {
-  if (!heading.valid || !body.started() || !yaw_is_defined(filter)) return;
-  const double yaw_measured_rad =
-      heading.heading_world_rad - settings.mount_offset_deg * geometry::radians_per_degree;
-  const double yaw_then_rad = body.yaw_at(measured_ns).value_or(geometry::yaw_of(filter.orientation()));
+  const Quaterniond q_body_to_world = filter.orientation();
+  if (!heading.valid || !body.started() || !has_heading(axis_world(settings, q_body_to_world))) return;
+  const double yaw_measured_rad = heading.heading_world_rad - mount_rad(settings);
+  const double yaw_then_rad = body.yaw_at(measured_ns).value_or(yaw_by_pair(settings, q_body_to_world));
   const double error_rad = geometry::wrap_angle(yaw_measured_rad - yaw_then_rad);
   if (!state.known) turn(body, filter, error_rad);
   state.wanted_correction_rad =

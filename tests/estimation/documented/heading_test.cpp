@@ -64,6 +64,30 @@ TEST_CASE("item 5: at 90 degrees the pair is aligned with body Y") {
   CHECK(std::atan2(y_world.y(), y_world.x()) == Approx(30.0 * degree));
 }
 
+SCENARIO("item 5: the heading of a pair is that of its axis, however the body leans") {
+  GIVEN("a body that rolls by 60 degrees and pitches by 20, with a pair along body Y or anywhere else") {
+    const double mount_deg = GENERATE(0.0, 90.0, -45.0);
+    CAPTURE(mount_deg);
+    const Quaterniond q_body_to_world = geometry::rotation_about_z(1.2) *
+                                        geometry::rotation_by(Vector3d(0.0, 20.0 * degree, 0.0)) *
+                                        geometry::rotation_by(Vector3d(60.0 * degree, 0.0, 0.0));
+    const Vector3d axis_world =
+        q_body_to_world * Vector3d(std::cos(mount_deg * degree), std::sin(mount_deg * degree), 0.0);
+    Rig rig;
+    rig.settings.mount_offset_deg = mount_deg;
+    WHEN("the yaw is wrong by 30 degrees and a heading comes in") {
+      const Quaterniond wrong = geometry::rotation_about_z(30.0 * degree) * q_body_to_world;
+      rig.filter.reset(wrong);
+      rig.body =
+          test::moving_body(Vector3d::Zero(), test::epoch_ns, heading::yaw_by_pair(rig.settings, wrong));
+      rig.take(std::atan2(axis_world.y(), axis_world.x()));
+      THEN("the attitude is right") {
+        CHECK(rig.filter.orientation().angularDistance(q_body_to_world) == Approx(0.0).margin(1e-6));
+      }
+    }
+  }
+}
+
 TEST_CASE("item 34: a yaw error decays with the time constant 1/gain") {
   for (const double gain_hz : {0.5, 2.0, 5.0}) {
     Rig rig;

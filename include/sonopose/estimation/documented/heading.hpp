@@ -23,14 +23,18 @@ struct HeadingState {
 
 namespace heading {
 
+/// The yaw that the pair shows: the direction of its axis minus the mount offset. It is the body's yaw where
+/// the body is level. Where it is not, the axis leaves that direction, unless it is body X.
+[[nodiscard]] double yaw_by_pair(const HeadingSettings& settings, const Quaterniond& q_body_to_world);
+
 /// Turns the body about the vertical and records the turn as a correction.
 void turn(Kinematics& body, attitude::AnyFilter& filter, double angle_rad);
 
 /// Whether a paired heading is valid at `now_ns`.
 [[nodiscard]] bool is_valid(const HeadingSettings& settings, const HeadingState& state, TimeNs now_ns);
 
-/// Sets the target yaw from a heading: body yaw = pair axis − mount offset, compared with the yaw at the time
-/// of the measurement. The first heading sets yaw directly.
+/// Sets the target yaw from a heading: the turn that takes the pair's axis at the time of the measurement to
+/// it. The first heading sets yaw directly.
 void set_target(const HeadingSettings& settings, HeadingState& state, Kinematics& body,
                 attitude::AnyFilter& filter, const PairHeading& heading, TimeNs measured_ns);
 

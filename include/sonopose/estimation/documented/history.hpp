@@ -15,7 +15,7 @@ namespace sonopose::estimation::documented {
 struct InertialPoint {
   TimeNs time_ns = 0;
   Vector3d displacement_world_m = Vector3d::Zero();  ///< ∫(v − v_corrections) dt since the engine's start
-  double yaw_rad = 0;                                ///< yaw without any yaw corrections
+  double yaw_rad = 0;  ///< yaw by the pair (heading), without any yaw corrections
 
   bool operator==(const InertialPoint&) const = default;
 };
