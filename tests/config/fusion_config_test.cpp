@@ -306,8 +306,8 @@ TEST_CASE("settings that contradict each other are a warning that names both wit
   CHECK_THAT(only({"velocity.interval_max_s=0.2", "velocity.interval_min_s=0.3"}),
              Contains("velocity.interval_min_s = 0.3") && Contains("velocity.interval_max_s = 0.2") &&
                  Contains("never corrected"));
-  CHECK_THAT(only({"velocity.interval_wanted_s=0.6"}),
-             Contains("velocity.interval_wanted_s = 0.6") && Contains("velocity.interval_max_s"));
+  CHECK_THAT(only({"velocity.interval_wanted_s=1.6"}),
+             Contains("velocity.interval_wanted_s = 1.6") && Contains("velocity.interval_max_s"));
   CHECK_THAT(only({"trust.n_min=50"}), Contains("trust.n_min = 50") && Contains("trust.n_max"));
   CHECK_THAT(only({"trust.n_max=40", "trust.stuck_n=40"}),
              Contains("trust.stuck_n = 40") && Contains("trust.n_max = 40") && Contains("never forced"));

@@ -55,7 +55,7 @@ struct VelocitySettings {
   bool accel_gate = false;                 ///< item 26
   double accel_gate_threshold_mps2 = 3.0;  ///< item 27
   double interval_min_s = 0.05;
-  double interval_max_s = 0.5;
+  double interval_max_s = 1.0;
   double interval_wanted_s = 0.15;
 };
 
