@@ -246,7 +246,7 @@ std::uint32_t Engine::reject(const UltrasonicFix& fix) {
   return 0;
 }
 
-/// Whether the source reports this position where it has none. A pose that is there when it is found out has
+/// Detects a position that the source reports where it has none. A pose that is there when it is found out has
 /// started at it: the next fix starts a new run.
 bool Engine::is_default_position(const UltrasonicFix& fix) {
   constexpr double near_m = 0.5;

@@ -29,7 +29,7 @@ struct DefaultPosition {
   TimeNs seen_ns = 0;  ///< when it was last reported
   int in_row = 0;      ///< fixes at it, up to the latest
 
-  /// Adds a fix. Whether it is the default position.
+  /// Adds a fix. Returns true if it is the default position.
   bool add(TimeNs time_ns, const Vector3d& position_world_m);
   /// True if it was reported in the last seconds.
   [[nodiscard]] bool is_active(TimeNs now_ns) const;
