@@ -62,7 +62,7 @@ void correct_open(State& state, const JudgedFix& judged) {
 /// Learns the noise of fixes from the residual of one that was used.
 void learn_noise(State& state, const JudgedFix& judged) {
   // An error of the motion would count as noise.
-  if (state.phase != Phase::tracking || judged.fix.has_covariance || is_open(state.bank.best().imu)) return;
+  if (judged.fix.has_covariance || is_open(state.bank.best().imu)) return;
   const Innovation& before = judged.innovation_of(state.bank, state.bank.best());
   state.noise.correlation.add(before.value_world_m, before.covariance_m2);
   const Innovation after =
@@ -101,8 +101,9 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
     outcome.weight = 1.0 / scale;
     outcome.covariance_world_m2 += more_covariance_m2;
     outcome.flags = fix_used;
+    const bool is_tracking = state.phase == Phase::tracking;
     correct_followed(state, judged, more_covariance_m2);
-    learn_noise(state, judged);
+    if (is_tracking) learn_noise(state, judged);
     note_used(state, fix);
   } else {
     ++state.fixes.rejected_in_row;
@@ -135,7 +136,7 @@ void note_used(State& state, const FixMeasurement& fix) {
   state.slowed_ns = std::max(state.slowed_ns, fix.time_ns);
   rest::add_fix(state.rest, fix.time_ns, fix.position_world_m);
   if (Hypothesis* const former = state.bank.find(Track::former)) former->explained_in_row = 0;
-  // The other track lives on rejected fixes alone; one that only explains the same track is none.
+  // The other track lives on rejected fixes alone.
   constexpr TimeNs idle_ns = 1'500'000'000;
   const Hypothesis* const other = other_track(state);
   if (other != nullptr && fix.time_ns - other->explained_ns > idle_ns) end_other_track(state, fix.time_ns);
@@ -148,7 +149,7 @@ FixOutcome State::on_fix(const settings::Settings& settings, const FixMeasuremen
   coast_if_silent(*this, settings, fix.time_ns);
   const bool has_started = phase != Phase::waiting;
   if (default_position.add(fix.time_ns, fix.position_world_m)) {
-    // A start at it is none.
+    // The estimate may have started at it.
     constexpr double near_m = 0.5;
     const bool is_there =
         has_started && (filter().tracked_position_world_m() - fix.position_world_m).norm() < near_m;
@@ -180,6 +181,7 @@ FixOutcome State::on_fix(const settings::Settings& settings, const FixMeasuremen
   const bool is_stale = seconds_between(fixes.used_ns, fix.time_ns) > settings.outage.stale_after_s;
   outcome = judge(*this, settings, fix);
   recover_if_not_finite(*this);
+  if (phase == Phase::waiting) return outcome;
   outcome.jump_world_m = filter().tracked_position_world_m() - position_before;
   outcome.velocity_change_world_mps = filter().tracked_velocity_world_mps() - velocity_before;
   outcome.yaw_change_rad = geometry::wrap_angle(geometry::yaw_of(filter().q_body_to_world) - yaw_before);

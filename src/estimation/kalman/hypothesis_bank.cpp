@@ -51,6 +51,7 @@ const ImuModelParameters& parameters_of(ImuModel model) {
 
 void assume(Hypothesis& hypothesis, ImuModel model) {
   hypothesis.imu = model;
+  widen(hypothesis.filter, parameters_of(model).widening);
   const double offset_std_s = parameters_of(model).clock_offset_std_s;
   if (offset_std_s > 0.0 && !hypothesis.filter.estimates_delay()) {
     hypothesis.filter.estimate_delay(square(offset_std_s));

@@ -1,5 +1,4 @@
-// The choice among the models of the IMU, and the doubt in it: it falls silent, or fixes and headings
-// contradict it.
+// The choice among the models of the IMU, and the doubt in it: fixes and headings contradict it.
 
 #include "estimation/kalman/state_parts.hpp"
 
@@ -19,7 +18,7 @@ void begin_again(Hypothesis& hypothesis, const Hypothesis& best, const ImuDoubt&
   assume(hypothesis, model);
   hypothesis.score -= handicap;
   hypothesis.missed_in_row = hypothesis.explained_in_row = 0;
-  if (!is_open(best.imu)) return;
+  if (!is_open(best.imu) || is_open(model)) return;
   Filter& f = hypothesis.filter;
   f.gyro_bias_body_radps = doubt.trusted_gyro_bias_body_radps;
   f.accel_bias_body_mps2 = doubt.trusted_accel_bias_body_mps2;
@@ -27,8 +26,7 @@ void begin_again(Hypothesis& hypothesis, const Hypothesis& best, const ImuDoubt&
   f.decorrelate(at_accel_bias, Vector3d::Constant(square(start_accel_bias_std_mps2)));
 }
 
-/// Whether it has explained enough fixes and headings to trust the IMU again; each doubt doubles their
-/// number.
+/// True if it has explained enough fixes in a row to trust the IMU again; each doubt doubles their number.
 bool trusts_imu_again(const Hypothesis& hypothesis, const State& state) {
   constexpr int least = 20;
   return hypothesis.explained_in_row >= least << std::min(state.doubt.doubts, 4) &&
@@ -42,7 +40,7 @@ bool has_other_clock(const Filter& filter) {
 }
 
 /// Continues with this open model.
-void doubt_imu(State& state, Hypothesis& open) {
+void continue_with(State& state, Hypothesis& open) {
   constexpr double memory_s = 60.0;
   constexpr int most_doubts = 100;
   ImuDoubt& doubt = state.doubt;
@@ -121,7 +119,6 @@ void suspect_imu(State& state, bool is_suspicious) {
     if (is_wanted && open == nullptr) {
       Hypothesis& added = state.bank.spawn(state.bank.best());
       assume(added, model);
-      widen(added.filter, parameters_of(model).widening);
     } else if (!is_wanted && open != nullptr) {
       state.bank.remove(open);
     }
@@ -144,45 +141,9 @@ bool doubt_imu(State& state) {
   double most = std::max(state.bank.best().evidence, state.doubt.shifted.evidence);
   if (const Hypothesis* const other = other_track(state)) most = std::max(most, other->evidence);
   if (!(open->evidence > most + lead)) return false;
-  doubt_imu(state, *open);
+  continue_with(state, *open);
   return true;
 }
-
-// A silence of the IMU: the motion is unknown, and only fixes and headings show it.
-
-namespace {
-
-void coast_to(State& state, TimeNs to_ns) {
-  const double duration_s = seconds_between(state.time_ns, to_ns);
-  state.propagate();
-  state.time_ns = to_ns;
-  for (Hypothesis& each : state.bank) each.filter.coast(duration_s, UnknownMotion{});
-}
-
-}  // namespace
-
-void coast_if_silent(State& state, const settings::Settings& settings, TimeNs measured_ns) {
-  const TimeNs sample_ns = state.imu.time_ns;
-  const bool is_silent = seconds_between(sample_ns, measured_ns) > settings.outage.imu_gap_s;
-  if (!is_silent) return;
-  if (seconds_between(sample_ns, state.headings.used_ns) < settings.outage.imu_gap_s) {
-    state.headings.is_current = false;  // measured before the silence
-  }
-  if (measured_ns <= state.time_ns) return;
-  rest::restart(state.rest);
-  coast_to(state, measured_ns);
-}
-
-/// The first sample after the silence.
-void end_imu_gap(State& state, TimeNs to_ns) {
-  constexpr double unknown_yaw_rad = radians(30.0);
-  coast_to(state, to_ns);
-  if (state.filter().yaw_variance_rad2() > square(unknown_yaw_rad)) search_yaw_again(state);
-  rest::restart(state.rest);
-  state.frozen_track = {};
-}
-
-// Other explanations
 
 namespace {
 
@@ -213,28 +174,28 @@ double ShiftedTrack::add(TimeNs time_ns, const Vector3d& offset_m, const Matrix3
   const double noise_m2 = covariance_m2.diagonal().maxCoeff();
   const double dt_s = seconds_between(seen_ns, time_ns);
   seen_ns = time_ns;
-  const double predicted_rate_variance = rate_variance + square(drift_change_mps_rts) * dt_s;
-  const double both = covariance + dt_s * rate_variance;
-  const double variance = variance_m2 + dt_s * (covariance + both);
-  const Vector3d predicted_m = offset_world_m + dt_s * offset_world_mps;
+  const double predicted_drift_variance_m2ps2 = drift_variance_m2ps2 + square(drift_change_mps_rts) * dt_s;
+  const double both = covariance_m2ps + dt_s * drift_variance_m2ps2;
+  const double variance = variance_m2 + dt_s * (covariance_m2ps + both);
+  const Vector3d predicted_m = offset_world_m + dt_s * drift_world_mps;
   const Matrix3d innovation_m2 = covariance_m2 + variance * Matrix3d::Identity();
   const double distance =
       Eigen::LLT<Matrix3d>(innovation_m2).matrixL().solve(offset_m - predicted_m).squaredNorm();
   if (variance_m2 == 0.0 || distance > other_above) {
     offset_world_m = offset_m;
-    offset_world_mps.setZero();
+    drift_world_mps.setZero();
     variance_m2 = noise_m2;
-    covariance = 0.0;
-    rate_variance = square(drift_std_mps);
+    covariance_m2ps = 0.0;
+    drift_variance_m2ps2 = square(drift_std_mps);
     return wrong_fix_likelihood;
   }
   const double gain = variance / (variance + noise_m2);
   const double rate_gain = both / (variance + noise_m2);
   offset_world_m = predicted_m + gain * (offset_m - predicted_m);
-  offset_world_mps += rate_gain * (offset_m - predicted_m);
+  drift_world_mps += rate_gain * (offset_m - predicted_m);
   variance_m2 = (1.0 - gain) * variance;
-  covariance = (1.0 - gain) * both;
-  rate_variance = predicted_rate_variance - rate_gain * both;
+  covariance_m2ps = (1.0 - gain) * both;
+  drift_variance_m2ps2 = predicted_drift_variance_m2ps2 - rate_gain * both;
   return log_likelihood(offset_m - predicted_m, innovation_m2);
 }
 

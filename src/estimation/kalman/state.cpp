@@ -212,6 +212,8 @@ void recover_if_not_finite(State& state) {
   state.bank.clear();
   state.headings = {.seen_ns = state.headings.seen_ns, .interval_s = state.headings.interval_s};
   state.imu.mean_force_body_mps2 = state.imu.force_body_mps2;
+  state.frozen_track = {};
+  state.doubt = {};
   state.phase = Phase::waiting;
 }
 

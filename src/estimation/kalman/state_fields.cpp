@@ -115,15 +115,24 @@ std::optional<FieldFault> find_bank_fault(const State& state) {
     });
     if (of_model != 1) return FieldFault{"hypotheses", "do not have one of each model of the IMU"};
   }
-  for (const Track track : {Track::other, Track::turned, Track::former}) {
-    const auto on_track = std::count_if(bank.begin(), bank.end(),
-                                        [track](const Hypothesis& each) { return each.track == track; });
+  const auto followed = std::count_if(bank.begin(), bank.end(),
+                                      [](const Hypothesis& each) { return each.track == Track::followed; });
+  const auto most_followed =
+      state.phase == Phase::tracking ? choices_of(ImuModel{}).size() : start_count + 1U;
+  if (static_cast<std::size_t>(followed) > most_followed) {
+    return FieldFault{"hypotheses", "are more on the followed track than an engine keeps"};
+  }
+  for (const Track track : {Track::other, Track::former}) {
+    const auto on_track = std::count_if(bank.begin(), bank.end(), [track](const Hypothesis& each) {
+      return (each.track == Track::turned ? Track::other : each.track) == track;
+    });
     if (on_track > 1) return FieldFault{"hypotheses", "have several on one track that is not followed"};
   }
   return std::nullopt;
 }
 
 std::optional<FieldFault> find_fault(const State& state) {
+  if (state.time_ns < state.imu.time_ns) return FieldFault{"time_ns", "is before the latest sample"};
   if (!(state.fixes.trust >= 0.0 && state.fixes.trust <= 1.0)) {
     return FieldFault{"trust", "is not between 0 and 1"};
   }

@@ -206,7 +206,6 @@ void Timeline::restore(const settings::Settings& settings, const History& histor
   if (history.base.imu.time_ns == 0) return;
   stamps_are_ahead_ = history.stamps_are_ahead;
   now_ = history.base;
-  now_.time_ns = now_.imu.time_ns;
   save_checkpoint();
   const std::size_t samples = std::min(history.imu.size(), imu_capacity);
   for (auto imu = history.imu.end() - static_cast<std::ptrdiff_t>(samples); imu != history.imu.end(); ++imu) {

@@ -100,7 +100,6 @@ void follow(State& state, const Hypothesis& track) {
   state.bank.follow(track.filter);
   state.bank.remove(Track::other);
   state.bank.remove(Track::turned);
-  state.doubt.suspicious_until_ns = 0;
   rest::restart(state.rest);
 }
 

@@ -140,16 +140,18 @@ void prune_starts(State& state) {
     }
   }
   const int starts = static_cast<int>(std::count_if(bank.begin(), bank.end(), is_start));
+  double least = has_best ? bank.best().score + much_better : -std::numeric_limits<double>::infinity();
   for (int i = 0; i < bank.size(); ++i) {
-    if (bank[i].track != Track::followed) continue;
-    const double least = bank.best().score + (has_best ? much_better : 0.0);
-    if (bank[i].score > least) bank.best_index = i;
+    if (bank[i].track != Track::followed || !(bank[i].score > least)) continue;
+    bank.best_index = i;
+    least = bank[i].score;
   }
   if (starts > 1) return;
   if (bank.best().imu == ImuModel::open) {
     search_yaw_again(state);
     bank.best_index = start_count;
   } else {
+    bank.remove(Track::other);  // its yaw is arbitrary
     state.phase = Phase::tracking;
     bank.follow(state.filter());
   }

@@ -31,6 +31,7 @@ SCENARIO("the best hypothesis stays the best while others end") {
         CHECK(std::none_of(bank.begin(), bank.end(), [&](const Hypothesis& each) {
           return each.filter.position_world_m.x() == ended;
         }));
+        REQUIRE(bank.best_index < bank.size());
         if (ended != best) CHECK(bank.best().filter.position_world_m.x() == best);
       }
     }

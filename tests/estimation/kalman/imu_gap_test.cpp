@@ -160,4 +160,26 @@ SCENARIO("a stamp from the future is not a silence of the IMU") {
   }
 }
 
+SCENARIO("a state that is saved in a silence of the IMU continues like the original") {
+  GIVEN("a walk whose mount offset is changed in the silence, after fixes of it") {
+    const GapRun run(71);
+    kalman::Engine engine{settings::Settings{}};
+    poses_of(engine, run.before);
+    poses_of(engine, run.aiding);
+    settings::Settings turned;
+    turned.heading.mount_offset_deg = 10.0;
+    engine.configure(turned);
+    WHEN("another engine continues from its state") {
+      kalman::Engine other{turned};
+      other.restore(engine.snapshot());
+      THEN("both have the same poses") {
+        const auto poses = poses_of(engine, run.after);
+        const auto other_poses = poses_of(other, run.after);
+        REQUIRE(poses.size() == other_poses.size());
+        CHECK(std::equal(poses.begin(), poses.end(), other_poses.begin()));
+      }
+    }
+  }
+}
+
 }  // namespace imu_gap_test

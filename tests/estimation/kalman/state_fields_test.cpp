@@ -87,6 +87,15 @@ SCENARIO("an impossible state is refused by the field at fault") {
             }) == "hypotheses");
       CHECK(fault_after([&](Snapshot& s) {
               add(s, Track::other);
+              add(s, Track::turned);
+            }) == "hypotheses");
+      CHECK(fault_after([&](Snapshot& s) {
+              for (int i = closed_model_count; i < HypothesisBank::capacity; ++i) {
+                s.history.base.bank.spawn(s.history.base.bank.best()).imu = ImuModel::open;
+              }
+            }) == "hypotheses");
+      CHECK(fault_after([&](Snapshot& s) {
+              add(s, Track::other);
               s.history.base.bank.best_index = closed_model_count;
             }) == "best_index");
     }

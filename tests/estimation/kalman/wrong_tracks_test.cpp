@@ -87,7 +87,7 @@ SCENARIO("a map that moves while yaw is searched does not end the search") {
   }
 }
 
-SCENARIO("the pose returns soon from a track that drifted away") {
+SCENARIO("the pose returns from a track that drifted away") {
   const std::uint64_t seed = GENERATE(range(std::uint64_t{1}, std::uint64_t{11}));
   GIVEN("a walk whose fixes drift away by 0.3 m/s for 3 s, once, seed " << seed) {
     sim::Scenario scenario = sim::find_scenario("walk");

@@ -43,7 +43,7 @@ constexpr std::array<std::string_view, 4> choices_of(Track /*track*/) {
   return {"followed", "other", "turned", "former"};
 }
 
-/// Standard deviations of what a new hypothesis knows less of than the one that it copies.
+/// Standard deviations that are added to a hypothesis that assumes a model.
 struct Widening {
   double velocity_mps = 0;
   double tilt_rad = 0;
@@ -58,7 +58,7 @@ void widen(Filter& filter, const Widening& widening);
 /// Consequences of a model of the IMU.
 struct ImuModelParameters {
   ProcessNoise noise;
-  Widening widening;                  ///< of a hypothesis that begins with it
+  Widening widening;
   double dead_reckoning_mps_rts = 0;  ///< density of the measurement of no velocity without fixes
   double clock_offset_std_s = 0;      ///< of an error of the delay that it estimates; 0: as the settings say
 };
@@ -81,7 +81,7 @@ struct Hypothesis {
   bool operator==(const Hypothesis&) const = default;
 };
 
-/// Lets a hypothesis assume this model of the IMU.
+/// Lets a hypothesis assume this model of the IMU, and widens its filter accordingly.
 void assume(Hypothesis& hypothesis, ImuModel model);
 
 inline constexpr int closed_model_count =
@@ -91,7 +91,7 @@ inline constexpr int start_count = 8;  ///< directions from which an unknown yaw
 /// All hypotheses, and the best of the followed track. A plain value that has memory for all from its first
 /// hypothesis on: an assignment then allocates nothing.
 struct HypothesisBank {
-  static constexpr int capacity = start_count + 3;
+  static constexpr int capacity = start_count + 3;  ///< the starts, `open`, another and a former track
 
   std::vector<Hypothesis> hypotheses;
   int best_index = 0;

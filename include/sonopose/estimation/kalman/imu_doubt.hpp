@@ -12,10 +12,10 @@ namespace sonopose::estimation::kalman {
 struct ShiftedTrack {
   TimeNs seen_ns = 0;
   Vector3d offset_world_m = Vector3d::Zero();
-  Vector3d offset_world_mps = Vector3d::Zero();
+  Vector3d drift_world_mps = Vector3d::Zero();
   double variance_m2 = 0;  ///< per axis; 0: none yet
-  double covariance = 0;
-  double rate_variance = 0;
+  double covariance_m2ps = 0;
+  double drift_variance_m2ps2 = 0;
 
   double evidence = 0;  ///< as of a hypothesis
 
@@ -44,10 +44,10 @@ struct ImuDoubt {
 void for_each_field(IsFieldsOf<ShiftedTrack> auto& shifted, const auto& visit) {
   visit("seen_ns", shifted.seen_ns);
   visit("offset_world_m", shifted.offset_world_m);
-  visit("offset_world_mps", shifted.offset_world_mps);
+  visit("drift_world_mps", shifted.drift_world_mps);
   visit("variance_m2", shifted.variance_m2);
-  visit("covariance", shifted.covariance);
-  visit("rate_variance", shifted.rate_variance);
+  visit("covariance_m2ps", shifted.covariance_m2ps);
+  visit("drift_variance_m2ps2", shifted.drift_variance_m2ps2);
   visit("evidence", shifted.evidence);
 }
 

@@ -39,7 +39,7 @@ struct FixOutcome {
   Vector3d velocity_change_world_mps = Vector3d::Zero();
   double yaw_change_rad = 0;
   std::uint32_t flags = 0;
-  bool starts = false;           ///< the estimate started at it
+  bool starts = false;           ///< the estimate started at it, and not only on another track
   std::uint32_t hypothesis = 0;  ///< 1: it agreed with another track
 };
 

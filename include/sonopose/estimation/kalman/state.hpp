@@ -150,6 +150,7 @@ void for_each_field(IsFieldsOf<FixGate> auto& fixes, const auto& visit) {
 void for_each_field(IsFieldsOf<State> auto& state, const auto& visit) {
   visit("phase", state.phase);
   visit("imu", state.imu);
+  visit("time_ns", state.time_ns);
   visit("bank", state.bank);
   visit("restart_pending", state.restart_pending);
   visit("converging_until_ns", state.converging_until_ns);
