@@ -72,6 +72,9 @@ HeadingOutcome judge(State& state, const settings::Settings& settings, const Hea
     if (own.observable) each.evidence += evidence_of(own);
     const bool explains = squared_norm(own) <= heading_rejected_above;
     if (!explains && each.track == Track::followed) each.explained_in_row = 0;
+    // A wrong gyroscope is corrected by the headings that it makes the others reject.
+    if (rejected && explains && each.imu == ImuModel::open_gyro && each.track == Track::followed)
+      correct_by_heading(state, each.filter, settings, heading, scale_of(own) * variance);
   }
   if (rejected && doubt_imu(state)) {
     outcome.used = true;
@@ -79,12 +82,6 @@ HeadingOutcome judge(State& state, const settings::Settings& settings, const Hea
     return outcome;
   }
   if (rejected && !state.headings.reject(heading.time_ns)) {
-    // It corrects the wrong gyroscope that makes the others reject it.
-    if (Hypothesis* const open = state.bank.find(ImuModel::open_gyro)) {
-      const auto own = heading_innovation(state, open->filter, settings, heading);
-      if (squared_norm(own) <= heading_rejected_above)
-        correct_by_heading(state, open->filter, settings, heading, scale_of(own) * variance);
-    }
     turn_map(state, settings, heading, innovation.value_rad);
     return outcome;
   }
