@@ -246,8 +246,8 @@ std::uint32_t Engine::reject(const UltrasonicFix& fix) {
   return 0;
 }
 
-/// Detects a position that the source reports where it has none. A pose that is there when it is found out has
-/// started at it: the next fix starts a new run.
+/// Detects a position that the source reports where it has none. A pose that is there when it is found out
+/// has started at it: the next fix starts a new run.
 bool Engine::is_default_position(const UltrasonicFix& fix) {
   constexpr double near_m = 0.5;
   DefaultPosition& found = state_.default_position;

@@ -46,9 +46,9 @@ void align_yaw(UncertaintyState& state, double share, double measurement_std_rad
 /// The first fix of a run sets the position.
 void reset_position(const UncertaintySettings& settings, UncertaintyState& state);
 
-/// Covariance of the position and the yaw. Tilt is not estimated and unknown. `share` is that of each axis of the fixes
-/// that counts: an axis of which a quarter counts has four times the variance, that of fixes with sixteen
-/// times the variance that are averaged over four times the time.
+/// Covariance of the position and the yaw. Tilt is not estimated and unknown. `share` is that of each axis of
+/// the fixes that counts: an axis of which a quarter counts has four times the variance, that of fixes with
+/// sixteen times the variance that are averaged over four times the time.
 [[nodiscard]] Covariance<6> pose_covariance(const UncertaintyState& state,
                                             const Vector3d& share = Vector3d::Ones());
 
