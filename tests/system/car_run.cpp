@@ -4,6 +4,7 @@
 #include "support/pseudo_terminal.hpp"
 #include "support/recordings.hpp"
 #include <sonopose/geometry/rotation.hpp>
+#include <sonopose/statistics/quantile.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -31,20 +32,16 @@ struct Listeners {
   Consumer<sonopose_FixReport> reports;
 };
 
-class Accumulator {
-public:
-  void add(double difference) {
-    sum_ += difference * difference;
-    max_ = std::max(max_, std::abs(difference));
-    ++count_;
+Distance distance_of(std::vector<double> differences) {
+  double squares = 0.0;
+  for (double& difference : differences) {
+    difference = std::abs(difference);
+    squares += difference * difference;
   }
-  [[nodiscard]] Distance distance() const { return {std::sqrt(sum_ / static_cast<double>(count_)), max_}; }
-
-private:
-  double sum_ = 0;
-  double max_ = 0;
-  std::size_t count_ = 0;
-};
+  return {statistics::quantile(differences, 0.5),
+          std::sqrt(squares / static_cast<double>(differences.size())),
+          *std::max_element(differences.begin(), differences.end())};
+}
 
 Arguments settings_of(const std::string& engine) {
   Arguments settings = car_settings;
@@ -125,16 +122,17 @@ LiveRun play_over_serial_line(const CarPart& part, const std::string& engine) {
 }
 
 RunDistance distance_between(const std::vector<FusedPose>& run, const std::vector<FusedPose>& other) {
-  Accumulator position;
-  Accumulator velocity;
-  Accumulator yaw;
+  std::vector<double> position_m;
+  std::vector<double> velocity_mps;
+  std::vector<double> yaw_rad;
   for (std::size_t k = 0; k < std::min(run.size(), other.size()); ++k) {
-    position.add((run[k].position_world_m - other[k].position_world_m).norm());
-    velocity.add((run[k].velocity_world_mps - other[k].velocity_world_mps).norm());
-    yaw.add(geometry::wrap_angle(geometry::yaw_of(run[k].q_body_to_world) -
-                                 geometry::yaw_of(other[k].q_body_to_world)));
+    position_m.push_back((run[k].position_world_m - other[k].position_world_m).norm());
+    velocity_mps.push_back((run[k].velocity_world_mps - other[k].velocity_world_mps).norm());
+    yaw_rad.push_back(geometry::wrap_angle(geometry::yaw_of(run[k].q_body_to_world) -
+                                           geometry::yaw_of(other[k].q_body_to_world)));
   }
-  return {position.distance(), velocity.distance(), yaw.distance()};
+  REQUIRE_FALSE(position_m.empty());
+  return {distance_of(position_m), distance_of(velocity_mps), distance_of(yaw_rad)};
 }
 
 bool car_is_here() {

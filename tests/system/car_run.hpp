@@ -48,6 +48,7 @@ LiveRun play_over_serial_line(const CarPart& part, const std::string& engine);
 
 /// Difference between two runs, the k-th pose of one against the k-th of the other.
 struct Distance {
+  double median = 0;
   double rms = 0;
   double max = 0;
 };
