@@ -128,7 +128,8 @@ void suspect_imu(State& state, bool is_suspicious) {
 bool doubt_imu(State& state) {
   constexpr double lead = 14.0;  // prior odds: IMUs are right
   constexpr int least_rejected = 4;
-  if (state.phase != Phase::tracking ||
+  // The noise of the first fixes is not known yet.
+  if (state.phase != Phase::tracking || state.fixes.since_start < proven_fixes ||
       std::max(state.fixes.rejected_in_row, state.headings.rejected_in_row) < least_rejected)
     return false;
   Hypothesis* open = nullptr;
