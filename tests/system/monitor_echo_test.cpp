@@ -86,9 +86,9 @@ SCENARIO("the example of an echo in Python prints positions") {
   GIVEN("a chain with three beacons") {
     const Chain chain;
     WHEN("it runs") {
+      const std::string program = SONOPOSE_SOURCE_DIR "/examples/python_echo/positions.py";
       Process example("/usr/bin/python3",
-                      {SONOPOSE_SOURCE_DIR "/examples/python_echo/positions.py", "--domain",
-                       std::to_string(chain.bus.domain_id()), "--count", "150"},
+                      {program, "--domain", std::to_string(chain.bus.domain_id()), "--count", "150"},
                       {{"SONOPOSE_MONITOR", SONOPOSE_TEST_MONITOR}});
       REQUIRE(example.wait_for_exit() == 0);
       THEN("it prints the positions of all") {

@@ -106,11 +106,11 @@ void HypothesisBank::remove(Track track) {
 }
 
 void HypothesisBank::follow(const Filter& track) {
-  const Filter filter = track;  // it may be that of a hypothesis
+  const Hypothesis followed{.filter = track};  // the track may be that of a hypothesis
   const ImuModel model = is_open(best().imu) ? ImuModel::rough : best().imu;
   remove(Track::followed);
   for (int i = 0; i < closed_model_count; ++i) {
-    assume(spawn({.filter = filter}), static_cast<ImuModel>(i));
+    assume(spawn(followed), static_cast<ImuModel>(i));
   }
   best_index = index_of(*find(model));
 }

@@ -6,6 +6,7 @@
 #include "support/seeds.hpp"
 
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <iostream>
@@ -134,7 +135,7 @@ Survey survey(std::uint64_t first_seed, unsigned seeds, double window_s) {
       const std::string problems = problems_of(observed(events, {}, look));
       const std::string rest = unexplained(problems, expected.allowed);
       ++result.looks;
-      if (!rest.empty()) result.wrong.push_back(name + ", seed " + std::to_string(seed) + ": " + rest);
+      if (!rest.empty()) result.wrong.push_back(fmt::format("{}, seed {}: {}", name, seed, rest));
       is_found = is_found || problems.find(expected.required) != std::string::npos;
     }
     if (!is_found) result.not_found.insert(name);
