@@ -24,7 +24,7 @@ struct ShiftedTrack {
   bool operator==(const ShiftedTrack&) const = default;
 };
 
-/// What the explanations of bad fixes share, and the doubt that they left.
+/// Explanations of bad fixes that need no filter, and the doubt that these fixes left.
 struct ImuDoubt {
   ShiftedTrack shifted;
   TimeNs suspicious_until_ns = 0;  ///< up to when fixes or headings that fit badly keep the open models alive

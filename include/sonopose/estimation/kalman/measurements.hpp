@@ -50,7 +50,7 @@ struct HeadingOutcome {
   double added_variance_rad2 = 0;  ///< of yaw, before the heading was used: it was believed against the yaw
 };
 
-/// What an IMU sample showed besides the motion.
+/// Conclusions from an IMU sample besides the motion.
 struct ImuOutcome {
   bool still = false;               ///< it ends half a second of rest: rest.still_gyro_mean is the gyro bias
   double still_rate_variance = 0;   ///< of that bias, (rad/s)²

@@ -117,7 +117,7 @@ struct State {
   void close_steps();
   /// Applies the open steps, and propagates the covariance of every filter to the time of the latest sample.
   void propagate();
-  /// Whether no fix or heading has made that necessary for a while.
+  /// True if no fix or heading has made that necessary for a while.
   [[nodiscard]] bool covariance_is_old() const;
 };
 
