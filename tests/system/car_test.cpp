@@ -222,7 +222,7 @@ SCENARIO("the car's raw bytes over a serial line, in real time, give the poses o
       print("serial line against log", distance);
       // The beacon's clock is fitted to the fastest arrivals, so a late one has little effect.
       CHECK(spread_ms(stamped_ns, measured_ns, settled) <= 1.0 + jitter_ms);
-      // What a busy machine delays changes the poses that follow, but not most of them.
+      // An event that a busy machine delays changes the poses after it, but not most of them.
       const double times = 1.0 + error_ms + 0.1 * latest_ms;
       CHECK(distance.position_m.median <= times * 0.005);
       CHECK(distance.velocity_mps.median <= times * 0.005);

@@ -15,7 +15,7 @@ namespace delay = documented::delay;
 
 namespace {
 
-/// Whether a fix's own covariance is positive definite.
+/// True if a fix's own covariance is positive definite.
 bool is_usable(const Covariance<3>& covariance) {
   const Matrix3d matrix = covariance.matrix();
   const Eigen::LLT<Matrix3d> factor(matrix);
@@ -128,7 +128,7 @@ std::optional<FusedPose> Engine::predict(const ImuSample& raw) noexcept {
   return pose;
 }
 
-/// Whether the pose needs only the nominal state.
+/// True if the pose needs only the nominal state.
 bool Engine::is_step(const ImuMeasurement& imu) const {
   const double dt_s = seconds_between(state().imu.time_ns, imu.time_ns);
   return state().phase != Phase::waiting && dt_s > 0.0 && dt_s <= settings_.outage.imu_gap_s;

@@ -239,7 +239,7 @@ Covariance<6> Filter::pose_covariance() const {
 }
 
 Covariance<3> Filter::velocity_covariance() const {
-  // Of v − R (ω × l).
+  // The covariance of v − R (ω × l).
   const Matrix3d rotation = q_body_to_world.toRotationMatrix();
   const Matrix3d by_attitude =
       rotation * geometry::cross_matrix(angular_velocity_body_radps.cross(lever_arm_body_m));

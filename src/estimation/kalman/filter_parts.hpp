@@ -1,5 +1,5 @@
 #pragma once
-// What the sources of Filter and State share.
+// Shared by the sources of Filter and State.
 
 #include <sonopose/estimation/kalman/filter.hpp>
 

@@ -55,7 +55,7 @@ void correct_open(State& state, const JudgedFix& judged) {
     if (each.track != Track::followed || !is_open(each.imu) || &each == &state.bank.best()) continue;
     const Innovation& innovation = judged.innovation_of(state.bank, each);
     if (!(innovation.squared_norm <= rejected_above)) continue;
-    each.filter.correct_fix(innovation, (scale_of(innovation) - 1.0) * judged.covariance_m2);
+    correct_scaled(each.filter, innovation, judged.covariance_m2);
   }
 }
 

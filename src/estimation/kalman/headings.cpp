@@ -10,7 +10,7 @@ namespace {
 
 constexpr double full_below = 6.6;  // χ², 1 degree of freedom: 1 % is above
 
-/// By how much the variance of a heading grows with its innovation.
+/// Factor by which the variance of a heading grows with its innovation.
 double scale_of(const Filter::HeadingInnovation& innovation) {
   return std::max(1.0, squared_norm(innovation) / full_below);
 }

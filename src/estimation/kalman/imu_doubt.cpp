@@ -33,7 +33,7 @@ bool trusts_imu_again(const Hypothesis& hypothesis, const State& state) {
          hypothesis.score > state.bank.best().score;
 }
 
-/// Whether the clocks of the IMU and of the fixes differ beyond doubt.
+/// True if the clocks of the IMU and of the fixes differ beyond doubt.
 bool has_other_clock(const Filter& filter) {
   constexpr double sigmas = 6.0;
   return square(filter.delay_error_s) > square(sigmas) * filter.delay_variance_s2;

@@ -31,7 +31,7 @@ NominalState moved(const Filter& filter, const JoinedSteps& steps) {
   return after;
 }
 
-/// Whether one more step of this duration can join the open ones: up to 10 ms while tracking, and up to 20 ms
+/// True if one more step of this duration can join the open ones: up to 10 ms while tracking, and up to 20 ms
 /// while there are many filters, with a margin for the jitter of the stamps.
 bool can_join(const State& state, double duration_s) {
   const double longest_s = state.phase == Phase::searching_yaw ? 0.0205 : 0.0105;

@@ -56,7 +56,7 @@ bool is_trend(const Trend& trend) {
   return trend.weight >= 0.0 && trend.time_squares_s2 >= 0.0;
 }
 
-/// What the engine has learned of intervals and durations.
+/// Checks the intervals and durations that the engine has learned.
 std::optional<FieldFault> find_timing_fault(const State& state) {
   const auto is_between = [](double value, double most) { return value >= 0.0 && value <= most; };
   constexpr double longest_gap_s = 5.0;  // that outage.imu_gap_s may be

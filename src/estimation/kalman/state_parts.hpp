@@ -1,5 +1,5 @@
 #pragma once
-// What the sources of State share: the parameters of the judgement, likelihoods, and the steps of a
+// Shared by the sources of State: the parameters of the judgement, likelihoods, and the steps of a
 // judgement.
 
 #include <sonopose/estimation/kalman/state.hpp>
@@ -29,9 +29,14 @@ constexpr double radians(double degrees) {
   return degrees * geometry::radians_per_degree;
 }
 
-/// By how much the covariance of a fix grows with its innovation.
+/// Factor by which the covariance of a fix grows with its innovation.
 inline double scale_of(const Innovation& innovation) {
   return std::max(1.0, innovation.squared_norm / full_weight_below);
+}
+
+/// Corrects a filter by a fix whose covariance, `covariance_m2`, grows with its innovation.
+inline void correct_scaled(Filter& filter, const Innovation& innovation, const Matrix3d& covariance_m2) {
+  filter.correct_fix(innovation, (scale_of(innovation) - 1.0) * covariance_m2);
 }
 
 /// Student's t with six degrees of freedom over three dimensions, up to a constant.

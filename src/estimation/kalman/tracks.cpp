@@ -12,7 +12,7 @@ namespace {
 constexpr TimeNs converging_ns = 500'000'000;  // after a jump
 constexpr int track_fixes = 3;                 // fixes that make a track
 
-/// Whether the other track explained the fixes alone for long enough.
+/// True if the other track explained the fixes alone for long enough.
 bool has_won(const State& state, const Hypothesis& other, TimeNs now_ns) {
   constexpr int least_turned = 4;  // fixes and headings in a map that has turned
   constexpr double least_turned_s = 0.4;
@@ -36,7 +36,7 @@ bool has_won(const State& state, const Hypothesis& other, TimeNs now_ns) {
          (other.explained >= least_fixes || (other.explained >= track_fixes && alone_s > sparse_s));
 }
 
-/// Whether the fixes contradict the first one: soon after a start the best filter accepts much.
+/// True if the fixes contradict the first one: soon after a start the best filter accepts much.
 bool start_was_wrong(const State& state, const Hypothesis& other) {
   return state.fixes.since_start < proven_fixes && other.explained >= track_fixes &&
          other.explained > state.fixes.since_start;
@@ -89,7 +89,7 @@ bool other_track_explains(State& state, const JudgedFix& judged, FixOutcome& out
   }
   outcome.hypothesis = 1;
   other->missed_in_row = 0;
-  other->filter.correct_fix(innovation, (scale_of(innovation) - 1.0) * judged.covariance_m2);
+  correct_scaled(other->filter, innovation, judged.covariance_m2);
   other->explained_ns = judged.fix.time_ns;
   ++other->explained;
   return true;
@@ -110,7 +110,7 @@ void promote_other_track(State& state) {
   follow(state, *other_track(state));
 }
 
-/// Whether this fix lies on the track that was given up, which is then followed again: the third one in a row
+/// True if this fix lies on the track that was given up, which is then followed again: the third one in a row
 /// does, or the first that is nearer to it than chance explains.
 bool take_back_former(State& state, const JudgedFix& judged) {
   Hypothesis* const former = state.bank.find(Track::former);
@@ -127,7 +127,7 @@ bool take_back_former(State& state, const JudgedFix& judged) {
     return false;
   }
   const bool is_clear = innovation.squared_norm <= full_weight_below && sigmas > clear_sigmas;
-  former->filter.correct_fix(innovation, (scale_of(innovation) - 1.0) * innovation.covariance_m2);
+  correct_scaled(former->filter, innovation, innovation.covariance_m2);
   if (++former->explained_in_row < (is_clear ? 1 : track_fixes)) return false;
   state.wrong_tracks.add(seconds_between(former->began_ns, judged.fix.time_ns), judged.fix.time_ns);
   follow(state, *former);

@@ -83,7 +83,7 @@ SCENARIO("an engine does not follow the position that a source reports where it 
     };
     WHEN("it drives for half a minute") {
       const auto last = driver.run(30.0);
-      THEN("the pose is as near as the fixes' noise, none of the others is used, and the status tells why") {
+      THEN("the error of the pose is that of the good fixes, no default is used, and the status says why") {
         CHECK(test::worst_error_m(driver.moments, 4.0) < 6.0 * noise_m);
         CHECK(last.has(status_fixes_inconsistent));
         CHECK_FALSE(last.has(status_stale));

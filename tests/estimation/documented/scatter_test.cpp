@@ -29,7 +29,8 @@ private:
   std::normal_distribution<double> normal_;
 };
 
-/// What is learned from fixes every 80 ms of a body at rest, whose velocity the IMU has wrong by this.
+/// The noise that is learned from fixes every 80 ms of a body at rest, whose velocity the IMU has wrong by
+/// this.
 ScatterState learned(int fixes, const Vector3d& wrong_world_mps,
                      const std::function<Vector3d(int fix)>& position_world_m) {
   ScatterState state;

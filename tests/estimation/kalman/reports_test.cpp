@@ -1,4 +1,4 @@
-/// What the reports of the Kalman engine say about each fix: verdict, hypothesis and model of the IMU.
+/// Reports of the Kalman engine about each fix: verdict, hypothesis and model of the IMU.
 
 #include "sim/scenario.hpp"
 #include "sim/simulator.hpp"

@@ -1,4 +1,4 @@
-/// How the filters of a state move, and what it makes of doubtful fixes: of a body that moves by 1 m/s along
+/// The motion of a state's filters, and doubtful fixes: of a body that moves by 1 m/s along
 /// x.
 
 #include <sonopose/estimation/kalman/state.hpp>

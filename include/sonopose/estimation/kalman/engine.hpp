@@ -77,7 +77,7 @@ private:
   settings::Settings settings_;
   calibration::Calibration calibration_;
   Timeline timeline_;
-  /// Of the state after the last catch_up().
+  /// Covariances and their consequences, of the state after the last catch_up().
   struct Uncertainty {
     Covariance<6> pose_covariance;
     Covariance<3> velocity_covariance;

@@ -46,7 +46,7 @@ struct UnknownMotion {
   double yaw_rad_rts = 0.6;
 };
 
-/// What a fix showed of a filter: the fix minus its prediction.
+/// A fix minus its prediction by a filter.
 struct Innovation {
   Vector3d value_world_m = Vector3d::Zero();
   Matrix3d covariance_m2 = Matrix3d::Identity();  ///< S = H P Hᵀ + R
@@ -56,7 +56,7 @@ struct Innovation {
   double log_determinant = 0;                     ///< of S
 };
 
-/// What the Jacobian Φ of several steps consists of: sums over the steps, in the world frame.
+/// Parts of the Jacobian Φ of several steps: sums over the steps, in the world frame.
 struct Transition {
   double duration_s = 0;                               ///< of the steps
   double position_velocity_s = 0;                      ///< ∂p/∂v
@@ -184,7 +184,7 @@ public:
   }
   /// Position of the tracked point and rotation about the fixed world axes.
   [[nodiscard]] Covariance<6> pose_covariance() const;
-  /// Of the tracked point's velocity v − R(ω × l), world.
+  /// Covariance of the tracked point's velocity v − R(ω × l), world.
   [[nodiscard]] Covariance<3> velocity_covariance() const;
   [[nodiscard]] double yaw_variance_rad2() const;
   [[nodiscard]] bool is_finite() const;

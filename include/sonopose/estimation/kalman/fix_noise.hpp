@@ -21,7 +21,7 @@ struct VarianceSample {
   VarianceSample(double squared_residual, double prediction_variance, double noise_variance);
 };
 
-/// How a variance is learned.
+/// Limits and memory of a learned variance.
 struct VarianceLimits {
   double initial = 0;
   double least = 0;
@@ -40,8 +40,8 @@ struct AdaptiveVariance {
   /// The errors of a body at rest repeat: they may show that the noise is large, but not that it is small. So
   /// the variance does not fall below `least`. A large sample raises it; then others count as well.
   void add_at_rest(const VarianceSample& sample, const VarianceLimits& limits, double least);
-  /// Of a rejected fix. The samples so far then count as a few. It says nothing certain, so the motion
-  /// variance stays: at rest the variance returns to it.
+  /// Adds a sample of a rejected fix. The samples so far then count as a few. It says nothing certain, so the
+  /// motion variance stays: at rest the variance returns to it.
   void add_doubtful(const VarianceSample& sample, const VarianceLimits& limits);
   bool operator==(const AdaptiveVariance&) const = default;
 

@@ -12,7 +12,7 @@
 
 namespace sonopose::estimation::kalman {
 
-/// How far a hypothesis trusts the IMU.
+/// Trust of a hypothesis in the IMU.
 enum class ImuModel : std::uint8_t {
   quiet,
   rough_gyro,

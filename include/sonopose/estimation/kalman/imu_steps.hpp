@@ -62,7 +62,7 @@ public:
   [[nodiscard]] double duration_s() const { return duration_s_; }
   void add(const ImuStep& step);
 
-  /// Whether there is more than one.
+  /// True if there is more than one.
   [[nodiscard]] bool has_several() const { return duration_s_ > latest_.duration_s; }
   /// Requires that there is one.
   [[nodiscard]] ImuStep joined() const;

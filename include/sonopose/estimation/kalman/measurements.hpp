@@ -34,7 +34,7 @@ struct FixOutcome {
   Matrix3d covariance_world_m2 = Matrix3d::Zero();  ///< of the fix as it was used or rejected; zero: unknown
   double test_ratio = 0;                            ///< squared norm over the rejection threshold
   double weight = 0;                                ///< 1: full; 0: rejected
-  // What the fix changed at its time:
+  // Changes by the fix at its time:
   Vector3d jump_world_m = Vector3d::Zero();
   Vector3d velocity_change_world_mps = Vector3d::Zero();
   double yaw_change_rad = 0;

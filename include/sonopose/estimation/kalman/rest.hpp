@@ -45,8 +45,8 @@ namespace rest {
 [[nodiscard]] bool add_sample(RestState& state, TimeNs time_ns, const Vector3d& rate_body_radps,
                               const Vector3d& force_body_mps2);
 
-/// Whether the window was still, and begins the next one. The mean rate and force of a still window are those
-/// of rest, if the body does not cruise smoothly.
+/// Returns whether the window was still, and begins the next one. The mean rate and force of a still window
+/// are those of rest, if the body does not cruise smoothly.
 bool end_window(RestState& state, TimeNs time_ns, const Vector3d& gyro_bias_body_radps,
                 double bias_std_radps);
 
@@ -59,7 +59,7 @@ void add_heading(RestState& state, TimeNs time_ns, double heading_rad);
 /// Ends the rest: a gap in the samples.
 void restart(RestState& state);
 
-/// Whether the body rests, and the latest fixes since the rest began, at least `least_fixes`, agree with
+/// True if the body rests, and the latest fixes since the rest began, at least `least_fixes`, agree with
 /// that.
 [[nodiscard]] bool fixes_stand_still(const RestState& state, const Vector3d& fix_std_m, int least_fixes);
 
@@ -70,7 +70,7 @@ void restart(RestState& state);
 /// Variance of a velocity of zero as a measurement at this moment of a rest, (m/s)².
 [[nodiscard]] double still_velocity_variance(const RestState& state, TimeNs now_ns);
 
-/// Whether the latest headings since the rest began contradict a body that does not turn.
+/// True if the latest headings since the rest began contradict a body that does not turn.
 [[nodiscard]] bool headings_turn(const RestState& state, double heading_std_rad);
 
 }  // namespace rest

@@ -25,7 +25,7 @@ namespace sonopose::estimation::kalman {
 
 inline constexpr int proven_fixes = 8;  ///< used fixes after which the first one is believed
 
-// What is known before the first measurement: standard deviations per axis.
+// Knowledge before the first measurement: standard deviations per axis.
 inline constexpr double start_gyro_bias_std_radps = 0.02;
 inline constexpr double start_accel_bias_std_mps2 = 0.1;
 inline constexpr double start_lever_arm_std_m = 0.05;

@@ -16,7 +16,7 @@ inline constexpr std::size_t aiding_capacity = 512;  ///< fixes and headings
 /// A fix or a heading.
 using Aiding = std::variant<FixMeasurement, HeadingMeasurement>;
 
-/// Whether both are the same measurement, which may have arrived at different times.
+/// True if both are the same measurement, which may have arrived at different times.
 inline bool is_copy(const Aiding& a, const Aiding& b) {
   if (a == b) return true;
   if (const auto* fix = std::get_if<FixMeasurement>(&a)) {
@@ -30,7 +30,7 @@ inline bool is_copy(const Aiding& a, const Aiding& b) {
          heading.heading_world_rad == other->heading_world_rad;
 }
 
-/// When its turn is. A heading follows the fix of the same emission, even if their stamps differ a little.
+/// Time of its turn. A heading follows the fix of the same emission, even if their stamps differ a little.
 inline TimeNs turn_of(const Aiding& aiding) {
   constexpr TimeNs after_fix_ns = 500'000;
   const auto* fix = std::get_if<FixMeasurement>(&aiding);
@@ -60,9 +60,9 @@ public:
   /// After `catch_up`: after all events.
   [[nodiscard]] const State& now() const { return now_; }
 
-  /// Whether `catch_up` has something left to do.
+  /// True if `catch_up` has something left to do.
   [[nodiscard]] bool is_behind() const { return is_behind_; }
-  /// Whether it is a sample that was added last.
+  /// True if it is a sample that was added last.
   [[nodiscard]] bool is_behind_sample() const { return is_behind_ && until_ns_ != forever_ns; }
 
   /// The time of the latest sample; 0 before the first.
@@ -73,14 +73,14 @@ public:
   /// `catch_up`. Requires `catch_up` before.
   bool add(const settings::Settings& settings, const ImuMeasurement& imu);
 
-  /// How far ahead of the latest sample a measurement may be. A silent IMU explains seconds, unless samples
-  /// showed that the stamps of fixes and headings are wrong.
+  /// Time by which a measurement may be ahead of the latest sample. A silent IMU explains seconds, unless
+  /// samples showed that the stamps of fixes and headings are wrong.
   [[nodiscard]] double ahead_s() const;
 
-  /// Whether a measurement of this time can still be inserted: it is not too old, and there are not too many.
+  /// True if a measurement of this time can still be inserted: it is not too old, and there are not too many.
   [[nodiscard]] bool reaches(TimeNs time_ns) const;
 
-  /// Whether the same measurement is there already.
+  /// True if the same measurement is there already.
   [[nodiscard]] bool contains(const Aiding& aiding) const;
 
   /// Inserts a measurement where it belongs. What followed is repeated by `catch_up`. Returns the outcome of

@@ -14,7 +14,7 @@ struct WrongTracks {
   TimeNs seen_ns = 0;
 
   void add(double duration_s, TimeNs now_ns);
-  /// For how long the next track must last to be believed.
+  /// Duration that makes the next track credible.
   [[nodiscard]] double wait_s(TimeNs now_ns) const;
   bool operator==(const WrongTracks&) const = default;
 
