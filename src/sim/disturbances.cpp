@@ -129,6 +129,7 @@ void check(const Disturbances& disturbances) {
     check_vector("imu_faults.gyro_factor", fault.gyro_factor);
     check_vector("imu_faults.turned_by_rad", fault.turned_by_rad);
     check_time("imu_faults.vibration_mps2", fault.vibration_mps2);
+    check_time("imu_faults.vibration_radps", fault.vibration_radps);
   }
   if (const auto& field = disturbances.bias_field) {
     check_vector("bias_field.amplitude_world_m", field->amplitude_world_m);
@@ -175,6 +176,9 @@ void apply_imu_faults(const Disturbances& disturbances, double time_s, Random& r
         fault.gyro_factor.cwiseProduct(sample.angular_velocity_body_radps) + fault.gyro_offset_body_radps;
     if (fault.vibration_mps2 > 0.0) {
       sample.specific_force_body_mps2 += fault.vibration_mps2 * random.normal_vector();
+    }
+    if (fault.vibration_radps > 0.0) {
+      sample.angular_velocity_body_radps += fault.vibration_radps * random.normal_vector();
     }
   }
 }

@@ -76,6 +76,7 @@ struct ImuFault {
   Vector3d gyro_factor = Vector3d::Ones();    ///< 0: the axis is dead; −1: inverted
   Vector3d turned_by_rad = Vector3d::Zero();  ///< rotation vector of the IMU in the body, as of a loose mount
   double vibration_mps2 = 0;                  ///< standard deviation of a white acceleration, per axis
+  double vibration_radps = 0;                 ///< the same of a rate
 };
 
 /// The error of the fixes depends on where they are, as with a wrong speed of sound: a sine wave of the

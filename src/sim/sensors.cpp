@@ -68,6 +68,7 @@ void check(const SensorSettings& settings) {
   }
   not_negative(settings.accel_limit_mps2, "accel_limit_mps2");
   not_negative(settings.gyro_limit_radps, "gyro_limit_radps");
+  not_negative(settings.fix_resolution_m, "fix_resolution_m");
   for (const double factor : settings.fix_noise_factor) not_negative(factor, "fix_noise_factor");
   range(settings.fix_rate_hz, "fix_rate_hz");
   range(settings.fix_noise_m, "fix_noise_m");
@@ -142,6 +143,9 @@ UltrasonicFix UltrasonicModel::measure_fix(const Motion& motion, const FixCondit
   const double noise_m = condition.noise_factor * fix_noise_m_;
   fix.position_world_m =
       motion.position_world_m + noise_m * settings_.fix_noise_factor.cwiseProduct(random_.normal_vector());
+  if (const double step_m = settings_.fix_resolution_m; step_m > 0.0) {
+    fix.position_world_m = step_m * (fix.position_world_m / step_m).array().round();
+  }
   const double quality = condition.quality_percent
                              ? random_.uniform_in(*condition.quality_percent)
                              : settings_.quality_percent + settings_.quality_noise_percent * random_.normal();

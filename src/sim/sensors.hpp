@@ -32,6 +32,7 @@ struct SensorSettings {
   Range fix_rate_hz{8.0, 16.0};                  ///< 0: no fixes and no headings
   Range fix_noise_m{0.015, 0.025};               ///< per axis
   Vector3d fix_noise_factor = Vector3d::Ones();  ///< of each axis, in units of `fix_noise_m`
+  double fix_resolution_m = 0.0;                 ///< coordinates are rounded to it; 0: they are not
   double fix_delay_s = 0.068;
   double fix_delay_jitter_s = 0.003;
   double reported_delay_error_s = 0.0;  ///< the reported delay minus the true one

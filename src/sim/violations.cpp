@@ -179,6 +179,20 @@ void vary_imu_scale(Scenario& scenario, Random& random) {
                                        .gyro_factor = drawn_factors(random, {0.97, 1.03})}};
 }
 
+void vary_noisy_imu(Scenario& scenario, Random& random) {
+  scenario.path = draw_path(random);
+  const double kind = random.uniform();
+  ImuFault fault{.begin_s = departure_s, .duration_s = without_end_s};
+  if (kind < 0.6) fault.vibration_mps2 = random.uniform_in({0.5, 8.0});
+  if (kind > 0.4) fault.vibration_radps = random.uniform_in({0.05, 0.5});
+  scenario.disturbances.imu_faults = {fault};
+}
+
+void vary_coarse_fixes(Scenario& scenario, Random& random) {
+  scenario.path = draw_path(random);
+  scenario.sensors.fix_resolution_m = random.uniform_in({0.05, 0.2});
+}
+
 void vary_gyro_saturation(Scenario& scenario, Random& random) {
   scenario.sensors.gyro_limit_radps = random.uniform_in({4.4, 8.0});
 }
@@ -271,6 +285,14 @@ std::vector<Scenario> make_violations() {
        .summary = "moves with scale errors of the IMU of up to 3 % per axis",
        .path = walk_path,
        .vary = vary_imu_scale},
+      {.name = "noisy_imu",
+       .summary = "moves while accelerometer or gyro have a white noise of up to 8 m/s² and 0.5 rad/s",
+       .path = walk_path,
+       .vary = vary_noisy_imu},
+      {.name = "coarse_fixes",
+       .summary = "moves while the fixes are rounded to 5 to 20 cm",
+       .path = walk_path,
+       .vary = vary_coarse_fixes},
       {.name = "gyro_saturation",
        .summary = "spins at up to 9 rad/s with a gyro that ends at 4 to 8 rad/s",
        .path = spin_path,
