@@ -24,7 +24,7 @@ struct Bar {
 const std::vector<Bar> bars{{"accel_bias_steps", 0.04},
                             {"warming_imu", 0.04},
                             {"door_sills", 0.03},
-                            {"clipped_kerbs", 0.07},
+                            {"clipped_kerbs", 0.055},
                             {"swaying", 0.016},
                             {"flat_beacons", 0.12},
                             {"default_positions", 0.025},
@@ -32,6 +32,8 @@ const std::vector<Bar> bars{{"accel_bias_steps", 0.04},
                             {"inverted_gyro_axis", 0.10, 40.0},
                             {"wrong_accelerometer", 0.10, 1.0},
                             {"imu_scale", 0.03, 3.0},
+                            {"noisy_imu", 0.06, 3.0},
+                            {"coarse_fixes", 0.05},
                             {"gyro_saturation", 0.08, 40.0}};
 
 TEST_CASE("a violated model costs the Kalman engine little", "[accuracy]") {

@@ -105,6 +105,72 @@ double Correlation::white_share() const {
   return std::clamp(1.0 - correlated / std::max(square, 0.1), 0.1, 1.0);
 }
 
+void FixScatter::add(TimeNs time_ns, const Vector3d& position_m) {
+  constexpr double longest_s = 1.0;  // further apart the motion is unknown
+  constexpr double acceleration_mps2 = 10.0;
+  if (time_ns <= last_ns) return;
+  const double dt_s = seconds_between(last_ns, time_ns);
+  const double before_s = seconds_between(before_ns, last_ns);
+  if (before_ns != 0) add_steps(position_m);
+  if (before_ns != 0 && dt_s < longest_s && before_s < longest_s) {
+    const double ratio = dt_s / before_s;
+    const Vector3d error_m = position_m - last_m - ratio * (last_m - before_m);
+    add_error(error_m.cwiseAbs2() / (1.0 + (1.0 + ratio) * (1.0 + ratio) + ratio * ratio));
+    const double by_motion_m = acceleration_mps2 * dt_s * before_s;
+    motion_m2 += (by_motion_m * by_motion_m / 6.0 - motion_m2) / samples;
+  }
+  before_m = last_m;
+  before_ns = last_ns;
+  last_m = position_m;
+  last_ns = time_ns;
+}
+
+void FixScatter::add_steps(const Vector3d& position_m) {
+  constexpr double most_m = 0.25;
+  constexpr double kept = 0.9;
+  for (int i = 0; i < 3; ++i) {
+    const double step_m = std::abs(position_m[i] - last_m[i]);
+    if (step_m == 0.0) continue;
+    const bool has_repeated = last_m[i] == before_m[i];
+    resolution_m[i] = has_repeated && step_m <= most_m ? step_m : kept * resolution_m[i];
+  }
+}
+
+void FixScatter::add_error(const Vector3d& sample_m2) {
+  constexpr double median = 0.455;  // of the square of a normal variable
+  constexpr double step = 1.1;
+  samples = std::min(samples + 1, most_samples);
+  for (int i = 0; i < 3; ++i) {
+    if (sample_m2[i] == 0.0) continue;  // a coarse coordinate repeats
+    if (samples < most_samples) {
+      variance_m2[i] += (sample_m2[i] - variance_m2[i]) / samples;
+    } else {
+      variance_m2[i] *= sample_m2[i] > median * variance_m2[i] ? step : 1.0 / step;
+    }
+  }
+}
+
+Vector3d FixScatter::mean_m2() const {
+  const double horizontal_m2 = 0.5 * (variance_m2.x() + variance_m2.y());
+  return {horizontal_m2, horizontal_m2, variance_m2.z()};
+}
+
+Vector3d FixScatter::most_m2() const {
+  constexpr double most_ratio = 4.0;
+  if (samples < least_samples) return Vector3d::Constant(fix_limits_m2.most);
+  return (most_ratio * mean_m2()).cwiseMax(fix_limits_m2.initial);
+}
+
+Vector3d FixScatter::rounding_m2() const {
+  return (resolution_m.cwiseAbs2() / 12.0).cwiseMin(fix_limits_m2.most);
+}
+
+Vector3d FixScatter::noise_m2() const {
+  constexpr double certain_share = 0.5;
+  if (samples < least_samples) return Vector3d::Zero();
+  return (certain_share * (mean_m2().array() - motion_m2)).cwiseMax(0.0).cwiseMin(fix_limits_m2.most);
+}
+
 MeasurementNoise::MeasurementNoise() {
   constexpr AdaptiveVariance horizontal_m2{fix_limits_m2.initial, prior_fixes, fix_limits_m2.initial};
   constexpr AdaptiveVariance vertical_m2{initial_vertical_m2, prior_vertical_fixes, fix_limits_m2.initial};
@@ -120,7 +186,10 @@ Eigen::Matrix3d MeasurementNoise::fix_covariance_m2(double quality_percent) cons
   };
   const Bin& bin = bins[bin_of(quality_percent)];
   const double horizontal_m2 = mean(bin.horizontal_m2, any_quality.horizontal_m2);
-  return Vector3d(horizontal_m2, horizontal_m2, mean(bin.vertical_m2, any_quality.vertical_m2)).asDiagonal();
+  return Vector3d(horizontal_m2, horizontal_m2, mean(bin.vertical_m2, any_quality.vertical_m2))
+      .cwiseMin(scatter.most_m2())
+      .cwiseMax(scatter.rounding_m2())
+      .asDiagonal();
 }
 
 void MeasurementNoise::add_fix(double quality_percent, const Vector3d& residual_m,

@@ -72,6 +72,14 @@ void learn_noise(State& state, const JudgedFix& judged) {
       (after.covariance_m2 - judged.covariance_m2).diagonal(), stands_still(state, few_fixes));
 }
 
+/// Ends the comparison of the hypotheses: the fixes came back to the best one.
+void settle(State& state) {
+  const double evidence = state.bank.best().evidence;
+  for (Hypothesis& each : state.bank) each.evidence = std::min(each.evidence, evidence);
+  state.doubt.shifted.evidence = std::min(state.doubt.shifted.evidence, evidence);
+  state.doubt.is_undecided = false;
+}
+
 FixOutcome judge(State& state, const settings::Settings& settings, const FixMeasurement& fix) {
   JudgedFix judged{.settings = settings,
                    .fix = fix,
@@ -90,6 +98,7 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
                      .covariance_world_m2 = judged.covariance_m2,
                      .test_ratio = innovation.squared_norm / rejected_above};
   const bool is_used = innovation.squared_norm <= rejected_above;
+  constexpr int few_rejected = 3;
   constexpr double trust_memory = 8.0;
   state.fixes.trust += ((is_used ? 1.0 : 0.0) - state.fixes.trust) / trust_memory;
   if (state.phase == Phase::tracking) explain(state, judged);
@@ -101,12 +110,14 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
     outcome.weight = 1.0 / scale;
     outcome.covariance_world_m2 += more_covariance_m2;
     outcome.flags = fix_used;
+    if (state.doubt.is_undecided && innovation.squared_norm <= full_weight_below) settle(state);
     const bool is_tracking = state.phase == Phase::tracking;
     correct_followed(state, judged, more_covariance_m2);
     if (is_tracking) learn_noise(state, judged);
     note_used(state, fix);
   } else {
     ++state.fixes.rejected_in_row;
+    if (state.fixes.rejected_in_row >= few_rejected) state.doubt.is_undecided = true;
     correct_open(state, judged);
     if (doubt_imu(state)) {
       note_used(state, fix);
@@ -124,7 +135,13 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
 
 /// The source's own covariance, or the learned one.
 Matrix3d covariance_of(const State& state, const FixMeasurement& fix) {
-  return fix.has_covariance ? fix.covariance_world_m2 : state.noise.fix_covariance_m2(fix.quality_percent);
+  if (fix.has_covariance) return fix.covariance_world_m2;
+  Matrix3d covariance_m2 = state.noise.fix_covariance_m2(fix.quality_percent);
+  // Residuals say nothing about the noise while the motion is that of the fixes.
+  if (state.phase == Phase::tracking && is_open(state.bank.best().imu)) {
+    covariance_m2.diagonal() = covariance_m2.diagonal().cwiseMax(state.noise.scatter.noise_m2());
+  }
+  return covariance_m2;
 }
 
 void note_used(State& state, const FixMeasurement& fix) {
@@ -157,6 +174,7 @@ FixOutcome State::on_fix(const settings::Settings& settings, const FixMeasuremen
     outcome.flags = fix_outlier;
     return outcome;
   }
+  noise.scatter.add(fix.time_ns, fix.position_world_m);
   if (frozen_track.add(settings.frozen, imu.time_ns, fix.position_world_m,
                        has_started ? filter().tracked_velocity_world_mps() : Vector3d::Zero())) {
     bank.remove(Track::other);

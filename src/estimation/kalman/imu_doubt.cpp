@@ -126,7 +126,8 @@ void suspect_imu(State& state, bool is_suspicious) {
 }
 
 bool doubt_imu(State& state) {
-  constexpr double lead = 14.0;  // prior odds: IMUs are right
+  constexpr double lead = 14.0;            // prior odds: IMUs are right
+  constexpr double lead_of_tracks = 11.0;  // once the best is refuted
   constexpr int least_rejected = 4;
   // The noise of the first fixes is not known yet.
   if (state.phase != Phase::tracking || state.fixes.since_start < proven_fixes ||
@@ -139,9 +140,9 @@ bool doubt_imu(State& state) {
     if (is_candidate && (open == nullptr || each.evidence > open->evidence)) open = &each;
   }
   if (open == nullptr) return false;
-  double most = std::max(state.bank.best().evidence, state.doubt.shifted.evidence);
+  double most = state.doubt.shifted.evidence;
   if (const Hypothesis* const other = other_track(state)) most = std::max(most, other->evidence);
-  if (!(open->evidence > most + lead)) return false;
+  if (!(open->evidence > std::max(state.bank.best().evidence + lead, most + lead_of_tracks))) return false;
   continue_with(state, *open);
   return true;
 }

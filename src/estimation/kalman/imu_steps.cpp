@@ -11,28 +11,34 @@ double usual_step_s(double before_s, double step_s) {
   return before_s + share * (std::min(step_s, most_growth * before_s) - before_s);
 }
 
-double ShockDetector::add(const Vector3d& step_body_mps2, double duration_s) {
-  constexpr double interval_s = 0.0075;  // a sample at 100 Hz, several of a faster IMU
-  constexpr double smooth_mps2 = 2.5;    // second difference of the motion of a body
+double ShockDetector::add(const Vector3d& step_reading_body, double duration_s, double smooth) {
+  constexpr double interval_s = 0.0075;       // a sample at 100 Hz, several of a faster IMU
+  constexpr double smooth_interval_s = 0.01;  // a slower IMU sees more of a smooth motion
   constexpr double share_of_shock = 2.0;
   constexpr double rough_factor = 2.5;
   constexpr double memory_s = 1.0;
   open_s += duration_s;
-  open_impulse_body_mps += duration_s * step_body_mps2;
+  open_integral_body += duration_s * step_reading_body;
   if (open_s < interval_s) return 0.0;
-  const Vector3d latest = open_impulse_body_mps / open_s;
-  const double difference_mps2 =
-      intervals < 2 ? 0.0 : (latest - 2.0 * force_body_mps2[1] + force_body_mps2[0]).norm();
-  const double usual_mps2 = std::max(smooth_mps2, rough_factor * roughness_mps2);
-  const double std_mps = share_of_shock * std::max(0.0, difference_mps2 - usual_mps2) * open_s;
+  const Vector3d latest = open_integral_body / open_s;
+  const double difference = intervals < 2 ? 0.0 : (latest - 2.0 * reading_body[1] + reading_body[0]).norm();
+  const double smooth_here =
+      smooth * std::max(1.0, open_s * open_s / (smooth_interval_s * smooth_interval_s));
+  const double usual = std::max(smooth_here, rough_factor * roughness);
+  const double std = share_of_shock * std::max(0.0, difference - usual) * open_s;
   // A shock counts little: the limit grows slowly with what vibrates all the time.
-  roughness_mps2 +=
-      std::min(1.0, open_s / memory_s) * (std::min(difference_mps2, usual_mps2) - roughness_mps2);
-  force_body_mps2 = {force_body_mps2[1], latest};
+  roughness += std::min(1.0, open_s / memory_s) * (std::min(difference, usual) - roughness);
+  reading_body = {reading_body[1], latest};
   intervals = std::min(intervals + 1, 2);
   open_s = 0.0;
-  open_impulse_body_mps.setZero();
-  return std_mps * std_mps;
+  open_integral_body.setZero();
+  return std * std;
+}
+
+double ShockDetector::density_rthz() const {
+  constexpr double of_white_noise = 3.9;  // mean second difference of three axes, in standard deviations
+  constexpr double usual_interval_rts = 0.1;
+  return roughness / of_white_noise * usual_interval_rts;
 }
 
 ImuStep step_between(const ImuMeasurement& last, const ImuMeasurement& next, double usual_s) {

@@ -87,6 +87,18 @@ void update_rest(State& state, const ImuMeasurement& sample, ImuOutcome& outcome
   outcome.no_velocity_variance = rest::still_velocity_variance(rest, sample.time_ns);
 }
 
+/// The noise of a model. A rough IMU is at least as noisy as its samples show.
+ProcessNoise process_noise(const ImuInput& imu, ImuModel model) {
+  ProcessNoise noise = parameters_of(model).noise;
+  if (model == ImuModel::rough) {
+    noise.accel_mps2_rthz = std::max(noise.accel_mps2_rthz, imu.shocks.density_rthz());
+  }
+  if (model == ImuModel::rough || model == ImuModel::rough_gyro) {
+    noise.gyro_radps_rthz = std::max(noise.gyro_radps_rthz, imu.turn_shocks.density_rthz());
+  }
+  return noise;
+}
+
 /// Without fixes a weak measurement of no velocity.
 void bound_dead_reckoning(State& state, ImuOutcome& outcome) {
   constexpr TimeNs after_ns = 1'000'000'000;
@@ -146,9 +158,13 @@ ImuOutcome State::on_imu(const settings::Settings& settings, const ImuMeasuremen
                                  .rate_body_radps = imu.rate_body_radps,
                                  .force_body_mps2 = imu.force_body_mps2},
                                 sample, imu.usual_step_s);
-    step.shock_variance_m2ps2 = imu.shocks.add(sample.force_body_mps2, dt_s);
+    constexpr double smooth_mps2 = 2.5;
+    constexpr double smooth_radps = 1.0;
+    step.shock_variance_m2ps2 = imu.shocks.add(sample.force_body_mps2, dt_s, smooth_mps2);
+    const double turn_variance_rad2 = imu.turn_shocks.add(sample.rate_body_radps, dt_s, smooth_radps);
+    step.attitude_std_rad = std::sqrt(square(step.attitude_std_rad) + turn_variance_rad2);
     predict(*this, step);
-    if (step.irregular) {
+    if (step.attitude_std_rad > 0.0) {
       propagate();
       for (Hypothesis& each : bank) add_missed_motion(each.filter, step);
     }
@@ -184,7 +200,7 @@ void State::close_steps() {
 
 void State::propagate() {
   close_steps();
-  for (Hypothesis& each : bank) each.filter.propagate(parameters_of(each.imu).noise);
+  for (Hypothesis& each : bank) each.filter.propagate(process_noise(imu, each.imu));
 }
 
 bool State::covariance_is_old() const {

@@ -90,6 +90,11 @@ std::optional<FieldFault> find_noise_fault(const MeasurementNoise& noise) {
   if (!is_positive(noise.any_quality.horizontal_m2) || !is_positive(noise.any_quality.vertical_m2)) {
     return FieldFault{"any_quality", "has a variance that is not positive"};
   }
+  const FixScatter& scatter = noise.scatter;
+  if (!(scatter.samples >= 0 && scatter.motion_m2 >= 0.0 && scatter.variance_m2.minCoeff() >= 0.0 &&
+        scatter.resolution_m.minCoeff() >= 0.0)) {
+    return FieldFault{"scatter", "has a negative number"};
+  }
   if (!is_positive(noise.heading_rad2)) return FieldFault{"heading_rad2", "is not positive"};
   return std::nullopt;
 }

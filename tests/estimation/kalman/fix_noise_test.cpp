@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <cmath>
+#include <functional>
 #include <random>
 
 namespace fix_noise_test {
@@ -164,6 +166,55 @@ SCENARIO("the share of an innovation that is noise of the fixes") {
     }
     THEN("it is a small part") {
       CHECK(correlation.white_share() < 0.5);
+    }
+  }
+}
+
+SCENARIO("fixes show their noise by themselves") {
+  std::mt19937 random{9};  // NOLINT(cert-msc32-c,cert-msc51-cpp): the same numbers in every run
+  std::normal_distribution<double> normal;
+  FixScatter scatter;
+  constexpr double interval_s = 0.08;
+  const auto add_circle = [&](const std::function<Vector3d(Vector3d)>& measure) {
+    for (int i = 1; i <= 200; ++i) {
+      const double angle_rad = i * interval_s;  // 2 m/s on a radius of 2 m: 2 m/s² towards the middle
+      const Vector3d position_m(2.0 * std::cos(angle_rad), 2.0 * std::sin(angle_rad), 1.0);
+      scatter.add(to_ns(i * interval_s), measure(position_m));
+    }
+  };
+  GIVEN("a body in a curve, with a noise of 10 cm horizontally and of 40 cm vertically") {
+    add_circle([&](const Vector3d& position_m) {
+      return Vector3d(position_m +
+                      Vector3d(0.1 * normal(random), 0.1 * normal(random), 0.4 * normal(random)));
+    });
+    THEN("the noise is between the limits") {
+      const Vector3d least_m = scatter.noise_m2().cwiseSqrt();
+      const Vector3d most_m = scatter.most_m2().cwiseSqrt();
+      CHECK(least_m.x() < 0.1);
+      CHECK(most_m.x() > 0.1);
+      CHECK(most_m.x() < 0.4);
+      CHECK(least_m.z() < 0.4);
+      CHECK(least_m.z() > 0.15);
+      CHECK(most_m.z() > 0.4);
+    }
+  }
+  GIVEN("the same with one fix in ten on a reflection 3 m away") {
+    add_circle([&](const Vector3d& position_m) {
+      const bool is_reflected = std::uniform_real_distribution<double>()(random) < 0.1;
+      return Vector3d(position_m + 0.02 * Vector3d(normal(random), normal(random), normal(random)) +
+                      Vector3d(is_reflected ? 3.0 : 0.0, 0.0, 0.0));
+    });
+    THEN("the reflections do not count as noise") {
+      CHECK(std::sqrt(scatter.most_m2().x()) < 0.2);
+    }
+  }
+  GIVEN("coordinates that are rounded to 20 cm") {
+    add_circle([](const Vector3d& position_m) { return Vector3d(0.2 * (position_m / 0.2).array().round()); });
+    THEN("the noise is at least about that of the rounding, 20 cm / √12") {
+      CHECK(std::sqrt(scatter.rounding_m2().x()) == Approx(0.2 / std::sqrt(12.0)).epsilon(0.5));
+    }
+    THEN("a coordinate that never changed says nothing") {
+      CHECK(scatter.rounding_m2().z() == 0.0);
     }
   }
 }

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
 #include <string>
 
 namespace kalman_imu_steps_test {
@@ -92,7 +93,7 @@ double shock_variance(double peak_mps2, double duration_s, double rate_hz) {
     const double pulse_mps2 = since_s >= 0.0 && since_s < duration_s
                                   ? peak_mps2 * std::sin(std::numbers::pi * since_s / duration_s)
                                   : 0.0;
-    variance += shocks.add({0.0, 0.0, standard_gravity_mps2 + pulse_mps2}, 1.0 / rate_hz);
+    variance += shocks.add({0.0, 0.0, standard_gravity_mps2 + pulse_mps2}, 1.0 / rate_hz, 2.5);
   }
   return variance;
 }
@@ -112,6 +113,24 @@ SCENARIO("only a shock makes the velocity uncertain") {
       THEN("there is none") {
         CHECK(shock_variance(17.0, 0.25, rate_hz) == 0.0);
       }
+    }
+  }
+}
+
+SCENARIO("the roughness of the readings gives the density of their noise") {
+  const double rate_hz = GENERATE(100.0, 1000.0);
+  GIVEN("white noise of 3 m/s² at " + std::to_string(rate_hz) + " Hz") {
+    std::mt19937 random{3};  // NOLINT(cert-msc32-c,cert-msc51-cpp): the same numbers in every run
+    std::normal_distribution<double> normal(0.0, 3.0);
+    ShockDetector shocks;
+    double mean_rthz = 0.0;
+    constexpr int counted = 10000;
+    for (int i = -counted; i < counted; ++i) {
+      shocks.add({normal(random), normal(random), normal(random)}, 1.0 / rate_hz, 2.5);
+      if (i >= 0) mean_rthz += shocks.density_rthz() / counted;
+    }
+    THEN("it is the deviation over the root of the rate") {
+      CHECK(mean_rthz == Approx(3.0 / std::sqrt(rate_hz)).epsilon(0.2));
     }
   }
 }

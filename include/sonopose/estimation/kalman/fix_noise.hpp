@@ -63,6 +63,37 @@ struct Correlation {
   bool operator==(const Correlation&) const = default;
 };
 
+/// The noise that the fixes show by themselves, whatever the IMU says: the distance of each from the line
+/// through the two before. It contains what the motion adds, so the noise of a fix is hardly more.
+struct FixScatter {
+  static constexpr int least_samples = 6;  ///< that say something
+  static constexpr int most_samples = 16;  ///< that count; then a running median begins
+
+  Vector3d last_m = Vector3d::Zero();
+  Vector3d before_m = Vector3d::Zero();
+  TimeNs last_ns = 0;
+  TimeNs before_ns = 0;  ///< 0: fewer than two fixes
+  int samples = 0;
+  Vector3d variance_m2 = Vector3d::Zero();   ///< of a fix, if there were no acceleration
+  double motion_m2 = 0;                      ///< share of it that the motion may have
+  Vector3d resolution_m = Vector3d::Zero();  ///< steps of coordinates that repeat; 0: none
+
+  /// Adds a fix. One that is older than the last is ignored.
+  void add(TimeNs time_ns, const Vector3d& position_m);
+  /// The largest noise that agrees with it, m².
+  [[nodiscard]] Vector3d most_m2() const;
+  /// The noise of rounded coordinates, m².
+  [[nodiscard]] Vector3d rounding_m2() const;
+  /// The noise without the share that the motion may have, m².
+  [[nodiscard]] Vector3d noise_m2() const;
+  bool operator==(const FixScatter&) const = default;
+
+private:
+  void add_steps(const Vector3d& position_m);
+  void add_error(const Vector3d& sample_m2);
+  [[nodiscard]] Vector3d mean_m2() const;  // horizontal and vertical
+};
+
 /// The variances of the fixes per range of the quality percentage, horizontal and vertical, and of headings.
 struct MeasurementNoise {
   static constexpr int bin_count = 5;
@@ -75,6 +106,7 @@ struct MeasurementNoise {
   std::array<Bin, bin_count> bins;
   AdaptiveVariance heading_rad2;
   Correlation correlation;  ///< of the fixes
+  FixScatter scatter;
 
   MeasurementNoise();
 
@@ -106,10 +138,22 @@ void for_each_field(IsFieldsOf<Correlation> auto& correlation, const auto& visit
   visit("square", correlation.square);
 }
 
+void for_each_field(IsFieldsOf<FixScatter> auto& scatter, const auto& visit) {
+  visit("last_m", scatter.last_m);
+  visit("before_m", scatter.before_m);
+  visit("last_ns", scatter.last_ns);
+  visit("before_ns", scatter.before_ns);
+  visit("samples", scatter.samples);
+  visit("variance_m2", scatter.variance_m2);
+  visit("motion_m2", scatter.motion_m2);
+  visit("resolution_m", scatter.resolution_m);
+}
+
 void for_each_field(IsFieldsOf<MeasurementNoise> auto& noise, const auto& visit) {
   visit("any_quality", noise.any_quality);
   visit("bins", noise.bins);
   visit("correlation", noise.correlation);
+  visit("scatter", noise.scatter);
   visit("heading_rad2", noise.heading_rad2.variance);
   visit("heading_samples", noise.heading_rad2.samples);
   visit("heading_motion_rad2", noise.heading_rad2.motion_variance);

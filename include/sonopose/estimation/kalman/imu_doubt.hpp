@@ -33,6 +33,7 @@ struct ImuDoubt {
   int doubts = 0;                  ///< of the last minute
   Vector3d trusted_gyro_bias_body_radps = Vector3d::Zero();  ///< before the doubt
   Vector3d trusted_accel_bias_body_mps2 = Vector3d::Zero();
+  bool is_undecided = false;  ///< several fixes in a row were rejected, and none has fitted well since
   Vector3d scatter_m2 = Vector3d::Zero();  ///< mean square of the best innovations; zero: none yet
 
   /// Adds an innovation of the best hypothesis. Returns the log-likelihood of a fix that scatters about it as
@@ -59,6 +60,7 @@ void for_each_field(IsFieldsOf<ImuDoubt> auto& doubt, const auto& visit) {
   visit("doubts", doubt.doubts);
   visit("trusted_gyro_bias_body_radps", doubt.trusted_gyro_bias_body_radps);
   visit("trusted_accel_bias_body_mps2", doubt.trusted_accel_bias_body_mps2);
+  visit("is_undecided", doubt.is_undecided);
   visit("scatter_m2", doubt.scatter_m2);
 }
 

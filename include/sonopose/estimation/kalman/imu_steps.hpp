@@ -35,18 +35,21 @@ struct ImuStep {
 /// `usual_s`: the interval between most samples.
 [[nodiscard]] ImuStep step_between(const ImuMeasurement& last, const ImuMeasurement& next, double usual_s);
 
-/// Finds shocks in the specific force. A shock is as short as a few samples, may exceed the range of the
-/// sensor and bends its mount, so its integral is hardly known. The motion of a body is smooth at this scale.
+/// Finds shocks in the readings of a sensor, in m/s² or rad/s. A shock is as short as a few samples, may
+/// exceed the range of the sensor and bends its mount, so its integral is hardly known. The motion of a body
+/// is smooth at this scale.
 struct ShockDetector {
   int intervals = 0;  ///< that are known, up to 2
   double open_s = 0;  ///< duration of the interval that is not complete
-  Vector3d open_impulse_body_mps = Vector3d::Zero();
-  double roughness_mps2 = 0;  ///< usual second difference
-  std::array<Vector3d, 2> force_body_mps2{Vector3d::Zero(),
-                                          Vector3d::Zero()};  ///< means of the last intervals
+  Vector3d open_integral_body = Vector3d::Zero();
+  double roughness = 0;                                                      ///< usual second difference
+  std::array<Vector3d, 2> reading_body{Vector3d::Zero(), Vector3d::Zero()};  ///< means of the last intervals
 
-  /// Adds a step. Returns the variance of the velocity, per axis, that a shock adds.
-  double add(const Vector3d& force_body_mps2, double duration_s);
+  /// Adds a step. `smooth` is the largest second difference of the motion of a body at 10 ms. Returns the
+  /// variance of the integral, per axis, that a shock adds.
+  double add(const Vector3d& reading_body, double duration_s, double smooth);
+  /// The density of white noise with this roughness, per √Hz.
+  [[nodiscard]] double density_rthz() const;
   bool operator==(const ShockDetector&) const = default;
 };
 
@@ -90,10 +93,10 @@ void for_each_field(IsFieldsOf<ImuMeasurement> auto& imu, const auto& visit) {
 void for_each_field(IsFieldsOf<ShockDetector> auto& shocks, const auto& visit) {
   visit("intervals", shocks.intervals);
   visit("open_s", shocks.open_s);
-  visit("roughness_mps2", shocks.roughness_mps2);
-  visit("open_impulse_body_mps", shocks.open_impulse_body_mps);
-  visit("force_before_body_mps2", shocks.force_body_mps2[0]);
-  visit("force_last_body_mps2", shocks.force_body_mps2[1]);
+  visit("roughness", shocks.roughness);
+  visit("open_integral_body", shocks.open_integral_body);
+  visit("reading_before_body", shocks.reading_body[0]);
+  visit("reading_last_body", shocks.reading_body[1]);
 }
 
 }  // namespace sonopose::estimation::kalman

@@ -48,8 +48,9 @@ struct ImuInput {
   Vector3d mean_force_body_mps2 = Vector3d::Zero();  ///< low-passed until the first fix
   double usual_step_s = 0;                           ///< between samples; 0: not known
   bool in_gap = false;                               ///< the sample ended a silence
-  ShockDetector shocks;
-  JoinedSteps open_steps;  ///< not yet applied to the filters; none in a checkpoint
+  ShockDetector shocks;                              ///< of the accelerometer
+  ShockDetector turn_shocks;                         ///< of the gyroscope
+  JoinedSteps open_steps;                            ///< not yet applied to the filters; none in a checkpoint
 
   bool operator==(const ImuInput&) const = default;
 };
@@ -135,6 +136,7 @@ void for_each_field(IsFieldsOf<ImuInput> auto& imu, const auto& visit) {
   visit("usual_step_s", imu.usual_step_s);
   visit("in_gap", imu.in_gap);
   visit("shocks", imu.shocks);
+  visit("turn_shocks", imu.turn_shocks);
 }
 
 void for_each_field(IsFieldsOf<FixGate> auto& fixes, const auto& visit) {
