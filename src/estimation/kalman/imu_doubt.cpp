@@ -130,7 +130,7 @@ bool doubt_imu(State& state) {
   constexpr double lead_of_tracks = 11.0;  // once the best is refuted
   constexpr int least_rejected = 4;
   // The noise of the first fixes is not known yet.
-  if (state.phase != Phase::tracking || state.fixes.since_start < proven_fixes ||
+  if (state.phase != Phase::tracking || state.noise.scatter.samples < FixScatter::least_samples ||
       std::max(state.fixes.rejected_in_row, state.headings.rejected_in_row) < least_rejected)
     return false;
   Hypothesis* open = nullptr;
