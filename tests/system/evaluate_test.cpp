@@ -79,7 +79,7 @@ SCENARIO("--harder scores the harder scenarios, the violations, and those that a
   CAPTURE(result.error);
   REQUIRE(result.code == 0);
   const json rows = json::parse(result.output);
-  REQUIRE(rows.size() == 31);
+  REQUIRE(rows.size() == 33);
   CHECK(rows.at(0).at("case") == "rest");
   CHECK(rows.at(1).at("case") == "wrong_tracks");
   for (const json& row : rows) CHECK(row.at("position_rmse_m").is_number());

@@ -70,7 +70,6 @@ SCENARIO("a freeze and a wrong mount are each logged once, with level and reason
       }
       REQUIRE(fusion->wait_for_line(Stream::error, "<6>beacon 7: the fixes move again, after "));
       REQUIRE(fusion->wait_for_line(Stream::error, "<4>beacon 8: relocated: the position jumped by "));
-      REQUIRE(fusion->wait_for_line(Stream::error, "<6>beacon 8: the fixes move again, after "));
       CAPTURE(fusion->text(Stream::error));
       THEN("the freeze is logged, and what follows from it") {
         for (const char* const line :

@@ -164,7 +164,6 @@ FixOutcome State::on_fix(const settings::Settings& settings, const FixMeasuremen
   if (imu.time_ns == 0) return outcome;
   propagate();
   coast_if_silent(*this, settings, fix.time_ns);
-  recover_if_not_finite(*this);
   const bool has_started = phase != Phase::waiting;
   if (default_position.add(fix.time_ns, fix.position_world_m)) {
     // The estimate may have started at it.
@@ -192,7 +191,9 @@ FixOutcome State::on_fix(const settings::Settings& settings, const FixMeasuremen
     start_at(*this, fix, settings);
     recover_if_not_finite(*this);
     if (phase == Phase::waiting) return {.flags = fix_outlier};  // no direction of gravity in absurd samples
-    if (has_started) outcome.jump_world_m = filter().tracked_position_world_m() - before_m;
+    if (has_started && before_m.allFinite()) {
+      outcome.jump_world_m = filter().tracked_position_world_m() - before_m;
+    }
     return outcome;
   }
   estimate_delay(*this, settings.delay);
