@@ -129,8 +129,10 @@ bool doubt_imu(State& state) {
   constexpr double lead = 14.0;            // prior odds: IMUs are right
   constexpr double lead_of_tracks = 11.0;  // once the best is refuted
   constexpr int least_rejected = 4;
-  // The noise of the first fixes is not known yet.
-  if (state.phase != Phase::tracking || state.noise.scatter.samples < FixScatter::least_samples ||
+  // A start that is not proven is more likely to be wrong than the IMU, unless nothing else explains the
+  // fixes.
+  if (state.phase != Phase::tracking ||
+      std::max(state.fixes.since_start, state.fixes.rejected_in_row / 2) < proven_fixes ||
       std::max(state.fixes.rejected_in_row, state.headings.rejected_in_row) < least_rejected)
     return false;
   Hypothesis* open = nullptr;
