@@ -129,6 +129,7 @@ SCENARIO("a recording goes on in further files") {
     WHEN("a bridge publishes until the second file is complete") {
       const auto bridge = bus.bridge({});
       REQUIRE(wait_until([&] { return exists(numbered(folder, 2)); }));
+      REQUIRE(imu.wait_for_count(101));
       REQUIRE(bridge->end_by(SIGINT).code == 0);
       REQUIRE(record->end_by(SIGINT).code == 0);
       imu.take();
@@ -151,7 +152,6 @@ SCENARIO("a recording goes on in further files") {
         }
         CHECK(count >= 2);
         CHECK(begins_with_settings);
-        REQUIRE(imu.samples.size() > 100);
         CHECK(lacking(all, imu.samples) <= counted);
       }
     }
