@@ -1,7 +1,7 @@
 // sonopose-attitude: runs an attitude filter over logs and scores it against the truth.
 
-#include "evaluation/attitude_run.hpp"
-#include "evaluation/trajectory_file.hpp"
+#include "evaluation/replay/attitude_run.hpp"
+#include "evaluation/report/trajectory_file.hpp"
 #include "recording/attitude_log.hpp"
 #include "support/config_options.hpp"
 #include "support/progress.hpp"
@@ -48,13 +48,13 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("--json", options.json, "Print one JSON object instead of the table");
 }
 
-/// Name of a log: the last component of its path, without a trailing slash.
+/// Returns the last component of a log's path, without a trailing slash.
 std::string name_of(const Path& log) {
   const Path whole = std::filesystem::weakly_canonical(log);
   return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
 }
 
-/// Two logs with the same name would write the same file.
+/// Refuses two logs with the same name, which would write the same file.
 void check_names(const std::vector<Path>& logs) {
   std::set<std::string> names;
   for (const Path& log : logs) {
@@ -88,15 +88,16 @@ evaluation::AttitudeResult run_log(const Path& folder, const Options& options,
   return result;
 }
 
-/// The settings, overridden by --filter and --magnetometer.
+/// Returns the settings, overridden by --filter and --magnetometer.
 settings::Settings settings_of(const CLI::App& app, const Options& options) {
   apps::ConfigOptions config = options.config;
   const auto set = [&](const std::string& key, const std::string& value) {
     apps::assign_everywhere(config, options.beacon, key, value);
   };
-  set("fusion.engine", "documented");  // whose attitude filters these are
-  if (options.filter) set("attitude.filter", *options.filter);
-  if (options.magnetometer) set("attitude.magnetometer", *options.magnetometer == "on" ? "true" : "false");
+  set("fusion.engine", "documented");  // the engine with these attitude filters
+  if (options.filter) set("documented.attitude.filter", *options.filter);
+  if (options.magnetometer)
+    set("documented.attitude.magnetometer", *options.magnetometer == "on" ? "true" : "false");
   return apps::configuration(app, config).for_beacon(options.beacon);
 }
 

@@ -1,6 +1,6 @@
 // sonopose-bridge: reads beacons (or a recording, or the simulator) and publishes their samples.
 
-#include "bridge/bridge_node.hpp"
+#include "publication/sensor_publisher.hpp"
 #include "support/bus_options.hpp"
 #include "support/log_option.hpp"
 #include "support/realtime_option.hpp"
@@ -18,8 +18,8 @@ struct Options {
   logging::Level log_level = logging::Level::info;
 };
 
-/// An incomplete capture does not keep the recording from its end.
-void finish(bridge::Source& source, bridge::BridgeNode& node) {
+/// Finishes both: an error of the capture must not prevent the end of the recording.
+void finish(publication::Source& source, publication::SensorPublisher& node) {
   try {
     source.finish();
   } catch (...) {
@@ -33,15 +33,15 @@ int serve(const CLI::App& app, const Options& options) {
   const logging::Session log(options.log_level);
   apps::check_publisher(options.bus);
   apps::check_source_options(app, options.source);
-  process::StopSignal stop;  // a capture of the source looks at it until its end
+  process::StopSignal stop;  // outlives the source, whose capture checks it until the end
   const auto source = apps::make_source(options.source);
   stop.listen_to_signals();
-  bridge::BridgeNode node({.domain = options.bus.domain,
-                           .qos_file = options.bus.qos_file,
-                           .lossless = options.source.is_unpaced(),
-                           .batch = options.source.is_many(),
-                           .record_folder = options.record,
-                           .source_settings = apps::source_settings(app, options.source)});
+  publication::SensorPublisher node({.domain = options.bus.domain,
+                                     .qos_file = options.bus.qos_file,
+                                     .lossless = options.source.is_unpaced(),
+                                     .batch = options.source.is_many(),
+                                     .record_folder = options.record,
+                                     .source_settings = apps::source_settings(app, options.source)});
   const auto realtime = apps::realtime(options.realtime_priority);
   logging::info("publishing from " + options.source.source);
   apps::serve([&] { node.run(*source, stop); });

@@ -1,7 +1,7 @@
 // sonopose-calibrate: estimates sensor errors and the installation from recordings.
 
-#include "evaluation/allan.hpp"
-#include "evaluation/calibration.hpp"
+#include "evaluation/calibration/allan.hpp"
+#include "evaluation/calibration/calibration.hpp"
 #include "plots/allan_plot.hpp"
 #include "support/drive_commands.hpp"
 #include "support/run.hpp"
@@ -47,14 +47,14 @@ void add_output(CLI::App& command, Options& options) {
       ->check(CLI::Range(0, all_beacons - 1));
 }
 
-/// The result of a fit that may take long.
+/// Returns the result of a potentially long fit, and shows its progress.
 template <class Fit>
 auto shown(const Options& options, const Fit& fit) {
   const apps::Waiting waiting(options.log.filename().string());
   return fit();
 }
 
-/// Without --out the tables go to standard output, with the report as comments above them.
+/// Prints the report. The tables go to --out, otherwise to standard output below the report as comments.
 int print_result(const Options& options, const evaluation::CalibrationResult& result) {
   const std::string toml = evaluation::calibration_toml(result, options.beacon);
   if (options.out) evaluation::write_whole(*options.out, toml);

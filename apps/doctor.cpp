@@ -38,8 +38,8 @@ int main(int argc, char** argv) {
     const auto observations = observe(options, stop);
     waiting.reset();
     fits.reset();
-    constexpr double least_window_s = 0.5;
-    if (stop.requested() && observations.window_s < least_window_s) {
+    constexpr double min_window_s = 0.5;
+    if (stop.requested() && observations.window_s < min_window_s) {
       throw std::runtime_error("stopped before it could observe the system");
     }
     const auto findings = diagnose(observations);

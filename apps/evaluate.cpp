@@ -1,7 +1,7 @@
 // sonopose-evaluate: scores the fusion on the scenarios of the simulator and on recordings.
 
-#include "evaluation/side_by_side.hpp"
-#include "evaluation/summary_report.hpp"
+#include "evaluation/report/side_by_side.hpp"
+#include "evaluation/report/summary_report.hpp"
 #include "logging/log.hpp"
 #include "recording/log_folder.hpp"
 #include "support/case_options.hpp"
@@ -28,12 +28,12 @@ struct Options {
   apps::ConfigOptions config;
   apps::CaseOptions cases;
   BeaconAddress beacon = recording::default_log_address;
-  std::vector<std::string> engines;             ///< empty: that of the settings
+  std::vector<std::string> engines;             ///< names; empty: the engine of the settings
   std::vector<std::filesystem::path> compared;  ///< two files of settings, or none
   bool json = false;
 };
 
-/// One for each engine.
+/// Returns the settings of each engine.
 std::vector<settings::Settings> settings_of(const CLI::App& app, const Options& options) {
   if (options.engines.empty()) return {apps::configuration(app, options.config).for_beacon(options.beacon)};
   std::vector<settings::Settings> all;
@@ -45,7 +45,7 @@ std::vector<settings::Settings> settings_of(const CLI::App& app, const Options& 
   return all;
 }
 
-/// Of one of the compared files; --set applies to both.
+/// Returns the settings of one of the compared files; --set applies to both.
 settings::Settings settings_of(const CLI::App& app, const Options& options,
                                const std::filesystem::path& file) {
   apps::ConfigOptions config = options.config;
@@ -74,7 +74,7 @@ int compare(const CLI::App& app, const Options& options) {
           fmt::format("left out: {}: nothing to score with {}", runs.front().name, first.string()));
       return;
     }
-    // The same fixes count for both.
+    // Both costs count the same fixes.
     const auto second_m = evaluation::cost_of(evaluation::evaluate_all(runs, second_settings), first_results);
     costs.push_back({runs.front().name, first_results.front().has_truth, *first_m,
                      second_m.value_or(std::numeric_limits<double>::infinity())});
@@ -101,7 +101,7 @@ int evaluate(const CLI::App& app, const Options& options) {
   };
   const auto score = [&](const std::vector<evaluation::Case>& runs) {
     for (const settings::Settings& settings : engines) {
-      std::optional<apps::Waiting> waiting;  // among several cases, their number shows the progress
+      std::optional<apps::Waiting> waiting;  // for several cases, their number shows the progress
       if (is_only_case) waiting.emplace(runs.front().name);
       const auto results = evaluation::evaluate_all(runs, settings);
       waiting.reset();

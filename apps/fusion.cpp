@@ -19,7 +19,7 @@ struct Options {
   sonopose::apps::BusOptions bus;
   sonopose::apps::ConfigOptions config;
   std::optional<std::string> addresses;
-  std::size_t max_beacons = sonopose::process::BeaconAdmission::default_max_beacons;
+  std::size_t max_beacons = sonopose::presence::BeaconAdmission::default_max_beacons;
   std::int32_t standby_strength = 0;
   double warm_up_s = sonopose::fusion::StandbyOptions{}.warm_up_s;
   bool lossless = false;
@@ -48,7 +48,8 @@ void add_options(CLI::App& app, Options& options) {
       ->excludes(strength);
   app.add_flag("--print-config", options.print_config, "Print the settings as commented TOML and exit");
   app.add_flag("--print-settings-page", options.print_settings_page,
-               "Print the table of all settings as a page of the docs and exit");
+               "Print the table of all settings as a page of the docs and exit")
+      ->group("");  // for those who change the table
 }
 
 sonopose::fusion::FusionOptions node_options(const Options& options,
@@ -61,7 +62,7 @@ sonopose::fusion::FusionOptions node_options(const Options& options,
                      .max_beacons = options.max_beacons,
                      .standby = {},
                      .lossless = options.lossless};
-  if (options.addresses) node.addresses = sonopose::process::AddressSet::parse(*options.addresses);
+  if (options.addresses) node.addresses = sonopose::presence::AddressSet::parse(*options.addresses);
   if (options.standby_strength > 0) node.standby = {options.standby_strength, options.warm_up_s};
   return node;
 }

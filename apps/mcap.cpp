@@ -1,9 +1,9 @@
-// sonopose-mcap: looks into recordings of the bus, and makes others of them.
+// sonopose-mcap: shows recordings of the bus, and converts them into others.
 
 #include "bus_log/copy.hpp"
 #include "bus_log/messages.hpp"
 #include "bus_log/summary.hpp"
-#include "evaluation/exported.hpp"
+#include "evaluation/report/exported.hpp"
 #include "logging/log.hpp"
 #include "mcap/reader.hpp"
 #include "mcap/verify.hpp"
@@ -95,11 +95,11 @@ void add_choice_options(CLI::App& command, Options& options) {
 }
 
 CLI::App* add_command(CLI::App& app, Options& options, const char* name, const char* description,
-                      int most_files = CLI::detail::expected_max_vector_size) {
+                      int max_files = CLI::detail::expected_max_vector_size) {
   auto* command = app.add_subcommand(name, description);
   command->add_option("FILE", options.files, "MCAP file")
       ->required()
-      ->expected(1, most_files)
+      ->expected(1, max_files)
       ->type_name("FILE");
   return command;
 }

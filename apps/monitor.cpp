@@ -2,7 +2,7 @@
 
 #include "monitor/echo/echo.hpp"
 #include "monitor/monitor_node.hpp"
-#include "process/background.hpp"
+#include "process/realtime.hpp"
 #include "support/bus_options.hpp"
 #include "support/log_option.hpp"
 #include "support/topic_option.hpp"
@@ -43,7 +43,7 @@ int main(int argc, char** argv) {
       ->type_name("N")
       ->needs(topic);
   return apps::run(app, argc, argv, [&] {
-    process::give_way();  // each sample wakes the monitor and the fusion at the same time
+    process::use_batch_scheduling();  // each sample wakes the monitor and the fusion at the same time
     const logging::Session log(log_level);
     process::StopSignal stop;
     stop.listen_to_signals();
@@ -64,6 +64,6 @@ int main(int argc, char** argv) {
                      : terminal::is_screen() ? monitor::Output::screen
                                              : monitor::Output::table;
     const auto poses = monitor::monitor(options, stop);
-    return poses > 0 || stop.requested() ? 0 : 1;  // no pose in the whole duration is an error
+    return poses > 0 || stop.requested() ? 0 : 1;  // a whole duration without a pose is an error
   });
 }

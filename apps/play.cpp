@@ -1,4 +1,4 @@
-// sonopose-play: a recording in MCAP back onto the bus.
+// sonopose-play: publishes an MCAP recording on the bus.
 
 #include "player/player_node.hpp"
 #include "support/bus_options.hpp"

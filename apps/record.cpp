@@ -1,4 +1,4 @@
-// sonopose-record: any set of the topics on the bus to MCAP files.
+// sonopose-record: records any topics of the bus to MCAP files.
 
 #include "clocks/clocks.hpp"
 #include "recorder/recorder_node.hpp"
@@ -30,7 +30,7 @@ struct Options {
   logging::Level log_level = logging::Level::info;
 };
 
-/// Named by the second of the start, so that files sort by time.
+/// Returns a name by the second of the start, so that files sort by time.
 std::string name_by_time() {
   const auto now_s = static_cast<std::time_t>(clocks::host_now() / 1'000'000'000);
   std::tm utc{};
@@ -65,11 +65,11 @@ int serve(Options& options, const std::string& command) {
   recording.qos_file = options.bus.qos_file;
   recording.version = apps::version();
   recording.command = command;
-  if (!options.beacons.empty()) recording.beacons = process::AddressSet::parse(options.beacons);
+  if (!options.beacons.empty()) recording.beacons = presence::AddressSet::parse(options.beacons);
   if (recording.file.empty()) recording.file = name_by_time();
   process::StopSignal stop;
   stop.listen_to_signals();
-  std::signal(SIGUSR1, SIG_IGN);  // one that comes too early, or without --keep-last, does no harm
+  std::signal(SIGUSR1, SIG_IGN);  // ignored too early, or without --keep-last
   recorder::Recorder recorder(recording);
   std::optional<recorder::SignalTrigger> on_signal;
   if (recording.keep_last_s > 0) on_signal.emplace(SIGUSR1, recorder.trigger());
@@ -80,15 +80,15 @@ int serve(Options& options, const std::string& command) {
   return report.is_complete() ? 0 : 1;
 }
 
-/// Of a file, and of memory: a second of several beacons.
-constexpr double least_bytes = 1e6;
+/// Lower limit for a file and for memory: a second of several beacons.
+constexpr double min_bytes = 1e6;
 
 void add_file_options(CLI::App& app, recorder::RecorderOptions& options) {
   apps::add_compression_option(app, options.compression);
   app.add_option("--max-size", options.max_size_bytes,
                  "Begin another file before one is larger, such as 500MB")
       ->transform(CLI::AsSizeValue(true))
-      ->check(apps::number_between(least_bytes))
+      ->check(apps::number_between(min_bytes))
       ->type_name("SIZE");
   app.add_option("--max-duration", options.max_duration_s, "Begin another file after this many seconds")
       ->check(apps::number_between(1.0, 1e9))
@@ -104,7 +104,7 @@ void add_last_options(CLI::App& app, recorder::RecorderOptions& options) {
           ->excludes(app.get_option("--ros2"));
   app.add_option("--keep-memory", options.keep_bytes, "The memory for --keep-last [256MB]")
       ->transform(CLI::AsSizeValue(true))
-      ->check(apps::number_between(least_bytes))
+      ->check(apps::number_between(min_bytes))
       ->type_name("SIZE")
       ->needs(keep);
   app.add_option("--trigger-topic", options.trigger_topic,

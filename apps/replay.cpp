@@ -1,12 +1,12 @@
 // sonopose-replay: runs the fusion engine over a sensor-log folder, without DDS and without a clock.
 
 #include "bus_log/sensor_log.hpp"
-#include "evaluation/output_folder.hpp"
-#include "evaluation/report.hpp"
-#include "evaluation/run.hpp"
-#include "evaluation/smoothed_run.hpp"
-#include "evaluation/state_file.hpp"
-#include "support/pictures.hpp"
+#include "evaluation/replay/run.hpp"
+#include "evaluation/replay/smoothed_run.hpp"
+#include "evaluation/report/output_folder.hpp"
+#include "evaluation/report/report.hpp"
+#include "evaluation/state/state_file.hpp"
+#include "plots/plot.hpp"
 #include "support/progress.hpp"
 #include "support/replay_options.hpp"
 #include "support/run.hpp"
@@ -31,7 +31,7 @@ double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// The name of the strapdown estimator, which is no engine of the settings; else empty.
+/// Returns the name of the strapdown estimator, which is no engine of the settings; otherwise empty.
 std::string estimator_name(const evaluation::RunOptions& run) {
   return run.estimator == estimation::EstimatorKind::strapdown ? "strapdown" : "";
 }
@@ -72,9 +72,10 @@ recording::SensorLog read_log(const apps::ReplayOptions& options, evaluation::Ti
   return log;
 }
 
-void draw(apps::Pictures& pictures) {
+void draw(std::optional<plots::Plot>& plot) {
+  if (!plot) return;
   const apps::Waiting waiting("drawing");
-  pictures.draw();
+  plot->draw();
 }
 
 /// Runs the log with each of the two files; --set applies to both.
@@ -87,20 +88,21 @@ int compare(const CLI::App& app, const apps::ReplayOptions& options) {
   }
   evaluation::Timing timing;
   const recording::SensorLog log = read_log(options, timing);
-  apps::Pictures pictures(options.plot, options.html, options.log.string(), log);
+  std::optional<plots::Plot> plot;
+  if (options.plot) plot.emplace(*options.plot, options.log.string(), log);
   for (std::size_t i = 0; i < configs.size(); ++i) {
     const std::string name = options.compared[i].string();
     evaluation::RunOptions run = options.run;
     run.settings = configs[i].for_beacon(log.address);
-    const auto curves = pictures.add_run(name, run.settings, estimator_name(run));
-    const auto add = [&curves](const auto& sample) {
-      for (plots::RunCurves* const each : curves) each->add(sample);
+    plots::RunCurves* const curves = plot ? &plot->add_run(name, run.settings, estimator_name(run)) : nullptr;
+    const auto add = [curves](const auto& sample) {
+      if (curves != nullptr) curves->add(sample);
     };
     const auto result = timed_run(log, run, options.smooth, {add, add}, timing);
     if (!options.json) fmt::print("{}{}\n", i == 0 ? "" : "\n", name);
     fmt::print("{}", report(result, timing, options.json));
   }
-  draw(pictures);
+  draw(plot);
   return 0;
 }
 
@@ -119,17 +121,19 @@ int replay_log(const CLI::App& app, const apps::ReplayOptions& options) {
     using Covariances = evaluation::OutputFolder::Covariances;
     out.emplace(*options.out, options.smooth ? Covariances::yes : Covariances::no);
   }
-  apps::Pictures pictures(options.plot, options.html, options.log.string(), log);
-  const auto curves =
-      pictures.add_run(options.smooth ? "smoothed" : "fused", run.settings, estimator_name(run));
+  std::optional<plots::Plot> plot;
+  if (options.plot) plot.emplace(*options.plot, options.log.string(), log);
+  plots::RunCurves* const curves =
+      plot ? &plot->add_run(options.smooth ? "smoothed" : "fused", run.settings, estimator_name(run))
+           : nullptr;
   const auto write = [&](const auto& sample) {
     if (out) out->write(sample);
-    for (plots::RunCurves* const each : curves) each->add(sample);
+    if (curves != nullptr) curves->add(sample);
   };
   const auto result = timed_run(log, run, options.smooth, {write, write}, timing);
   if (out) out->finish();
   if (options.save_state) evaluation::save_state(*options.save_state, result.end);
-  draw(pictures);
+  draw(plot);
   fmt::print("{}", report(result, timing, options.json));
   return 0;
 }

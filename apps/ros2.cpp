@@ -10,7 +10,8 @@ namespace {
 
 using namespace sonopose;
 
-/// Without --network, the discovery range follows the environment variables of ROS 2.
+/// Returns the options of the relay. Without --network, the discovery range follows the environment variables
+/// of ROS 2.
 ros2::relay::RelayOptions relay_options(const apps::Ros2Program& program) {
   const ros2::Variables environment = dds::environment_variables(ros2::variable_names());
   auto options = apps::relay_options(program.ros2, environment);
@@ -24,7 +25,7 @@ ros2::relay::RelayOptions relay_options(const apps::Ros2Program& program) {
 
 int serve(const ros2::arguments::Arguments& arguments, const apps::Ros2Program& given) {
   const apps::AppliedParameters parameters = apps::apply_parameters(arguments, given);
-  apps::Ros2Program program;  // with the parameters
+  apps::Ros2Program program;  // includes the parameters
   apps::parse(program.app, apps::own_arguments(arguments), parameters.arguments);
   auto options = relay_options(program);
   options.startup_settings = parameters.settings;

@@ -44,7 +44,7 @@ int run(const CLI::App& app, const Options& options) {
   if (options.record) bridge.push_back("--record=" + *options.record);
   if (options.source.is_unpaced()) fusion.emplace_back("--lossless");
   if (options.json) monitor.emplace_back("--json");
-  // On a terminal the monitor has the screen.
+  // The monitor shows its screen if there is a terminal.
   const bool has_screen = !options.json && terminal::is_screen();
   return launch::run_together(
       {{"sonopose-fusion", fusion}, {"sonopose-bridge", bridge}, {"sonopose-monitor", monitor, true}},

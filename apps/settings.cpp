@@ -95,7 +95,7 @@ std::string address_text(const std::string& text) {
 
 CLI::App* add_command(CLI::App& app, Options& options, const char* name, const char* description) {
   auto* command = app.add_subcommand(name, description);
-  command->fallthrough();  // so that the program's options may follow the command
+  command->fallthrough();  // lets the program's options follow the command
   command->add_option("--beacon", options.address, "Address of one beacon (default: all)")
       ->transform(address_text)
       ->option_text("ADDRESS|all");
@@ -114,7 +114,8 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
 
   auto* getting = add_command(app, options, "get", "Print the settings in use");
-  getting->add_option("KEY", options.words, "Keys (drift.jump_alpha) or groups (drift) (default: all)");
+  getting->add_option("KEY", options.words,
+                      "Keys (documented.drift.jump_alpha) or groups (drift) (default: all)");
   getting->add_flag("--json", options.json, "Print a JSON array with one object per beacon instead of TOML");
 
   auto* setting = add_command(app, options, "set", "Change settings: all of the given ones, or none");

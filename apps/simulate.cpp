@@ -30,7 +30,7 @@ struct Options {
   std::optional<double> duration_s;
   std::optional<double> mount_offset_deg;
   std::optional<double> delay_error_ms;
-  std::vector<double> lever_arm_body_m;  ///< x, y, z; empty: the scenario's
+  std::vector<double> lever_arm_body_m;  ///< x, y, z; empty: lever arm of the scenario
   bool list = false;
 };
 
@@ -68,7 +68,7 @@ int list() {
   return 0;
 }
 
-/// The sensors of this run, installed as the options say.
+/// Returns the sensors of this run, installed according to the options.
 sim::SensorSettings sensors_of(const Options& options, const sim::Scenario& scenario, const sim::Run& run) {
   constexpr double ms_per_s = 1e3;
   sim::SensorSettings sensors = sim::drawn(scenario, run).sensors;
@@ -81,7 +81,7 @@ sim::SensorSettings sensors_of(const Options& options, const sim::Scenario& scen
   return sensors;
 }
 
-/// What made the log.
+/// Describes the origin of the log.
 recording::LogSettings settings_of(const Options& options, const sim::Scenario& scenario, double duration_s) {
   recording::LogSettings settings{{"scenario", std::string(scenario.name)},
                                   {"seed", std::to_string(options.seed)},

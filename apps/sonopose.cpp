@@ -23,7 +23,7 @@ using namespace sonopose::apps;
 
 constexpr int failed = 1;
 
-/// The exit code after printing.
+/// Flushes the output. Returns the exit code.
 int end_of_output() try {
   flush_output();
   return 0;
@@ -62,7 +62,7 @@ int refuse_verb(const std::string& verb) {
   return refuse(fmt::format("{}: unknown verb{}", verb, suggestion(verb, names)));
 }
 
-/// Becomes the program of the verb. Returns only on failure.
+/// Replaces this process by the program of the verb. Returns only on failure.
 int become(const std::string& verb, const std::vector<std::string>& arguments) {
   if (verb.empty() || verb.find('/') != std::string::npos) return refuse_verb(verb);
   const std::string program = "sonopose-" + verb;

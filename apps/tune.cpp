@@ -1,7 +1,7 @@
 // sonopose-tune: searches for settings with a lower error on scenarios and recordings.
 
-#include "evaluation/evaluation.hpp"
-#include "evaluation/search.hpp"
+#include "evaluation/replay/evaluation.hpp"
+#include "evaluation/replay/search.hpp"
 #include "logging/log.hpp"
 #include "recording/log_folder.hpp"
 #include "support/case_options.hpp"
@@ -48,16 +48,18 @@ void add_options(CLI::App& app, Options& options) {
 
 /// Throws ConfigError for a setting that the chosen engine does not read.
 void check_read(const std::vector<evaluation::Variable>& variables, const settings::Settings& settings) {
-  if (settings.engine.engine == settings::EngineKind::documented) return;
+  const bool is_documented = settings.engine.engine == settings::EngineKind::documented;
+  const auto unread = is_documented ? settings::ReadBy::kalman : settings::ReadBy::documented;
   for (const evaluation::Variable& variable : variables) {
-    if (settings::setting_info(variable.key).read_by == settings::ReadBy::all) continue;
+    if (settings::setting_info(variable.key).read_by != unread) continue;
+    const std::string_view reader = is_documented ? "kalman" : "documented";
     throw config::ConfigError(fmt::format(
-        "--vary {}: fusion.engine is {}, and only documented reads it; add --set fusion.engine=documented",
-        variable.key, settings::to_text(settings::get(settings, "fusion.engine"))));
+        "--vary {}: fusion.engine is {}, and only {} reads it; add --set fusion.engine={}", variable.key,
+        settings::to_text(settings::get(settings, "fusion.engine")), reader, reader));
   }
 }
 
-/// The cases that can be scored. Reports the others.
+/// Returns the cases that can be scored. Reports the others.
 evaluation::CostFunction cost_function(const Options& options, const settings::Settings& start) {
   std::vector<std::vector<evaluation::Case>> cases;
   apps::for_each_case(options.cases,
@@ -68,7 +70,8 @@ evaluation::CostFunction cost_function(const Options& options, const settings::S
   return cost;
 }
 
-/// The settings that differ from those before: for all beacons, or for this one if its own settings overrule.
+/// Returns the settings that differ from `before`: for all beacons, or for this one if its own settings take
+/// precedence.
 config::FusionConfig changes(const config::FusionConfig& before, const settings::Settings& found,
                              const std::vector<evaluation::Variable>& variables, BeaconAddress beacon) {
   config::FusionConfig only;
@@ -84,7 +87,7 @@ config::FusionConfig changes(const config::FusionConfig& before, const settings:
   return only;
 }
 
-/// The options that the found settings belong to, as a comment.
+/// Returns the options that the found settings depend on, as a comment.
 std::string origin_comment(const apps::ConfigOptions& options) {
   std::string text;
   if (options.file) text += " --config " + options.file->string();
@@ -133,7 +136,7 @@ int main(int argc, char** argv) {
                     "It prints what it changed as a TOML file; Ctrl-C ends the search and prints the best so "
                     "far. A case without "
                     "truth counts with its prediction errors. To search items 2, 3 and 4, add --set "
-                    "fusion.imu_weight=user.");
+                    "documented.imu_weight=user.");
   add_options(app, options);
   return apps::run(app, argc, argv, [&] {
     if (app.count("--beacon") > 0) options.cases.beacon = options.beacon;

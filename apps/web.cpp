@@ -1,6 +1,8 @@
 // sonopose-web: a live page of every beacon on the bus for the browser, and the topics for Foxglove.
 
-#include "process/background.hpp"
+#include "doctor/probe/doctor_node.hpp"
+#include "doctor/rules/report.hpp"
+#include "process/realtime.hpp"
 #include "support/bus_options.hpp"
 #include "support/log_option.hpp"
 #include "support/version.hpp"
@@ -19,7 +21,7 @@ using namespace sonopose;
 
 namespace {
 
-/// What the options are made of.
+/// The arguments before they are parsed into options.
 struct Given {
   std::string listen;
   std::string token;
@@ -36,7 +38,7 @@ void apply(const Given& given, web::WebOptions& options) {
   server.token = given.token;
   if (!server.token.empty()) web::http::check_token(server.token);
   for (std::string& origin : server.origins) origin = web::http::parse_origin(origin);
-  // Everybody who knows the URL may look, and change settings where that is allowed.
+  // The token controls access: its holder may look, and change settings if that is allowed.
   if (server.token.empty() && !is_loopback(server.endpoint)) server.token = web::http::random_token();
   if (!given.floor_plan.empty()) {
     options.map.floor_plan = web::read_floor_plan(given.floor_plan, given.floor_plan_area_m);
@@ -92,7 +94,7 @@ int main(int argc, char** argv) {
       recording->excludes(app.get_option("--" + option->get_lnames().front()));
   }
   return apps::run(app, argc, argv, [&] {
-    process::give_way();  // it only watches
+    process::use_batch_scheduling();  // only watches
     const logging::Session log(log_level);
     apply(given, options);
     std::optional<apps::Waiting> reading;
@@ -119,6 +121,10 @@ int main(int argc, char** argv) {
     options.domain = bus.domain;
     options.qos_file = bus.qos_file;
     options.version = apps::version();
+    options.examine = [&bus](double duration_s, const process::StopSignal& stopped) {
+      return json_of(diagnose(doctor::probe::observe(
+          {.domain = bus.domain, .qos_file = bus.qos_file, .duration_s = duration_s}, stopped)));
+    };
     web::serve(options, report, stop);
     return 0;
   });

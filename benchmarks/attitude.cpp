@@ -28,11 +28,11 @@ using namespace sonopose;
 using attitude::Measurement;
 using benchmarks::median;
 
-/// Fits into the L2 cache (300 kB in double).
+/// Number of samples that fits into the L2 cache (300 kB in double).
 constexpr std::size_t sample_count = 2400;
 
-/// A hand-held body: 4 s of rest, then rotation about all axes at up to 5 rad/s and acceleration of up to
-/// 4 m/s². The amplitude rises and falls, so the motion can be repeated.
+/// The motion of a hand-held body: 4 s of rest, then rotation about all axes at up to 5 rad/s and
+/// acceleration of up to 4 m/s². The amplitude rises and falls, so the motion can be repeated.
 struct Motion {
   static constexpr double rest_s = 4.0;
   static constexpr double length_s = 24.0;
@@ -57,7 +57,7 @@ struct Motion {
     return (position_world_m(time_s + h) - 2.0 * position_world_m(time_s) + position_world_m(time_s - h)) /
            (h * h);
   }
-  /// Ferromagnetic disturbance for two seconds.
+  /// Returns the magnetic field, disturbed for two seconds.
   static Vector3d field_world_t(double time_s) {
     const Vector3d earth_t(0.0, 20e-6, -45e-6);
     const bool disturbed = time_s > 14.0 && time_s < 16.0;
@@ -65,7 +65,7 @@ struct Motion {
   }
 };
 
-/// Measurements of sensors with noise and a gyroscope offset, at steps of 8 to 12 ms.
+/// Returns measurements of sensors with noise and a gyroscope offset, at steps of 8 to 12 ms.
 std::vector<Measurement<double>> measure_motion() {
   std::mt19937 random(1);
   std::normal_distribution<double> noise;
@@ -107,7 +107,7 @@ std::vector<Measurement<Scalar>> samples_of(int axes) {
   return samples;
 }
 
-/// One filter and its time per update in each round, ns.
+/// A filter and its time per update in each round, ns.
 struct Entry {
   std::string_view filter;
   int axes;
@@ -123,7 +123,7 @@ struct Entry {
   }
 };
 
-/// The filter keeps its state between rounds, as if the motion were repeated.
+/// Measures a filter, which keeps its state between rounds, as if the motion were repeated.
 template <class Filter>
 Entry entry_of(int axes) {
   using Scalar = typename Filter::Scalar;
@@ -143,7 +143,7 @@ void add_each(std::vector<Entry>& entries) {
   }
 }
 
-/// Median over the rounds of the ratio.
+/// Returns the median ratio over the rounds.
 double ratio(const Entry& entry, const Entry& reference) {
   std::vector<double> ratios;
   for (std::size_t i = 0; i < entry.rounds_ns.size(); ++i)
@@ -176,7 +176,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   std::vector<Entry> entries;
-  // Mahony first: it is the reference for the others.
+  // Mahony comes first, as the reference for the others.
   add_each<attitude::BasicMahony>(entries);
   add_each<attitude::BasicComplementary>(entries);
   add_each<attitude::BasicAhrs>(entries);

@@ -23,7 +23,7 @@ dds_entity_t checked(dds_entity_t entity) {
   return entity;
 }
 
-/// The same profiles as the real chain.
+/// Loads the same profiles as the real chain.
 const dds::qos::Provider& profiles() {
   static const dds::qos::Provider provider;
   return provider;

@@ -47,12 +47,12 @@ dds_entity_t ros_writer(dds_entity_t participant, const std::string& name,
                                    profiles().datawriter_qos(profile).get(), nullptr));
 }
 
-/// The strings of the messages, as long as those of the relay.
+/// Strings of the messages, as long as those of the relay.
 std::string map_frame = "map";
 std::string base_frame = "base_link";
 std::string imu_frame = "imu_link";
 
-/// The writers and the messages of one beacon.
+/// The writers and messages of one beacon.
 struct Beacon {
   Beacon(dds_entity_t participant, std::uint32_t address) {
     const std::string prefix = fmt::format("hedge_{}/", address);

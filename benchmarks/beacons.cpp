@@ -1,5 +1,5 @@
-// Many beacons through one bridge, fusion and consumer: throughput, CPU cost, and the cost of a sample as a
-// function of the number of beacons. Rounds of all numbers are interleaved.
+// Measures many beacons through one bridge, fusion and consumer: throughput, CPU cost, and the cost of a
+// sample by the number of beacons. Rounds of all numbers are interleaved.
 
 #include "beacons_round.hpp"
 #include "process/stop_signal.hpp"
@@ -39,7 +39,7 @@ double median_of(const Rounds& rounds, const Part& part) {
 /// The number of beacons and the engine.
 using Case = std::pair<std::uint32_t, std::string>;
 
-/// Median over the rounds of the ratio of the cost per sample; `-` if the reference was not measured.
+/// Returns the median ratio of the cost per sample over the rounds; `-` if the reference was not measured.
 std::string cost_ratio(const std::map<Case, Rounds>& all, const Case& of, const Case& reference) {
   const auto found = all.find(reference);
   if (found == all.end()) return "-";

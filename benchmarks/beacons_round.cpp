@@ -25,7 +25,7 @@ void sleep_s(double seconds) {
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
 
-/// One fusion for all beacons, two with half of the addresses each, or what a fusion costs at least.
+/// Starts one fusion for all beacons, two with half of the addresses each, or the bare minimum of a fusion.
 std::vector<Child> start_fusions(const BeaconsOptions& options, std::uint32_t beacons) {
   std::vector<Child> fusions;
   if (options.engine == "bare") {
@@ -66,7 +66,7 @@ void wait_for_all(PoseStream& poses, std::uint32_t beacons) {
     }
     sleep_s(0.1);
   }
-  sleep_s(1.5);  // until the rate is steady and every status has arrived once
+  sleep_s(1.5);  // lets the rate settle and every status arrive once
 }
 
 }  // namespace
@@ -103,7 +103,7 @@ BeaconsRound measure_beacons(const BeaconsOptions& options, std::uint32_t beacon
         std::max(round.fusion_memory_bytes, static_cast<double>(fusions[i].memory_bytes()));
   }
   round.bridge_share = seconds_between(bridge_before_ns, bridge.cpu_time_ns()) / length_s;
-  sleep_s(1.2);  // for the statuses of the last second of the round
+  sleep_s(1.2);  // lets the statuses of the round's last second arrive
   round.lost = static_cast<double>(lost.sum() - lost_before);
   round.poses_hz = samples / length_s;
   round.missing = static_cast<double>(count.missing);

@@ -14,17 +14,16 @@ struct BeaconsOptions {
   double round_s = 4.0;
   std::string engine;     ///< fusion.engine; `bare`: a relay of IMU samples in Cyclone's C API instead
   bool share = false;     ///< two fusions, each with half of the addresses
-  bool realtime = false;  ///< --realtime for bridge and fusion, the same for the consumer
+  bool realtime = false;  ///< --realtime for bridge and fusion, and real-time scheduling for the consumer
 };
 
-/// Result of one round.
 struct BeaconsRound {
   double poses_hz = 0;
   double lost = 0;                    ///< events lost by the fusion
   double missing = 0;                 ///< poses that did not reach the consumer
   std::vector<double> fusion_shares;  ///< CPU share of each fusion process, in cores
   double fusion_per_sample_s = 0;     ///< CPU time of all fusion processes
-  double fusion_memory_bytes = 0;     ///< resident, of the largest fusion process
+  double fusion_memory_bytes = 0;     ///< resident memory of the largest fusion process
   double bridge_share = 0;
   double p50_s = 0;
   double p99_s = 0;

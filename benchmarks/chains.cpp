@@ -75,7 +75,7 @@ Round measure(const RoundOptions& options, const Child& relay, LatencyCollector&
   return round;
 }
 
-/// The consumer is a ROS 2 process.
+/// Measures with a ROS 2 process as the consumer.
 Round measure_in_ros2(const RoundOptions& options, const Child& relay) {
   Ros2LatencyCollector latencies;
   const dds::DomainParticipant participant({options.domain, dds::Network::loopback});
@@ -133,7 +133,7 @@ void stay_on(unsigned cpu) {
   if (::sched_setaffinity(0, sizeof set, &set) != 0) throw std::runtime_error("sched_setaffinity failed");
 }
 
-/// One idle-priority process for each core.
+/// Starts one idle-priority process per core.
 std::vector<Child> keep_awake() {
   std::vector<Child> children;
   for (unsigned cpu = 0; cpu < std::thread::hardware_concurrency(); ++cpu) {

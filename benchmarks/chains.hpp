@@ -1,6 +1,5 @@
 #pragma once
-// The chains whose latency is compared, each of three processes: source → relay → consumer. The consumer is
-// this process.
+// The compared chains of three processes: source → relay → consumer. The consumer is this process.
 
 #include "child.hpp"
 
@@ -21,13 +20,11 @@ struct Latency {
   [[nodiscard]] double all_s() const { return to_relay_s + in_relay_s + to_consumer_s; }
 };
 
-/// Result of one round of a chain.
 struct Round {
   std::vector<Latency> latencies;
   double relay_cpu_s = 0;  ///< user and system time of the relay per sample
 };
 
-/// Parameters of a round.
 struct RoundOptions {
   std::uint32_t domain = 0;
   double rate_hz = 0;
@@ -41,17 +38,17 @@ struct Chain {
 
 /// Variations of the real chain.
 struct Tuning {
-  std::string engine;                    ///< fusion.engine; empty: the default
-  std::string fusion{};                  ///< the program; empty: that of this build
-  bool realtime = false;                 ///< --realtime for bridge and fusion, the same for the consumer
-  bool awake = false;                    ///< a process of the lowest priority keeps each core awake
-  std::optional<unsigned> fusion_cpu{};  ///< the core reserved for the fusion
-  bool ros2 = false;  ///< with sonopose-ros2 before the consumer; the CPU time is that of sonopose-ros2
+  std::string engine;     ///< fusion.engine; empty: the default
+  std::string fusion{};   ///< path of the program; empty: that of this build
+  bool realtime = false;  ///< --realtime for bridge and fusion, and real-time scheduling for the consumer
+  bool awake = false;     ///< a process of the lowest priority keeps each core awake
+  std::optional<unsigned> fusion_cpu{};  ///< core reserved for the fusion
+  bool ros2 = false;  ///< sonopose-ros2 before the consumer; the CPU time is that of sonopose-ros2
 };
 
 /// Plain UDP sockets.
 Chain plain_chain();
-/// Only Cyclone DDS's C API.
+/// Cyclone DDS's C API alone.
 Chain bare_chain(std::string name);
 /// sonopose-bridge → sonopose-fusion → consumer.
 Chain real_chain(std::string name, const Tuning& tuning = {});

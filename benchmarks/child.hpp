@@ -22,7 +22,6 @@ public:
   Child& operator=(const Child&) = delete;
   Child(Child&& other) noexcept;
   Child& operator=(Child&&) = delete;
-  /// Kills and reaps the process.
   ~Child();
 
   /// User and system time of all its threads, ns. Throws std::system_error if it has ended.

@@ -1,12 +1,12 @@
 #pragma once
-// A consumer of the topics that people watch, which only counts their samples.
+// A consumer of the topics that people watch. It only counts their samples.
 
 #include <atomic>
 #include <cstdint>
 
 namespace sonopose::benchmarks {
 
-/// A counter that children share. Throws std::runtime_error.
+/// Returns a counter that children share. Throws std::runtime_error.
 std::atomic<std::uint64_t>& shared_counter();
 
 /// Counts the samples of the topics that the monitor and the page read, until the process is killed.

@@ -1,6 +1,6 @@
-// Latency of the chain bridge → fusion → consumer, next to a bare Cyclone DDS chain and to plain UDP sockets
-// with the same payloads. Rounds of all chains are interleaved, so that other load affects all of them
-// equally; the ratios are the result.
+// Measures the latency of the chain bridge → fusion → consumer, next to a bare Cyclone DDS chain and to plain
+// UDP sockets with the same payloads. Rounds of all chains are interleaved, so that other load affects all of
+// them equally; the ratios are the result.
 
 #include "chains.hpp"
 #include "latency_report.hpp"
@@ -47,7 +47,7 @@ std::vector<Chain> chains_of(const Options& options) {
   return chains;
 }
 
-/// Each round starts with a different chain.
+/// Runs the rounds. Each starts with a different chain.
 Results rounds_of(const Options& options, double rate_hz, const process::StopSignal& stop) {
   const std::vector<Chain> chains = chains_of(options);
   Results results;

@@ -65,7 +65,7 @@ void print_ratios(const ChainResult& over, const ChainResult& under) {
   fmt::print("\n");
 }
 
-/// What a chain may take of the bare one.
+/// Limits of a chain relative to the bare one.
 struct Limits {
   double p50 = 0;
   double p99 = 0;
@@ -101,7 +101,7 @@ void print_report(double rate_hz, double round_s, const Results& results) {
              100.0 * median_interval(std::vector<double>(bare.rounds.size())).confidence);
   fmt::print("                                p50                  p99                  relay CPU\n");
   print_ratios(bare, results.at(0));
-  print_ratios(results.at(2), bare);  // what the machine can resolve
+  print_ratios(results.at(2), bare);  // shows the resolution of the machine
   print_ratios(documented, bare);
   print_ratios(kalman, bare);
   for (std::size_t i = 5; i < results.size(); ++i) {

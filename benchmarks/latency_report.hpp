@@ -1,5 +1,5 @@
 #pragma once
-// Output of the latency benchmark.
+// Prints the results of the latency benchmark.
 
 #include "chains.hpp"
 
@@ -12,15 +12,15 @@ namespace sonopose::benchmarks {
 struct ChainResult {
   std::string name;
   std::vector<Round> rounds;
-  Round pending;  ///< of the round that not all chains have completed
+  Round pending;  ///< result of a round that not all chains have completed
 };
 
-/// All chains have the same number of rounds. The first ones are udp, bare, bare again, documented and
-/// kalman.
+/// Results of the chains, with the same number of rounds. The first ones are udp, bare, bare again,
+/// documented and kalman.
 using Results = std::vector<ChainResult>;
 
 /// Prints percentiles pooled over the rounds, the median of the ratios per round with its 95 % confidence
-/// interval, and whether the limits are met.
+/// interval, and the verdict on the limits.
 void print_report(double rate_hz, double round_s, const Results& results);
 
 }  // namespace sonopose::benchmarks

@@ -1,5 +1,5 @@
-// The monitor's screen next to a consumer of the same topics that only counts: processor time with many
-// beacons.
+// Compares the processor time of the monitor's screen with that of a consumer that only counts the same
+// topics, with many beacons.
 
 #include "child.hpp"
 #include "clocks/clocks.hpp"
@@ -56,7 +56,7 @@ public:
     ::close(slave_);
   }
 
-  /// In the child.
+  /// Makes it the terminal of the child that calls this.
   void become() const {
     ::setsid();
     ::ioctl(slave_, TIOCSCTTY, 0);
@@ -106,7 +106,7 @@ void measure(const Options& options) {
       Child::execute({SONOPOSE_BRIDGE, "--domain", domain, "--beacons", std::to_string(options.beacons),
                       "--imu-rate", fmt::format("{}", options.imu_rate_hz)});
   terminal.watch();
-  sleep_s(8.0);  // until every beacon is found and its fusion has settled
+  sleep_s(8.0);  // lets every beacon be found and its fusion settle
   fmt::print("{} beacons at {} Hz, rounds of {} s, a screen of 200 x 60\n", options.beacons,
              options.imu_rate_hz, options.round_s);
   fmt::print("round  samples/s  monitor CPU  counting consumer CPU  ratio  screen kB/s\n");

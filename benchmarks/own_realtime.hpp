@@ -8,7 +8,8 @@
 
 namespace sonopose::benchmarks {
 
-/// Construct it after the consumer's threads; the destructor restores the main thread and the memory.
+/// Applies real-time settings. Construct it after the consumer's threads; the destructor restores the main
+/// thread and the memory.
 class OwnRealtime {
 public:
   OwnRealtime() : realtime_(process::apply_realtime(50)) {}

@@ -11,10 +11,9 @@ struct sonopose_FusedPose;
 
 namespace sonopose::benchmarks {
 
-/// A UDP socket on loopback.
 class LoopbackSocket {
 public:
-  /// Bound to a free port of 127.0.0.1. Throws std::system_error.
+  /// Binds to a free port of 127.0.0.1. Throws std::system_error.
   LoopbackSocket();
   LoopbackSocket(const LoopbackSocket&) = delete;
   LoopbackSocket& operator=(const LoopbackSocket&) = delete;

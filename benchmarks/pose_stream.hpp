@@ -14,10 +14,11 @@
 
 namespace sonopose::benchmarks {
 
-/// Poses of a time span.
+/// The poses of a time span.
 struct PoseCount {
-  std::vector<double> latencies_s;  ///< bridge's publication → here, one per pose
-  std::uint64_t missing = 0;        ///< number of IMU periods without a pose
+  std::vector<double>
+      latencies_s;            ///< latency from the bridge's publication to the receipt here, one per pose
+  std::uint64_t missing = 0;  ///< IMU periods without a pose
 };
 
 /// Takes poses of any number of beacons whose IMUs have the same known rate and no losses.
@@ -59,11 +60,11 @@ private:
   double imu_rate_hz_;
   std::mutex mutex_;
   PoseCount count_;
-  std::vector<TimeNs> last_ns_;  ///< by address: the sensor time of its latest pose; 0: none yet
+  std::vector<TimeNs> last_ns_;  ///< sensor time of the latest pose by address; 0: none yet
   std::size_t beacons_ = 0;
 };
 
-/// The number of lost events that fusions report.
+/// Counts the lost events that fusions report.
 class LostEvents final : public dds::DataReaderListener<sonopose_FusionStatus> {
 public:
   void on_data_available(dds::DataReader<sonopose_FusionStatus>& reader) noexcept override {

@@ -1,5 +1,5 @@
-// The recorder next to a consumer of the same topics that only counts: messages missing, and processor time
-// with many beacons.
+// Compares the recorder with a consumer that only counts the same topics: missing messages, and processor
+// time with many beacons.
 
 #include "child.hpp"
 #include "clocks/clocks.hpp"
@@ -45,24 +45,24 @@ struct Options {
   fs::path folder = fs::temp_directory_path();
 };
 
-/// The topics whose messages have an increasing number after the address: the event's, or the time.
+/// Topics with an increasing number after the address: that of the event, or the time.
 constexpr std::array<const char*, 6> counted_topics{"sonopose/imu",   "sonopose/fix",  "sonopose/heading",
                                                     "sonopose/truth", "sonopose/pose", "sonopose/report"};
 
-/// A message that a consumer got, or a file has.
+/// A message that a consumer received, or a file contains.
 struct Seen {
-  std::uint32_t topic = 0;  ///< its place in `counted_topics`
+  std::uint32_t topic = 0;  ///< index in `counted_topics`
   std::uint32_t address = 0;
   std::uint64_t number = 0;
 
   auto operator<=>(const Seen&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14
 };
 
-/// Shared by the processes. Only what is used takes memory.
+/// A table that the processes share. Only its used part takes memory.
 struct SeenTable {
   static constexpr std::size_t most = std::size_t{1} << 26U;
 
-  /// Set once all readers and writers have found each other: what is sent before reaches some earlier.
+  /// Set once all readers and writers have found each other: earlier messages reach only some of them.
   std::atomic<bool> is_counting;
   std::atomic<std::size_t> count;
   std::array<Seen, most> seen;
@@ -112,7 +112,7 @@ struct CountingReader {
   dds::DataReader<T> reader;
 };
 
-/// Counts until it is killed.
+/// Counts samples until the process is killed.
 void count_samples(std::uint32_t domain, SeenTable& seen) {
   const dds::qos::Provider qos;
   const dds::DomainParticipant participant({domain, dds::Network::loopback});
@@ -136,7 +136,7 @@ void sleep_s(double seconds) {
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
 
-/// The messages of the counted topics in a file, sorted.
+/// Returns the messages of the counted topics in a file, sorted.
 std::vector<Seen> recorded_in(const fs::path& file) {
   const mcap::Reader reader(file);
   mcap::Messages messages(reader, {.channel = {}, .order = mcap::Selection::Order::file});
@@ -152,8 +152,8 @@ std::vector<Seen> recorded_in(const fs::path& file) {
 }
 
 struct Comparison {
-  std::uint64_t counted = 0;  ///< by the consumer
-  std::uint64_t missing = 0;  ///< of these in the file
+  std::uint64_t counted = 0;  ///< messages counted by the consumer
+  std::uint64_t missing = 0;  ///< counted messages missing in the file
 };
 
 Comparison compare(const SeenTable& seen, const fs::path& file) {
@@ -166,9 +166,9 @@ Comparison compare(const SeenTable& seen, const fs::path& file) {
   return result;
 }
 
-void wait_for_file(const fs::path& file, double most_s) {
+void wait_for_file(const fs::path& file, double max_s) {
   for (double waited_s = 0; !fs::exists(file); waited_s += 0.05) {
-    if (waited_s > most_s) throw std::runtime_error(file.string() + ": the recorder did not complete it");
+    if (waited_s > max_s) throw std::runtime_error(file.string() + ": the recorder did not complete it");
     sleep_s(0.05);
   }
 }
@@ -188,7 +188,7 @@ void measure(const Options& options) {
     sleep_s(1.0);
     std::vector<Child> others;
     if (options.with_fusion) others.push_back(Child::execute({SONOPOSE_FUSION, "--domain", domain}));
-    // It ends by itself, so that both get the last message of each stream.
+    // The bridge ends by itself, so that both get the last message of each stream.
     others.push_back(
         Child::execute({SONOPOSE_BRIDGE, "--domain", domain, "--beacons", std::to_string(options.beacons),
                         "--imu-rate", fmt::format("{}", options.imu_rate_hz), "--duration",

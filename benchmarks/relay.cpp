@@ -1,5 +1,6 @@
-// The CPU time of the ROS 2 relay, next to a process that reads and writes the same messages with bare
-// Cyclone DDS. One bridge and one fusion run all the time; the rounds of both processes are interleaved.
+// Compares the CPU time of the ROS 2 relay with that of a process that reads and writes the same messages
+// with bare Cyclone DDS. One bridge and one fusion run all the time; the rounds of both processes are
+// interleaved.
 
 #include "bare_relay.hpp"
 #include "beacons_round.hpp"
@@ -35,7 +36,7 @@ void sleep_s(double seconds) {
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
 
-/// The CPU share of a process that has just started, after it has found the others.
+/// Returns the CPU share of a newly started process, after it has found the others.
 double share_of(const Child& process, const Options& options) {
   sleep_s(2.5);
   const std::int64_t cpu_before_ns = process.cpu_time_ns();

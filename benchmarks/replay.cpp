@@ -1,8 +1,8 @@
-// Replay of an hour of 100 Hz data: reading the folder, running the engine, smoothing; and a calibration.
+// Replays an hour of 100 Hz data: reading the folder, running the engine, smoothing; and runs a calibration.
 
 #include "calibration/drive/drive_fit.hpp"
-#include "evaluation/run.hpp"
-#include "evaluation/smoothed_run.hpp"
+#include "evaluation/replay/run.hpp"
+#include "evaluation/replay/smoothed_run.hpp"
 #include "recording/log_folder.hpp"
 #include "recording/log_writer.hpp"
 #include "sim/simulator.hpp"
@@ -85,14 +85,14 @@ void replay_hour_engine_alone(benchmark::State& state) {
   count_real_time(state);
 }
 
-/// The reading is not counted.
+/// Smooths an hour, without counting the time of reading.
 void smooth_hour(benchmark::State& state) {
   const auto log = recording::read_sensor_log(hour(false));
   for (auto run : state) benchmark::DoNotOptimize(evaluation::run_smoothed(log, {}));
   count_real_time(state);
 }
 
-/// Everything from two minutes of the kart: grid, two fits and the judgement by the engine.
+/// Calibrates everything from two minutes of the kart: grid, two fits and the judgement by the engine.
 void calibrate_two_minutes(benchmark::State& state) {
   constexpr double drive_s = 120.0;
   const std::vector<std::vector<Event>> logs{

@@ -1,6 +1,6 @@
 #pragma once
 // Latency of poses that the relay publishes as Odometry. The message has only the stamp of the pose; the
-// native pose with the same stamp provides the rest.
+// native pose with that stamp provides the rest.
 
 #include "chains.hpp"
 #include "clocks/clocks.hpp"

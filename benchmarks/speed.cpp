@@ -1,4 +1,4 @@
-// Computation only: the decoder in MB/s, the engines in ns per IMU sample, and the Mahony update for
+// Measures computation only: the decoder in MB/s, the engines in ns per IMU sample, and the Mahony update for
 // comparison.
 
 #include "marvelmind/decoder.hpp"
@@ -19,7 +19,7 @@ namespace {
 
 using namespace sonopose;
 
-/// A minute of a walking beacon, as events.
+/// Returns a minute of a walking beacon as events.
 const std::vector<Event>& recorded_events() {
   static const std::vector<Event> events = [] {
     constexpr TimeNs start_ns = 1'700'000'000'000'000'000;
@@ -32,7 +32,7 @@ const std::vector<Event>& recorded_events() {
   return events;
 }
 
-/// The same minute as bytes of the beacon.
+/// Returns the same minute as bytes of the beacon.
 const std::vector<std::uint8_t>& recorded_bytes() {
   static const std::vector<std::uint8_t> bytes = [] {
     std::vector<std::uint8_t> made;
@@ -79,7 +79,7 @@ void engine_per_imu_sample(benchmark::State& state, estimation::EstimatorKind ki
 BENCHMARK_CAPTURE(engine_per_imu_sample, documented, estimation::EstimatorKind::documented);
 BENCHMARK_CAPTURE(engine_per_imu_sample, kalman, estimation::EstimatorKind::kalman);
 
-/// What an IMU sample costs until its pose is there, if the caches went cold since the last one: the median
+/// Measures the time from an IMU sample to its pose if the caches went cold since the last one: the median
 /// over the samples of 20 s.
 void pose_from_cold_caches(benchmark::State& state, estimation::EstimatorKind kind) {
   constexpr std::size_t more_than_the_caches = 40U << 20U;
@@ -97,7 +97,7 @@ void pose_from_cold_caches(benchmark::State& state, estimation::EstimatorKind ki
       benchmark::DoNotOptimize(estimation::process(estimator, event));
       const std::chrono::duration<double, std::nano> took = std::chrono::steady_clock::now() - begin;
       if (is_imu) times_ns.push_back(took.count());
-      estimator.catch_up();
+      estimator.finish_pending_work();
     }
     const auto middle = times_ns.begin() + static_cast<std::ptrdiff_t>(times_ns.size() / 2);
     std::nth_element(times_ns.begin(), middle, times_ns.end());
@@ -111,9 +111,9 @@ BENCHMARK_CAPTURE(pose_from_cold_caches, kalman, estimation::EstimatorKind::kalm
     ->UseManualTime()
     ->Iterations(1);
 
-/// The most that one event costs the Kalman engine: a fix of the greatest age while all eight starts of an
-/// unknown yaw are alive, which they are on a body at rest, and what it leaves to repeat. The argument is the
-/// rate of the IMU, Hz.
+/// Measures the most expensive event of the Kalman engine, including what it leaves to repeat. It is a fix of
+/// the greatest age while all eight starts of an unknown yaw are alive, as for a body at rest. The argument
+/// is the rate of the IMU, Hz.
 void latest_fix_with_all_starts(benchmark::State& state) {
   const TimeNs age_ns = to_ns(settings::Settings{}.admission.max_fix_age_s) - 1'000'000;
   sim::SensorSettings sensors;
@@ -137,10 +137,10 @@ void latest_fix_with_all_starts(benchmark::State& state) {
   for (auto run : state) {
     state.PauseTiming();
     engine = before;
-    fix.emission_time_ns += 1;  // a fix that is there already would be refused
+    fix.emission_time_ns += 1;  // a repeated fix would be refused
     state.ResumeTiming();
     const FixReport report = engine.correct(fix);
-    engine.catch_up();
+    engine.finish_pending_work();
     if ((report.flags & fix_used) == 0) {
       state.SkipWithError("the fix was not used");
       break;

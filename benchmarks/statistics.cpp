@@ -17,7 +17,7 @@ MedianInterval median_interval(std::vector<double> values) {
   if (values.empty()) return {};
   std::sort(values.begin(), values.end());
   const std::size_t count = values.size();
-  // The number of values below the true median is binomial with p = 1/2: the interval from the k-th lowest to
+  // The number of values below the true median is binomial with p = 1/2. The interval from the k-th lowest to
   // the k-th highest misses it with twice the probability of fewer than k.
   double below = std::pow(0.5, static_cast<double>(count));  // probability of exactly k
   double missed = 2.0 * below;

@@ -8,15 +8,15 @@
 
 namespace sonopose::benchmarks {
 
-/// The middle value; the mean of the two middle ones for an even count. NaN for no values.
+/// Returns the middle value; the mean of the two middle ones for an even count. NaN for no values.
 double median(std::vector<double> values);
 
-/// Confidence interval of the population median: two order statistics, selected by the binomial distribution.
-/// Makes no assumption about the distribution of the values.
+/// A confidence interval of the population median: two order statistics, selected by the binomial
+/// distribution. Makes no assumption about the distribution of the values.
 struct MedianInterval {
   double least = 0;
   double most = 0;
-  double confidence = 0;  ///< 0…1; the smallest that is at least 0.95; lower for fewer than six rounds
+  double confidence = 0;  ///< smallest value of at least 0.95 in 0…1; lower for fewer than six rounds
 };
 MedianInterval median_interval(std::vector<double> values);
 

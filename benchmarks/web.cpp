@@ -1,5 +1,5 @@
-// The live page's server with one viewer, next to a consumer of the same topics that only counts: processor
-// time with many beacons.
+// Compares the processor time of the live page's server, which has one viewer, with that of a consumer that
+// only counts the same topics, with many beacons.
 
 #include "child.hpp"
 #include "clocks/clocks.hpp"
@@ -44,7 +44,7 @@ void sleep_s(double seconds) {
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
 
-/// Reads what a page receives, in a thread, and counts its bytes.
+/// Reads a page's messages in a thread, and counts their bytes.
 class Viewer {
 public:
   /// Throws std::runtime_error if the server does not answer.
@@ -83,7 +83,7 @@ private:
   }
 
   void read() {
-    // An empty pong, which a server takes as a sign of life.
+    // An empty pong, which tells the server that the client is alive.
     const std::string pong{'\x8a', '\x80', '\0', '\0', '\0', '\0'};
     std::array<char, 65536> buffer{};
     SteadyTime pong_due = clocks::steady_now();
@@ -119,7 +119,7 @@ void measure(const Options& options) {
       Child::execute({SONOPOSE_BRIDGE, "--domain", domain, "--beacons", std::to_string(options.beacons),
                       "--imu-rate", fmt::format("{}", options.imu_rate_hz)});
   const Viewer viewer(options.port);
-  sleep_s(8.0);  // until every beacon is found and its fusion has settled
+  sleep_s(8.0);  // lets every beacon be found and its fusion settle
   fmt::print("{} beacons at {} Hz, rounds of {} s, one viewer\n", options.beacons, options.imu_rate_hz,
              options.round_s);
   fmt::print("round  samples/s  page CPU  counting consumer CPU  ratio  page kB/s\n");

@@ -1,4 +1,4 @@
-// What is typed after --set, and the addresses of --udp: one per line.
+// Parses arguments of --set, and addresses of --udp: one per line.
 
 #include "config/fusion_config.hpp"
 #include "support.hpp"

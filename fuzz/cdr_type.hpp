@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Serialized samples of one type as Cyclone DDS reads them from the network.
+/// Reads serialized samples of one type like Cyclone DDS from the network.
 
 #include "support.hpp"
 #include <sonopose/dds/binding/participant.hpp>
@@ -47,7 +47,7 @@ public:
   CdrType& operator=(CdrType&&) = delete;
 
   /// Calls `use(const T&)` if Cyclone DDS accepts the bytes: an encapsulation header, then the sample. Only
-  /// in XCDR1: Cyclone DDS 0.10.2 reads an array of doubles in XCDR2 beyond the end of the sample (its pull
+  /// XCDR1: Cyclone DDS 0.10.2 reads an array of doubles in XCDR2 beyond the end of the sample (its pull
   /// request 1559).
   template <class Use>
   void read(std::span<const std::uint8_t> bytes, const Use& use) const {

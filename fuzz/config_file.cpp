@@ -1,4 +1,4 @@
-// A configuration file of the fusion, in TOML.
+// Loads a configuration file of the fusion, in TOML.
 
 #include "config/fusion_config.hpp"
 #include "support.hpp"

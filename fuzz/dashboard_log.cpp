@@ -1,4 +1,5 @@
-// The lines of a CSV log of the vendor's Dashboard, the samples of their packets, and the log as a recording.
+// Parses the lines of a CSV log of the vendor's Dashboard, the samples of their packets, and the log as a
+// recording.
 
 #include "bus_log/sensor_log.hpp"
 #include "marvelmind/assembler.hpp"

@@ -1,4 +1,4 @@
-// Serialized samples of every native topic, and their conversion to native types. Byte 0 selects the topic.
+// Deserializes samples of every native topic and converts them to native types. Byte 0 selects the topic.
 
 #include "cdr_type.hpp"
 #include "support.hpp"
@@ -18,13 +18,13 @@ namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// What a reader of the topic does with the bytes.
+/// Reads the bytes like a reader of the topic.
 template <class T>
 void read_as(Bytes bytes) {
   static const CdrType<T> type;
-  std::ignore = dds::CdrSample<T>(std::as_bytes(bytes)).get();  // from a recording
+  std::ignore = dds::CdrSample<T>(std::as_bytes(bytes)).get();  // as from a recording
   type.read(bytes, [](const T& sample) {
-    if constexpr (!std::is_same_v<T, sonopose_ResetCommand>) {  // it has no native type
+    if constexpr (!std::is_same_v<T, sonopose_ResetCommand>) {  // no native type
       const auto native = topics::from_idl(sample);
       std::ignore = topics::to_idl(native);  // throws if it does not fit
     }

@@ -1,4 +1,4 @@
-// Collator and engines of the fusion: any events in any order, with any settings.
+// Runs collator and engines of the fusion on any events in any order, with any settings.
 
 #include "fused_events.hpp"
 #include "fusion/beacon_estimator.hpp"
@@ -13,9 +13,9 @@ using namespace sonopose::fuzz;
 namespace {
 
 constexpr BeaconAddress address = 7;
-constexpr int most_events = 120;
+constexpr int max_events = 120;
 
-/// Empty if the fusion would not start with them.
+/// Returns empty if the fusion would not start with the settings.
 std::optional<config::FusionConfig> any_config(FuzzedDataProvider& data) {
   config::FusionConfig config;
   config.assign(data.ConsumeBool() ? "fusion.engine=kalman" : "fusion.engine=documented");
@@ -33,7 +33,7 @@ void check_counters(const FusionStatus& status, std::uint64_t events) {
                   status.events_duplicated <=
               2 * events,
           "each event is counted once, or again when a numbering restarts");
-  promise(status.events_lost <= events * collation::most_lost, "an event reveals a bounded gap");
+  promise(status.events_lost <= events * collation::max_lost, "an event reveals a bounded gap");
 }
 
 }  // namespace
@@ -48,12 +48,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   EventStream stream(data, start_ns, address);
   SteadyTime now{1'000'000'000};
   std::uint64_t events = 0;
-  while (stream.has_more() && events < most_events) {
+  while (stream.has_more() && events < max_events) {
     ++events;
     now += 5'000'000;
     for (const auto& collated : estimator.collate(stream.next(), 0, now, now)) {
       check_result(estimator.process(collated).result);
-      estimator.catch_up();
+      estimator.finish_pending_work();
     }
     if (events % 64 == 0) estimator.reset(0);
   }

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Events and settings as random bytes give them, and what an engine promises about its outputs.
+/// Events and settings from random bytes, and the promises of an engine about its outputs.
 
 #include "config/fusion_config.hpp"
 #include "support.hpp"
@@ -42,7 +42,7 @@ public:
 private:
   static constexpr TimeNs period_ns = 40'000'000;
 
-  /// A circle of 2 m in 6 s; a fix every fifth sample, and a heading after it.
+  /// Moves on a circle of 2 m in 6 s, with a fix every fifth sample, and a heading after it.
   Event plausible() {
     const int phase = phase_++ % 7;
     ++sequence_;
@@ -121,7 +121,7 @@ private:
     sample.emission_time_ns = wrapping_sum(now_ns_, age_ns);
   }
 
-  /// Any stamp may follow any other one.
+  /// Adds with wraparound: any stamp may follow any other.
   static TimeNs wrapping_sum(TimeNs time_ns, TimeNs step_ns) {
     return static_cast<TimeNs>(static_cast<std::uint64_t>(time_ns) + static_cast<std::uint64_t>(step_ns));
   }
@@ -142,7 +142,7 @@ private:
                                       5'000'000'000,
                                       -5'000'000'000,
                                       data_.ConsumeIntegral<std::uint8_t>() == 0xFF
-                                          ? data_.ConsumeIntegralInRange<TimeNs>(-most_ns, most_ns)
+                                          ? data_.ConsumeIntegralInRange<TimeNs>(-max_ns, max_ns)
                                           : 1'000'000};
     return data_.PickValueInArray(steps);
   }
@@ -173,25 +173,25 @@ private:
     return {x, y, number()};
   }
 
-  static constexpr TimeNs most_ns = std::numeric_limits<TimeNs>::max();
+  static constexpr TimeNs max_ns = std::numeric_limits<TimeNs>::max();
 
   FuzzedDataProvider& data_;
   TimeNs now_ns_;
   BeaconAddress address_;
   std::uint64_t sequence_ = 0;
   int phase_ = 0;
-  int samples_ = 0;  ///< of the plausible motion
+  int samples_ = 0;  ///< samples of the plausible motion
   int plausible_left_ = 0;
 };
 
-/// A key of the table, or any text.
+/// Returns a key of the table, or any text.
 inline std::string setting_key(FuzzedDataProvider& data) {
   const auto& table = settings::setting_table();
   const auto row = data.ConsumeIntegralInRange<std::size_t>(0, table.size() + 3);
   return row < table.size() ? table[row].key : data.ConsumeRandomLengthString(80);
 }
 
-/// A value that the key allows, or any text.
+/// Returns a value that the key allows, or any text.
 inline std::string setting_value(FuzzedDataProvider& data, const std::string& key) {
   const auto& table = settings::setting_table();
   const auto row =

@@ -1,4 +1,4 @@
-// A sensor-log folder. The input is its files one after the other, each after a line "== NAME".
+// Reads a sensor-log folder. The input is its files in sequence, each after a line "== NAME".
 
 #include "recording/log_folder.hpp"
 
@@ -18,7 +18,7 @@ using namespace sonopose::fuzz;
 
 namespace {
 
-/// The last two are logs of several beacons.
+/// The file names; the last two are logs of several beacons.
 constexpr std::array<std::string_view, 9> names{recording::imu_file,
                                                 recording::ultrasonic_file,
                                                 recording::heading_file,
@@ -29,7 +29,7 @@ constexpr std::array<std::string_view, 9> names{recording::imu_file,
                                                 "7/imu.csv",
                                                 "8/imu.csv"};
 
-/// The text of one file; empty if the input does not have it.
+/// Returns the text of one file; empty if the input lacks it.
 std::optional<std::string_view> part_of(std::string_view input, std::string_view name) {
   const std::string title = "== " + std::string(name) + "\n";
   const std::size_t found = input.find(title);
@@ -38,7 +38,7 @@ std::optional<std::string_view> part_of(std::string_view input, std::string_view
   return text.substr(0, text.find("== "));
 }
 
-/// As the names of options. Others are read, but never written.
+/// Returns true for the form of option names. Other names are read, but never written.
 bool is_bare(std::string_view name) {
   return !name.empty() &&
          std::ranges::all_of(name, [](unsigned char c) { return std::isalnum(c) != 0 || c == '-'; });
@@ -59,7 +59,7 @@ void check_meta(const std::filesystem::path& folder) {
           "what was written is read");
 }
 
-/// With a folder for each of the files in it.
+/// Creates the scratch folder, with the subfolders of its files.
 const ScratchFolder& scratch() {
   static const ScratchFolder folder;
   for (const std::string_view name : names)

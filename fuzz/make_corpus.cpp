@@ -25,7 +25,7 @@ namespace {
 
 // Marvelmind
 
-/// Packets of 0.2 s, as a beacon with this clock sends them.
+/// Returns packets of 0.2 s, as a beacon with this clock sends them.
 std::vector<marvelmind::Packet> packets_of(marvelmind::TimeBase time_base) {
   sim::Run run;
   run.duration_s = 0.2;
@@ -39,7 +39,7 @@ std::vector<marvelmind::Packet> packets_of(marvelmind::TimeBase time_base) {
   return packets;
 }
 
-/// One packet of each kind and layout.
+/// Returns one packet of each kind and layout.
 std::vector<marvelmind::Packet> packets_of_each_kind() {
   using namespace marvelmind;
   std::vector<Packet> packets;
@@ -112,7 +112,7 @@ void write_log(const fs::path& corpus) {
 
 // DDS
 
-/// For the fuzzers that take one sample of any topic.
+/// Writes a seed for the fuzzers that take one sample of any topic.
 template <class T>
 void write_topic_sample(const fs::path& corpus, int index, const T& sample) {
   for (const char* const fuzzer : {"dds_samples", "play_messages"})
@@ -127,8 +127,9 @@ void write_dds_samples(const fs::path& corpus) {
     } else {
       auto native = decltype(dds::topics::from_idl(T{})){};
       if constexpr (requires { native.address; }) native.address = 7;
-      if constexpr (requires { native.assignments; }) native.assignments = {{"trust.sigma_m", "0.1"}};
-      if constexpr (requires { native.values; }) native.values = {{"trust.sigma_m", "0.1"}};
+      if constexpr (requires { native.assignments; })
+        native.assignments = {{"documented.trust.sigma_m", "0.1"}};
+      if constexpr (requires { native.values; }) native.values = {{"documented.trust.sigma_m", "0.1"}};
       if constexpr (requires { dds::topics::to_idl(native).sample(); }) {
         const auto view = dds::topics::to_idl(native);
         write_topic_sample(corpus, index, view.sample());

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// What the parts of fuzz_make_corpus share.
+/// Common functions of fuzz_make_corpus.
 
 #include "cdr_type.hpp"
 #include "support.hpp"
@@ -29,7 +29,7 @@ inline void append(Bytes& bytes, std::span<const std::uint8_t> more) {
   bytes.insert(bytes.end(), more.begin(), more.end());
 }
 
-/// Byte 0 of the input of the fuzzers of serialized samples, then a sample.
+/// Writes byte 0 of the input for fuzzers of serialized samples, then a sample.
 template <class T>
 void write_sample(const fs::path& folder, int index, const T& sample, const std::string& name) {
   static const CdrType<T> type;
@@ -42,10 +42,10 @@ void write_sample(const fs::path& folder, int index, const T& sample) {
   write_sample(folder, index, sample, std::to_string(index));
 }
 
-/// Files, also recordings of the bus.
+/// Writes MCAP files, including recordings of the bus.
 void write_mcap_corpus(const fs::path& folder);
 
-/// Messages of each type that a ROS 2 node sends us.
+/// Writes messages of each type that a ROS 2 node sends to the relay.
 void write_ros2_corpus(const fs::path& folder);
 
 }  // namespace sonopose::fuzz

@@ -13,7 +13,7 @@
 namespace sonopose::fuzz {
 namespace {
 
-/// The bytes of a file.
+/// A sink that keeps the bytes of a file.
 class MemorySink final : public mcap::ByteSink {
 public:
   void append(std::span<const std::byte> bytes) override { mcap::put_bytes(content, bytes); }
@@ -26,7 +26,7 @@ void write_file(const fs::path& file, std::span<const std::byte> content) {
   write(file, {reinterpret_cast<const std::uint8_t*>(content.data()), content.size()});
 }
 
-/// The same file without checksums, so that a changed one is read further.
+/// Returns the file without checksums, so that changes are not rejected early.
 mcap::Bytes without_checksums(mcap::Bytes file) {
   const auto clear = [&file](std::size_t at) {
     std::fill_n(file.begin() + static_cast<std::ptrdiff_t>(at), 4, std::byte{});
@@ -53,21 +53,21 @@ mcap::Bytes replaced(mcap::Bytes file, std::string_view text, std::string_view b
   return file;
 }
 
-/// With a chunk that says that its records are a byte shorter than they are.
+/// Returns the file with a chunk that claims a byte less than its records have.
 mcap::Bytes with_longer_records(mcap::Bytes file) {
   std::size_t at = mcap::magic.size();
   while (static_cast<mcap::Opcode>(file[at]) != mcap::Opcode::chunk) {
     at += mcap::record_prefix_bytes + static_cast<std::size_t>(mcap::load<std::uint64_t>(&file[at + 1]));
   }
   std::byte& lowest =
-      file[at + mcap::record_prefix_bytes + 2 * sizeof(std::uint64_t)];  // of uncompressed_size
+      file[at + mcap::record_prefix_bytes + 2 * sizeof(std::uint64_t)];  // lowest byte of uncompressed_size
   lowest = static_cast<std::byte>(std::to_integer<unsigned>(lowest) - 1U);
   return file;
 }
 
-/// Small files of each compression: whole, cut, without checksums, and damaged.
+/// Writes small files of each compression: whole, cut, without checksums, and damaged.
 void write_mcap(const fs::path& folder) {
-  constexpr std::array<std::uint64_t, 4> log_times_ns{100, 90, 95, 85};  // the chunks overlap
+  constexpr std::array<std::uint64_t, 4> log_times_ns{100, 90, 95, 85};  // chunks overlap in time
   for (const auto compression : {mcap::Compression::none, mcap::Compression::lz4, mcap::Compression::zstd}) {
     MemorySink sink;
     mcap::Writer writer(sink, {.compression = compression});
@@ -119,7 +119,7 @@ private:
   std::uint32_t sequence_ = 0;
 };
 
-/// Event `number` of a beacon.
+/// Returns event `number` of a beacon.
 template <class Sample>
 Sample event(Sample sample, std::uint64_t number, BeaconAddress address = 7) {
   sample.address = address;
@@ -149,7 +149,8 @@ void write_bus_recordings(const fs::path& folder) {
     recording.add(topics::truth, topics::to_idl(TruthSample{.address = 7, .time_ns = 5}));
     recording.add(topics::reset, sonopose_ResetCommand{.address = 7, .request_id = 1});
     for (const char* const value : {"1", "2"}) {
-      const EffectiveSettings settings{.address = all_beacons, .values = {{"trust.sigma_m", value}}};
+      const EffectiveSettings settings{.address = all_beacons,
+                                       .values = {{"documented.trust.sigma_m", value}}};
       recording.add(topics::settings, topics::to_idl(settings).sample());
     }
     FusedPose pose;

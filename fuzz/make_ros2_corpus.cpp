@@ -75,8 +75,8 @@ void write_texts(const fs::path& folder, int index, Request request, Member Requ
 }
 
 void write_ros2_parameters(const fs::path& folder) {
-  // Settings of the fuzzer's effective(), others, and names that are none.
-  const std::vector<std::string> names{"trust.n_min",
+  // Settings of the fuzzer's effective(), other settings, and unknown names.
+  const std::vector<std::string> names{"documented.trust.n_min",
                                        "fusion.engine",
                                        "beacon_7.trust.n_min",
                                        "beacon_7.drift.jump_alpha",
@@ -101,12 +101,12 @@ void write_ros2_parameters(const fs::path& folder) {
   };
   write_list(0, {}, "list_all");
   write_list(1, {}, "list_flat");
-  write_list(2, {"trust", "beacon_7", "trust.n_min", "none"}, "list_prefixes");
+  write_list(2, {"trust", "beacon_7", "documented.trust.n_min", "none"}, "list_prefixes");
 
   std::vector<ros2::Parameter> parameters(6);
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     parameters[i].name = ros2::borrow_string(names[i]);
-    parameters[i].value.type = static_cast<std::uint8_t>(i);  // from none to one that is not of a setting
+    parameters[i].value.type = static_cast<std::uint8_t>(i);  // from no type to one that no setting has
     parameters[i].value.string_value = ros2::borrow_string(names[i]);
   }
   ros2::SetParameters::Request request{};

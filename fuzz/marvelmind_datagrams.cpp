@@ -1,4 +1,4 @@
-// UDP datagrams of a modem: decoder and assembler. Each datagram follows a byte with its length.
+// Decodes and assembles UDP datagrams of a modem. Each datagram follows a byte with its length.
 
 #include "marvelmind/assembler.hpp"
 #include "marvelmind/decoder.hpp"

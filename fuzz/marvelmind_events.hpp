@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// What the assembler promises about its events.
+/// The promises of the assembler about its events.
 
 #include "marvelmind/assembler.hpp"
 #include "support.hpp"
@@ -13,10 +13,10 @@
 
 namespace sonopose::fuzz {
 
-/// A sink of events.
+/// A sink that checks events.
 class EventCheck {
 public:
-  /// Call it before the assembler gets a packet.
+  /// Counts a packet. Call it before the assembler gets one.
   void packet() { ++packets_; }
 
   void operator()(const Event& event) {
@@ -43,8 +43,8 @@ private:
             "a magnetic field is finite");
   }
   static void check(const UltrasonicFix& fix) {
-    constexpr double most_m = 10'000;
-    promise(fix.position_world_m.cwiseAbs().maxCoeff() <= most_m, "a fix is within 10 km");
+    constexpr double max_m = 10'000;
+    promise(fix.position_world_m.cwiseAbs().maxCoeff() <= max_m, "a fix is within 10 km");
     promise(!fix.quality_percent || (*fix.quality_percent >= 0 && *fix.quality_percent <= 100),
             "a quality is a percentage");
     promise(!fix.measured_delay_s || (*fix.measured_delay_s > 0 && *fix.measured_delay_s < 66),

@@ -1,4 +1,4 @@
-// Bytes of a serial line or of a raw capture: decoder and assembler.
+// Decodes and assembles bytes of a serial line or of a raw capture.
 
 #include "marvelmind/assembler.hpp"
 #include "marvelmind/crc16.hpp"
@@ -37,7 +37,7 @@ void repair_checksums(std::span<std::uint8_t> bytes) {
   }
 }
 
-/// What a packet that is sent again becomes.
+/// Checks that an encoded packet decodes to one packet of the same kind.
 void check_round_trip(const marvelmind::Packet& packet) {
   marvelmind::Decoder decoder;
   int packets = 0;
@@ -66,7 +66,7 @@ marvelmind::DecoderCounters decode(Bytes bytes, std::size_t piece, const auto& o
 
 }  // namespace
 
-/// The last byte gives the size of the pieces, the interval between them, and whether the clock is fitted.
+/// The last byte gives the size of the pieces, the interval between them, and the type of clock.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   const std::uint8_t options = data[size - 1];

@@ -1,5 +1,5 @@
-// An MCAP file of any content: its contents, its metadata, its messages in both orders and as JSON, and the
-// samples of a beacon as a replay reads them.
+// Reads an MCAP file of any content: its metadata, its messages in both orders and as JSON, and the samples
+// of a beacon for a replay.
 
 #include "bus_log/messages.hpp"
 #include "bus_log/outputs.hpp"
@@ -54,7 +54,7 @@ std::uint64_t count_messages(const mcap::Reader& reader, mcap::Selection::Order 
     const bool is_by_time = order == mcap::Selection::Order::log_time;
     promise(!is_by_time || message->log_time_ns >= last_ns, "messages are in the order of time");
     last_ns = message->log_time_ns;
-    for (const std::byte byte : message->data) seen = byte;  // all data can be read
+    for (const std::byte byte : message->data) seen = byte;  // checks that all data can be read
     const mcap::Channel& channel = reader.channels().at(message->channel_id);
     promise(bus_log::json_of(channel, *message).find('\n') == std::string::npos,
             "a message as JSON is one line");
@@ -64,14 +64,14 @@ std::uint64_t count_messages(const mcap::Reader& reader, mcap::Selection::Order 
   return count;
 }
 
-/// Limits that a small file reaches, and no damage is skipped.
+/// Checks limits that a small file reaches, without skipping damage.
 void check_limits(const mcap::Reader& reader) {
-  for (const std::uint64_t most_bytes : {std::uint64_t{200}, mcap::Selection{}.most_bytes}) {
+  for (const std::uint64_t max_bytes : {std::uint64_t{200}, mcap::Selection{}.max_bytes}) {
     accepts<mcap::FormatError>([&] {
       mcap::Selection selection;
       selection.start_ns = 90;
       selection.end_ns = 1'700'000'000'005'000'000;
-      selection.most_bytes = most_bytes;
+      selection.max_bytes = max_bytes;
       mcap::Messages messages(reader, selection);
       while (const auto message = messages.next()) {
         promise(message->log_time_ns >= selection.start_ns && message->log_time_ns <= selection.end_ns,

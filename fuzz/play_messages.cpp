@@ -1,7 +1,7 @@
-// Messages of a recording as a player and a recorder read them without their types: the first byte chooses
-// the topic, the others are a sample, a key, and the text of an end of an instance.
+// Reads messages of a recording without their types, like a player and a recorder. Byte 0 selects the topic.
+// The other bytes are a sample, a key, and the text of an instance's end.
 
-#include "recorder/instance_end.hpp"
+#include "bus_log/instance_end.hpp"
 #include "support.hpp"
 #include <sonopose/dds/topics/serialized_topics.hpp>
 
@@ -32,8 +32,8 @@ void check_sample(const dds::topics::SerializedTopic& topic, std::span<const std
 
 void check_end(std::string_view text) {
   accepts<std::invalid_argument>([&] {
-    const auto end = recorder::instance_end_of(text);
-    promise(recorder::instance_end_of(recorder::json_of(end)) == end, "what was read is written");
+    const auto end = bus_log::instance_end_of(text);
+    promise(bus_log::instance_end_of(bus_log::json_of(end)) == end, "what was read is written");
   });
 }
 

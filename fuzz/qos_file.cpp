@@ -1,4 +1,4 @@
-// A user's QoS file: complete, and merged over the project's.
+// Reads a user's QoS file: complete, and merged over the project's.
 
 #include "support.hpp"
 #include <sonopose/dds/qos/match.hpp>
@@ -11,7 +11,7 @@ using dds::qos::Provider;
 
 namespace {
 
-/// Each profile can be read, and those of the project still match themselves.
+/// Checks that each profile can be read, and that those of the project still match themselves.
 void check_profiles(const Provider& provider) {
   for (const std::string& profile : provider.profiles()) {
     provider.topic_qos(profile);

@@ -1,4 +1,4 @@
-// The arguments of a ROS 2 node, one per line, and a parameter file in YAML, after the line "== file".
+// Parses the arguments of a ROS 2 node, one per line, and a parameter file in YAML, after the line "== file".
 
 #include "ros2/arguments/arguments.hpp"
 #include "support.hpp"
@@ -26,11 +26,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   std::vector<std::string> words;
   std::string_view rest = input.substr(0, found);
-  constexpr std::size_t most_words = 64;
-  while (!rest.empty() && words.size() < most_words) {
+  constexpr std::size_t max_words = 64;
+  while (!rest.empty() && words.size() < max_words) {
     const std::size_t end = rest.find('\n');
     words.emplace_back(rest.substr(0, end));
-    // A file that the input names could be any, such as a device that never ends.
+    // Any file could be named, even a device that never ends.
     if (words.back() == "--params-file") words.pop_back();
     rest = end == std::string_view::npos ? std::string_view() : rest.substr(end + 1);
   }

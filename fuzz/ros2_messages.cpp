@@ -1,4 +1,4 @@
-// Serialized messages of ROS 2 drivers and clients, and their conversion to native types. Byte 0 selects the
+// Deserializes messages of ROS 2 drivers and clients, and converts them to native types. Byte 0 selects the
 // type.
 
 #include "cdr_type.hpp"
@@ -73,12 +73,16 @@ std::vector<std::string> texts_of(const auto& sequence) {
   return {sequence._buffer, sequence._buffer + sequence._length};
 }
 
-/// Settings of a fusion, some with values that are none.
+/// Returns settings of a fusion, some with invalid values.
 const ros2::relay::SettingsByBeacon& effective() {
   static const ros2::relay::SettingsByBeacon settings{
       {all_beacons,
-       {.values = {{"trust.n_min", "4"}, {"fusion.engine", "kalman"}, {"output.rate_hz", "nonsense"}}}},
-      {address, {.address = address, .values = {{"trust.n_min", "5"}, {"drift.jump_alpha", ""}}}}};
+       {.values = {{"documented.trust.n_min", "4"},
+                   {"fusion.engine", "kalman"},
+                   {"output.rate_hz", "nonsense"}}}},
+      {address,
+       {.address = address,
+        .values = {{"documented.trust.n_min", "5"}, {"documented.drift.jump_alpha", ""}}}}};
   return settings;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// What every reader of a recording promises about the events of one beacon.
+/// The promises of every reader of a recording about the events of one beacon.
 
 #include "logging/log.hpp"
 #include "recording/log_folder.hpp"
@@ -11,7 +11,7 @@
 
 namespace sonopose::fuzz {
 
-/// `size`: the bytes that the log was read from.
+/// `size`: number of bytes that the log was read from.
 inline void check_log(const recording::SensorLog& log, std::size_t size) {
   promise(log.events.size() <= size, "a byte gives at most one event");
   std::uint64_t sequence = 0;
@@ -22,7 +22,7 @@ inline void check_log(const recording::SensorLog& log, std::size_t size) {
   }
 }
 
-/// Logs no warnings: there may be some for each input.
+/// Suppresses warnings, which any input may cause.
 inline void be_quiet() {
   static const logging::Session session(logging::Level::failure);
 }

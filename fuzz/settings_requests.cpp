@@ -1,4 +1,4 @@
-// Requests to change settings, as they arrive from the bus, between events; and their replies.
+// Handles requests to change settings, as they arrive from the bus between events, and checks the replies.
 
 #include "fusion/settings_requests.hpp"
 
@@ -30,23 +30,24 @@ std::vector<SettingAssignment> any_assignments(FuzzedDataProvider& data) {
   return assignments;
 }
 
-/// What is accepted or refused for a reason that random assignments hardly ever meet.
+/// Returns assignments that are accepted or refused for reasons that random ones hardly ever meet.
 std::vector<SettingAssignment> rare_assignments(FuzzedDataProvider& data) {
   switch (data.ConsumeIntegralInRange(0, 6)) {
     case 0:
-      return {{"trust.sigma_m", "0.5"}, {"trust.sigma_m", "0.6"}};
+      return {{"documented.trust.sigma_m", "0.5"}, {"documented.trust.sigma_m", "0.6"}};
     case 1:
-      return {10, {"trust.sigma", "0.5"}};  // no such key; more errors than are listed
+      return {10, {"trust.sigma", "0.5"}};  // unknown key; more errors than are listed
     case 2:
-      return {{"attitude.magnetometer", "true"}};  // an error with the engine that ignores it
+      return {{"documented.attitude.magnetometer", "true"}};  // an error with the engine that ignores it
     case 3:
-      return {{"fusion.engine", "documented"}, {"attitude.magnetometer", "true"}};
+      return {{"fusion.engine", "documented"}, {"documented.attitude.magnetometer", "true"}};
     case 4:
       return {{"fusion.engine", "kalman"}};
     case 5:
-      return {{"drift.jump_alpha", "0.9"}, {"fusion.imu_weight", "low"}};  // one replaces the other
+      return {{"documented.drift.jump_alpha", "0.9"},
+              {"documented.imu_weight", "low"}};  // one replaces the other
     default:
-      return {{"trust.sigma_m", "0.5"}};
+      return {{"documented.trust.sigma_m", "0.5"}};
   }
 }
 
@@ -66,18 +67,19 @@ void check_settings(const fusion::SettingsChange& change) {
           "the effective settings fit their topic");
 }
 
-/// More changes than can wait for their events, and one that only a beacon's own settings contradict.
+/// Requests more changes than can wait for their events, and one that contradicts only a beacon's own
+/// settings.
 void fill_timeline(fusion::SettingsRequests& requests) {
   std::ignore = requests.answer({.address = 7, .assignments = {{"fusion.engine", "kalman"}}});
-  std::ignore =
-      requests.answer({.address = all_beacons,
-                       .assignments = {{"fusion.engine", "documented"}, {"attitude.magnetometer", "true"}}});
+  std::ignore = requests.answer(
+      {.address = all_beacons,
+       .assignments = {{"fusion.engine", "documented"}, {"documented.attitude.magnetometer", "true"}}});
   constexpr std::uint64_t many = fusion::SettingsTimeline::capacity + 1;
   for (std::uint64_t i = 0; i < many; ++i) {
     const SettingsReply reply = requests.answer({.address = 7,
                                                  .request_id = 1000 + i,
                                                  .from_sequence = 1'000'000 + i,
-                                                 .assignments = {{"trust.sigma_m", "0.5"}}});
+                                                 .assignments = {{"documented.trust.sigma_m", "0.5"}}});
     promise(reply.accepted || !reply.reason.empty(), "a refusal has a reason");
   }
 }
@@ -92,8 +94,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   constexpr TimeNs start_ns = 1'700'000'000'000'000'000;
   EventStream stream(data, start_ns, addresses.front());
   SteadyTime now{1'000'000'000};
-  constexpr int most_steps = 300;
-  for (int step = 0; step < most_steps && stream.has_more(); ++step) {
+  constexpr int max_steps = 300;
+  for (int step = 0; step < max_steps && stream.has_more(); ++step) {
     const auto kind = data.ConsumeIntegral<std::uint8_t>();
     if (kind == 255) {
       fill_timeline(requests);
@@ -108,7 +110,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
       continue;
     }
     const SettingsRequest request = any_request(data);
-    // A request that is too long for its type never reaches the bus.
+    // A request that exceeds its type never reaches the bus.
     if (!accepts<std::length_error>([&] { dds::topics::to_idl(request); })) continue;
     const SettingsReply reply = requests.answer(dds::topics::from_idl(dds::topics::to_idl(request).sample()));
     promise(reply.address == request.address && reply.request_id == request.request_id,

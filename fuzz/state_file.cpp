@@ -1,9 +1,9 @@
-// A saved state of an estimator: what is accepted is restored, and the estimator continues with events.
+// Parses a saved state of an estimator. An accepted one is restored, and the estimator continues with events.
 //
 // Byte 0 selects a real state whose fields the following bytes change. 0xFF: the rest is the file's text.
 // "=": the next character selects a real state, and the lines change its fields by name.
 
-#include "evaluation/state_file.hpp"
+#include "evaluation/state/state_file.hpp"
 
 #include "fused_events.hpp"
 #include "support.hpp"
@@ -34,7 +34,7 @@ constexpr BeaconAddress address = 7;
 struct Base {  // NOLINT(bugprone-exception-escape): of nlohmann's JSON
   json file;
   std::vector<json::json_pointer> leaves;
-  std::vector<json::json_pointer> named;  ///< those that are in no array
+  std::vector<json::json_pointer> named;  ///< values outside of arrays
 };
 
 void add_leaves(const json& node, const json::json_pointer& at, std::vector<json::json_pointer>& leaves) {
@@ -53,7 +53,7 @@ bool is_in_array(const json::json_pointer& leaf) {
 }
 
 Base base_after(settings::EngineKind engine, int events) {
-  const std::vector<std::uint8_t> runs(64, 0xFF);  // plausible events alone
+  const std::vector<std::uint8_t> runs(64, 0xFF);  // only plausible events
   FuzzedDataProvider data(runs.data(), runs.size());
   settings::Settings settings;
   settings.engine.engine = engine;
@@ -78,7 +78,7 @@ const std::vector<Base>& bases() {
   return all;
 }
 
-/// Changes what is around the value at `place`.
+/// Changes the structure around the value at `place`.
 void change_structure(json& file, const json::json_pointer& place, bool removes) {
   json& parent = file[place.parent_pointer()];
   if (parent.empty()) return;
@@ -95,7 +95,7 @@ void change_structure(json& file, const json::json_pointer& place, bool removes)
   }
 }
 
-/// A file in which some values are others.
+/// Returns a file with some changed values.
 std::string changed(const Base& base, FuzzedDataProvider& data) {
   json file = base.file;
   const int changes = data.ConsumeIntegralInRange(0, 3);
@@ -148,7 +148,7 @@ std::string changed(const Base& base, FuzzedDataProvider& data) {
   return file.dump();
 }
 
-/// A real state changed by lines such as "/state/trust 2"; one without a value removes the field.
+/// Returns a real state changed by lines such as "/state/trust 2"; one without a value removes the field.
 std::string assigned(std::string_view lines) {
   if (lines.empty()) return {};
   json file = bases()[static_cast<unsigned char>(lines.front()) % bases().size()].file;
@@ -169,7 +169,7 @@ std::string assigned(std::string_view lines) {
     }
     return file.dump();
   } catch (const json::exception&) {
-    return {};  // no such field, or no UTF-8
+    return {};  // no such field, or invalid UTF-8
   }
 }
 
@@ -193,8 +193,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   AnyEstimator estimator(settings::Settings{});
   estimator.restore(saved.snapshot);
   EventStream stream(data, estimator.time_ns() > 0 ? estimator.time_ns() : start_ns, address);
-  constexpr int most_events = 100;
-  for (int i = 0; i < most_events && stream.has_more(); ++i) {
+  constexpr int max_events = 100;
+  for (int i = 0; i < max_events && stream.has_more(); ++i) {
     check_result(estimation::process(estimator, stream.next()));
   }
   return 0;

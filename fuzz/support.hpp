@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// What the fuzzers share: promises, declared errors, and files for parsers that read files.
+/// Common parts of the fuzzers: promises, declared errors, and files for parsers that read files.
 
 #include <cstdint>
 #include <cstdio>
@@ -20,7 +20,8 @@ inline void promise(bool kept, const char* what) {
   std::abort();
 }
 
-/// Whether `parse` returns without the declared error. Any other exception ends the fuzzer.
+/// Returns true if `parse` returns, false if it throws the declared error. Any other exception ends the
+/// fuzzer.
 template <class DeclaredError, class Parse>
 bool accepts(const Parse& parse) {
   try {
@@ -36,7 +37,7 @@ inline std::string_view text_of(const std::uint8_t* data, std::size_t size) {
   return {reinterpret_cast<const char*>(data), size};
 }
 
-/// A folder of this process in the folder of temporary files.
+/// A folder of this process in the system's temporary folder.
 class ScratchFolder {
 public:
   explicit ScratchFolder(const std::string& ending = {})
@@ -55,7 +56,6 @@ public:
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
-  /// Writes a file and returns its path.
   [[nodiscard]] std::filesystem::path write(std::string_view name, std::string_view text) const {
     std::filesystem::path file = path_ / name;
     std::ofstream(file, std::ios::binary).write(text.data(), static_cast<std::streamsize>(text.size()));

@@ -1,5 +1,6 @@
-// What a client of the live page sends: a message of the page, one of Foxglove's protocol, the target and the
-// headers of a request; and what an operator allows: an address to listen on, an origin, a token.
+// Parses the input of a client of the live page: a message of the page, one of Foxglove's protocol, the
+// target and the headers of a request. Parses the input of an operator: an address to listen on, an origin, a
+// token.
 
 #include "support.hpp"
 #include "web/foxglove/requests.hpp"
@@ -56,7 +57,7 @@ std::string_view take_line(std::string_view& text) {
   return line;
 }
 
-/// The lines of the input are the host, the origin and the token of a request.
+/// Checks access. The lines of the input are the host, the origin and the token of a request.
 void check_access(std::string_view text) {
   static const std::array rules{
       http::AccessRules{.endpoint = {"127.0.0.1", 8080}, .token = {}, .origins = {}},

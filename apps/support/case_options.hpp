@@ -1,7 +1,7 @@
 #pragma once
-// What the programs that score have in common: which cases.
+// The choice of cases, common to all programs that score.
 
-#include "evaluation/cases.hpp"
+#include "evaluation/replay/cases.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -21,23 +21,23 @@ struct CaseOptions {
   std::uint64_t seeds = 5;
   std::uint64_t first_seed = 1;
   std::optional<std::filesystem::path> recordings;
-  std::optional<BeaconAddress> beacon;  ///< of the files that have several
+  std::optional<BeaconAddress> beacon;  ///< beacon in files with several
 };
 
 /// Adds CASE..., --harder, --seeds, --first-seed and --recordings.
 void add_case_options(CLI::App& app, CaseOptions& options);
 
-/// One of the cases, before it is made.
+/// A case that is about to be created.
 struct CasePlace {
   std::string name;
   std::size_t index = 0;
-  std::size_t count = 0;         ///< of all cases
-  std::size_t name_columns = 0;  ///< the length of the longest name of all
+  std::size_t count = 0;         ///< number of all cases
+  std::size_t name_columns = 0;  ///< length of the longest name
 };
 
-/// Calls `begin(place)` and then `use(runs)` with the runs of one scenario after the other, then with each
-/// recording. Reports on standard error which recordings are left out. Throws std::invalid_argument for a
-/// name that is neither a scenario nor a folder, files::IoError.
+/// Calls `begin(place)` and then `use(runs)` with the runs of each scenario, then with each recording.
+/// Reports omitted recordings on standard error. Throws files::IoError, and std::invalid_argument for a name
+/// that is neither a scenario nor a folder.
 void for_each_case(const CaseOptions& options, const std::function<void(std::vector<evaluation::Case>)>& use,
                    const std::function<void(const CasePlace&)>& begin = {});
 

@@ -10,14 +10,14 @@
 
 namespace sonopose::apps {
 
-/// One of these words alone; its error lists them.
+/// Accepts only these words; its error lists them.
 CLI::Validator one_of(const std::vector<std::string>& words);
 
 template <class Value>
 using Words = std::vector<std::pair<std::string, Value>>;
 
-/// An option whose words stand for values. (CLI11's CheckedTransformer takes the values' numbers too, and
-/// shows an enum of one byte as a character.) `value` must outlive the parsing; its word is the default.
+/// Adds an option whose words stand for values. (CLI11's CheckedTransformer also takes the values' numbers,
+/// and shows an enum of one byte as a character.) `value` must outlive the parsing; its word is the default.
 template <class Value>
 CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value, const Words<Value>& words,
                         const std::string& help) {

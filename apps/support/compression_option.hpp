@@ -1,5 +1,5 @@
 #pragma once
-// What the programs that write MCAP files have in common: --compression.
+// The option --compression, common to all programs that write MCAP files.
 
 #include "mcap/compression.hpp"
 
@@ -7,7 +7,7 @@
 
 namespace sonopose::apps {
 
-/// Adds --compression; `compression` stays as it is without it.
+/// Adds --compression; `compression` is the default.
 CLI::Option* add_compression_option(CLI::App& app, mcap::Compression& compression);
 
 }  // namespace sonopose::apps

@@ -1,5 +1,5 @@
 #pragma once
-// What every program with fusion settings has in common: --config, --set and --help-settings.
+// The options --config, --set and --help-settings, common to all programs with fusion settings.
 
 #include "config/fusion_config.hpp"
 #include <sonopose/samples/samples.hpp>
@@ -13,7 +13,7 @@
 
 namespace sonopose::apps {
 
-/// Where the settings come from.
+/// The sources of the settings.
 struct ConfigOptions {
   std::optional<std::filesystem::path> file;
   std::vector<std::string> assignments;
@@ -25,16 +25,16 @@ inline constexpr const char* settings_group = "Settings";
 /// Adds --config, --set and --help-settings.
 void add_config_options(CLI::App& app, ConfigOptions& options);
 
-/// Sets a key for all beacons and for this one, above --set.
+/// Sets a key for all beacons and for this one, with precedence over --set.
 void assign_everywhere(ConfigOptions& options, BeaconAddress beacon, const std::string& key,
                        const std::string& value);
 
-/// Adds --beacon: whose own settings apply where events name no beacon.
+/// Adds --beacon, which selects the settings for events that name no beacon.
 void add_beacon_option(CLI::App& app, BeaconAddress& beacon);
-/// The same where a log may name its beacon, which is the default.
+/// The same for a log that may name its beacon, which is the default.
 void add_beacon_option(CLI::App& app, std::optional<BeaconAddress>& beacon);
 
-/// Reads them, --set above --config; logs its warnings. Throws config::ConfigError.
+/// Reads the settings, with --set above --config, and logs their warnings. Throws config::ConfigError.
 config::FusionConfig configuration(const CLI::App& app, const ConfigOptions& options);
 
 }  // namespace sonopose::apps

@@ -1,6 +1,6 @@
 #include "drive_commands.hpp"
 
-#include "evaluation/calibration.hpp"
+#include "evaluation/calibration/calibration.hpp"
 #include "logging/log.hpp"
 #include "plots/likelihood_plot.hpp"
 #include "progress.hpp"
@@ -99,7 +99,7 @@ evaluation::DriveCalibration DriveCommands::calibrated(const Command& command) c
   request.beacon = beacon_;
   request.wanted = command.wanted;
   ConfigOptions config = config_;
-  // The other settings of that file, such as axes, decide what the result means.
+  // Other settings of that file, such as axes, determine the meaning of the result.
   if (write_ && !config.file && std::filesystem::exists(*write_)) config.file = write_;
   request.settings = configuration(*command.app, config).for_beacon(beacon_.value_or(all_beacons));
   request.options.curves = plot_.has_value();

@@ -2,7 +2,7 @@
 // The commands of sonopose-calibrate that calibrate an installation from a drive.
 
 #include "config_options.hpp"
-#include "evaluation/drive_calibration.hpp"
+#include "evaluation/calibration/drive_calibration.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -14,13 +14,13 @@ namespace sonopose::apps {
 
 class DriveCommands {
 public:
-  /// Adds mount, delay, lever-arm, noise and all.
+  /// Adds the commands mount, delay, lever-arm, noise and all.
   explicit DriveCommands(CLI::App& app);
 
-  /// Whether one of them was given.
+  /// Returns true if one of the commands was given.
   [[nodiscard]] bool is_given() const;
 
-  /// Runs it. Returns the exit code.
+  /// Runs the given command. Returns the exit code.
   [[nodiscard]] int run() const;
 
 private:

@@ -3,8 +3,10 @@
 #include <sonopose/text/columns_of.hpp>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <set>
 #include <sstream>
 #include <vector>
 
@@ -26,8 +28,8 @@ std::string row(const std::string& left, const std::string& right) {
   return name + std::string(left_columns, ' ') + wrapped(right, left_columns, left_columns) + "\n";
 }
 
-/// The beginning of a description that fits one line: up to the end of a clause, if there is one. "…" marks
-/// what is left out.
+/// Returns the beginning of a description that fits on one line, if possible up to the end of a clause. "…"
+/// marks the omission.
 std::string brief(const std::string& text, std::size_t columns) {
   if (columns_of(text) <= columns) return text;
   const std::string mark = " …";
@@ -47,7 +49,7 @@ std::string brief(const std::string& text, std::size_t columns) {
   return text;
 }
 
-/// "N" for "UINT:INT in [0 - 65534]", and without a default.
+/// Returns "N" for "UINT:INT in [0 - 65534]", and no default.
 std::string short_type(const CLI::Option& option) {
   const std::string& text = option.get_option_text();
   if (!text.empty()) return text.substr(0, text.find(" ("));
@@ -55,6 +57,50 @@ std::string short_type(const CLI::Option& option) {
   const std::string first = type.substr(0, type.find(':'));
   if (first == "INT" || first == "UINT") return "N";
   return first == "FLOAT" ? "X" : first;
+}
+
+/// Describes allowed values: "1 … 65535" for "N:UINT in [1 - 65535]", "0 or more", "documented, kalman".
+std::string allowed(const CLI::Option& option) {
+  if (!option.get_option_text().empty() || option.get_type_size() == 0) return {};
+  const std::string type = option.get_type_name();
+  const std::size_t opened = type.find_first_of("[{", std::min(type.find(':'), type.size()));
+  if (opened == std::string::npos) return {};
+  std::string text = type.substr(opened + 1, type.find_first_of("]}", opened) - opened - 1);
+  const auto replace = [&text](const std::string& from, const std::string& to) {
+    for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size()) {
+      text.replace(at, from.size(), to);
+    }
+  };
+  if (type[opened] == '[') {
+    replace(" - ", " … ");
+  } else {
+    replace(",", ", ");
+  }
+  return text;
+}
+
+std::string names_of(const std::set<CLI::Option*>& options) {
+  std::vector<std::string> names;
+  for (const CLI::Option* const option : options) names.push_back(option->get_name());
+  std::sort(names.begin(), names.end());
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+/// Returns the description with the details that it omits: "(1 … 65535; default: 256; not with --lossless)".
+std::string whole_description(const CLI::Option& option) {
+  std::vector<std::string> details;
+  const std::string& text = option.get_option_text();
+  if (const std::size_t opened = text.find(" ("); opened != std::string::npos) {
+    details.push_back(text.substr(opened + 2, text.rfind(')') - opened - 2));
+  }
+  if (const std::string values = allowed(option); !values.empty()) details.push_back(values);
+  if (!option.get_default_str().empty() && text.empty()) {
+    details.push_back("default: " + option.get_default_str());
+  }
+  if (!option.get_needs().empty()) details.push_back("needs " + names_of(option.get_needs()));
+  if (!option.get_excludes().empty()) details.push_back("not with " + names_of(option.get_excludes()));
+  if (details.empty()) return option.get_description();
+  return fmt::format("{} ({})", option.get_description(), fmt::join(details, "; "));
 }
 
 std::string brief_option(const CLI::Option& option) {
@@ -70,7 +116,6 @@ std::string brief_option(const CLI::Option& option) {
   return fmt::format("  {:<{}}{}\n", left, left_columns - 2, right);
 }
 
-/// Makes one help.
 class Help {
 public:
   Help(const CLI::App& app, const CLI::Formatter& formatter, bool is_brief)
@@ -105,9 +150,10 @@ private:
       if (brief_) {
         rows += brief_option(*option);
       } else {
-        const bool positional = option->get_positional();
-        rows += row(formatter_.make_option_name(option, positional) + formatter_.make_option_opts(option),
-                    formatter_.make_option_desc(option));
+        const std::string type = short_type(*option);
+        const std::string name =
+            option->get_positional() ? option->get_name(true, false) : option->get_name(false, true);
+        rows += row(name + (type.empty() ? "" : " " + type), whole_description(*option));
       }
     }
     return rows.empty() ? rows : (brief_ ? "" : "\n") + title + ":\n" + rows;

@@ -8,17 +8,18 @@
 
 namespace sonopose::apps {
 
-/// No line of a help is longer.
+/// Greatest length of a line of help.
 inline constexpr std::size_t help_columns = 100;
 
-/// `text` in lines of at most `help_columns`, each after the first behind `indent` blanks. The first one
-/// begins in column `begin`.
+/// Wraps `text` into lines of at most `help_columns`. The first one begins in column `begin`, the others
+/// follow `indent` blanks.
 std::string wrapped(std::string_view text, std::size_t begin, std::size_t indent);
 
-/// Every line of a text that is too long, continued at `indent`.
+/// Wraps every overlong line of a text, and continues it at `indent`.
 std::string wrapped_lines(std::string_view text, std::size_t indent);
 
-/// Everything if that fits a page; otherwise one line for each option, and --help-all has everything.
+/// Shows everything if it fits on a page. Otherwise shows one line per option, and --help-all shows
+/// everything.
 class HelpFormatter : public CLI::Formatter {
 public:
   std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override;

@@ -1,5 +1,5 @@
 #pragma once
-// What the programs that serve have in common: --log-level.
+// The option --log-level, common to all programs that serve.
 
 #include "logging/log.hpp"
 
@@ -10,7 +10,7 @@ namespace sonopose::apps {
 /// The group of this option.
 inline constexpr const char* log_group = "Log";
 
-/// Adds --log-level; `level` stays as it is without it.
+/// Adds --log-level; `level` is the default.
 CLI::Option* add_log_option(CLI::App& app, logging::Level& level);
 
 }  // namespace sonopose::apps

@@ -1,5 +1,5 @@
 #pragma once
-// The known word that a misspelt one was meant to be.
+// Finds the known word that a misspelt one was meant to be.
 
 #include <optional>
 #include <string>
@@ -8,10 +8,11 @@
 
 namespace sonopose::apps {
 
-/// The known word with the fewest edits to `word`, or one that `word` begins. Empty where none is near.
+/// Returns the known word with the fewest edits to `word`, or one that begins with `word`. Empty if none is
+/// near.
 std::optional<std::string> nearest(std::string_view word, const std::vector<std::string>& known);
 
-/// "; did you mean NEAREST?", or nothing where no known word is near.
+/// Returns "; did you mean NEAREST?", or nothing if no known word is near.
 std::string suggestion(std::string_view word, const std::vector<std::string>& known);
 
 }  // namespace sonopose::apps

@@ -1,13 +1,13 @@
 #pragma once
-// How far a program is.
+// Shows the progress of a program.
 
 #include <chrono>
 #include <string_view>
 
 namespace sonopose::apps {
 
-/// One line on standard error that replaces itself: a bar, the share that is done and what is being done.
-/// Only on a terminal, and only in programs that take more than two seconds.
+/// A line on standard error that replaces itself: a bar, the completed share and the current step. Appears
+/// only on a terminal, and after two seconds.
 class Progress {
 public:
   Progress();
@@ -18,7 +18,7 @@ public:
   Progress(Progress&&) = delete;
   Progress& operator=(Progress&&) = delete;
 
-  /// `share` is 0 … 1, or NaN if it is not known: then there is no bar.
+  /// `share`: 0 … 1, or NaN if unknown, which shows no bar.
   void at(double share, std::string_view what);
   /// Removes the line before other output.
   void clear();

@@ -28,8 +28,6 @@ void add_replay_options(CLI::App& app, ReplayOptions& options) {
          "--plot", options.plot,
          "Draw path, errors, innovations, height, yaw and more to a .svg or .png file (needs gnuplot)")
       ->type_name("FILE");
-  app.add_option("--html", options.html, "Write the plots as one page for a browser, which can be mailed")
-      ->type_name("FILE");
   app.add_option("--compare", options.compared,
                  "Run with each of two settings files instead of --config, print both results, and draw both "
                  "into one plot")

@@ -2,7 +2,7 @@
 // The options of sonopose-replay.
 
 #include "config_options.hpp"
-#include "evaluation/run.hpp"
+#include "evaluation/replay/run.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -19,7 +19,6 @@ struct ReplayOptions {
   std::optional<BeaconAddress> beacon;
   std::optional<std::filesystem::path> out;
   std::optional<std::filesystem::path> plot;
-  std::optional<std::filesystem::path> html;
   std::optional<std::filesystem::path> save_state;
   std::optional<std::filesystem::path> load_state;
   evaluation::RunOptions run;
@@ -29,7 +28,7 @@ struct ReplayOptions {
 
 void add_replay_options(CLI::App& app, ReplayOptions& options);
 
-/// The configuration, with --engine instead of fusion.engine. Throws config::ConfigError.
+/// Reads the configuration, with --engine instead of fusion.engine. Throws config::ConfigError.
 config::FusionConfig configuration(const CLI::App& app, const ReplayOptions& options);
 
 }  // namespace sonopose::apps

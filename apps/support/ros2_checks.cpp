@@ -1,4 +1,4 @@
-// Conversion and validation of the command line: each error names its option.
+// Conversion and validation of the command line. Each error names its option.
 
 #include "logging/log.hpp"
 #include "ros2_options.hpp"
@@ -63,7 +63,7 @@ void check_frames(const ros2::FrameNames& frames) {
   }
 }
 
-/// The option has precedence over the variable, which is then not validated.
+/// Prefers the option to the variable, which is then not validated.
 std::optional<ros2::Distro> select_distro(const Ros2Options& options, const ros2::Variables& environment) {
   if (options.distro) return options.distro;
   const ros2::FoundDistro found = ros2::distro_of(environment);
@@ -96,7 +96,7 @@ ros2::relay::RelayOptions relay_options(const Ros2Options& options, const ros2::
   relay.output.mount = with_option("--mount", [&] { return ros2::mount_at(options.mount); });
   if (options.addresses) {
     relay.addresses =
-        with_option("--addresses", [&] { return process::AddressSet::parse(*options.addresses); });
+        with_option("--addresses", [&] { return presence::AddressSet::parse(*options.addresses); });
   }
   check_topics(relay);
   using Kind = ros2::relay::Input::Kind;

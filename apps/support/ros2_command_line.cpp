@@ -14,14 +14,14 @@ namespace {
 using ros2::arguments::Arguments;
 using ros2::arguments::Parameter;
 
-/// "map_frame" → "--map-frame".
+/// Converts "map_frame" to "--map-frame".
 std::string option_name(const std::string& parameter) {
   std::string name = "--" + parameter;
   std::replace(name.begin(), name.end(), '_', '-');
   return name;
 }
 
-/// The option of a parameter; null if there is none, or if ROS 2 has another argument for it.
+/// Returns the option of a parameter; null if there is none, or if ROS 2 has another argument for it.
 const CLI::Option* option_of(const Ros2Program& program, const Parameter& parameter) {
   constexpr std::array others{"--help", "--version", "--name", "--namespace", "--remap", "--enclave"};
   const std::string name = option_name(parameter.name);

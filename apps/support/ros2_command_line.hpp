@@ -21,19 +21,20 @@ struct Ros2Program {
   Program app{"ros2"};
 };
 
-/// The own arguments, with the remap rules and the enclave of --ros-args as own options.
+/// Returns the relay's own arguments, with the remap rules and the enclave of --ros-args as own options.
 std::vector<std::string> own_arguments(const ros2::arguments::Arguments& arguments);
 
-/// The parameters that `given`, already parsed, does not override: relay options as arguments, the others as
-/// settings of the fusion. A warning goes to standard error for a parameter that is neither. Throws
-/// std::invalid_argument with the origin of the parameter.
+/// The parameters that `given`, already parsed, does not override: relay options as arguments, others as
+/// settings of the fusion. Unknown parameters cause a warning on standard error. Throws std::invalid_argument
+/// with the origin of the parameter.
 struct AppliedParameters {
   std::vector<std::string> arguments;
   std::vector<ros2::relay::StartupSetting> settings;
 };
 AppliedParameters apply_parameters(const ros2::arguments::Arguments& arguments, const Ros2Program& given);
 
-/// The least level of the lines that the node logs: that of ROS 2's own argument, otherwise --log-level.
+/// Returns the least level of the lines that the node logs, from ROS 2's own argument or else from
+/// --log-level.
 ros2::arguments::LogLevel log_level(const ros2::arguments::Arguments& arguments, const ros2::NodeName& node,
                                     const Ros2Program& program);
 

@@ -82,7 +82,7 @@ void add_message_options(CLI::App& app, Ros2Options& options) {
       ->group(group);
   app.add_option("--max-beacons", options.max_beacons,
                  "Relay at most this many beacons at a time: the first ones that are heard")
-      ->check(CLI::Range(std::size_t{1}, ros2::relay::most_relayed_beacons))
+      ->check(CLI::Range(std::size_t{1}, ros2::relay::max_relayed_beacons))
       ->type_name("N")
       ->capture_default_str()
       ->group(group);
@@ -150,7 +150,7 @@ void add_input_options(CLI::App& app, Ros2Options& options) {
       ->group(group);
 }
 
-/// The other programs use loopback by default; this one uses the network of the ROS 2 nodes.
+/// Describes a different default: other programs use loopback, the relay the network of the ROS 2 nodes.
 void describe_network(CLI::App& app) {
   app.get_option("--network")
       ->option_text("loopback|lan (default: from the environment variables of ROS 2)")

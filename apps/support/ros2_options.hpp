@@ -2,7 +2,7 @@
 // Command-line options of the relay.
 
 #include "ros2/relay/relay.hpp"
-#include <sonopose/ros2/messages/environment.hpp>
+#include <sonopose/ros2/node/environment.hpp>
 
 #include <CLI/CLI.hpp>
 
@@ -19,7 +19,7 @@ struct Ros2Options {
   std::optional<ros2::Distro> distro;
   std::string enclave = "/";
   std::optional<std::string> addresses;
-  std::size_t max_beacons = process::BeaconAdmission::default_max_beacons;
+  std::size_t max_beacons = presence::BeaconAdmission::default_max_beacons;
   ros2::relay::Output output;
   std::array<double, 6> mount{};  ///< x, y, z in m; roll, pitch, yaw in degrees
   std::vector<std::string> imu_in;
@@ -29,14 +29,14 @@ struct Ros2Options {
   ros2::relay::ServicesMode services = ros2::relay::ServicesMode::automatic;
 };
 
-/// Call this after add_bus_options(): it changes the description of --network.
+/// Adds the options. Call it after add_bus_options(), since it changes the description of --network.
 void add_ros2_options(CLI::App& app, Ros2Options& options);
 
-/// The name of the node after remapping. Throws std::invalid_argument with the option.
+/// Returns the name of the node after remapping. Throws std::invalid_argument with the option.
 ros2::NodeName node_name(const Ros2Options& options);
 
-/// The options of the relay without those of the bus. Logs a warning for an unknown ROS_DISTRO. Throws
-/// std::invalid_argument with the option or variable.
+/// Returns the options of the relay without those of the bus. Logs a warning for an unknown ROS_DISTRO.
+/// Throws std::invalid_argument with the option or variable.
 ros2::relay::RelayOptions relay_options(const Ros2Options& options, const ros2::Variables& environment);
 
 }  // namespace sonopose::apps

@@ -29,13 +29,13 @@ std::string description_of(std::string_view verb) {
   return std::string(found->description);
 }
 
-/// The command that was given, or the program itself.
+/// Returns the given command, or the program itself.
 const CLI::App& command_of(const CLI::App& app) {
   const auto given = app.get_subcommands();
   return given.empty() ? app : *given.front();
 }
 
-/// Every option that may stand on this command line, as "--name" or "-n".
+/// Returns every option that this command line allows, as "--name" or "-n".
 std::vector<std::string> option_names(const CLI::App& app) {
   std::vector<std::string> names;
   for (const CLI::App* each : {&app, &command_of(app)}) {
@@ -53,8 +53,8 @@ std::vector<std::string> command_names(const CLI::App& app) {
   return names;
 }
 
-/// What is wrong with the command line. An argument that nothing takes comes first: others often follow from
-/// it.
+/// Describes the mistake in the command line. An unknown argument takes precedence, since it often causes
+/// other mistakes.
 std::string mistake_in(const CLI::App& app, const CLI::ParseError& error) {
   const std::vector<std::string> unknown = app.remaining(true);
   const auto option = std::find_if(unknown.begin(), unknown.end(),
@@ -71,7 +71,7 @@ std::string mistake_in(const CLI::App& app, const CLI::ParseError& error) {
   return fmt::format("{}: unknown command{}", unknown.front(), suggestion(unknown.front(), commands));
 }
 
-/// Prints what the command line asks for. Returns the exit code.
+/// Prints a requested text. Returns the exit code.
 int print(const std::string& text) {
   try {
     std::fputs(text.c_str(), stdout);
@@ -83,7 +83,7 @@ int print(const std::string& text) {
   }
 }
 
-/// For the exceptions of other threads. Set once, before there are any.
+/// The name for exceptions of other threads. Set once, before there are any.
 std::string& program_name() {
   static std::string name;
   return name;
@@ -95,7 +95,7 @@ std::string restart_words() {
   return fmt::format("restart {}; no other program needs a restart", program_name());
 }
 
-/// An exception on a thread other than the main one, where nothing catches it.
+/// Ends the program after an uncaught exception of another thread.
 [[noreturn]] void end_by_exception() {
   std::string reason = "ended by an error without a description";
   try {
@@ -116,7 +116,7 @@ Program::Program(std::string_view verb, const std::string& details)
                fmt::format("sonopose-{}", verb)) {
   const auto help = std::make_shared<HelpFormatter>();
   help->label("SUBCOMMAND", "COMMAND");
-  formatter(help);  // commands that are added later have it too
+  formatter(help);  // later commands inherit it
   set_help_all_flag("--help-all", "Print everything about every option and exit");
   set_version_flag("--version", get_name() + " " + std::string(apps::version()),
                    "Print the version and exit");
@@ -142,7 +142,7 @@ CLI::Validator natural_number() {
 
 void parse(CLI::App& app, std::vector<std::string> arguments, const std::vector<std::string>& more) {
   arguments.insert(arguments.end(), more.begin(), more.end());
-  std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
+  std::reverse(arguments.begin(), arguments.end());  // CLI11 takes arguments in reverse order
   app.parse(std::move(arguments));
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// How every program begins and ends, with the bus or without it.
+// The start and end of every program, with or without the bus.
 
 #include "output.hpp"
 
@@ -24,31 +24,30 @@ public:
   Program& operator=(const Program&) = delete;
 };
 
-/// Thrown by an option that prints a text and ends the program, as --help does.
+/// Thrown by an option that prints a text and ends the program, like --help.
 class Printed : public CLI::Success {
 public:
   explicit Printed(const std::string& text) : CLI::Success("Printed", text, CLI::ExitCodes::Success) {}
 };
 
-/// A number between the two; unlike CLI::Range it refuses what is no number, such as nan.
+/// Accepts a number in this range. Unlike CLI::Range, refuses texts that are not numbers, such as nan.
 CLI::Validator number_between(double least, double most = std::numeric_limits<double>::max());
 
-/// A whole number from 0 to 10⁹, such as a seed. Without a limit CLI11 reads -1 as the largest number.
+/// Accepts an integer from 0 to 10⁹, such as a seed. Without a limit, CLI11 reads -1 as the largest number.
 CLI::Validator natural_number();
 
 /// Parses the command line and runs `body`. Returns the exit code: 0 for success, help and a stop by signal;
-/// the command line's own errors as CLI11 numbers them; 1 for any exception, also on another thread, and for
-/// an output that cannot be written. The reason goes to stderr; for an unknown option or command it names the
-/// nearest known one.
+/// CLI11's own numbers for errors of the command line. Returns 1 for any exception, even on another thread,
+/// and for a failed output. The reason goes to stderr. For an unknown option or command, it names the nearest
+/// known one.
 int run(CLI::App& app, int argc, char** argv, const std::function<int()>& body);
 /// The same for arguments without the name of the program.
 int run(CLI::App& app, const std::vector<std::string>& arguments, const std::function<int()>& body);
 
-/// Runs the node of a program whose other programs depend on it. Throws what ended it, with the restart that
-/// helps.
+/// Runs a node that other programs depend on. Throws the exception that ended it, with advice to restart.
 void serve(const std::function<void()>& node);
 
-/// Parses arguments, and those of another source after them. Throws CLI::ParseError.
+/// Parses arguments, followed by those of another source. Throws CLI::ParseError.
 void parse(CLI::App& app, std::vector<std::string> arguments, const std::vector<std::string>& more = {});
 
 }  // namespace sonopose::apps

@@ -1,5 +1,5 @@
 #pragma once
-// What the user sees of a search and how Ctrl-C ends it.
+// Shows the progress of a search, and handles Ctrl-C.
 
 #include "logging/log.hpp"
 #include "progress.hpp"
@@ -14,7 +14,7 @@ namespace sonopose::apps {
 
 inline volatile std::sig_atomic_t interrupted = 0;
 
-/// The first Ctrl-C sets `interrupted`, the second one ends the program.
+/// Makes the first Ctrl-C set `interrupted`; the second one ends the program.
 inline void listen_for_interrupt() {
   std::signal(SIGINT, [](int signal) {
     interrupted = 1;
@@ -22,7 +22,7 @@ inline void listen_for_interrupt() {
   });
 }
 
-/// Reports on standard error. On a terminal the last line is the progress.
+/// Reports on standard error. On a terminal, the last line is the progress.
 class SearchProgress {
 public:
   explicit SearchProgress(int rounds) : rounds_(rounds) {}

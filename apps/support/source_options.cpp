@@ -13,7 +13,7 @@
 namespace sonopose::apps {
 namespace {
 
-constexpr std::size_t default_max_beacons = process::BeaconAdmission::default_max_beacons;
+constexpr std::size_t default_max_beacons = presence::BeaconAdmission::default_max_beacons;
 
 const std::string& required_input(const SourceOptions& options) {
   if (options.input.empty()) throw CLI::RequiredError("--source " + options.source + ": --input");
@@ -46,7 +46,7 @@ const std::vector<Reader>& readers() {
   return all;
 }
 
-/// Both forms are read in one way.
+/// Returns true for both forms of a log, which are read alike.
 bool is_log(const SourceOptions& options) {
   return options.source == "log" || options.source == "mcap";
 }
@@ -135,7 +135,7 @@ void check_source_options(const CLI::App& app, const SourceOptions& options) {
   }
 }
 
-std::unique_ptr<bridge::Source> make_source(const SourceOptions& options) {
+std::unique_ptr<publication::Source> make_source(const SourceOptions& options) {
   const std::size_t max_beacons = options.max_beacons.value_or(default_max_beacons);
   const ImuMeaning imu_meaning = options.imu_meaning.value_or(bridge::default_imu_meaning);
   if (is_log(options)) {

@@ -29,9 +29,9 @@ struct SourceOptions {
   double rate = 1;
   bool restamp = false;
 
-  /// Whether the source has more than one beacon.
+  /// Returns true if the source has several beacons.
   [[nodiscard]] bool is_many() const { return source == "sim" && sim.beacons > 1; }
-  /// Whether it is played as fast as its readers accept.
+  /// Returns true if the source is played as fast as its readers accept.
   [[nodiscard]] bool is_unpaced() const { return source != "serial" && source != "udp" && rate == 0.0; }
 };
 
@@ -41,13 +41,13 @@ inline constexpr const char* source_group = "Source";
 /// Adds --source and the options of all sources.
 void add_source_options(CLI::App& app, SourceOptions& options);
 
-/// What a recording says of its source: the options that were given, and the important ones.
+/// Returns the description of the source for a recording: the given options, and the important ones.
 NamedValues source_settings(const CLI::App& app, const SourceOptions& options);
 
-/// Throws std::invalid_argument if an option was given that the source does not read.
+/// Throws std::invalid_argument if a given option does not apply to the source.
 void check_source_options(const CLI::App& app, const SourceOptions& options);
 
-/// Throws what the source throws, and CLI::RequiredError.
-std::unique_ptr<bridge::Source> make_source(const SourceOptions& options);
+/// Creates the source. Throws its exceptions, and CLI::RequiredError.
+std::unique_ptr<publication::Source> make_source(const SourceOptions& options);
 
 }  // namespace sonopose::apps

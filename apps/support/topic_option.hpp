@@ -5,7 +5,7 @@
 
 namespace sonopose::apps {
 
-/// Refuses what is no native topic, with the nearest one and all of them.
+/// Accepts only native topics. The error names the nearest one and all others.
 CLI::Validator topic_name();
 
 }  // namespace sonopose::apps

@@ -1,12 +1,12 @@
 #pragma once
-// Every program, with the one sentence that its own --help and the front door's list show.
+// Every program, with the sentence that its own --help and the list of sonopose show.
 
 #include <array>
 #include <string_view>
 
 namespace sonopose::apps {
 
-/// `sonopose VERB` runs the program `sonopose-VERB`.
+/// A verb: `sonopose VERB` runs the program `sonopose-VERB`.
 struct Verb {
   std::string_view name;
   std::string_view description;

@@ -6,7 +6,6 @@
 
 namespace sonopose::apps {
 
-/// Such as 0.1.0.
 std::string_view version();
 
 }  // namespace sonopose::apps

@@ -1,5 +1,5 @@
 #pragma once
-// A progress line for work that does not say how far it is.
+// A progress line for work without a progress report.
 
 #include "progress.hpp"
 
@@ -10,11 +10,11 @@
 
 namespace sonopose::apps {
 
-/// Shows the time that has passed, or the share of the time that the work is expected to take, until it is
-/// destroyed. Has no effect without a terminal.
+/// Shows the elapsed time, or its share of the expected time, until it is destroyed. Has no effect without a
+/// terminal.
 class Waiting {
 public:
-  /// `expected_s`: 0 if it is not known.
+  /// `expected_s`: expected duration; 0 if unknown.
   explicit Waiting(std::string what, double expected_s = 0);
   ~Waiting();
   Waiting(const Waiting&) = delete;

@@ -20,7 +20,7 @@ using test::Arguments;
 using test::Process;
 using Stream = Process::Stream;
 
-/// Runs a program with a limit of the shell: `limit` program arguments.
+/// Runs a program under a shell limit: `limit` precedes `program arguments`.
 std::unique_ptr<Process> limited(const std::string& limit, const std::string& program,
                                  const Arguments& arguments, const test::Environment& environment) {
   Arguments all{"-c", limit + R"(; exec "$0" "$@")", program};
@@ -38,7 +38,7 @@ std::string faketime_library() {
   return {};
 }
 
-// The line
+// Line
 
 FeedLine::FeedLine(Line kind, std::filesystem::path device) : device_(std::move(device)) {
   if (kind == Line::udp) {
@@ -98,7 +98,7 @@ Cast::~Cast() {
   if (pipe_ >= 0) ::close(pipe_);
 }
 
-/// A disk that takes 2 kB/s, until the end.
+/// Drains the slow disk at 2 kB/s until the stop is requested.
 void Cast::drain(const std::stop_token& stop) const {
   std::array<char, 200> bytes{};
   while (!stop.stop_requested()) {
@@ -173,8 +173,7 @@ void Cast::join_restart(Role role) {
   restarts_.erase(found);
 }
 
-/// Ends a process by a signal. Whether it was alive until then, and ended as it should, is part of the
-/// result.
+/// Ends a process by a signal. Records a failure if it was already dead or ended with a wrong code.
 void Cast::take_out(Role role, int signal) {
   Process& process = *processes_.at(role);
   const bool was_alive = !process.wait_for_exit(std::chrono::milliseconds(0));
@@ -205,7 +204,7 @@ void Cast::start_without_descriptors(std::uint32_t count) {
                                   code ? std::to_string(*code) : "no exit", text));
 }
 
-// The play
+// Playing the plan
 
 void Cast::begin(const Step& step) {
   switch (step.fault) {
@@ -292,7 +291,7 @@ void Cast::play() {
       continue;
     }
     const bool restarts = step.fault == Fault::kill || step.fault == Fault::terminate;
-    if (!restarts) episode.interval.until = clocks::steady_now();  // before what it lets go on
+    if (!restarts) episode.interval.until = clocks::steady_now();  // before the process continues
     end(step);
     if (!restarts) continue;
     restarts_[step.target] = std::thread([this, &episode] {

@@ -20,7 +20,7 @@
 
 namespace sonopose::faults {
 
-/// The library of Debian's package libfaketime; empty where it is not installed.
+/// Path of the library of Debian's package libfaketime; empty if not installed.
 std::string faketime_library();
 
 /// A serial line that can be unplugged, or a UDP port.
@@ -42,16 +42,16 @@ private:
 
 class Cast {
 public:
-  /// Starts everything that the plan names. Returns when all processes are ready.
+  /// Starts all processes of the plan and returns when they are ready.
   Cast(const test::Bus& bus, const Plan& plan);
   Cast(const Cast&) = delete;
   Cast& operator=(const Cast&) = delete;
   ~Cast();
 
-  /// Plays the steps at their times, and waits until all processes are ready again.
+  /// Plays the steps at their times and waits until all processes are ready again.
   void play();
 
-  /// Ends all processes. Returns what ended otherwise than it should have, during the run or now.
+  /// Ends all processes. Returns a description of each process that ended wrongly, now or during the run.
   std::vector<std::string> finish();
 
   [[nodiscard]] std::vector<Episode> episodes() const { return episodes_; }
@@ -77,14 +77,14 @@ private:
   const test::Bus& bus_;
   const Plan& plan_;
   test::TemporaryFolder folder_;
-  int pipe_ = -1;  ///< the slow disk
+  int pipe_ = -1;  ///< pipe that acts as the slow disk
   int recordings_ = 0;
   FeedLine line_;
   test::BeaconFeed feed_;
   std::map<Role, std::unique_ptr<test::Process>> processes_;
   std::map<Role, std::thread> restarts_;
-  std::vector<Episode> episodes_;  ///< each is written by one thread at a time
-  std::mutex mutex_;               ///< guards what follows
+  std::vector<Episode> episodes_;  ///< each entry is written by one thread at a time
+  std::mutex mutex_;               ///< guards the members below
   std::vector<Life> lives_;
   std::vector<std::string> failures_;
   std::jthread drain_;

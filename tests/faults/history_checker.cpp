@@ -17,7 +17,7 @@ double ms(TimeNs duration_ns) {
   return static_cast<double>(duration_ns) * 1e-6;
 }
 
-/// From the stamp of its sample until that left the bridge, by the bridge's clock.
+/// Age of the pose's sample when it left the bridge, by the bridge's clock.
 TimeNs transit_ns(const Arrival& pose) {
   return saturated_difference(pose.bridge_time_ns, pose.time_ns);
 }
@@ -49,7 +49,7 @@ HistoryChecker::HistoryChecker(const History& history, const Limits& limits)
   }
 }
 
-/// The stop of the pose's fusion at which it may have had this pose in hand: judged, but not yet written.
+/// Returns the stop of the pose's fusion between the age check and the write of this pose, if any.
 std::optional<Interval> HistoryChecker::stop_before(const Track& track, const Arrival& pose) const {
   const auto sent = published(track, pose);
   for (const Episode& episode : history_.episodes) {
@@ -89,7 +89,7 @@ void HistoryChecker::violated(const Arrival& at, const std::string& text) {
       fmt::format("beacon {}, {:.3f} s: {}", at.address, seconds_between(begin, at.received), text));
 }
 
-/// The strength of the fusion that wrote it, also where it wrote with strength 0.
+/// Strength of the fusion that wrote the pose, even if it wrote with strength 0.
 std::int32_t HistoryChecker::strength_of_process(const Arrival& pose) const {
   const auto found = std::find_if(history_.statuses.begin(), history_.statuses.end(),
                                   [&](const FusionReport& report) { return report.process == pose.process; });
@@ -100,7 +100,7 @@ std::string HistoryChecker::name_of(const Arrival& pose) const {
   return fmt::format("fusion-{}{}", strength_of_process(pose), pose.strength == 0 ? " (strength 0)" : "");
 }
 
-// Stamps of live poses rise.
+// Rising stamps of live poses
 
 void HistoryChecker::check_stamps(const Track& track) {
   std::map<ProcessId, Arrival> latest_of;
@@ -122,10 +122,10 @@ void HistoryChecker::check_stamps(const Track& track) {
   }
 }
 
-/// A new owner may be behind the old one by what both have just received: samples that left the bridge within
-/// the lag of a takeover. After a silence of the bridge that is its whole backlog. While no fusion serves the
-/// beacon, because all warm up or released it in a silence, one that was stopped and continues is received
-/// with what it finds, as far as that is not late.
+/// A new owner may lag behind the old one by the samples that both have just received, i.e. those that left
+/// the bridge within the takeover lag. After a silence of the bridge this is its whole backlog. If no fusion
+/// serves the beacon, a stopped fusion that continues may publish its own backlog unless it is late. No
+/// fusion serves while all warm up or have released the beacon in a silence.
 bool HistoryChecker::may_step_back(const Track& track, const Arrival& before, const Arrival& after) const {
   if (may_be_late(after)) return true;
   const auto from = published(track, after);
@@ -134,11 +134,11 @@ bool HistoryChecker::may_step_back(const Track& track, const Arrival& before, co
       from && until ? *until - *from : saturated_difference(before.bridge_time_ns, after.bridge_time_ns);
   const bool unowned =
       before.strength == 0 || after.strength == 0 || was_silent(track, before.received, after.received);
-  const TimeNs most_ns = unowned ? limits_.unowned_lag_ns : limits_.takeover_lag_ns;
-  return lag_ns <= most_ns + stalled_ns(before.received - lag_ns, after.received);
+  const TimeNs max_ns = unowned ? limits_.unowned_lag_ns : limits_.takeover_lag_ns;
+  return lag_ns <= max_ns + stalled_ns(before.received - lag_ns, after.received);
 }
 
-// No pose is older than declared, and none is from the future.
+// Ages: no pose is too old or from the future
 
 void HistoryChecker::check_ages(const Track& track) {
   std::size_t unknown = 0;
@@ -157,8 +157,8 @@ void HistoryChecker::check_ages(const Track& track) {
   }
 }
 
-/// What a bridge sends after a stop left it just now, but is old. A fusion that has just started, which
-/// writes with strength 0, cannot know that of its first samples.
+/// Checks that poses of a resumed bridge's backlog are marked: these samples left the bridge just now but are
+/// old. A fusion that has just started (strength 0) cannot recognise its first samples as old.
 void HistoryChecker::check_bridge_backlog(const Track& track) {
   for (const Arrival& pose : track.poses) {
     const bool is_marked = (pose.status & status_late) != 0U;
@@ -173,18 +173,19 @@ void HistoryChecker::check_bridge_backlog(const Track& track) {
 void HistoryChecker::check_future(const Track& track) {
   for (const Arrival& pose : track.poses) {
     const TimeNs ahead_ns = saturated_difference(pose.time_ns, pose.received_host_ns);
-    if (ahead_ns > limits_.future_ns + most_ahead_ns(pose.received)) {
+    if (ahead_ns > limits_.future_ns + max_ahead_ns(pose.received)) {
       violated(pose, fmt::format("a pose of {} is {:.1f} ms in the future", name_of(pose), ms(ahead_ns)));
       return;
     }
   }
 }
 
-/// Stamps are in the bridge's clock. They are ahead by the delay that the line had while the bridge related
-/// its clock to the beacon's, of which it takes back up to `most_slewed_ns` slowly, and more at once.
-TimeNs HistoryChecker::most_ahead_ns(SteadyTime now) const {
+/// Largest allowed lead of stamps, which are in the bridge's clock, over the host's clock. The line's delay
+/// while the bridge synchronised with the beacon's clock adds to the lead. When the delay ends, the bridge
+/// slews back up to `max_slewed_ns` and steps back the rest.
+TimeNs HistoryChecker::max_ahead_ns(SteadyTime now) const {
   constexpr TimeNs settling_ns = 300'000'000;
-  constexpr TimeNs most_slewed_ns = 65'000'000;
+  constexpr TimeNs max_slewed_ns = 65'000'000;
   const auto step = bridge_clock_step();
   TimeNs ahead_ns = step && now >= step->interval.from ? std::max<TimeNs>(0, step->step.amount_ns) : 0;
   for (const Life& life : history_.lives) {
@@ -200,12 +201,12 @@ TimeNs HistoryChecker::most_ahead_ns(SteadyTime now) const {
     };
     if (std::none_of(history_.lives.begin(), history_.lives.end(), settles_in_it)) continue;
     const bool is_over = now >= episode.interval.until + settling_ns;
-    ahead_ns += is_over ? std::min(most_slewed_ns, episode.step.amount_ns) : episode.step.amount_ns;
+    ahead_ns += is_over ? std::min(max_slewed_ns, episode.step.amount_ns) : episode.step.amount_ns;
   }
   return ahead_ns;
 }
 
-// A beacon has one owner.
+// Ownership: a beacon has one owner
 
 void HistoryChecker::check_owners(const Track& track) {
   for (std::size_t i = 1; i < track.poses.size(); ++i) {
@@ -219,9 +220,9 @@ void HistoryChecker::check_owners(const Track& track) {
   }
 }
 
-// A fusion that continues is not received with its backlog beside another one.
+// Backlog of a resumed fusion: not received while another one serves
 
-/// One pose: the one that it had in hand when it was stopped.
+/// Allows one late pose per stop: the one that the fusion was about to write.
 void HistoryChecker::check_late(BeaconAddress address, const Track& track) {
   std::map<ProcessId, std::size_t> late_of;
   for (const Arrival& pose : track.poses) {
@@ -240,15 +241,15 @@ void HistoryChecker::check_late(BeaconAddress address, const Track& track) {
   }
 }
 
-/// All poses may be late after a step of the bridge's clock.
+/// Returns true shortly after a step of the bridge's clock, when any pose may be late.
 bool HistoryChecker::may_be_late(const Arrival& pose) const {
   const auto step = bridge_clock_step();
   return step && pose.received >= step->interval.from &&
          pose.received - step->interval.from < limits_.clock_step_late_ns;
 }
 
-/// A weaker fusion is received only when the stronger one has lost its lease, was taken out or has released
-/// the beacon because it received no samples of it.
+/// Returns true if a weaker fusion may be received: the stronger one lost its lease, was taken out, or
+/// released the beacon for lack of samples.
 bool HistoryChecker::may_weaken(const Track& track, const Arrival& before, const Arrival& after) const {
   // Another thread records the loss.
   const TimeNs notice_ns = 20'000'000 + stalled_ns(before.received, after.received + 1'000'000'000);
@@ -263,7 +264,7 @@ bool HistoryChecker::may_weaken(const Track& track, const Arrival& before, const
   return was_silent(track, from, after.received) || stalled_ns(from, after.received) >= limits_.lease_ns / 2;
 }
 
-/// Whether the beacon's samples paused, or could not be used, long enough for a fusion to release it.
+/// Returns true if the beacon's samples paused, or were unusable, long enough for a fusion to release it.
 bool HistoryChecker::was_silent(const Track& track, SteadyTime from, SteadyTime until) const {
   const auto backward = backward_stamps();
   if (backward && overlap(*backward, from, until)) return true;
@@ -275,12 +276,12 @@ bool HistoryChecker::was_silent(const Track& track, SteadyTime from, SteadyTime 
   return false;
 }
 
-// Silence is short while another fusion can serve.
+// Silence: short while another fusion can serve
 
 void HistoryChecker::check_silence(BeaconAddress address, const Track& track) {
   const Arrival* before = nullptr;
   for (const Arrival& pose : track.poses) {
-    if ((pose.status & status_late) != 0U && !may_be_late(pose)) continue;  // of no use to the consumer
+    if ((pose.status & status_late) != 0U && !may_be_late(pose)) continue;  // useless to the consumer
     const Arrival* const last = std::exchange(before, &pose);
     if (last == nullptr) continue;
     const Interval wait = wait_beside_bridge(track, last->received, pose.received);
@@ -294,8 +295,8 @@ void HistoryChecker::check_silence(BeaconAddress address, const Track& track) {
   }
 }
 
-/// The wait between two poses since the second one was due, without the time in which the bridge sent
-/// nothing that could be used.
+/// Part of the wait between two poses, counted from the due time of the second, in which the bridge sent
+/// usable samples.
 Interval HistoryChecker::wait_beside_bridge(const Track& track, SteadyTime from, SteadyTime until) const {
   const TimeNs pause_ns = 3 * history_.imu_period_ns;
   Interval wait{from + history_.imu_period_ns, until};
@@ -308,7 +309,7 @@ Interval HistoryChecker::wait_beside_bridge(const Track& track, SteadyTime from,
   }
   const auto backward = backward_stamps();
   if (backward && overlap(*backward, wait.from, wait.until)) {
-    // The longer part: before the step, or after its samples could be used again.
+    // Keep the longer part: before the step, or after samples became usable again.
     const bool before = backward->from - wait.from > wait.until - backward->until;
     (before ? wait.until : wait.from) = before ? backward->from : backward->until;
   }
@@ -317,8 +318,8 @@ Interval HistoryChecker::wait_beside_bridge(const Track& track, SteadyTime from,
   return wait;
 }
 
-/// By how much the bridge's samples were ever further apart than their period: the lease may end in such a
-/// gap.
+/// Largest excess of the intervals between the bridge's samples over their period; the lease may end in such
+/// a gap.
 TimeNs HistoryChecker::gap_ns(const Track& track, Interval wait) const {
   TimeNs longest_ns = history_.imu_period_ns;
   for (std::size_t i = 1; i < track.imu.size(); ++i) {
@@ -328,7 +329,7 @@ TimeNs HistoryChecker::gap_ns(const Track& track, Interval wait) const {
   return longest_ns - history_.imu_period_ns;
 }
 
-/// Whether one fusion was warm and undisturbed all the time, and so was the bridge.
+/// Returns true if the bridge and at least one warm fusion were undisturbed all the time.
 bool HistoryChecker::had_warm_fusion(BeaconAddress address, SteadyTime from, SteadyTime until) const {
   constexpr TimeNs settled_ns = 300'000'000;
   constexpr TimeNs discovered_ns = 1'000'000'000;
@@ -353,7 +354,7 @@ bool HistoryChecker::had_warm_fusion(BeaconAddress address, SteadyTime from, Ste
   return false;
 }
 
-// After the last fault, poses soon flow as before.
+// Recovery: soon after the last fault, poses flow as before
 
 void HistoryChecker::check_recovery(BeaconAddress address, const Track& track) {
   SteadyTime fault_end{};
@@ -385,7 +386,7 @@ void HistoryChecker::check_recovery(BeaconAddress address, const Track& track) {
   }
 }
 
-// What is known about a time
+// Lookups by time
 
 std::optional<SteadyTime> HistoryChecker::published(const Track& track, const Arrival& pose) const {
   const auto found = track.index_of.find(pose.bridge_time_ns);
@@ -400,7 +401,7 @@ bool HistoryChecker::had_episode(Role role, SteadyTime from, SteadyTime until) c
   });
 }
 
-/// What the bridge's lost packets cost beyond the gaps that the observer sees: each reader loses others.
+/// Allowance for lost packets of the bridge beyond the gaps that the observer sees; each reader loses others.
 TimeNs HistoryChecker::loss_ns() const {
   return loses(Role::bridge) ? limits_.loss_ns : 0;
 }
@@ -416,8 +417,8 @@ std::optional<Episode> HistoryChecker::bridge_clock_step() const {
   return std::nullopt;
 }
 
-/// After a step back of the bridge's clock a fusion uses no sample until the stamps have passed its estimate,
-/// or until it has seen fifty of them and begins again.
+/// Interval after a backward step of the bridge's clock in which a fusion uses no samples. It ends when the
+/// stamps pass the fusion's estimate, or after fifty samples, when the fusion restarts.
 std::optional<Interval> HistoryChecker::backward_stamps() const {
   constexpr TimeNs slack_ns = 50'000'000;
   constexpr TimeNs samples = 50;

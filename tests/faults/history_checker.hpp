@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Judges what a consumer received during a run by the promises of docs/reliability.md, "Faults".
+/// Checks the data that a consumer received during a run against docs/reliability.md, "Faults".
 
 #include "faults/history.hpp"
 
@@ -14,33 +14,33 @@
 namespace sonopose::faults {
 
 struct Limits {
-  TimeNs lease_ns = 100'000'000;    ///< of the pose's profile; also the IMU's deadline
-  TimeNs silence_ns = 110'000'000;  ///< the lease and a tenth
-  /// Of a pose without the status LATE, since its sample left the bridge: LATE_AFTER, and 50 ms on the way.
+  TimeNs lease_ns = 100'000'000;    ///< lease of the pose's profile, and the IMU's deadline
+  TimeNs silence_ns = 110'000'000;  ///< the lease plus 10 %
+  /// Largest age of a pose without LATE since its sample left the bridge: LATE_AFTER plus 50 ms of transport.
   TimeNs age_ns = 300'000'000;
-  /// From the stamp of the sample of a pose without LATE until it left the bridge: LATE_AFTER, and 0.3 s for
-  /// the delay of the line.
+  /// Largest age of a sample when it leaves the bridge, for a pose without LATE: LATE_AFTER plus 0.3 s of
+  /// delay on the line.
   TimeNs transit_ns = 550'000'000;
   TimeNs late_after_ns = 250'000'000;      ///< LATE_AFTER
-  TimeNs prompt_transit_ns = 150'000'000;  ///< above this a pose may have LATE for what the bridge did
-  TimeNs future_ns = 10'000'000;           ///< how far a stamp may be ahead of the host's clock
-  TimeNs recovery_ns = 3'000'000'000;      ///< after the last fault
-  TimeNs takeover_lag_ns = 50'000'000;     ///< by which fusions differ in how far they are
+  TimeNs prompt_transit_ns = 150'000'000;  ///< age at departure above which the bridge may have caused LATE
+  TimeNs future_ns = 10'000'000;           ///< largest lead of a stamp over the host's clock
+  TimeNs recovery_ns = 3'000'000'000;      ///< time to recover after the last fault
+  TimeNs takeover_lag_ns = 50'000'000;     ///< largest difference in progress between fusions
   TimeNs unowned_lag_ns = 250'000'000;     ///< the same while no fusion serves
-  /// How long a step of the bridge's clock marks poses as late.
+  /// Duration for which a step of the bridge's clock marks poses as late.
   TimeNs clock_step_late_ns = 4'000'000'000;
-  /// For how long a bridge that loses packets may leave a fusion without a sample: several requests of 10 ms.
+  /// Longest time that a fusion may wait for a sample if the bridge loses packets: several requests of 10 ms.
   TimeNs loss_ns = 50'000'000;
-  /// Poses of a beacon whose age is unknown, because the observer did not receive their samples.
+  /// Allowed number of a beacon's poses of unknown age, because the observer did not receive their samples.
   std::size_t unknown_ages = 10;
 };
 
 struct Verdict {
   std::vector<std::string> violations;
-  TimeNs longest_silence_ns = 0;  ///< where a warm fusion and the bridge were alive
-  TimeNs longest_age_ns = 0;      ///< of poses without the status LATE
+  TimeNs longest_silence_ns = 0;  ///< longest silence while a warm fusion and the bridge were alive
+  TimeNs longest_age_ns = 0;      ///< largest age of a pose without LATE
   TimeNs recovery_ns = 0;
-  TimeNs stalled_ns = 0;  ///< by the machine, in total
+  TimeNs stalled_ns = 0;  ///< total time in which the machine stalled threads
   std::size_t owner_changes = 0;
   std::uint64_t missing_counted = 0;
   std::uint64_t missing_uncounted = 0;
@@ -54,13 +54,13 @@ public:
   Verdict check();
 
 private:
-  /// One beacon.
+  /// Data of one beacon.
   struct Track {
     std::vector<Arrival> poses;
-    /// Judged before a stop of their fusion and written after it; not in `poses`.
+    /// Poses checked for their age before their fusion was stopped and written after it; not in `poses`.
     std::vector<Arrival> in_hand;
     std::vector<Published> imu;
-    std::map<TimeNs, std::size_t> index_of;  ///< in `imu`, by the bridge's time
+    std::map<TimeNs, std::size_t> index_of;  ///< index into `imu` by the bridge's time
   };
 
   void check_stamps(const Track& track);
@@ -93,13 +93,13 @@ private:
                                               const Arrival& after) const;
   [[nodiscard]] bool has_report_after(const Arrival& pose) const;
   [[nodiscard]] TimeNs stalled_ns(SteadyTime from, SteadyTime until) const;
-  [[nodiscard]] TimeNs most_ahead_ns(SteadyTime now) const;
+  [[nodiscard]] TimeNs max_ahead_ns(SteadyTime now) const;
   [[nodiscard]] std::optional<Episode> bridge_clock_step() const;
   [[nodiscard]] std::optional<Interval> backward_stamps() const;
 
   const History& history_;
   Limits limits_;
-  std::vector<Interval> stalls_;  ///< disjoint, by time
+  std::vector<Interval> stalls_;  ///< disjoint, in order of time
   std::map<BeaconAddress, Track> tracks_;
   Verdict verdict_;
 };

@@ -1,4 +1,4 @@
-/// The rules, each with histories made by hand that keep it and that break it.
+/// The rules, each tested with artificial histories that keep and break it.
 
 #include "faults/history_checker.hpp"
 
@@ -13,7 +13,7 @@ using namespace sonopose::faults;
 using Catch::Contains;
 
 constexpr BeaconAddress beacon = 7;
-constexpr TimeNs host_zero_ns = 1'700'000'000'000'000'000;  // the host's time at steady time 0
+constexpr TimeNs host_zero_ns = 1'700'000'000'000'000'000;  // host time at steady time 0
 constexpr TimeNs ms = 1'000'000;
 constexpr TimeNs period_ns = 5 * ms;
 
@@ -21,7 +21,7 @@ constexpr SteadyTime at(double time_s) {
   return {to_ns(time_s)};
 }
 
-/// The process of the fusion with this strength.
+/// Id of the process of the fusion with this strength.
 constexpr ProcessId process_of(std::int32_t strength) {
   return static_cast<ProcessId>(strength);
 }
@@ -53,8 +53,7 @@ FusionReport report_at(double time_s, std::int32_t strength, std::uint64_t event
   return report;
 }
 
-/// Five seconds from 5 s on in which fusion-300 serves at 200 Hz and fusion-200 stands by, with garbage on
-/// the line at 6 s.
+/// fusion-300 serves at 200 Hz from 5 s to 10 s, fusion-200 stands by; the line has garbage at 6 s.
 History undisturbed() {
   History history;
   history.plan.fusions = 2;
@@ -82,14 +81,14 @@ void erase_imu(History& history, double from_s, double until_s) {
   });
 }
 
-/// From `from_s` on, fusion-200 serves instead.
+/// Makes fusion-200 serve from `from_s` on.
 void pass_on(History& history, double from_s) {
   for (Arrival& pose : history.poses) {
     if (pose.received >= at(from_s)) pose.process = pose.writer = process_of(pose.strength = 200);
   }
 }
 
-/// fusion-300 is killed at 7 s, the consumer learns it 100 ms later, and the other one is received from
+/// fusion-300 is killed at 7 s, the consumer learns it 100 ms later, and fusion-200 is received from
 /// `until_s` on.
 History takeover(double until_s) {
   History history = undisturbed();
@@ -101,8 +100,8 @@ History takeover(double until_s) {
   return history;
 }
 
-/// After a silence of the bridge from 7 s to 7.3 s its backlog leaves it within 10 ms, and both fusions claim
-/// the beacon at once: fusion-200 is received until it has `ahead` samples more, then fusion-300.
+/// The bridge is silent from 7 s to 7.3 s, then sends its backlog within 10 ms. Both fusions claim the beacon
+/// simultaneously. fusion-200 is received until it is `ahead` samples ahead, then fusion-300.
 History claim_after_silence(int ahead) {
   History history = undisturbed();
   erase_imu(history, 7, 7.315);
@@ -127,7 +126,7 @@ History claim_after_silence(int ahead) {
   return history;
 }
 
-/// The pose that is received next after `time_s`.
+/// First pose received at or after `time_s`.
 Arrival& pose_after(History& history, double time_s) {
   return *std::find_if(history.poses.begin(), history.poses.end(),
                        [&](const Arrival& pose) { return pose.received >= at(time_s); });
@@ -146,7 +145,7 @@ SCENARIO("a history that keeps every promise has no violations") {
   CHECK(verdict.owner_changes == 0);
   CHECK(verdict.missing_counted + verdict.missing_uncounted == 0);
   CHECK(verdict.longest_age_ns == ms / 2);
-  CHECK(verdict.longest_silence_ns <= 0);  // each pose came when it was due
+  CHECK(verdict.longest_silence_ns <= 0);  // each pose came when due
   CHECK(verdict.recovery_ns == 0);
 }
 
@@ -241,7 +240,7 @@ SCENARIO("lost packets of the bridge excuse short silences, and no change of the
 
 SCENARIO("poses whose samples the observer missed are few") {
   History history = undisturbed();
-  erase_imu(history, 7, 7.0499);  // ten
+  erase_imu(history, 7, 7.0499);  // ten samples
   CHECK(violations_of(history) == none);
   erase_imu(history, 8, 8.0049);
   REQUIRE(violations_of(history).size() == 1);
@@ -317,13 +316,13 @@ SCENARIO("stamps rise") {
 
 SCENARIO("no pose is older than declared, unless it is marked") {
   History history = undisturbed();
-  erase_poses(history, 8, 8.31);  // what follows is received in order
+  erase_poses(history, 8, 8.31);  // keeps the rest in order
   Arrival old = pose_at(at(8));
   old.received = at(8.3051);
   history.poses.push_back(old);
   std::stable_sort(history.poses.begin(), history.poses.end(),
                    [](const Arrival& a, const Arrival& b) { return a.received < b.received; });
-  history.lives.clear();  // silence is not the subject
+  history.lives.clear();  // disables the silence check
   history.statuses[2].status.events_lost = 70;
   CHECK_THAT(violations_of(history).front(), Contains("305.1 ms old"));
   WHEN("it is marked") {

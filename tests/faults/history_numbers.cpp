@@ -1,4 +1,4 @@
-/// Every missing number is counted.
+/// Accounting: every missing number is counted.
 
 #include "faults/history_checker.hpp"
 
@@ -13,17 +13,17 @@ std::uint64_t reduced(std::uint64_t count, std::uint64_t by) {
   return count - std::min(count, by);
 }
 
-/// What a fusion counts for each beacon.
+/// Losses that a fusion counts per beacon.
 std::uint64_t losses_of_beacon(const FusionStatus& status) {
   return status.events_lost + status.samples_invalid + status.poses_skipped;
 }
 
-/// What it counts for all beacons together.
+/// Losses that a fusion counts for all beacons together.
 std::uint64_t losses_of_process(const FusionStatus& status) {
   return status.samples_lost + status.samples_rejected + status.poses_unwritten;
 }
 
-/// How much a counter rose in the reports that `concerns` selects, since the first pose of the history.
+/// Rise of a counter over the reports selected by `concerns`, since the first pose of the history.
 template <class Concerns, class Counter>
 std::uint64_t rise(const History& history, const Concerns& concerns, const Counter& counter) {
   std::uint64_t before = 0;
@@ -38,8 +38,8 @@ std::uint64_t rise(const History& history, const Concerns& concerns, const Count
 
 }  // namespace
 
-/// At a change of the owner the consumer's reader reports that the owner is gone, or the stronger one is
-/// ahead by the lag.
+/// Checks changes of the owner. Missing samples are explained by the consumer's notice of the owner's loss,
+/// or by the lag between the fusions.
 void HistoryChecker::check_takeover_numbers(const Track& track) {
   for (std::size_t i = 1; i < track.poses.size(); ++i) {
     const Arrival& before = track.poses[i - 1];
@@ -57,11 +57,12 @@ void HistoryChecker::check_takeover_numbers(const Track& track) {
   }
 }
 
-/// What a beacon misses beyond its own counters must be in those of the process, once for all its beacons.
+/// Checks that samples missing beyond the beacons' own counters are in those of the process, once for all
+/// beacons.
 void HistoryChecker::check_numbers() {
   struct Missing {
     std::uint64_t count = 0;
-    std::uint64_t beyond_beacons = 0;  ///< not counted for the beacon that misses it
+    std::uint64_t beyond_beacons = 0;  ///< samples that their beacon's counters do not cover
     Arrival latest;
   };
   std::map<ProcessId, Missing> missing_of;
@@ -83,7 +84,7 @@ void HistoryChecker::check_numbers() {
     }
   }
   std::uint64_t of_consumer =
-      history_.consumer_lost + history_.consumer_rejected;  // it does not know of whom
+      history_.consumer_lost + history_.consumer_rejected;  // the consumer does not know whose
   for (const auto& [process, missing] : missing_of) {
     const auto of_it = [id = process](const FusionReport& report) { return report.process == id; };
     const std::uint64_t beyond_process =
@@ -112,7 +113,7 @@ std::uint64_t HistoryChecker::missing_between(const Track& track, const Arrival&
   return reduced(until->second, from->second + 1 + static_cast<std::uint64_t>(in_hand));
 }
 
-/// Whether the process lived long enough to report what it lost up to this pose.
+/// Returns true if the process lived long enough to report its losses up to this pose.
 bool HistoryChecker::has_report_after(const Arrival& pose) const {
   return std::any_of(history_.statuses.begin(), history_.statuses.end(), [&](const FusionReport& report) {
     return report.process == pose.process && report.received > pose.received;

@@ -107,7 +107,7 @@ void Observer::on(const dds::DataReader<sonopose_FusionStatus>& reader, const so
 
 void Observer::start() {
   const std::lock_guard lock(mutex_);
-  constexpr TimeNs on_the_way_ns = 1'000'000'000;  // their poses are still to come
+  constexpr TimeNs on_the_way_ns = 1'000'000'000;  // the poses of these samples are still to come
   const SteadyTime begin = clocks::steady_now();
   poses_.clear();
   std::erase_if(imu_, [&](const Published& imu) { return imu.received < begin - on_the_way_ns; });

@@ -19,10 +19,10 @@ public:
   Observer& operator=(const Observer&) = delete;
   ~Observer();
 
-  /// Forgets the poses received or lost so far, and the samples before; statuses stay.
+  /// Discards the poses received or lost so far and older samples; keeps the statuses.
   void start();
 
-  /// Adds what was received to `history`.
+  /// Adds the received data to `history`.
   void add_to(History& history) const;
 
   /// Calls `look` with the poses received so far and returns its result.
@@ -32,7 +32,7 @@ public:
     return look(poses_);
   }
 
-  /// Waits until `done(statuses)` is true of the reports received so far. False after the timeout.
+  /// Waits until `done(reports)` is true for the reports received so far. Returns false after the timeout.
   template <class Done>
   bool wait_for_reports(const Done& done, std::chrono::milliseconds limit = test::timeout) const {
     std::unique_lock lock(mutex_);

@@ -11,7 +11,7 @@
 namespace sonopose::faults {
 namespace {
 
-/// The standard's distributions differ between libraries; a seed must not.
+/// Random numbers from a seed, identical with every standard library, unlike the standard's distributions.
 class Draw {
 public:
   explicit Draw(std::uint64_t seed) : engine_(seed) { engine_.discard(8); }
@@ -35,7 +35,7 @@ bool is_of_line(Fault fault) {
 }
 
 std::vector<Fault> possible_faults(const Plan& plan, bool clock_steps) {
-  // Kills and stops are what standby is for, so they are drawn twice as often.
+  // Kills and stops are the main purpose of standby, so they are twice as likely.
   std::vector<Fault> faults{Fault::kill,      Fault::kill,  Fault::stop,    Fault::stop,
                             Fault::terminate, Fault::delay, Fault::garbage, Fault::few_descriptors};
   faults.push_back(plan.line == Line::serial ? Fault::unplug : Fault::reorder);
@@ -49,7 +49,7 @@ TimeNs drawn_clock_step_ns(Draw& draw) {
   return draw.with_probability(0.5) ? size_ns : -size_ns;
 }
 
-/// The strongest fusion serves, so it is drawn most often.
+/// The strongest fusion serves, so it is the most likely target.
 Role drawn_target(const Plan& plan, Draw& draw) {
   if (draw.with_probability(0.4)) return Role::first_fusion;
   return all_roles[draw.below(static_cast<std::uint64_t>(plan.fusions) + 1)];
@@ -123,8 +123,8 @@ Plan draw_plan(std::uint64_t seed, bool clock_steps) {
   }
   auto faults = possible_faults(plan, clock_steps);
   const std::uint64_t count = 3 + draw.below(3);
-  std::map<std::pair<bool, Role>, TimeNs> free_at_ns;  // of each line and process
-  TimeNs next_ns = 100'000'000;                        // after what an undisturbed run looks like
+  std::map<std::pair<bool, Role>, TimeNs> free_at_ns;  // by line and process
+  TimeNs next_ns = 100'000'000;                        // leaves an undisturbed time at the start
   while (plan.steps.size() < count) {
     Step step = drawn_step(plan, draw, faults);
     TimeNs& free_ns = free_at_ns[{is_of_line(step.fault), step.target}];

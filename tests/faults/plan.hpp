@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// What happens to the processes and the line of one run: drawn from a seed, so that a run can be repeated.
+/// Faults of the processes and the line in one run, drawn from a seed so that a run can be repeated.
 
 #include <sonopose/samples/time.hpp>
 
@@ -12,7 +12,7 @@
 
 namespace sonopose::faults {
 
-/// The processes under test. The fusions stand by for each other, the strongest first.
+/// Processes under test. The fusions stand by for each other, strongest first.
 enum class Role : std::uint8_t { bridge, first_fusion, second_fusion, third_fusion };
 
 inline constexpr std::array all_roles{Role::bridge, Role::first_fusion, Role::second_fusion,
@@ -21,23 +21,23 @@ inline constexpr std::array all_roles{Role::bridge, Role::first_fusion, Role::se
 /// Ownership strength of a fusion; 0 for the bridge.
 std::int32_t strength_of(Role role);
 
-/// The role of the fusion with this strength.
+/// Role of the fusion with this strength.
 std::optional<Role> role_of(std::int32_t strength);
 
 enum class Fault : std::uint8_t {
-  kill,             ///< SIGKILL, and a restart after `for_ns`
-  terminate,        ///< SIGTERM, and a restart after `for_ns`
-  stop,             ///< SIGSTOP, and SIGCONT after `for_ns`
-  clock_step,       ///< the host's clock of one process is set by `amount_ns` and stays so
-  few_descriptors,  ///< one more fusion starts that may open `count` files
-  delay,            ///< what beacons send arrives `amount_ns` later, in order
+  kill,             ///< SIGKILL, restart after `for_ns`
+  terminate,        ///< SIGTERM, restart after `for_ns`
+  stop,             ///< SIGSTOP, SIGCONT after `for_ns`
+  clock_step,       ///< permanent step of one process's host clock by `amount_ns`
+  few_descriptors,  ///< one more fusion, which may open `count` files, starts
+  delay,            ///< data of the beacons arrives `amount_ns` later, in order
   reorder,          ///< datagrams arrive up to `amount_ns` later, out of order
   garbage,          ///< `count` random bytes between good frames, at the start and at the end
   unplug            ///< the serial line is absent
 };
 
 struct Step {
-  TimeNs at_ns = 0;  ///< after the start of the faults
+  TimeNs at_ns = 0;  ///< time since the start of the faults
   Fault fault = Fault::kill;
   Role target = Role::bridge;
   TimeNs for_ns = 0;
@@ -49,10 +49,10 @@ struct Step {
 
 enum class Line : std::uint8_t { serial, udp };
 
-/// Where the bridge writes to, besides the bus.
+/// Additional output of the bridge.
 enum class Disk : std::uint8_t { none, full, slow };
 
-/// A process that loses this share of the packets that it sends.
+/// Share of the packets that a process loses when sending.
 struct Loss {
   Role role = Role::bridge;
   std::uint32_t permille = 0;
@@ -66,22 +66,22 @@ struct Plan {
   int fusions = 2;
   Disk disk = Disk::none;
   std::optional<Loss> loss;
-  std::vector<Step> steps;  ///< by time; no two on the same target at once
+  std::vector<Step> steps;  ///< in order of time; steps on one target do not overlap
 
   bool operator==(const Plan&) const = default;
 };
 
-/// The plan of this seed, always the same. Without `clock_steps` it has none of them.
+/// Draws the plan of this seed, always the same one.
 Plan draw_plan(std::uint64_t seed, bool clock_steps = true);
 
-/// Seeds whose plans together have every fault of a bridge and of a fusion, except an unplugged line and a
-/// step of the bridge's clock, on both lines and both disks.
+/// Seeds whose plans cover every fault of bridge and fusions, both lines and both disks. Exceptions: an
+/// unplugged line and a step of the bridge's clock.
 inline constexpr std::array<std::uint64_t, 3> short_seeds{901, 1018, 1089};
 
-/// The process whose clock the plan steps.
+/// Process whose clock the plan steps.
 std::optional<Role> stepped_clock(const Plan& plan);
 
-/// One line, such as "serial, 2 fusions: 0.31 s kill fusion-300 for 0.42 s".
+/// One-line description such as "serial, 2 fusions: 0.31 s kill fusion-300 for 0.42 s".
 std::string text_of(const Plan& plan);
 std::string text_of(const Step& step);
 std::string text_of(Role role);

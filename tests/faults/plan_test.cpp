@@ -1,4 +1,4 @@
-/// Plans are drawn from their seed alone, and the first ones contain every fault.
+/// Plans depend on their seed alone, and the first ones contain every fault.
 
 #include "faults/plan.hpp"
 
@@ -44,8 +44,8 @@ SCENARIO("the first fifty plans have every fault, three to five each, and end wi
 }
 
 SCENARIO("the plans of the suite have almost every fault, and every line, disk and loss") {
-  constexpr TimeNs long_ns = 650'000'000;   // beyond what the checker allows without a mark
-  std::set<std::pair<Fault, bool>> faults;  // and whether it is that of the bridge
+  constexpr TimeNs long_ns = 650'000'000;   // longer than the checker allows for unmarked poses
+  std::set<std::pair<Fault, bool>> faults;  // the flag tells whether the bridge is the target
   std::set<Line> lines;
   std::set<Line> long_bridge_stops;
   std::set<Disk> disks;

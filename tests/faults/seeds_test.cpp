@@ -1,5 +1,5 @@
-/// Plays the plans of some seeds and judges what a consumer received. Those of the suite are judged without
-/// limits in milliseconds; scripts/soak plays others with them:
+/// Plays the plans of some seeds and checks the data that a consumer received. The suite's seeds have no
+/// absolute time limits; scripts/soak plays other seeds with them:
 ///
 ///     SONOPOSE_FAULT_SEEDS=1-300 build/dev/tests/faults/test_faults "[seeds]"
 
@@ -38,7 +38,7 @@ constexpr bool sanitized = false;
 constexpr TimeNs slowness = 1;
 #endif
 
-/// Seeds that SONOPOSE_FAULT_SEEDS names, as "7" or "1-10".
+/// Seeds named by SONOPOSE_FAULT_SEEDS, as "7" or "1-10".
 std::vector<std::uint64_t> chosen_seeds() {
   const char* const value = std::getenv("SONOPOSE_FAULT_SEEDS");
   const std::string_view text = value == nullptr ? "" : value;
@@ -58,10 +58,10 @@ std::vector<std::uint64_t> chosen_seeds() {
 }
 
 bool can_step_clocks() {
-  return !sanitized && !faketime_library().empty();  // a sanitizer must be loaded before other libraries
+  return !sanitized && !faketime_library().empty();  // a sanitizer must be the first library to be loaded
 }
 
-/// All fusions of the plan have reported since then that they serve both beacons.
+/// Returns true if all fusions of the plan have since reported that they serve both beacons.
 bool all_serve(const Plan& plan, const std::vector<FusionReport>& reports, SteadyTime since = {}) {
   std::set<std::pair<std::int32_t, BeaconAddress>> serving;
   for (const FusionReport& report : reports) {
@@ -71,7 +71,7 @@ bool all_serve(const Plan& plan, const std::vector<FusionReport>& reports, Stead
   return serving.size() == 2 * static_cast<std::size_t>(plan.fusions);
 }
 
-/// True if both beacons have had a row of good poses since the one with this index.
+/// Returns true if both beacons have a series of good poses from this index on.
 bool flows(const std::vector<Arrival>& poses, std::size_t from) {
   constexpr std::uint32_t bad = status_initialising | status_stale | status_late;
   constexpr std::size_t row = 80;
@@ -89,7 +89,7 @@ void wait_for_recovery(const Observer& observer, const Plan& plan) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     return observer.with_poses([from](const auto& poses) { return flows(poses, from); });
   });
-  // Every fusion reports once more what it has lost.
+  // Wait for one more report of each fusion's losses.
   const SteadyTime recovered = clocks::steady_now();
   observer.wait_for_reports([&](const std::vector<FusionReport>& reports) {
     std::set<std::pair<std::int32_t, BeaconAddress>> heard;
@@ -100,10 +100,10 @@ void wait_for_recovery(const Observer& observer, const Plan& plan) {
   });
 }
 
-/// Kind of the limits by which poses are judged.
+/// Kind of the time limits for poses.
 enum class Timing : std::uint8_t {
-  limited,  ///< also by limits in milliseconds, and by how long the machine kept threads waiting meanwhile
-  relative  ///< these limits grow by twice the time that it kept threads waiting during the whole run
+  limited,  ///< absolute limits in milliseconds plus the stalls of the machine during each wait
+  relative  ///< limits that additionally grow by twice the stalls of the whole run
 };
 
 Limits limits_of_run(Timing timing, TimeNs stalled_ns) {
@@ -123,7 +123,7 @@ struct Outcome {
   Plan plan;
   Verdict verdict;
   std::size_t poses = 0;
-  TimeNs longest_stall_ns = 0;  ///< of the machine
+  TimeNs longest_stall_ns = 0;  ///< longest stall of the machine
 };
 
 TimeNs longest_of(const std::vector<Interval>& intervals) {
@@ -189,7 +189,7 @@ void play_and_judge(std::uint64_t seed, Timing timing) {
   Outcome outcome = play(plan, timing);
   constexpr TimeNs stall_ns = 50'000'000;
   if (!outcome.verdict.violations.empty() && outcome.longest_stall_ns > stall_ns) {
-    print_row(outcome, "stalled");  // the machine did, so it has one more chance
+    print_row(outcome, "stalled");  // the machine's fault, so play it once more
     outcome = play(plan, timing);
   }
   print_row(outcome, outcome.verdict.violations.empty() ? "ok" : "FAILED");

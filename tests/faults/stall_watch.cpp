@@ -19,9 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr TimeNs least_ns = 3'000'000;  ///< of a stall
+constexpr TimeNs min_ns = 3'000'000;  ///< shortest recorded stall
 
-/// The folders of the threads of this process and of its children.
+/// Folders of the threads of this process and of its children.
 std::vector<fs::path> thread_folders() {
   std::vector<fs::path> folders;
   std::set<std::string> children;
@@ -39,7 +39,7 @@ std::vector<fs::path> thread_folders() {
   return folders;
 }
 
-/// The second number: nanoseconds spent waiting. Empty if the thread has ended.
+/// Nanoseconds spent waiting: the second number in the file. Empty if the thread has ended.
 std::optional<std::uint64_t> waited_ns(int file) {
   std::array<char, 100> text{};
   if (::pread(file, text.data(), text.size() - 1, 0) <= 0) return std::nullopt;
@@ -70,9 +70,9 @@ void StallWatch::watch(const std::stop_token& stop) {
     const SteadyTime now = clocks::steady_now();
     sample(now);
     std::this_thread::sleep_for(period);
-    // The kernel counts no wait while the virtual machine itself does not run.
+    // The kernel counts no wait while the virtual machine itself is suspended.
     const SteadyTime due = now + TimeNs{std::chrono::nanoseconds(period).count()};
-    if (clocks::steady_now() - due >= least_ns) add({due, clocks::steady_now()});
+    if (clocks::steady_now() - due >= min_ns) add({due, clocks::steady_now()});
   }
 }
 
@@ -100,7 +100,7 @@ void StallWatch::sample(SteadyTime now) {
       continue;
     }
     const auto more_ns = static_cast<TimeNs>(*waited - std::exchange(task.waited_ns, *waited));
-    if (more_ns >= least_ns) add({now - more_ns, now});
+    if (more_ns >= min_ns) add({now - more_ns, now});
     ++entry;
   }
 }

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// How long a busy machine kept this process and its children waiting.
+/// Measures how long a busy machine kept this process and its children waiting.
 
 #include "faults/history.hpp"
 
@@ -14,9 +14,9 @@
 
 namespace sonopose::faults {
 
-/// Reads from the kernel how long each thread of this process and of its children was ready to run and waited
-/// for a processor, and measures by how much its own sleeps are too long. A kernel without
-/// /proc/PID/task/TID/schedstat reports nothing.
+/// Reads from the kernel how long each thread of this process and its children was runnable but waited for a
+/// processor. Also measures the excess of its own sleeps. Reports nothing if the kernel has no
+/// /proc/PID/task/TID/schedstat.
 class StallWatch {
 public:
   StallWatch();
@@ -24,11 +24,11 @@ public:
   StallWatch& operator=(const StallWatch&) = delete;
   ~StallWatch();
 
-  /// One interval for each stall of a thread; those of several threads overlap.
+  /// One interval per stall of a thread; those of several threads overlap.
   [[nodiscard]] std::vector<Interval> stalls() const;
 
 private:
-  /// A thread's schedstat.
+  /// Open schedstat file of a thread.
   struct Task {
     int file = -1;
     std::uint64_t waited_ns = 0;
@@ -39,16 +39,16 @@ private:
   void sample(SteadyTime now);
   void add(const Interval& stall);
 
-  std::map<std::string, Task> tasks_;  ///< by name of the file
+  std::map<std::string, Task> tasks_;  ///< by file name
   mutable std::mutex mutex_;
   std::vector<Interval> stalls_;
   std::jthread thread_;
 };
 
-/// The same times as disjoint intervals, by time.
+/// Merges intervals into disjoint ones, ordered by time.
 std::vector<Interval> merged(std::vector<Interval> intervals);
 
-/// Part of the time from `from` to `until` that is in one of the disjoint intervals.
+/// Total time between `from` and `until` covered by the disjoint intervals.
 TimeNs covered_ns(const std::vector<Interval>& disjoint, SteadyTime from, SteadyTime until);
 
 }  // namespace sonopose::faults

@@ -1,4 +1,4 @@
-/// The watch sees that more threads want to run than there are processors.
+/// Detection of more runnable threads than processors.
 
 #include "faults/stall_watch.hpp"
 

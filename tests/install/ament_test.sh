@@ -18,7 +18,7 @@ cleanup() {
 trap cleanup EXIT
 
 "$cmake" --install "$build" --prefix "$work/prefix" >/dev/null
-# ROS 2 paths of the caller would be searched too. Debian's ament packages are for Debian's Python.
+# Without the caller's ROS 2 paths, which would be searched too. Debian's ament packages need Debian's Python.
 env -u AMENT_PREFIX_PATH -u COLCON_PREFIX_PATH COLCON_HOME="$work/colcon" PATH="$work/prefix/bin:$PATH" \
   colcon --log-base "$work/log" build --base-paths "$source/ros2" --build-base "$work/build" \
   --install-base "$work/install" --cmake-args -DPython3_EXECUTABLE=/usr/bin/python3 >"$work/colcon.log" 2>&1 || { cat "$work/colcon.log"; exit 1; }

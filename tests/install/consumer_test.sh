@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # GIVEN an installation of this build in an empty folder
-# WHEN the example consumers are configured with find_package(sonopose) alone, built and started; the one in plain C with
-#   nothing but the installed IDL and loopback configuration
-# THEN they receive poses from the installed bridge and fusion, and those of ROS 2 from the relay.
+# WHEN the examples are configured with find_package(sonopose) alone, built and started; the consumer in plain C with
+#   nothing but the installed IDL and loopback configuration, and the embedded engine with nothing but Eigen
+# THEN the consumers receive poses of the installed bridge and of the example producer, and those of ROS 2 from the relay;
+#   the embedded engine stays within 1 cm of its fixes.
 set -euo pipefail
 build=$1 source=$2 cmake=$3
 work=$(mktemp -d)
@@ -21,10 +22,16 @@ build_example() { # NAME CMAKE-ARGUMENTS
   "$cmake" -S "$source/examples/$1" -B "$work/$1" -G Ninja "${@:2}" >/dev/null
   "$cmake" --build "$work/$1" >/dev/null
 }
-for example in consumer ros2_listener_cyclone; do
+for example in consumer producer ros2_listener_cyclone; do
   build_example $example -DCMAKE_PREFIX_PATH="$work/prefix" ${flags:+-DCMAKE_CXX_FLAGS=-fsanitize=$flags}
 done
 build_example c_consumer -DSONOPOSE_IDL="$share/idl/sonopose.idl"
+build_example embedded -DCMAKE_PREFIX_PATH="$work/prefix" ${flags:+-DCMAKE_CXX_FLAGS=-fsanitize=$flags} \
+  -DCMAKE_DISABLE_FIND_PACKAGE_CycloneDDS=ON -DCMAKE_DISABLE_FIND_PACKAGE_pugixml=ON
+
+"$work/embedded/sonopose_embedded" | tee "$work/embedded.log" | tail -n 1
+tail -n 1 "$work/embedded.log" |
+  awk '{ exit !($1 == 10 && ($3 - 2)^2 + ($4 - 1)^2 + ($5 - 0.5)^2 < 0.01^2) }'
 
 . "$source/tests/install/reserve_domain.sh"
 "$work/prefix/bin/sonopose-fusion" & pids+=($!)
@@ -36,6 +43,9 @@ for consumer in consumer/sonopose_consumer ros2_listener_cyclone/sonopose_ros2_l
   [ "$poses" -ge 50 ]
 done
 
+kill -INT "${pids[2]}"
+wait "${pids[2]}"
+"$work/producer/sonopose_producer" & pids+=($!)
 CYCLONEDDS_URI=file://$share/cyclonedds-loopback.xml timeout 200 "$work/c_consumer/sonopose_c_consumer" 50 >"$work/poses"
 tail -n 1 "$work/poses"
 [ "$(wc -l <"$work/poses")" -ge 50 ]

@@ -1,4 +1,4 @@
-/// The parameter services in the presence of Fast DDS, whose clients would wait for a reply forever.
+/// Parameter services in the presence of Fast DDS, whose clients would wait for a reply forever.
 
 #include "support/ros2.hpp"
 #include "support/ros2_fields.hpp"
@@ -16,7 +16,7 @@ namespace fastdds_services_test {
 using namespace sonopose;
 using namespace sonopose::test;
 
-/// A process on Fast DDS that ends after the first message on /end.
+/// A Fast DDS process that ends after the first message on /end.
 std::unique_ptr<Process> fast_dds_process(const Bus& bus) {
   auto process =
       std::make_unique<Process>(SONOPOSE_TEST_FASTDDS_PEER, Arguments{"listen", "rt/end", "odometry", "1"},
@@ -25,13 +25,13 @@ std::unique_ptr<Process> fast_dds_process(const Bus& bus) {
   return process;
 }
 
-/// The services that `ros2 service list` would show.
+/// Services as `ros2 service list` would show them.
 class Services {
 public:
   explicit Services(const Bus& bus)
       : participant_(dds::make_participant({.domain_id = bus.domain_id()})), discovery_(participant_) {}
 
-  /// Waits until the number of services is this.
+  /// Waits until there are this many services.
   [[nodiscard]] bool wait_for_count(std::ptrdiff_t count) const {
     const auto give_up = std::chrono::steady_clock::now() + timeout;
     while (std::chrono::steady_clock::now() < give_up) {
@@ -81,7 +81,7 @@ SCENARIO("services that cannot reply are not offered") {
         REQUIRE(services.wait_for_count(0));
         RosReader<ros2::DiagnosticArray> diagnostics(bus, "/diagnostics");
         const auto never = bus.ros2({"--services", "off"});
-        CHECK(diagnostics.wait_for_count(1, [](const auto&) {}));  // it has announced all that it has
+        CHECK(diagnostics.wait_for_count(1, [](const auto&) {}));  // everything has been announced by now
         CHECK(services.wait_for_count(0));
       }
     }

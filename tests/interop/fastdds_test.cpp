@@ -1,4 +1,4 @@
-/// Interoperation with another vendor's DDS, in both directions: bit for bit, from process to process.
+/// Interoperation with another vendor's DDS between processes, in both directions, bit for bit.
 
 #include "support/ros2.hpp"
 #include "support/ros2_fields.hpp"
@@ -18,7 +18,7 @@ std::unique_ptr<Process> peer(const Bus& bus, const Arguments& arguments) {
   return std::make_unique<Process>(SONOPOSE_TEST_FASTDDS_PEER, arguments, environment);
 }
 
-/// A peer that prints so many samples of a topic.
+/// A peer that prints `count` samples of a topic.
 std::unique_ptr<Process> listener(const Bus& bus, const std::string& topic, const std::string& type,
                                   std::size_t count, const Arguments& more = {"--bits"}) {
   Arguments arguments{"listen", topic, type, std::to_string(count)};
@@ -36,7 +36,7 @@ std::unique_ptr<Process> driver(const Bus& bus, const std::string& topic, const 
   return peer(bus, arguments);
 }
 
-/// What a peer that listens prints of a message that we write.
+/// Checks that a peer prints our message bit for bit.
 template <class Message>
 void check_heard(const std::string& type, const std::vector<std::uint32_t>& lengths) {
   const Bus bus;
@@ -50,11 +50,11 @@ void check_heard(const std::string& type, const std::vector<std::uint32_t>& leng
   CHECK((received->lines(Stream::output).front() == described(filled.message)));
 }
 
-/// NaNs with a payload, -0, the smallest and the largest finite number, and ordinary ones.
+/// NaNs with a payload, -0, the smallest and the largest finite number, and ordinary numbers.
 const Arguments awkward{"7ff8dead0000beef", "fff8000000000123", "8000000000000000", "0000000000000001",
                         "7fefffffffffffff", "c0091eb851eb851f", "3fd5555555555555"};
 
-/// A peer's line: what stands between spaces.
+/// A peer's line, split at spaces.
 using Fields = std::vector<std::string>;
 Fields fields_of(const std::string& line) {
   std::istringstream in(line);
@@ -63,12 +63,12 @@ Fields fields_of(const std::string& line) {
   return fields;
 }
 
-/// The time that begins at this field.
+/// Time in two fields, the first of which is `first`.
 TimeNs time_of(const Fields& fields, std::size_t first = 0) {
   return std::stoll(fields.at(first)) * 1'000'000'000 + std::stoll(fields.at(first + 1));
 }
 
-/// The numbers from this field on. Zero has no sign here: what is turned by nothing may lose it.
+/// Numbers from this field on, without the sign of zero, which an identity rotation may lose.
 template <std::size_t size>
 std::array<double, size> numbers(const Fields& fields, std::size_t first) {
   std::array<double, size> values{};
@@ -85,8 +85,8 @@ std::array<double, 4> numbers(const Quaterniond& q) {
   return {q.x() + 0.0, q.y() + 0.0, q.z() + 0.0, q.w() + 0.0};
 }
 
-/// Compares each line of a peer with the native sample of the same time, which stands at the field
-/// `time_at`. A busy machine may lose some of the one or the other.
+/// Compares each line of a peer with the native sample of the time in field `time_at`. Tolerates lines and
+/// samples that a busy machine lost.
 template <class Sample, class Compare>
 void compare(const Process& peer, const std::map<TimeNs, Sample>& natives, std::size_t time_at,
              const Compare& compare_fields) {
@@ -120,7 +120,7 @@ TEST_CASE("Our reliable writers reach Fast DDS readers of sensor data too") {
   RosWriter<ros2::Imu> writer(bus, "/sent");
   const Filled<ros2::Imu> filled;
   const auto received = listener(bus, "rt/sent", "imu", 1, {"--bits", "--best-effort"});
-  // What comes before it has found us is not sent again.
+  // Samples written before the peer discovers the writer are not repeated.
   const auto give_up = std::chrono::steady_clock::now() + timeout;
   while (!received->wait_for_lines(Stream::output, 1, std::chrono::milliseconds(10))) {
     REQUIRE(std::chrono::steady_clock::now() < give_up);
@@ -129,7 +129,7 @@ TEST_CASE("Our reliable writers reach Fast DDS readers of sensor data too") {
   CHECK(received->lines(Stream::output).front() == described(filled.message));
 }
 
-/// What we receive of a message that a peer writes. Returns the first line.
+/// Checks that we receive a peer's messages bit for bit. Returns the first one.
 template <class Message>
 std::string check_received(const std::string& type) {
   const Bus bus;
@@ -138,7 +138,7 @@ std::string check_received(const std::string& type) {
   std::vector<std::string> received;
   REQUIRE(reader.wait_for_count(10, [&](const Message& message) { received.push_back(described(message)); }));
   REQUIRE(sender->wait_for_line(Stream::output, received.back()));
-  // What was sent before we knew each other is lost, and nothing later.
+  // Messages sent before discovery are lost, later ones are not.
   const auto sent = sender->lines(Stream::output);
   const auto first = std::find(sent.begin(), sent.end(), received.front());
   REQUIRE(static_cast<std::size_t>(sent.end() - first) >= received.size());
@@ -190,7 +190,7 @@ SCENARIO("consumers in Fast DDS receive the same values from the relay as native
         });
         compare(*raw_imu, samples, 0, [](const Fields& fields, const ImuSample& native) {
           REQUIRE(fields.at(2) == "\"imu_link\"");
-          REQUIRE(fields.at(7) == "bff0000000000000");  // -1: a raw sample knows no orientation
+          REQUIRE(fields.at(7) == "bff0000000000000");  // -1: a raw sample has no orientation
           REQUIRE(numbers<3>(fields, 16) == numbers(native.angular_velocity_body_radps));
           REQUIRE(numbers<3>(fields, 28) == numbers(native.specific_force_body_mps2));
         });
@@ -216,7 +216,7 @@ SCENARIO("the relay takes the samples of a driver in Fast DDS in") {
     REQUIRE(imu.wait_for_writers());
     WHEN("the driver sends") {
       const auto sender =
-          driver(bus, "rt/driver/imu", "imu", {awkward.begin() + 2, awkward.end()});  // finite ones
+          driver(bus, "rt/driver/imu", "imu", {awkward.begin() + 2, awkward.end()});  // finite numbers only
       REQUIRE(imu.wait_for_count(40));
       THEN("the consumer gets its samples as that beacon's, bit for bit") {
         std::map<TimeNs, ImuSample> samples;
@@ -244,7 +244,7 @@ SCENARIO("the relay takes the positions of a driver in Fast DDS, with their cova
     REQUIRE(fixes.wait_for_writers());
     const std::string type = GENERATE("pose", "point");
     WHEN("the driver sends") {
-      const auto sender = driver(bus, "rt/driver/tag", type, {"3fd5555555555555"});  // a third everywhere
+      const auto sender = driver(bus, "rt/driver/tag", type, {"3fd5555555555555"});  // all values are 1/3
       THEN("the consumer gets its positions as that beacon's fixes") {
         REQUIRE(fixes.wait_for_count(5));
         const UltrasonicFix& fix = fixes.samples.back();

@@ -1,9 +1,9 @@
-// Connects to sonopose-web as Foxglove does, with a client and decoders that are not ours:
+// Connects to sonopose-web as Foxglove does, with a third-party client and decoders:
 //   node foxglove_client.cjs URL SUB_PROTOCOL
-// Prints JSON lines: the server's info and channels, ten poses and the latest settings as decoded, a status for a
-// wrong subscription, and what still came after the poses were unsubscribed.
-// Needs the packages @foxglove/ws-protocol, @foxglove/omgidl-parser, @foxglove/omgidl-serialization and ws.
-// NODE_PATH says where they are.
+// Prints JSON lines: the server's info and channels, ten decoded poses and the latest settings, a status for a wrong
+// subscription, and the number of poses received after their unsubscription.
+// Needs the packages @foxglove/ws-protocol, @foxglove/omgidl-parser, @foxglove/omgidl-serialization and ws in
+// NODE_PATH.
 const { FoxgloveClient } = require("@foxglove/ws-protocol");
 const { parseIDL } = require("@foxglove/omgidl-parser");
 const { MessageReader } = require("@foxglove/omgidl-serialization");
@@ -38,7 +38,7 @@ client.on("advertise", (channels) => {
   for (const channel of channels) {
     const isWanted = ["sonopose/pose", "sonopose/settings"].includes(channel.topic);
     if (channel.encoding !== "cdr" || channel.schemaEncoding !== "omgidl") fail(`${channel.topic}: not CDR with an IDL`);
-    const reader = new MessageReader(channel.schemaName, parseIDL(channel.schema)); // every schema can be read
+    const reader = new MessageReader(channel.schemaName, parseIDL(channel.schema)); // checks that every schema is readable
     if (!isWanted) continue;
     subscriptions.set(client.subscribe(channel.id), { topic: channel.topic, reader });
   }
@@ -63,7 +63,7 @@ client.on("message", ({ subscriptionId, timestamp, data }) => {
 
 client.on("time", ({ timestamp }) => {
   print("time", { timestamp });
-  // Messages that were on their way are allowed; a second later there are none.
+  // Messages in transit are allowed; after two seconds there must be none.
   if (settings > 0 && unsubscribedAt > 0 && Date.now() - unsubscribedAt > 2000) {
     print("end", { posesAfterwards });
     process.exit(0);

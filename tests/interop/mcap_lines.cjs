@@ -1,12 +1,12 @@
-// Prints an MCAP file as `sonopose-mcap cat` does, with decoders that are not ours: node mcap_lines.cjs FILE
-// Needs the packages @mcap/core, @foxglove/omgidl-parser and @foxglove/omgidl-serialization; @mcap/support for
-// compressed files. NODE_PATH says where they are.
+// Prints an MCAP file like `sonopose-mcap cat`, with third-party decoders: node mcap_lines.cjs FILE
+// Needs the packages @mcap/core, @foxglove/omgidl-parser and @foxglove/omgidl-serialization in NODE_PATH, and
+// @mcap/support for compressed files.
 const { open } = require("node:fs/promises");
 const { McapIndexedReader, McapStreamReader } = require("@mcap/core");
 const { parseIDL } = require("@foxglove/omgidl-parser");
 const { MessageReader } = require("@foxglove/omgidl-serialization");
 
-// Integers of 64 bits are BigInt; arrays of numbers are typed arrays. Both have no form in JSON.stringify.
+// Converts 64-bit integers (BigInt) and typed arrays, which JSON.stringify does not support.
 function json(value) {
   if (typeof value === "bigint") return value.toString();
   if (value instanceof JsonText) return value.text;
@@ -18,7 +18,7 @@ function json(value) {
   return JSON.stringify(value);
 }
 
-// JSON.parse would round integers of 64 bits.
+// JSON text kept verbatim, because parsing would round 64-bit integers.
 class JsonText {
   constructor(text) {
     JSON.parse(text);
@@ -74,7 +74,7 @@ async function main(name) {
     console.log(line(channel, message, decoders.get(message.channelId)));
     ++indexed;
   }
-  // From start to end, with every checksum.
+  // Reads from start to end and checks every checksum.
   const stream = new McapStreamReader({ decompressHandlers, validateCrcs: true });
   stream.append(await readable.read(0n, BigInt(size)));
   let streamed = 0;

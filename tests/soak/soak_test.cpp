@@ -1,4 +1,4 @@
-/// A long run with beacons that come and go; scripts/soak starts it.
+/// A long run with beacons that come and go, started by scripts/soak.
 
 #include "clocks/clocks.hpp"
 #include "soak/usage.hpp"
@@ -40,15 +40,14 @@ double chosen_hours() {
   return hours;
 }
 
-/// A program whose output nobody needs.
+/// A program without output.
 std::unique_ptr<Process> silent(const char* program, const Arguments& arguments) {
   Arguments all{"-c", R"(exec "$0" "$@" >/dev/null)", program};
   all.insert(all.end(), arguments.begin(), arguments.end());
   return std::make_unique<Process>("/bin/sh", all);
 }
 
-/// The beacons of one UDP line: every two seconds the one that has been there longest leaves and the next
-/// address comes.
+/// Beacons of one UDP line: every two seconds the oldest leaves and the next address joins.
 class ComingAndGoing {
 public:
   explicit ComingAndGoing(const UdpSender& line)
@@ -78,8 +77,8 @@ private:
   BeaconAddress next_ = 1;
 };
 
-/// Bridges that come and go, each with five beacons whose addresses return after 5.8 hours. Only if they are
-/// asked for: Cyclone DDS 0.10 never frees all memory of an endpoint that it has discovered.
+/// Bridges that come and go, each with five beacons whose addresses return after 5.8 hours. Optional, because
+/// Cyclone DDS 0.10 never frees all memory of a discovered endpoint.
 class Visitors {
 public:
   explicit Visitors(const Bus& bus) : bus_(bus) {
@@ -91,7 +90,7 @@ public:
     if (!wanted_) return;
     constexpr int beacons = 5;
     constexpr int first = 1000;
-    constexpr int most = 3'500;  // the admission knows 4,096 addresses
+    constexpr int most = 3'500;  // the admission accepts 4,096 addresses
     if (bridge_) CHECK(bridge_->end_by(SIGTERM).code == 0);
     bridge_ = bus_.bridge({"--address", std::to_string(first + next_), "--beacons", std::to_string(beacons),
                            "--imu-rate", std::to_string(imu_rate_hz)});
@@ -121,7 +120,7 @@ void print(const std::vector<Watched>& all, double duration_s) {
                              2 * judgement.growth.std_error, judgement.more_descriptors,
                              judgement.more_threads);
   }
-  if (duration_s < least_judged_s) {
+  if (duration_s < min_judged_s) {
     std::cout
         << "A run shorter than an hour proves little about memory: its growth is printed, not judged.\n";
   }
@@ -173,7 +172,7 @@ SCENARIO("the processes of a long run do not grow", "[.][soak]") {
   print(all, duration_s);
   for (const Watched& each : all)
     CHECK(judge(each.name, each.usages).violations == std::vector<std::string>{});
-  // It still works.
+  // The programs still work.
   const PoseTap tap(bus);
   std::set<BeaconAddress> served;
   for (const TappedPose& tapped : tap.wait_for_count(0, 2000)) served.insert(tapped.pose.address);

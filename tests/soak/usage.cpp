@@ -12,7 +12,7 @@
 namespace sonopose::soak {
 namespace {
 
-/// By how much the least value of the last quarter is above that of the first one.
+/// Rise of the smallest value from the first to the last quarter.
 int growth(std::span<const Usage> usages, int Usage::*number) {
   const auto least = [number](std::span<const Usage> part) {
     int fewest = part.front().*number;
@@ -90,10 +90,10 @@ Judgement judge(const std::string& name, std::span<const Usage> usages) {
   if (judgement.more_threads > 0) {
     judgement.violations.push_back(fmt::format("{}: {} more threads", name, judgement.more_threads));
   }
-  if (usages.back().time_s >= least_judged_s && judgement.growth.percent_per_hour >= most_percent_per_hour) {
+  if (usages.back().time_s >= min_judged_s && judgement.growth.percent_per_hour >= max_percent_per_hour) {
     judgement.violations.push_back(fmt::format("{}: memory grows by {:.2f} % an hour; the limit is {:.0f} %",
                                                name, judgement.growth.percent_per_hour,
-                                               most_percent_per_hour));
+                                               max_percent_per_hour));
   }
   return judgement;
 }

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// What a process uses over time, and whether it grows.
+/// Resource usage of a process over time, and its growth.
 
 #include <span>
 #include <string>
@@ -9,22 +9,22 @@
 namespace sonopose::soak {
 
 struct Usage {
-  double time_s = 0;  ///< since the start of the run
+  double time_s = 0;  ///< time since the start of the run
   double resident_kb = 0;
   int descriptors = 0;
   int threads = 0;
 };
 
-/// What the process uses now. Throws std::runtime_error if it does not run.
+/// Current usage of the process. Throws std::runtime_error if it does not run.
 Usage usage_of(int pid, double time_s);
 
-/// A straight line through the resident memory.
+/// Slope of a line fitted to the resident memory.
 struct Growth {
-  double percent_per_hour = 0;  ///< of the mean
-  double std_error = 0;         ///< of `percent_per_hour`
+  double percent_per_hour = 0;  ///< relative to the mean
+  double std_error = 0;         ///< standard error of `percent_per_hour`
 };
 
-/// Needs three usages; fewer have no growth.
+/// Growth of the usages; zero for fewer than three.
 Growth growth_of(std::span<const Usage> usages);
 
 struct Judgement {
@@ -35,13 +35,13 @@ struct Judgement {
   std::vector<std::string> violations;
 };
 
-inline constexpr double settling_s = 600;  ///< caches and addresses fill up
-inline constexpr double most_percent_per_hour = 1;
-inline constexpr double least_judged_s = 3600;  ///< a shorter run cannot show a growth of this size
+inline constexpr double settling_s = 600;  ///< time for caches and addresses to fill up
+inline constexpr double max_percent_per_hour = 1;
+inline constexpr double min_judged_s = 3600;  ///< a shorter run cannot reveal a growth of this size
 
-/// Judges a run by what follows the first ten minutes or, of a short run, the first third. Descriptors and
-/// threads must not grow at all, by the least number in the first and the last quarter; what comes and goes
-/// does not count. Memory is judged from an hour on.
+/// Judges a run after the first ten minutes or, if it is short, the first third. Descriptors and threads must
+/// not grow at all. Their smallest numbers in the first and the last quarter count, so temporary ones are
+/// ignored. Memory is judged in runs of at least an hour.
 Judgement judge(const std::string& name, std::span<const Usage> usages);
 
 }  // namespace sonopose::soak

@@ -1,4 +1,4 @@
-/// The judge of a long run, with usages made by hand.
+/// The judge of a long run, with artificial usages.
 
 #include "soak/usage.hpp"
 
@@ -12,12 +12,12 @@ namespace usage_test {
 using namespace sonopose::soak;
 using Catch::Contains;
 
-/// Ten samples a minute of a process with 100 MB, 12 descriptors and 5 threads; its memory grows during the
-/// first ten minutes and then by `percent_per_hour`.
+/// Ten samples per minute of a process with 100 MB, 12 descriptors and 5 threads. Its memory grows during the
+/// first ten minutes, then by `percent_per_hour`.
 std::vector<Usage> run_of(double hours, double percent_per_hour) {
   std::vector<Usage> usages;
   for (double time_s = 0; time_s <= hours * 3600; time_s += 6) {
-    const double noise_kb = 40 * std::sin(time_s);  // what is allocated and freed again
+    const double noise_kb = 40 * std::sin(time_s);  // memory that is allocated and freed again
     const double settled_kb = 102'400 * std::min(1.0, 0.5 + time_s / 1200);
     const double more_kb = 1024 * percent_per_hour * std::max(0.0, time_s - 600) / 3600;
     usages.push_back({time_s, settled_kb + more_kb + noise_kb, 12, 5});

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Counts the allocations of the test program with `new`, which includes all containers.
+/// Counts the test program's allocations with `new`, which includes all containers.
 
 #include <cstddef>
 

@@ -15,7 +15,7 @@ namespace sonopose::test {
 namespace {
 
 constexpr TimeNs simulated_start_ns = sim::Run{}.start_time_ns;
-constexpr TimeNs awake_before_ns = 1'000'000'000;  // so that no stamp is negative
+constexpr TimeNs awake_before_ns = 1'000'000'000;  // avoids negative stamps
 
 sim::Simulator simulator_of(BeaconAddress address, double imu_rate_hz) {
   const sim::Scenario& scenario = sim::find_scenario("walk");
@@ -68,9 +68,9 @@ void BeaconFeed::delay(TimeNs delay_ns) {
   delay_ns_ = delay_ns;
 }
 
-void BeaconFeed::reorder(TimeNs most_ns) {
+void BeaconFeed::reorder(TimeNs max_ns) {
   const std::lock_guard lock(mutex_);
-  reorder_ns_ = most_ns;
+  reorder_ns_ = max_ns;
 }
 
 void BeaconFeed::send_garbage(std::uint32_t count, std::uint64_t seed) {

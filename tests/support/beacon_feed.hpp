@@ -23,21 +23,21 @@ public:
   enum class Format : std::uint8_t { frames, datagrams };
   using Send = std::function<void(std::span<const std::uint8_t>)>;
 
-  /// Sends from a thread of its own.
+  /// Starts a thread that calls `send`.
   BeaconFeed(Format format, double imu_rate_hz, Send send);
   BeaconFeed(const BeaconFeed&) = delete;
   BeaconFeed& operator=(const BeaconFeed&) = delete;
   ~BeaconFeed();
 
-  /// A beacon that wakes up now and walks.
+  /// Adds a beacon that wakes up now and walks.
   void add(BeaconAddress address);
   void remove(BeaconAddress address);
 
-  /// From now on what beacons send arrives this much later, in order.
+  /// Delays all further frames by this time, in order.
   void delay(TimeNs delay_ns);
-  /// From now on a third of the frames arrive up to this much later.
-  void reorder(TimeNs most_ns);
-  /// Sends random bytes now, in pieces if the format has datagrams.
+  /// Delays a third of the further frames by up to this time, out of order.
+  void reorder(TimeNs max_ns);
+  /// Sends random bytes now; split into datagrams if the format has them.
   void send_garbage(std::uint32_t count, std::uint64_t seed);
 
 private:
@@ -55,7 +55,7 @@ private:
   std::mutex mutex_;
   std::condition_variable_any wake_;
   std::map<BeaconAddress, std::unique_ptr<Beacon>> beacons_;
-  std::multimap<SteadyTime, Bytes> under_way_;  ///< by arrival
+  std::multimap<SteadyTime, Bytes> under_way_;  ///< by arrival time
   TimeNs delay_ns_ = 0;
   TimeNs reorder_ns_ = 0;
   SteadyTime last_arrival_;

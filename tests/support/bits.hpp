@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// Output of the engine as bits, for strict equality (0 differs from -0, and a NaN equals itself). Latency
-/// stamps are excluded.
+/// Engine output as bits for strict equality: 0 differs from -0, and a NaN equals itself. Excludes latency
+/// stamps.
 
 #include <sonopose/samples/pose.hpp>
 

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The bus of one test: a private domain, the real programs on it, and the consumers of the test.
+/// The bus of one test: a private domain, the real programs on it, and the test's consumers.
 
 #include "support/process.hpp"
 #include "support/test_domain.hpp"
@@ -47,25 +47,25 @@ public:
   std::unique_ptr<Process> record(const Arguments& arguments) const {
     return start(SONOPOSE_TEST_RECORD, arguments);
   }
-  /// Runs until it exits.
+  /// Runs sonopose-settings until it exits.
   Result settings(Arguments arguments) const {
     arguments.insert(arguments.end(), {"--domain", std::to_string(domain_.id())});
     return run(SONOPOSE_TEST_SETTINGS, arguments);
   }
-  /// Runs until it is signalled.
+  /// Runs until it receives a signal.
   std::unique_ptr<Process> settings_watch(const Arguments& arguments = {}) const {
     Arguments all{"watch"};
     all.insert(all.end(), arguments.begin(), arguments.end());
     return start(SONOPOSE_TEST_SETTINGS, all);
   }
-  /// Returns when it is serving.
+  /// Returns once it is serving.
   std::unique_ptr<Process> fusion(const Arguments& arguments = {}) const {
     auto fusion = start(SONOPOSE_TEST_FUSION, arguments);
     REQUIRE(fusion->wait_for_line(Stream::error, "serving"));
     return fusion;
   }
 
-  /// Returns when it is relaying.
+  /// Returns once it is relaying.
   std::unique_ptr<Process> ros2(Arguments arguments = {}) const {
     arguments.insert(arguments.end(), {"--network", "loopback"});
     auto relay = start(SONOPOSE_TEST_ROS2, arguments);
@@ -98,8 +98,8 @@ bool wait_for_status(const dds::Entity& entity, dds::StatusMask statuses, const 
   return true;
 }
 
-/// A consumer of one topic that keeps all samples, those of a live writer until they expire: take them every
-/// few seconds. It has its own participant, like a separate program.
+/// A consumer of one topic that receives all samples. Samples of a live writer expire, so take them every few
+/// seconds. It has its own participant, like a separate program.
 template <class T>
 class Consumer {
 public:
@@ -160,7 +160,7 @@ public:
   }
 
   std::vector<Sample> samples;
-  std::vector<TimeNs> received_ns;  ///< when each was taken
+  std::vector<TimeNs> received_ns;  ///< time at which each sample was taken
 
 private:
   dds::DomainParticipant participant_;

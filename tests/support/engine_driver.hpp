@@ -18,7 +18,7 @@
 
 namespace sonopose::test {
 
-/// The engine's constant; the tests do not depend on its value.
+/// Same as the engine's; the tests do not depend on its value.
 inline constexpr double gravity_mps2 = standard_gravity_mps2;
 inline constexpr TimeNs epoch_ns = 1'700'000'000'000'000'000;
 
@@ -52,8 +52,8 @@ inline Motion constant_velocity(double speed_mps) {
   };
 }
 
-/// Along a straight line or (curvature ≠ 0) a circle, facing forward: rests until `start_s`, accelerates
-/// smoothly within `ramp_s`, then keeps its speed.
+/// Motion along a straight line or (curvature ≠ 0) a circle, facing forwards: rests until `start_s`,
+/// accelerates smoothly within `ramp_s`, then keeps its speed.
 inline Motion departure(double speed_mps, double curvature_per_m = 0.0, double start_s = 2.0,
                         double ramp_s = 1.0) {
   return [=](double time_s) {
@@ -80,7 +80,7 @@ inline Motion departure(double speed_mps, double curvature_per_m = 0.0, double s
   };
 }
 
-/// A horizontal figure eight of 4 m × 2 m at about 1 m/s, facing forward, moving before the start.
+/// A horizontal figure eight of 4 m × 2 m at about 1 m/s, facing forwards, already moving before the start.
 inline Motion eight(double turn_rate_radps = 0.5) {
   return [w = turn_rate_radps](double time_s) {
     const double u = w * time_s;
@@ -102,7 +102,7 @@ struct Sensors {
   double delay_s = 0.068;
   double noise_m = 0.0;  ///< standard deviation of a fix, per axis
   double heading_noise_rad = 0.0;
-  bool headings = false;  ///< with each fix, of a pair along body X
+  bool headings = false;  ///< one per fix, of a pair along body X
   Vector3d gyro_offset_body_radps = Vector3d::Zero();
   Vector3d accel_offset_body_mps2 = Vector3d::Zero();
 };
@@ -149,14 +149,14 @@ public:
       : engine{settings}, sensors_{std::move(sensors)}, motion_{std::move(motion)} {}
 
   estimation::documented::Engine engine;
-  bool fixes_on = true;  ///< false: no fixes from now on
+  bool fixes_on = true;  ///< false stops the fixes
   bool imu_on_air = true;
   std::function<void(UltrasonicFix&, double time_s)> alter_fix;  ///< called with the emission time
   std::function<void(ImuSample&, double time_s)> alter_imu;
-  std::vector<Moment> moments;  ///< of every pose so far
+  std::vector<Moment> moments;  ///< one per pose
   std::vector<FixReport> reports;
 
-  /// Runs for this long. Returns the latest moment.
+  /// Runs for this long; returns the latest moment.
   Moment run(double seconds) {
     const auto steps = static_cast<int>(std::lround(seconds * sensors_.imu_rate_hz));
     for (int i = 0; i < steps; ++i) step();
@@ -184,7 +184,7 @@ private:
     ++samples_;
   }
 
-  /// Emissions fall between the IMU samples, as on real hardware.
+  /// Time of the next emission, between IMU samples as on real hardware.
   [[nodiscard]] double fix_time_s() const {
     return (static_cast<double>(emissions_) + 0.37) / sensors_.fix_rate_hz;
   }

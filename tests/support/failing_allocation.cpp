@@ -1,6 +1,6 @@
-// Preloaded into a program (LD_PRELOAD): after SIGUSR1 one allocation with `new` fails, the next one that the
-// variable SONOPOSE_TEST_FAILING_ALLOCATION describes: "main" is one of the main thread, "=BYTES" one of that
-// size, and other words are the name of a thread.
+// Preload (LD_PRELOAD) that makes one allocation with `new` fail after SIGUSR1. It is the next one that
+// matches the variable SONOPOSE_TEST_FAILING_ALLOCATION: "main" for the main thread, "=BYTES" for that size,
+// anything else for the thread of that name.
 
 #include <atomic>
 #include <charconv>
@@ -24,11 +24,11 @@ bool is_described(std::string_view description, std::size_t size) {
     return size == bytes;
   }
   if (description == "main") return ::gettid() == ::getpid();
-  char name[16] = "";  // as long as Linux has it
+  char name[16] = "";  // Linux's maximum length
   return ::pthread_getname_np(::pthread_self(), name, sizeof name) == 0 && description == name;
 }
 
-/// Whether this allocation is the one that fails.
+/// Returns true for the allocation that fails.
 bool fails(std::size_t size) {
   if (!is_armed) return false;
   const char* const description = std::getenv("SONOPOSE_TEST_FAILING_ALLOCATION");

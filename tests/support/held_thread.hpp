@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Stops one thread of another process, as if it hung, while its other threads continue.
+/// Stops one thread of another process, as if it hung, while the others continue.
 
 #include <cstddef>
 #include <filesystem>
@@ -12,8 +12,8 @@
 
 namespace sonopose::test {
 
-/// Stops the thread of this name from construction to destruction. Throws std::runtime_error if there is no
-/// such thread, or if threads of other processes may not be traced.
+/// Stops the thread of this name during its lifetime. Throws std::runtime_error if there is no such thread,
+/// or if tracing other processes is not allowed.
 class HeldThread {
 public:
   HeldThread(int pid, const std::string& name) : thread_(thread_of(pid, name)) {

@@ -69,7 +69,7 @@ std::string HttpSocket::read_message() {
   received_.erase(0, header + size);
   constexpr unsigned ping = 9;
   if (operation != ping) return payload;
-  send({"\x8a\x80\0\0\0\0", 6});  // a pong
+  send({"\x8a\x80\0\0\0\0", 6});  // pong
   return read_message();
 }
 
@@ -86,7 +86,7 @@ void HttpSocket::send_message(const std::string& text) const {
 
 bool HttpSocket::read_some() {
   pollfd waiting{.fd = descriptor_, .events = POLLIN, .revents = 0};
-  constexpr int timeout_ms = 180'000;  // only a test that fails waits so long
+  constexpr int timeout_ms = 180'000;  // reached only by a failing test
   if (::poll(&waiting, 1, timeout_ms) <= 0) return false;
   std::array<char, 65536> buffer{};
   const ssize_t count = ::recv(descriptor_, buffer.data(), buffer.size(), 0);

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// A client of HTTP and WebSocket that reads and writes byte by byte.
+/// An HTTP and WebSocket client that reads and writes byte by byte.
 
 #include "support/upgrade_request.hpp"
 
@@ -10,7 +10,8 @@
 
 namespace sonopose::test {
 
-/// A connection to a port of this machine. Fails the test if it cannot connect, send, or read in 5 s.
+/// A connection to a port of this machine. Fails the test if it cannot connect, send, or read within 3
+/// minutes.
 class HttpSocket {
 public:
   explicit HttpSocket(std::uint16_t port, int receive_buffer_bytes = 0);
@@ -20,14 +21,14 @@ public:
 
   void send(const std::string& text) const;
 
-  /// What comes until `end`, the end of the connection, or 5 s without a byte.
+  /// Reads until `end`, the end of the connection, or 3 minutes without a byte.
   std::string read_until(const std::string& end);
-  /// All until the server closes; fails the test if it does not.
+  /// Reads until the server closes; fails the test if it does not.
   std::string read_all();
 
-  /// The payload of one WebSocket message of the server. A ping is answered and left out.
+  /// Payload of the server's next WebSocket message. Answers and skips pings.
   std::string read_message();
-  /// A text message, masked with zeros.
+  /// Sends a text message, masked with zeros.
   void send_message(const std::string& text) const;
 
 private:

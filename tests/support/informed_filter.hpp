@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// A plain Kalman filter that knows what no engine knows: the start, and the noise of the sensors. It rejects
-/// nothing: a reference for runs whose measurements are all right.
+/// A plain Kalman filter that knows what no engine knows: the initial state and the noise of the sensors. It
+/// rejects nothing and serves as a reference for runs without wrong measurements.
 
 #include "sim/simulator.hpp"
 #include <sonopose/estimation/kalman/filter.hpp>
@@ -16,7 +16,7 @@ class InformedFilter {
 public:
   using Filter = estimation::kalman::Filter;
 
-  /// Starts from this state. `sensors.fix_noise_m` must be a single value.
+  /// Starts from the state `start`. `sensors.fix_noise_m` must be a single value.
   InformedFilter(const sim::SensorSettings& sensors, const TruthSample& start) : sensors_(sensors) {
     filter_.position_world_m = start.position_world_m;
     filter_.velocity_world_mps = start.velocity_world_mps;
@@ -34,7 +34,7 @@ public:
               .gyro_bias_radps_rts = sensors.gyro_bias_walk_radps_rts};
   }
 
-  /// The position of the tracked point at this sample.
+  /// Position of the tracked point at this sample.
   Vector3d predict(const ImuSample& imu) {
     step(imu);
     moments_.push_back({imu, filter_});
@@ -76,7 +76,7 @@ private:
     last_ = imu;
   }
 
-  /// Goes back to the latest sample before that time, calls `correct(ahead_s)` and goes forward again.
+  /// Rewinds to the latest sample before that time, calls `correct(ahead_s)` and replays the later samples.
   void repeat_after(TimeNs time_ns, const auto& correct) {
     std::size_t from = moments_.size();
     while (from > 0 && moments_[from - 1].imu.sensor_time_ns > time_ns) --from;

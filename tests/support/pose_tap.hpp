@@ -26,7 +26,7 @@ public:
         reader_(dds::topics::make_reader(participant_, dds::qos::Provider(), dds::topics::pose, &listener_)) {
   }
 
-  /// The currently matched writers.
+  /// Currently matched writers.
   [[nodiscard]] std::set<std::uint64_t> writers() const {
     std::set<std::uint64_t> handles;
     for (const auto handle : reader_.matched_publications()) handles.insert(handle.value);
@@ -56,8 +56,8 @@ public:
     return {begin, listener_.poses.end()};
   }
 
-  /// Waits for a pose that fulfils `predicate`, including those already received from index `from` on. Empty
-  /// after the timeout.
+  /// Waits for a pose that fulfils `predicate`, including those received from index `from`. Empty after the
+  /// timeout.
   template <class Predicate>
   std::optional<TappedPose> wait_for(const Predicate& predicate, std::size_t from,
                                      std::chrono::milliseconds limit = timeout) const {
@@ -86,14 +86,14 @@ public:
     return wait_for([&](const TappedPose& tapped) { return writers.contains(tapped.writer); }, from);
   }
 
-  /// Waits until a writer loses its liveliness after `after`; returns that time. Empty after the timeout.
+  /// Waits until a writer loses its liveliness after `after`; returns the time. Empty after the timeout.
   std::optional<SteadyTime> wait_for_loss(SteadyTime after) const {
     std::unique_lock lock(listener_.mutex);
     const bool lost = listener_.came.wait_for(lock, timeout, [&] { return listener_.lost_at >= after; });
     return lost ? std::optional(listener_.lost_at) : std::nullopt;
   }
 
-  /// Whether a writer has lost its liveliness after `after`.
+  /// Returns true if a writer has lost its liveliness after `after`.
   [[nodiscard]] bool has_loss(SteadyTime after) const {
     const std::lock_guard lock(listener_.mutex);
     return listener_.lost_at >= after;
@@ -121,7 +121,7 @@ private:
     mutable std::mutex mutex;
     mutable std::condition_variable came;
     std::vector<TappedPose> poses;
-    SteadyTime lost_at;  ///< when a writer was no longer alive
+    SteadyTime lost_at;  ///< time of the last loss of a writer's liveliness
   };
 
   Listener listener_;
@@ -129,7 +129,7 @@ private:
   dds::DataReader<sonopose_FusedPose> reader_;
 };
 
-/// The waits for the next pose.
+/// Waits between consecutive poses.
 struct Waits {
   double longest_ms = 0;
 };

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The poses of an engine that processes events.
+/// Poses of an engine that processes events.
 
 #include <sonopose/estimation/estimator.hpp>
 

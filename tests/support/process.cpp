@@ -22,7 +22,7 @@ namespace {
   throw std::system_error(errno, std::generic_category(), call);
 }
 
-/// The read end and the write end of a pipe.
+/// Read end and write end of a pipe.
 std::array<int, 2> make_pipe() {
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) fail("pipe2");
@@ -53,10 +53,10 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
   return pointers;
 }
 
-/// In the child: only async-signal-safe calls between fork and exec.
+/// Executes the program in the child. Makes only async-signal-safe calls, as required between fork and exec.
 [[noreturn]] void become(const char* program, char* const* arguments, char* const* environment, int output,
                          int error) {
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // a killed test also kills its programs
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // a killed test takes its programs along
   ::dup2(output, STDOUT_FILENO);
   ::dup2(error, STDERR_FILENO);
   ::close_range(STDERR_FILENO + 1, ~0U, 0);

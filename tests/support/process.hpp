@@ -16,7 +16,7 @@
 
 namespace sonopose::test {
 
-/// Upper bound; every wait ends with its event. Only a test that fails waits so long.
+/// Upper bound of every wait, which otherwise ends with its event; reached only by a failing test.
 inline constexpr std::chrono::milliseconds timeout{180'000};
 
 /// Variables added to the environment of the test; an empty value removes one.
@@ -26,7 +26,7 @@ class Process {
 public:
   enum class Stream : std::uint8_t { output, error };
 
-  /// Throws std::system_error if it cannot be started.
+  /// Starts the program. Throws std::system_error if that fails.
   Process(const std::filesystem::path& program, const std::vector<std::string>& arguments,
           const Environment& environment = {});
   Process(const Process&) = delete;
@@ -36,27 +36,27 @@ public:
   /// Kills the process if it still runs, and reaps it.
   ~Process();
 
-  /// Waits until a complete line of `stream` contains `text`, including earlier lines. False if the stream
-  /// ends or the limit expires first.
+  /// Waits until a complete line of `stream` contains `text`, including earlier lines. Returns false if the
+  /// stream ends or the limit expires first.
   bool wait_for_line(Stream stream, std::string_view text, std::chrono::milliseconds limit = timeout);
 
   /// Waits until `stream` has this many lines.
   bool wait_for_lines(Stream stream, std::size_t count, std::chrono::milliseconds limit = timeout);
 
-  /// Waits for the exit: the exit code, or minus the signal that killed it. Empty after the limit.
+  /// Waits for the exit. Returns the exit code, or minus the signal that killed it; empty after the limit.
   std::optional<int> wait_for_exit(std::chrono::milliseconds limit = timeout);
 
-  /// Sends a signal, as kill(2).
+  /// Sends a signal like kill(2).
   void send(int signal) const;
 
-  /// Sends a signal and waits for the exit; measures the duration.
+  /// Exit code after a signal, and the time until the exit.
   struct Ending {
     std::optional<int> code;
     std::chrono::milliseconds took;
   };
   Ending end_by(int signal);
 
-  /// The complete lines received so far.
+  /// Complete lines received so far.
   [[nodiscard]] std::vector<std::string> lines(Stream stream) const;
   /// The same lines as one string.
   [[nodiscard]] std::string text(Stream stream) const;
@@ -64,7 +64,7 @@ public:
   [[nodiscard]] int pid() const { return pid_; }
 
 private:
-  /// One of its streams; `file` is our end of the pipe.
+  /// An output stream; `file` is our end of the pipe.
   struct Pipe {
     int file = -1;
     std::string unfinished;
@@ -86,7 +86,7 @@ private:
   std::thread listener_;
 };
 
-/// Runs a program until it exits.
+/// Result of a program that has exited.
 struct Result {
   std::optional<int> code;
   std::string output;

@@ -8,10 +8,10 @@
 
 namespace sonopose::test {
 
-/// The beacon's side of the line. Destruction unplugs it.
+/// The beacon's side of the line; its destruction unplugs the beacon.
 class PseudoTerminal {
 public:
-  /// Throws std::system_error.
+  /// Throws std::system_error on failure.
   PseudoTerminal();
   PseudoTerminal(const PseudoTerminal&) = delete;
   PseudoTerminal& operator=(const PseudoTerminal&) = delete;

@@ -1,5 +1,5 @@
 #pragma once
-// The recordings, which need not be here.
+// The recordings, which may be missing.
 
 #include <filesystem>
 #include <iostream>
@@ -7,12 +7,12 @@
 
 namespace sonopose::test {
 
-/// A folder of recordings, or one of them.
+/// The folder of the beacon recordings, or of one of them.
 inline std::filesystem::path beacon_recordings(const std::string& name = {}) {
   return std::filesystem::path(SONOPOSE_RECORDINGS) / "beacons" / name;
 }
 
-/// Whether it is there; otherwise marks the test as skipped.
+/// Returns true if the recording exists; otherwise marks the test as skipped.
 inline bool is_here(const std::filesystem::path& recording) {
   if (exists(recording)) return true;
   std::cout << "skipped: no recordings in " SONOPOSE_RECORDINGS

@@ -11,8 +11,9 @@
 
 namespace sonopose::test {
 
-/// Best effort, keep-last 5, like sensor-data subscriptions; reliable like the default, but with a deeper
-/// history for a delayed test; or transient local, with one message or many.
+/// QoS of a subscription. `sensor_data`: best effort, keep-last 5. `standard`: reliable, with a deeper
+/// history than the default for a delayed test. `latched`, `latched_log`: transient local with one message or
+/// many.
 enum class Subscription : std::uint8_t { standard, sensor_data, latched, latched_log };
 
 inline dds::Qos qos_of(Subscription kind) {
@@ -31,7 +32,7 @@ inline dds::Qos qos_of(Subscription kind) {
   return qos;
 }
 
-/// A subscription with its own participant. Its calls process one message after the other.
+/// A subscription with its own participant. Its calls consume the messages in sequence.
 template <class T>
 class RosReader {
 public:
@@ -64,13 +65,13 @@ public:
         limit);
   }
 
-  /// Calls `inspect(const T&)` for each message that is there.
+  /// Calls `inspect(const T&)` for each available message.
   template <class Look>
   void take(const Look& inspect) {
     reader_.take_each([&](const T& message, const dds::SampleInfo&) { inspect(message); });
   }
 
-  /// Whether the topic has a writer.
+  /// Waits until the topic has a writer.
   bool wait_for_writer() {
     return wait_for_status(reader_, dds::StatusMask::subscription_matched(),
                            [&] { return reader_.subscription_matched_status().current_count > 0; });
@@ -82,7 +83,7 @@ private:
   std::size_t seen_ = 0;
 };
 
-/// Publisher of a driver. Drivers offer no deadline and shared ownership, the DDS defaults.
+/// Publisher of a driver, with the DDS defaults: no deadline offered, shared ownership.
 template <class T>
 class RosWriter {
 public:

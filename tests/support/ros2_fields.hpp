@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// ROS 2 messages field by field, in the order of the .msg definitions, written by hand as a reference for
+/// ROS 2 messages field by field in the order of the .msg definitions, written by hand as a reference for
 /// generated types.
 
 #include <sonopose/ros2/messages/idl_types.hpp>
@@ -15,11 +15,11 @@
 
 namespace sonopose::test {
 
-/// Base of field visitors, so that argument-dependent lookup finds the messages below. A visitor has
-/// `number(x)`, `text(characters)` and `length(sequence)`.
+/// Base of field visitors, for argument-dependent lookup of the messages below. A visitor has `number(x)`,
+/// `text(characters)` and `length(sequence)`.
 class FieldVisitor {};
 
-/// Passes fields to a visitor one after the other; visits compound fields recursively.
+/// Passes fields to a visitor in order and visits compound fields recursively.
 template <class Visitor, class... Field>
 void visit_all(Visitor& visitor, Field&... fields);
 
@@ -162,11 +162,11 @@ void visit(V& v, ros2::HumbleParticipantEntitiesInfo& m) {
   visit_all(v, m.gid, m.node_entities_info_seq);
 }
 
-/// Gives every field a distinct value, including special ones. Strings and sequences are allocated with
+/// Fills every field with a distinct value, special ones included. Allocates strings and sequences with
 /// dds_alloc.
 class Filler : public FieldVisitor {
 public:
-  /// `lengths`: of the sequences, in order, repeated cyclically.
+  /// Takes the lengths of the sequences, in order, repeated cyclically.
   explicit Filler(std::vector<std::uint32_t> lengths = {2, 0, 1, 3}) : lengths_(std::move(lengths)) {}
 
   template <class Number>
@@ -202,7 +202,8 @@ public:
   }
 
 private:
-  /// Of all lengths modulo 8, so that every padding occurs; without quotation marks and line breaks.
+  /// Next text; the lengths cover all remainders modulo 8 and thus every padding. Has no quotation marks or
+  /// line breaks.
   std::string next_text() {
     static const std::string texts[]{"map",   "",         "a", std::string(1000, 'x'), "hedge_7/imu_link",
                                      "Räume", "two words"};
@@ -215,8 +216,8 @@ private:
   std::uint32_t count_ = 0;
 };
 
-/// All fields on one line, in message order: doubles as the 16 hexadecimal digits of their bits, integers in
-/// decimal, strings in quotation marks, each sequence preceded by its [length].
+/// Prints all fields on one line in message order. Doubles are the 16 hexadecimal digits of their bits,
+/// integers decimal, strings quoted; a sequence follows its [length].
 class Describer : public FieldVisitor {
 public:
   template <class Number>
@@ -240,7 +241,7 @@ private:
   std::ostringstream out_;
 };
 
-/// The line of a message.
+/// A message as one line.
 template <class Message>
 std::string described(Message message) {  // shallow copy: the visitor does not change pointees
   Describer describer;
@@ -248,7 +249,7 @@ std::string described(Message message) {  // shallow copy: the visitor does not 
   return describer.line();
 }
 
-/// A message with distinct fields; its strings and sequences are freed by the destructor.
+/// A message with distinct fields, whose strings and sequences the destructor frees.
 template <class Message>
 class Filled {
 public:

@@ -5,7 +5,7 @@
 #include "support/process.hpp"
 #include <sonopose/dds/binding/discovery.hpp>
 #include <sonopose/dds/binding/waitset.hpp>
-#include <sonopose/ros2/messages/node.hpp>
+#include <sonopose/ros2/node/node.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -32,7 +32,7 @@ struct GraphInfo {
   std::vector<Entities> nodes;
 };
 
-/// The GUID in DDS discovery format. The remaining bytes must be zero.
+/// GUID in the format of DDS discovery. The remaining bytes must be zero.
 template <class Gid>
 std::string key_of(const Gid& gid) {
   dds_guid_t guid{};
@@ -71,7 +71,7 @@ public:
                 dds::Qos() << dds::policy::Reliability::reliable() << dds::policy::History::keep_all()
                            << dds::policy::Durability{dds::policy::DurabilityKind::transient_local}) {}
 
-  /// Takes until `done()`, which is also polled because discovery does not trigger the wait set.
+  /// Takes until `done()`. Also polls it, because discovery does not trigger the wait set.
   template <class Done>
   bool wait_until(const Done& done) {
     dds::StatusCondition condition(reader_);
@@ -103,7 +103,7 @@ private:
   dds::DataReader<Info> reader_;
 };
 
-/// A ROS 2 process as others see it: a participant with an enclave, and writers by topic with their user
+/// A ROS 2 process as seen by others: a participant with an enclave, and writers by topic with their user
 /// data.
 class RosProcess {
 public:
@@ -133,7 +133,7 @@ inline std::string text_of(const std::vector<std::uint8_t>& bytes) {
   return {bytes.begin(), bytes.end()};
 }
 
-/// The endpoints of one participant by topic.
+/// Endpoints of one participant by topic.
 inline std::map<std::string, dds::FoundEndpoint> endpoints_of(const std::vector<dds::FoundEndpoint>& all,
                                                               const std::string& participant) {
   std::map<std::string, dds::FoundEndpoint> found;

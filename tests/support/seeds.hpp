@@ -6,7 +6,7 @@
 
 namespace sonopose::test {
 
-/// `few` in the suite, `many` with SONOPOSE_MANY_SEEDS in the environment (`scripts/check accuracy`).
+/// Returns `few` in the suite, or `many` if SONOPOSE_MANY_SEEDS is set (`scripts/check accuracy`).
 inline unsigned seeds(unsigned few, unsigned many) {
   return std::getenv("SONOPOSE_MANY_SEEDS") == nullptr ? few : many;
 }

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// A program on a terminal of its own: the test types, resizes, and sees the screen.
+/// A program on its own terminal: the test types, resizes and sees the screen.
 
 #include "support/process.hpp"
 #include "support/text_screen.hpp"
@@ -21,7 +21,7 @@ namespace sonopose::test {
 
 class TerminalProcess {
 public:
-  /// `variables` as "NAME=value". Throws std::system_error.
+  /// Starts the program with `variables` as "NAME=value". Throws std::system_error.
   TerminalProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                   std::size_t columns = 80, std::size_t rows = 24,
                   const std::vector<std::string>& variables = {"TERM=xterm-256color"});
@@ -30,25 +30,26 @@ public:
   /// Kills the process if it still runs.
   ~TerminalProcess();
 
-  /// As from the keyboard: "\x03" is Ctrl-C.
+  /// Types on the keyboard; "\x03" is Ctrl-C.
   void type(std::string_view keys) const;
   void resize(std::size_t columns, std::size_t rows);
   void send(int signal) const;
   [[nodiscard]] int pid() const { return pid_; }
 
-  /// Waits until the screen fulfils this. False after the limit.
+  /// Waits until `done(screen)`. Returns false after the limit.
   bool wait_until(const std::function<bool(const TextScreen&)>& done,
                   std::chrono::milliseconds limit = timeout);
   /// Waits until a row contains the text.
   bool wait_for(std::string_view text, std::chrono::milliseconds limit = timeout);
 
-  /// The exit code, or minus the signal that killed it. Empty after the limit. Its output is complete then.
+  /// Waits for the exit and the complete output. Returns the exit code, or minus the signal that killed it;
+  /// empty after the limit.
   std::optional<int> wait_for_exit(std::chrono::milliseconds limit = timeout);
 
   [[nodiscard]] TextScreen screen() const;
-  /// All bytes so far.
+  /// All bytes received so far.
   [[nodiscard]] std::string output() const;
-  /// Whether the line echoes and waits for whole lines, as before a full-screen program.
+  /// Returns true if the line echoes and is line-buffered, as before a full-screen program.
   [[nodiscard]] bool has_normal_line() const;
 
 private:
@@ -56,7 +57,7 @@ private:
   void take_in();
 
   int master_ = -1;
-  int slave_ = -1;  ///< keeps the line alive after the exit
+  int slave_ = -1;  ///< keeps the line open after the exit
   int pid_ = -1;
   int pid_file_ = -1;
   std::optional<int> code_;

@@ -6,12 +6,12 @@
 
 namespace sonopose::test {
 
-/// Reserves one of the domains 1 … 100 during its lifetime, with a lock file per domain in the temporary
-/// folder, so that no two tests of this machine share one. The ports of these domains are below the ephemeral
-/// ports; domain 0 is for users. The tests in Python and in shell lock the same files.
+/// Reserves one of the domains 1 … 100 during its lifetime. A lock file per domain in the temporary folder
+/// ensures that no two tests on this machine share one. Their ports lie below the ephemeral ports; domain 0
+/// is left to users. The Python and shell tests lock the same files.
 class TestDomain {
 public:
-  /// Throws std::runtime_error if all are in use.
+  /// Throws std::runtime_error if all domains are in use.
   TestDomain();
   TestDomain(const TestDomain&) = delete;
   TestDomain& operator=(const TestDomain&) = delete;

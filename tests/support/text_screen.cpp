@@ -7,7 +7,7 @@
 namespace sonopose::test {
 namespace {
 
-/// The numbers of "3;40"; an absent one is 0.
+/// Numbers of a list such as "3;40"; a missing one is 0.
 std::vector<std::size_t> numbers_of(std::string_view text) {
   std::vector<std::size_t> numbers{0};
   for (const char byte : text) {
@@ -20,7 +20,7 @@ std::vector<std::size_t> numbers_of(std::string_view text) {
   return numbers;
 }
 
-/// The length of the UTF-8 character that begins with this byte.
+/// Length of the UTF-8 character that starts with this byte.
 std::size_t length_of(char byte) {
   const auto code = static_cast<unsigned char>(byte);
   if (code < 0x80) return 1;
@@ -28,7 +28,7 @@ std::size_t length_of(char byte) {
   return code < 0xF0 ? 3 : 4;
 }
 
-/// The length of the control sequence at the beginning; 0 if it is not complete.
+/// Length of the control sequence at the beginning; 0 if incomplete.
 std::size_t sequence_length(std::string_view text) {
   if (text.size() < 2) return 0;
   if (text[1] == '(' || text[1] == ')') return text.size() < 3 ? 0 : 3;
@@ -103,7 +103,7 @@ void TextScreen::control(char byte) {
     row_ = std::min(row_ + 1, rows_ - 1);
 }
 
-/// Moves the lines from this row to the end of the scrolling region up, or down if negative.
+/// Scrolls the lines from this row to the end of the scrolling region up, or down if negative.
 void TextScreen::scroll(std::size_t from, int lines) {
   const auto begin = cells_.begin() + static_cast<std::ptrdiff_t>(from);
   const auto end = cells_.begin() + static_cast<std::ptrdiff_t>(bottom_) + 1;
@@ -148,7 +148,7 @@ void TextScreen::sequence(char final, std::string_view parameters) {
       to_row(count - 1);
       break;
     case 'J':
-      if (first == 2) overflown_ = false;  // what was drawn for the size before a resize does not count
+      if (first == 2) overflown_ = false;  // ignores what was drawn for the size before a resize
       if (first == 0) erase(row_, column_, columns_);
       for (std::size_t row = first == 0 ? row_ + 1 : 0; row < rows_; ++row) erase(row, 0, columns_);
       break;

@@ -14,7 +14,7 @@
 
 namespace sonopose::test {
 
-/// What a beacon sends at rest.
+/// Datagrams of a resting beacon.
 inline std::vector<TimedFrame> resting_beacon(const Bus& bus, BeaconAddress address, int duration_s) {
   const TemporaryFolder folder;
   const std::string file = (folder / "bytes.bin").string();

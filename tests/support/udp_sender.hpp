@@ -14,7 +14,7 @@
 
 namespace sonopose::test {
 
-/// Sends datagrams to a port of this machine that was recently free.
+/// Sends datagrams to a port of this machine that was free a moment ago.
 class UdpSender {
 public:
   UdpSender() : file_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
@@ -26,7 +26,7 @@ public:
     require(::getsockname(probe, reinterpret_cast<sockaddr*>(&to_), &size) == 0, "getsockname");
     ::close(probe);
   }
-  /// Another sender to the same port.
+  /// Makes another sender to the same port.
   explicit UdpSender(const sockaddr_in& to)
       : file_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)), to_(to) {}
   UdpSender(const UdpSender&) = delete;

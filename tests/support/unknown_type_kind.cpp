@@ -1,5 +1,5 @@
-// Preloaded into a program (LD_PRELOAD): its discovery messages announce types of a kind that no version of
-// the XTypes specification defines.
+// Preload (LD_PRELOAD) that makes discovery messages announce types of a kind that no version of the XTypes
+// specification defines.
 
 #include <algorithm>
 #include <cstddef>
@@ -15,7 +15,7 @@ using Bytes = std::vector<std::uint8_t>;
 
 constexpr std::uint16_t pid_type_information = 0x0075;
 constexpr std::size_t parameter_header_size = 4;  // id and length, 16 bits each
-constexpr std::size_t least_type_information_size = 40;
+constexpr std::size_t min_type_information_size = 40;
 constexpr std::uint8_t ek_minimal = 0xf1;
 constexpr std::uint8_t ek_complete = 0xf2;
 constexpr std::uint8_t unknown_kind = 0x99;
@@ -30,7 +30,7 @@ void change_kinds(Bytes& packet) {
     if (little_endian_16(packet, at) != pid_type_information) continue;
     const std::size_t size = little_endian_16(packet, at + 2);
     const std::size_t begin = at + parameter_header_size;
-    if (size < least_type_information_size || size > packet.size() - begin) continue;
+    if (size < min_type_information_size || size > packet.size() - begin) continue;
     const auto first = packet.begin() + static_cast<std::ptrdiff_t>(begin);
     std::replace_if(
         first, first + static_cast<std::ptrdiff_t>(size),
@@ -40,7 +40,7 @@ void change_kinds(Bytes& packet) {
 
 }  // namespace
 
-// Replaces the one of the C library.
+// Replaces the C library's sendmsg.
 extern "C" ssize_t sendmsg(int socket, const msghdr* message, int flags) {
   static const auto send = reinterpret_cast<decltype(&::sendmsg)>(::dlsym(RTLD_NEXT, "sendmsg"));
   Bytes packet;

@@ -1,12 +1,12 @@
 #pragma once
 /// \file
-/// The request of a WebSocket client.
+/// Upgrade request of a WebSocket client.
 
 #include <string>
 
 namespace sonopose::test {
 
-/// Asks for a WebSocket. `headers`: further lines, each with its end.
+/// Requests a WebSocket. `headers` are further lines, each with its line end.
 inline std::string upgrade_request(const std::string& target, const std::string& protocols,
                                    const std::string& headers) {
   return "GET " + target + " HTTP/1.1\r\n" + headers +

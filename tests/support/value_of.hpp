@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Numbers in the texts of programs.
+/// Numbers in the output of programs.
 
 #include <cmath>
 #include <regex>
@@ -8,7 +8,7 @@
 
 namespace sonopose::test {
 
-/// The number after `key=`; NaN if there is none.
+/// Number after `key=`; NaN if missing.
 inline double value_of(const std::string& text, const std::string& key) {
   std::smatch match;
   return std::regex_search(text, match, std::regex(key + "=(-?[0-9.]+)")) ? std::stod(match[1])

@@ -1,13 +1,13 @@
 #pragma once
 /// \file
-/// Waiting for what another thread or process does.
+/// Waiting for another thread or process.
 
 #include <chrono>
 #include <thread>
 
 namespace sonopose::test {
 
-/// Asks `done` again and again. Returns false after three minutes without success.
+/// Polls `done`. Returns false after three minutes without success.
 template <class Done>
 bool wait_until(const Done& done) {
   const auto give_up = std::chrono::steady_clock::now() + std::chrono::minutes(3);

@@ -1,4 +1,4 @@
-/// Foreign samples of the right types with values that no honest process sends. Under the sanitizers,
+/// Forged samples of the right types with values that no honest process sends. Under the sanitizers,
 /// undefined behaviour ends a process.
 
 #include "clocks/clocks.hpp"
@@ -18,7 +18,7 @@ namespace topics = dds::topics;
 constexpr BeaconAddress healthy = 7;
 constexpr BeaconAddress absurd = 8;
 
-/// The i-th of a series of times that has the extremes next to each other, and ordinary ones between them.
+/// Time `i` of a series in which extremes are adjacent, with ordinary times in between.
 TimeNs time(std::size_t i) {
   using Limits = std::numeric_limits<TimeNs>;
   const TimeNs now_ns = clocks::host_now();
@@ -43,7 +43,7 @@ std::uint64_t count(std::size_t i) {
   return i % 3 == 0 ? std::numeric_limits<std::uint64_t>::max() : i;
 }
 
-/// A participant that writes all of them, to the topics of measurements, poses and statuses.
+/// Writes all of them, to the topics of measurements, poses and statuses.
 class Forger {
 public:
   explicit Forger(const Bus& bus) : participant_(dds::make_participant({.domain_id = bus.domain_id()})) {}

@@ -18,7 +18,7 @@ using namespace sonopose::test;
 using Catch::Contains;
 using nlohmann::json;
 
-/// A simulated walk, which has no magnetometer.
+/// Simulates a walk, which has no magnetometer, and returns its folder.
 std::string walk_in(const TemporaryFolder& folder) {
   std::string log = (folder / "walk").string();
   const Result made = run(SONOPOSE_TEST_SIMULATE, {"walk", "--out", log, "--seed", "3", "--duration", "30"});
@@ -50,8 +50,8 @@ SCENARIO("each filter processes a log, is scored and writes its trajectory") {
     CHECK(inclination_of({log, "--filter", filter, "--json"}) < 8.0);
   }
   CHECK(inclination_of({log, "--filter", "mahony", "--json"}) ==
-        inclination_of({log, "--set", "attitude.filter=mahony", "--json"}));
-  CHECK(inclination_of({log, "--filter", "mahony", "--set", "attitude.mahony.kp=2", "--json"}) !=
+        inclination_of({log, "--set", "documented.attitude.filter=mahony", "--json"}));
+  CHECK(inclination_of({log, "--filter", "mahony", "--set", "documented.attitude.mahony.kp=2", "--json"}) !=
         inclination_of({log, "--filter", "mahony", "--json"}));
   THEN("it also writes the trajectory on request") {
     const std::string out = (folder / "out").string();
@@ -83,8 +83,8 @@ SCENARIO("sonopose-attitude refuses invalid requests") {
   CHECK_THAT(refusal({(folder / "nowhere").string()}), Contains("nowhere: does not exist"));
   CHECK_THAT(refusal({log, log, "--out", (folder / "out").string()}),
              Contains("two logs have the name walk"));
-  CHECK_THAT(refusal({log, "--set", "attitude.ahrs.gain=11"}),
-             Contains("attitude.ahrs.gain") && Contains("0 … 10"));
+  CHECK_THAT(refusal({log, "--set", "documented.attitude.ahrs.gain=11"}),
+             Contains("documented.attitude.ahrs.gain") && Contains("0 … 10"));
 }
 
 }  // namespace attitude_test

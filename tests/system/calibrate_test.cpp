@@ -1,4 +1,4 @@
-/// The program sonopose-calibrate: its outputs, and its behaviour on errors.
+/// The program sonopose-calibrate: its output and its errors.
 
 #include "calibration/simulated_sensor.hpp"
 #include "recording/log_writer.hpp"

@@ -15,7 +15,7 @@ namespace {
 
 namespace topics = dds::topics;
 
-/// The consumers of a run, created before it starts.
+/// Consumers of a run, created before it starts.
 struct Listeners {
   explicit Listeners(const Bus& bus) : poses(bus, topics::pose), reports(bus, topics::report) {}
 

@@ -14,12 +14,12 @@ namespace sonopose::test {
 inline const std::filesystem::path car_folder =
     std::filesystem::path(SONOPOSE_RECORDINGS) / "beacons" / "car";
 
-/// Origin of the times in its log.
+/// Origin of the times in the car's log.
 inline constexpr TimeNs car_epoch_ns = 1'700'000'000'000'000'000;
 inline constexpr std::size_t car_imu_samples = 10'555;
 inline constexpr std::size_t car_fixes = 1'182;
 
-/// The data show an angle of 86° between the axis of the pair and that of the car.
+/// The data show an angle of 86° between the pair's axis and the car's.
 inline const Arguments car_settings{"--set", "heading.mount_offset_deg=86"};
 
 struct CarRun {
@@ -27,18 +27,19 @@ struct CarRun {
   std::vector<FixReport> reports;
 };
 
-/// Plays the log folder (`source` "log") or the bytes ("stream") as fast as possible, with more settings.
+/// Plays the log folder (`source` "log") or the bytes ("stream") as fast as possible, with additional
+/// settings.
 CarRun play_car(const std::string& source, const std::string& engine, const Arguments& more = {});
 
-/// A part of the recording: the log from one IMU sample to another, and the bytes that contain the same, with
-/// some more at the end.
+/// A part of the recording: the log between two IMU samples, and the bytes with the same content plus some
+/// more at the end.
 struct CarPart {
   std::vector<Event> events;
   std::vector<TimedFrame> frames;
 };
 CarPart part_of_car(std::size_t first_imu_sample, std::size_t imu_samples);
 
-/// Samples and poses that consumers receive when a beacon sends the part over a serial line in real time.
+/// Samples and poses received while a beacon sends the part over a serial line in real time.
 struct LiveRun {
   std::vector<FusedPose> poses;
   std::vector<ImuSample> imu;
@@ -46,7 +47,7 @@ struct LiveRun {
 };
 LiveRun play_over_serial_line(const CarPart& part, const std::string& engine);
 
-/// Difference between two runs, the k-th pose of one against the k-th of the other.
+/// Difference between the k-th poses of two runs.
 struct Distance {
   double median = 0;
   double rms = 0;
@@ -59,7 +60,7 @@ struct RunDistance {
 };
 RunDistance distance_between(const std::vector<FusedPose>& run, const std::vector<FusedPose>& other);
 
-/// Whether the recording exists; otherwise prints that the test is skipped.
+/// Returns true if the recording exists; otherwise prints that the test is skipped.
 bool car_is_here();
 
 }  // namespace sonopose::test

@@ -24,7 +24,7 @@ bool is_driving(TimeNs time_ns) {
   return time_ns >= drives_from_ns && time_ns <= drives_until_ns;
 }
 
-/// The recorded wheel speed over time, linear between the samples.
+/// Recorded wheel speed over time, interpolated linearly.
 class WheelSpeed {
 public:
   WheelSpeed() {
@@ -69,7 +69,7 @@ SpeedCheck compare_with_wheels(const std::vector<FusedPose>& poses) {
   return {std::sqrt(squares / count), fastest_mps};
 }
 
-/// RMS distance between each usable fix, moved to the engine's time, and the pose before its correction.
+/// RMS distance between each used fix, extrapolated to the engine's time, and the pose before its correction.
 double distance_to_fixes_m(const CarRun& run) {
   double squares = 0;
   double count = 0;
@@ -81,16 +81,16 @@ double distance_to_fixes_m(const CarRun& run) {
     squares += (std::prev(after)->position_world_m - report.shifted_position_world_m).squaredNorm();
     ++count;
   }
-  REQUIRE(count > 0.8 * 49 * 10);  // ten fixes per second, few of them rejected
+  REQUIRE(count > 0.8 * 49 * 10);  // ten fixes per second, few rejected
   return std::sqrt(squares / count);
 }
 
-/// Effect of the resolution of the protocol on a pose. Stamps are truncated to 1 ms: 1.5 mm at the car's
-/// 1.5 m/s. Fixes have steps of 1 mm. Headings have steps of 0.1°: half a step is 0.9 mrad, which turns the
-/// car's velocity by 1.4 mm/s; the gyro's 0.0175 deg/s contributes less. Accelerations have steps of 1 mg:
-/// half a step over the half second between corrections is 2.5 mm/s and 0.6 mm. One millisecond can also
-/// change which earlier fix the velocity is measured from. Together about 4 mm, 4 mm/s and 1 mrad; single
-/// poses, in turns or where a fix moves to the other side of an IMU sample, five times that.
+/// Checks the effect of the protocol's resolution on a pose. Stamps are truncated to 1 ms: 1.5 mm at the
+/// car's 1.5 m/s. Fixes have steps of 1 mm. Headings have steps of 0.1°: half a step is 0.9 mrad, which turns
+/// the velocity by 1.4 mm/s. The gyro's 0.0175 deg/s contributes less. Accelerations have steps of 1 mg: over
+/// the half second between corrections, half a step is 2.5 mm/s and 0.6 mm. One millisecond can also change
+/// the earlier fix from which the velocity is measured. The total is about 4 mm, 4 mm/s and 1 mrad. Single
+/// poses, in turns or where a fix moves past an IMU sample, differ five times as much.
 void check_wire_steps(const RunDistance& distance) {
   CHECK(distance.position_m.rms <= 0.005);
   CHECK(distance.position_m.max <= 0.025);
@@ -127,7 +127,7 @@ SCENARIO("the fused pose of the recorded car agrees with its wheel speed") {
     }
     THEN("after the fixes freeze, the pose stays finite and bounded, and the status reports it") {
       const Vector3d spot_world_m = run.reports.back().position_world_m;
-      TimeNs reported_ns = 0;  // since when without interruption
+      TimeNs reported_ns = 0;  // start of the uninterrupted report
       double farthest_m = 0;
       double fastest_mps = 0;
       for (const FusedPose& pose : run.poses) {
@@ -166,7 +166,7 @@ SCENARIO("the car's raw bytes give the poses of its log, up to the resolution of
   }
 }
 
-/// The poses of an engine in this process.
+/// Poses of an engine in this process.
 std::vector<FusedPose> poses_of_log(const std::vector<Event>& events) {
   settings::Settings settings;
   settings::set(settings, "fusion.engine", "documented");
@@ -175,7 +175,7 @@ std::vector<FusedPose> poses_of_log(const std::vector<Event>& events) {
   return poses_of(engine, events);
 }
 
-/// Largest minus smallest difference of two series of times, from index `first` on.
+/// Range of the differences of two series of times, from index `first`.
 double spread_ms(const std::vector<TimeNs>& a, const std::vector<TimeNs>& b, std::size_t first) {
   std::vector<double> differences_ms;
   for (std::size_t k = first; k < a.size(); ++k)
@@ -195,7 +195,7 @@ SCENARIO("the car's raw bytes over a serial line, in real time, give the poses o
       REQUIRE(live.poses.size() == log.size());
       REQUIRE(live.imu.size() == log.size());
       std::vector<TimeNs> measured_ns;
-      double latest_ms = 0;  // fix, later than in the log
+      double latest_ms = 0;  // largest additional delay of a fix compared with the log
       auto live_fix = live.fixes.begin();
       const auto delay_ns = [](const UltrasonicFix& fix) {
         return fix.received_time_ns - fix.emission_time_ns;
@@ -222,7 +222,7 @@ SCENARIO("the car's raw bytes over a serial line, in real time, give the poses o
       print("serial line against log", distance);
       // The beacon's clock is fitted to the fastest arrivals, so a late one has little effect.
       CHECK(spread_ms(stamped_ns, measured_ns, settled) <= 1.0 + jitter_ms);
-      // An event that a busy machine delays changes the poses after it, but not most of them.
+      // An event that a busy machine delays changes the subsequent poses, but not most of them.
       const double times = 1.0 + error_ms + 0.1 * latest_ms;
       CHECK(distance.position_m.median <= times * 0.005);
       CHECK(distance.velocity_mps.median <= times * 0.005);

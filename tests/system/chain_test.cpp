@@ -1,4 +1,4 @@
-/// The demo chain: bridge on the simulator, fusion, monitor.
+/// The demo chain: bridge with the simulator, fusion, monitor.
 
 #include "support/bus.hpp"
 
@@ -34,7 +34,8 @@ double farthest_from_truth_m(const std::vector<FusedPose>& poses, const std::vec
   double farthest_m = 0;
   std::size_t compared = 0;
   for (const FusedPose& pose : poses) {
-    if (seconds_between(poses.front().time_ns, pose.time_ns) < 1.0) continue;  // the speed is not known yet
+    if (seconds_between(poses.front().time_ns, pose.time_ns) < 1.0)
+      continue;  // the speed is unknown at first
     const auto found = true_position_m.find(pose.time_ns);
     if (found == true_position_m.end() || !is_ready(pose)) continue;
     farthest_m = std::max(farthest_m, (pose.position_world_m - found->second).norm());
@@ -69,7 +70,7 @@ SCENARIO("the fusion publishes a pose for every IMU sample of the simulated beac
       const auto& received_ns = poses.received_ns;
       const std::uint64_t last = poses.samples.back().sequence;
       REQUIRE(imu.wait_for([last](const ImuSample& sample) { return sample.sequence >= last; }));
-      // The bridge does not wait for readers: fusion and test may match it at different samples.
+      // The bridge does not wait for readers, so fusion and test may match it at different samples.
       const std::uint64_t first = std::max(poses.samples.front().sequence, imu.samples.front().sequence);
       REQUIRE(truth.wait_for(
           [&](const TruthSample& sample) { return sample.time_ns >= poses.samples.back().time_ns; }));

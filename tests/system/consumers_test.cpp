@@ -1,4 +1,4 @@
-/// Late consumers, and several at once.
+/// Consumers that start late, and several simultaneously.
 
 #include "clocks/clocks.hpp"
 #include "support/bus.hpp"
@@ -14,7 +14,7 @@ using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
-/// Whether each pose belongs to the next IMU sample, 10 ms after the previous one.
+/// Returns true if each pose belongs to the next IMU sample, 10 ms after the previous one.
 bool without_a_gap(const std::vector<FusedPose>& poses) {
   constexpr TimeNs period_ns = 10'000'000;
   for (std::size_t i = 1; i < poses.size(); ++i) {
@@ -56,7 +56,7 @@ SCENARIO("a late consumer receives poses, and the last status at once") {
   }
 }
 
-/// The time of the latest pose in a report of the monitor.
+/// Time of the latest pose in a report of the monitor.
 TimeNs latest_ns(const std::string& report) {
   return nlohmann::json::parse(report)["beacons"][0]["pose_time_ns"].get<TimeNs>();
 }

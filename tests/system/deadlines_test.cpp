@@ -1,4 +1,4 @@
-/// Missed deadlines, lost writers, partitions and shares of the beacons.
+/// Missed deadlines, lost writers, partitions, and beacons shared between fusions.
 
 #include "support/pose_tap.hpp"
 
@@ -61,7 +61,7 @@ SCENARIO("poses are predicted between IMU samples, and only until the IMU's dead
   }
 }
 
-/// The next report of the monitor, from line `from` on, that fulfils `predicate`; empty after the timeout.
+/// Next report of the monitor, from line `from`, that fulfils `predicate`; empty after the timeout.
 template <class Predicate>
 nlohmann::json wait_for_report(Process& monitor, const Predicate& predicate, std::size_t from = 0) {
   for (; monitor.wait_for_lines(Stream::output, from + 1); ++from) {
@@ -71,7 +71,7 @@ nlohmann::json wait_for_report(Process& monitor, const Predicate& predicate, std
   return {};
 }
 
-/// Once the monitor has shown so many beacons, each with a fusion: its next report.
+/// Next report of the monitor after it has shown `count` beacons, each with a fusion.
 nlohmann::json report_after(Process& monitor, std::size_t count) {
   REQUIRE_FALSE(wait_for_report(monitor, [count](const nlohmann::json& beacons) {
                   return beacons.size() == count &&
@@ -141,7 +141,7 @@ SCENARIO("a beacon that falls silent is reported while the poses of another one 
     };
     REQUIRE(wait_for_silence(false));
     WHEN("one of the bridges stops, several times") {
-      std::vector<std::ptrdiff_t> meanwhile;  // poses of the other beacon, of which ten come in a deadline
+      std::vector<std::ptrdiff_t> meanwhile;  // poses of the other beacon, ten per deadline
       for (int i = 0; i < 5; ++i) {
         bridge->send(SIGSTOP);
         REQUIRE(wait_for_silence(true));
@@ -172,7 +172,7 @@ SCENARIO("a beacon that falls silent is reported while the poses of another one 
   }
 }
 
-/// How often the main thread of a process has slept.
+/// Number of times that the main thread of a process has slept.
 long sleeps_of_main_thread(int pid) {
   std::ifstream status(fmt::format("/proc/{0}/task/{0}/status", pid));
   const std::string key = "voluntary_ctxt_switches:";
@@ -183,19 +183,19 @@ long sleeps_of_main_thread(int pid) {
   return 0;
 }
 
-/// Time within a second after a pose that was 20 ms later than usual, from index `first` on: the fusion then
+/// Time within one second after any pose that was 20 ms later than usual, from index `first`. The fusion then
 /// watches for an overload.
 double watchful_s(const std::vector<TappedPose>& poses, std::size_t first) {
   const auto age_ns = [](const TappedPose& tapped) {
     return tapped.pose.fusion_out_time_ns - tapped.pose.imu_bridge_time_ns;
   };
-  const TimeNs least_ns = age_ns(*std::min_element(
+  const TimeNs min_ns = age_ns(*std::min_element(
       poses.begin(), poses.end(), [&](const auto& a, const auto& b) { return age_ns(a) < age_ns(b); }));
   TimeNs sum_ns = 0;
-  TimeNs late_ns = poses.front().pose.fusion_out_time_ns;  // the first ones count as late
+  TimeNs late_ns = poses.front().pose.fusion_out_time_ns;  // counts the first poses as late
   for (std::size_t i = 1; i < poses.size(); ++i) {
     const TimeNs now_ns = poses[i].pose.fusion_out_time_ns;
-    if (age_ns(poses[i]) - least_ns > 15'000'000) late_ns = now_ns;
+    if (age_ns(poses[i]) - min_ns > 15'000'000) late_ns = now_ns;
     if (i >= first && now_ns - late_ns < 1'000'000'000)
       sum_ns += now_ns - poses[i - 1].pose.fusion_out_time_ns;
   }
@@ -239,7 +239,7 @@ SCENARIO("a fusion whose poses stop stays alive") {
     bridge->send(SIGSTOP);
     REQUIRE(
         status.wait_for([](const FusionStatus& latest) { return latest.imu_silent; }, status.samples.size()));
-    for (int later = 0; later < 2; ++later) {  // a second between the two
+    for (int later = 0; later < 2; ++later) {  // one second apart
       REQUIRE(status.wait_for([](const FusionStatus&) { return true; }, status.samples.size()));
     }
     kept = !tap.has_loss(stopped);

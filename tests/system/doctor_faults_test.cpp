@@ -26,7 +26,7 @@ using namespace sonopose::test;
 using Catch::Contains;
 namespace topics = dds::topics;
 
-/// The warnings and errors of a report in JSON whose subject is `subject`, one per line.
+/// Warnings and errors about `subject` in a JSON report, one per line.
 std::string problems_of(const nlohmann::json& report, const std::string& subject) {
   std::string text;
   for (const auto& finding : report["findings"]) {
@@ -37,19 +37,19 @@ std::string problems_of(const nlohmann::json& report, const std::string& subject
   return text;
 }
 
-/// What a report wraps, in one line.
+/// The report with wrapped lines joined.
 std::string unwrapped(const std::string& report) {
   return std::regex_replace(report, std::regex("\n +"), " ");
 }
 
-/// Whether a report in one line has "READER on HOST) cannot receive from WRITER".
+/// Returns true if an unwrapped report has "READER on HOST) cannot receive from WRITER".
 bool cannot_receive(const std::string& report, const std::string& reader, const std::string& writer) {
   const std::regex finding(R"((\S+ \(process \d+)[^)]*\) cannot receive from (\S+ \(process \d+))");
   return std::any_of(std::sregex_iterator(report.begin(), report.end(), finding), std::sregex_iterator(),
                      [&](const std::smatch& each) { return each.str(1) == reader && each.str(2) == writer; });
 }
 
-/// The axis of the pair and the time of the fixes as the hardware reports them, and what happens to samples.
+/// Mount and delay as the hardware reports them, and a change of its samples.
 struct Fault {
   double mount_deg = 0;
   double reported_delay_error_s = 0;
@@ -57,7 +57,7 @@ struct Fault {
   std::function<void(Event& event, double time_s)> change = [](Event&, double) {};
 };
 
-/// Records a drive that has already begun.
+/// Records a drive that is already under way.
 void record_drive(const std::filesystem::path& folder, BeaconAddress address, const Fault& fault) {
   constexpr double begin_s = 4;
   constexpr double end_s = 60;
@@ -140,7 +140,7 @@ SCENARIO("the doctor finds a wrong installation and wrong fixes of driving beaco
         for (const int address : {11, 12, 13}) {
           CAPTURE(address);
           CHECK_THAT(problems(address), Contains("its mount offset is wrong by about") &&
-                                            !Contains("no valid fix"));  // a consequence
+                                            !Contains("no valid fix"));  // a consequence of the fault
           const double tried_deg = value_of(problems(address), "heading.mount_offset_deg");
           CHECK(std::abs(std::remainder(tried_deg - faults.at(static_cast<BeaconAddress>(address)).mount_deg,
                                         360.0)) < 10);
@@ -157,7 +157,7 @@ SCENARIO("the doctor finds a wrong installation and wrong fixes of driving beaco
 #endif
 }
 
-/// The bytes of a beacon at rest with a battery at 3.31 V.
+/// Records the bytes of a beacon at rest with a battery at 3.31 V.
 void record_weak_battery(const Bus& bus, const std::filesystem::path& file) {
   const std::string sound = file.string() + ".sound";
   REQUIRE(bus.bridge({"--scenario", "rest", "--rate", "0", "--duration", "30", "--capture", sound})

@@ -26,8 +26,8 @@ inline Result look(std::uint32_t domain_id, const Arguments& arguments = {}) {
   return result_of(*start_doctor(domain_id, arguments));
 }
 
-/// Looks until the report has this text, at most ten times; returns the last result. In a short look on a
-/// busy machine, what the doctor must find may not have reached it, and a healthy system may have a silence.
+/// Runs the doctor, at most ten times, until the report contains this text; returns the last result. On a
+/// busy machine, data may not reach it within a short run, and a healthy system may pause.
 inline Result look_for(const std::string& text, std::uint32_t domain_id, const Arguments& arguments) {
   Result result;
   for (int i = 0; i < 10 && result.output.find(text) == std::string::npos; ++i) {

@@ -31,10 +31,10 @@ bool is_ready(const FusedPose& pose) {
   return (pose.status & not_yet) == 0U;
 }
 
-/// Reports of the doctor on one chain: as it is, with more processes, and without its fusion.
+/// Reports of the doctor on one chain: unchanged, with more processes, and without its fusion.
 struct Looks {
   std::uint32_t domain_id = 0;
-  int fusion = 0, bridge = 0, second_bridge = 0;  ///< their processes
+  int fusion = 0, bridge = 0, second_bridge = 0;  ///< ids of the processes
   Result healthy, json, stopped, paused, disturbed, without_fusion;
 };
 
@@ -138,7 +138,7 @@ SCENARIO("the doctor reports what is wrong with a running system, or that nothin
     THEN("the doctor reports that it is missing, and that the beacon is published") {
       CAPTURE(looks.without_fusion.output, looks.without_fusion.error);
       CHECK(looks.without_fusion.code == 1);
-      // The remedy depends on other processes of this machine.
+      // The remedy depends on other processes on this machine.
       CHECK_THAT(looks.without_fusion.output,
                  Contains("no fusion runs in domain " + std::to_string(looks.domain_id)) &&
                      !Contains("no bridge publishes"));
@@ -195,7 +195,7 @@ SCENARIO("the doctor reports an empty domain, and finds a system in another doma
   }
 }
 
-/// UDP ports in use, each of another domain.
+/// UDP ports in use, each of a different domain.
 class OccupiedDomains {
 public:
   OccupiedDomains(unsigned first, unsigned last) {
@@ -203,12 +203,13 @@ public:
       sockaddr_in address{};
       address.sin_family = AF_INET;
       address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-      address.sin_port = htons(static_cast<std::uint16_t>(7400 + 250 * id + 100));  // of no likely process
+      address.sin_port =
+          htons(static_cast<std::uint16_t>(7400 + 250 * id + 100));  // unlikely to be used by another process
       const int file = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
       REQUIRE(file >= 0);
       files_.push_back(file);
       const bool bound = ::bind(file, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
-      REQUIRE((bound || errno == EADDRINUSE));  // a socket of another process serves as well
+      REQUIRE((bound || errno == EADDRINUSE));  // another process's socket serves as well
     }
   }
   OccupiedDomains(const OccupiedDomains&) = delete;
@@ -234,8 +235,8 @@ std::size_t entries_of(const std::filesystem::path& folder) {
 /// Exit code of a search of all domains, and the resources that it used.
 struct SearchUsage {
   std::optional<int> code;
-  std::size_t most_threads = 0;
-  std::size_t most_files = 0;
+  std::size_t max_threads = 0;
+  std::size_t max_files = 0;
 };
 
 SearchUsage search(std::uint32_t domain_id) {
@@ -243,15 +244,15 @@ SearchUsage search(std::uint32_t domain_id) {
   const std::filesystem::path folder = "/proc/" + std::to_string(process->pid());
   SearchUsage usage;
   wait_until([&] {
-    usage.most_threads = std::max(usage.most_threads, entries_of(folder / "task"));
-    usage.most_files = std::max(usage.most_files, entries_of(folder / "fd"));
+    usage.max_threads = std::max(usage.max_threads, entries_of(folder / "task"));
+    usage.max_files = std::max(usage.max_files, entries_of(folder / "fd"));
     usage.code = process->wait_for_exit(std::chrono::milliseconds(5));
     return usage.code.has_value();
   });
   return usage;
 }
 
-/// Limits the number of files that this process may open, until destruction.
+/// Limits the number of files that this process may open during its lifetime.
 class FileLimit {
 public:
   explicit FileLimit(rlim_t most) {
@@ -290,9 +291,9 @@ SCENARIO("the doctor's search of all domains is bounded") {
       const SearchUsage usage = search(empty.domain_id());
       THEN("it has several at once, with less than 200 threads and 1024 files") {
         CHECK(usage.code == 1);
-        CHECK(usage.most_threads > 32);
-        CHECK(usage.most_threads < 200);
-        CHECK(usage.most_files < 1024);
+        CHECK(usage.max_threads > 32);
+        CHECK(usage.max_threads < 200);
+        CHECK(usage.max_files < 1024);
       }
     }
     const process::StopSignal stop;
@@ -302,7 +303,7 @@ SCENARIO("the doctor's search of all domains is bounded") {
       return bus.domains_not_searched;
     };
     WHEN("the time is over after the first visits") {
-      const std::size_t count = not_searched(300'000'000);  // a visit takes that long
+      const std::size_t count = not_searched(300'000'000);  // duration of a visit
       THEN("the other domains are counted") {
         CHECK(count >= 48 - 32);
       }
@@ -322,7 +323,7 @@ SCENARIO("on a terminal, the doctor shows how far it is") {
     const Bus bus;
     const auto bridge = bus.bridge({});
     REQUIRE(bridge->wait_for_line(Stream::error, "found"));
-    // The bar is drawn from 2 s on.
+    // The bar is drawn after 2 s.
     TerminalProcess doctor(SONOPOSE_TEST_DOCTOR,
                            {"--domain", std::to_string(bus.domain_id()), "--duration", "3.5"});
     THEN("a bar grows, and gives way to the report") {

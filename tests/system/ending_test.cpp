@@ -1,4 +1,4 @@
-/// SIGINT and SIGTERM end every program in any state, at once and with exit code 0.
+/// SIGINT and SIGTERM end every program in any state, immediately and with exit code 0.
 
 #include "support/bus.hpp"
 #include "support/temporary_folder.hpp"
@@ -14,15 +14,16 @@ using namespace sonopose::test;
 namespace topics = dds::topics;
 using std::chrono::milliseconds;
 
-/// Time that an undisturbed program needs at present to start, print its version and end.
+/// Time that a program currently needs to start, print its version and end.
 milliseconds time_of_a_version() {
   const auto began = std::chrono::steady_clock::now();
   REQUIRE(run(SONOPOSE_TEST_FUSION, {"--version"}).code == 0);
   return std::chrono::ceil<milliseconds>(std::chrono::steady_clock::now() - began);
 }
 
-/// A writer that is blocked by a stopped reader still writes some hundred samples per second, because Cyclone
-/// DDS grows its buffers slowly; an unblocked one writes many thousands.
+/// Rate below which a writer counts as blocked. A writer blocked by a stopped reader still writes some
+/// hundred samples per second, because Cyclone DDS grows its buffers slowly. An unblocked one writes many
+/// thousands.
 constexpr std::size_t slow_per_s = 1000;
 
 void check_ending(Process& process, int signal) {
@@ -106,7 +107,7 @@ SCENARIO("a bridge that is blocked by a stopped reader ends on a signal") {
       do {
         seen = imu.samples.size();
       } while (imu.wait_for_count(seen + slow_per_s, milliseconds(1000)));
-      REQUIRE(seen < 60'000);  // the log had not ended
+      REQUIRE(seen < 60'000);  // the log is not at its end
       THEN("the bridge ends at once, and the fusion when it continues") {
         check_ending(*bridge, SIGINT);
         fusion->send(SIGCONT);
@@ -127,7 +128,7 @@ SCENARIO("a fusion that is blocked by a stopped consumer ends on a signal") {
     Consumer<sonopose_FusionStatus> status(bus, topics::fusion_status);
     const auto monitor = bus.monitor({"--json"});
     const auto fusion = bus.fusion({"--lossless"});
-    // Once the monitor has printed a pose, it is a matched consumer.
+    // A monitor that has printed a pose is a matched consumer.
     REQUIRE(bus.bridge({"--source", "log", "--input", short_log, "--rate", "0", "--address", "8"})
                 ->wait_for_exit() == 0);
     REQUIRE(monitor->wait_for_line(Stream::output, "\"address\":8"));

@@ -1,4 +1,4 @@
-/// Two beacons with an engine each, and what the engines publish about the sensors.
+/// Two beacons with different engines, and the engines' published estimates of the sensors.
 
 #include "support/bus.hpp"
 
@@ -19,7 +19,7 @@ namespace topics = dds::topics;
 constexpr BeaconAddress documented_beacon = 7;
 constexpr BeaconAddress kalman_beacon = 8;
 
-/// Two simulated beacons; the fusion has the documented engine for the first and the default for the
+/// Two simulated beacons; the fusion uses the documented engine for the first and the default engine for the
 /// other.
 struct Chain {
   Bus bus;
@@ -29,7 +29,7 @@ struct Chain {
   std::unique_ptr<Process> fusion = bus.fusion({"--set", "beacon.7.fusion.engine=documented"});
   std::unique_ptr<Process> bridge = bus.bridge({"--address", "7", "--beacons", "2"});
 
-  /// What is known when the gyro bias was measured at rest and the first fixes were used.
+  /// Waits for estimates: the gyro bias is measured at rest, then the first fixes are used.
   bool wait_until_estimated() {
     const auto is_known = [](BeaconAddress address) {
       return [address](const Estimate& estimate) {
@@ -60,7 +60,7 @@ SCENARIO("each beacon has the engine that is set for it, and its estimates come 
               return pose.address == kalman_beacon && pose.fusion_out_time_ns > began_ns &&
                      pose.fusion_out_time_ns < ended_ns;
             });
-        CHECK(poses > 100);  // of 100 a second, in two seconds
+        CHECK(poses > 100);  // 100 per second during two seconds
         CHECK(poses < 600);
         const Estimate documented = chain.latest_of(documented_beacon);
         const Estimate kalman = chain.latest_of(kalman_beacon);
@@ -76,7 +76,7 @@ SCENARIO("each beacon has the engine that is set for it, and its estimates come 
         CHECK(kalman.accelerometer_bias_body_mps2->std.minCoeff() > 0.0);
         CHECK(kalman.lever_arm_body_m->std.minCoeff() > 0.0);
         REQUIRE(kalman.fix_noise_m);
-        CHECK(chain.estimates.wait_for([](const Estimate& estimate) {  // it is learned from the fixes
+        CHECK(chain.estimates.wait_for([](const Estimate& estimate) {  // the noise is learned from the fixes
           return estimate.address == kalman_beacon && estimate.fix_noise_m &&
                  std::abs(estimate.fix_noise_m->value - 0.02) < 0.02;
         }));

@@ -18,7 +18,7 @@ using namespace sonopose::test;
 using Catch::Contains;
 using nlohmann::json;
 
-/// The fused error on one run of one scenario.
+/// Fused error of one run of one scenario.
 double rmse_of(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(),
                    {"walk", "--seeds", "1", "--json", "--set", "fusion.engine=documented"});
@@ -28,23 +28,24 @@ double rmse_of(std::vector<std::string> arguments) {
   return json::parse(result.output).at(0).at("position_rmse_m").get<double>();
 }
 
-/// Runs it with a full output device.
+/// Runs the program with a full output device.
 Result into_full_disk(const std::string& program, const std::string& arguments) {
   return run("/bin/sh", {"-c", "\"$0\" " + arguments + " > /dev/full", program});
 }
 
 SCENARIO("--beacon selects the settings that are scored") {
   const double plain = rmse_of({});
-  const double worse = rmse_of({"--set", "trust.sigma_m=5", "--set", "attitude.adaptive.accel_time_s=1"});
+  const double worse = rmse_of(
+      {"--set", "documented.trust.sigma_m=5", "--set", "documented.attitude.adaptive.accel_time_s=1"});
   REQUIRE(worse != plain);
-  const std::vector<std::string> of_nine{"--set", "beacon.9.trust.sigma_m=5", "--set",
-                                         "beacon.9.attitude.adaptive.accel_time_s=1"};
+  const std::vector<std::string> of_nine{"--set", "beacon.9.documented.trust.sigma_m=5", "--set",
+                                         "beacon.9.documented.attitude.adaptive.accel_time_s=1"};
   CHECK(rmse_of(of_nine) == plain);
   auto named = of_nine;
   named.insert(named.end(), {"--beacon", "9"});
   CHECK(rmse_of(named) == worse);
-  CHECK(rmse_of({"--set", "beacon.7.trust.sigma_m=5", "--set",
-                 "beacon.7.attitude.adaptive.accel_time_s=1"}) == worse);
+  CHECK(rmse_of({"--set", "beacon.7.documented.trust.sigma_m=5", "--set",
+                 "beacon.7.documented.attitude.adaptive.accel_time_s=1"}) == worse);
 }
 
 SCENARIO("the row of a case is printed before the next case ends") {
@@ -63,7 +64,7 @@ SCENARIO("--engine scores each engine in a row of its own") {
   REQUIRE(rows.size() == 2);
   CHECK(rows.at(0).at("engine") == "documented");
   CHECK(rows.at(1).at("engine") == "kalman");
-  // Without a pair only the Kalman engine finds the yaw.
+  // Only the Kalman engine finds the yaw without a pair.
   CHECK(rows.at(1).at("yaw_rmse_deg").get<double>() < 0.5 * rows.at(0).at("yaw_rmse_deg").get<double>());
   CHECK(run(SONOPOSE_TEST_EVALUATE, {"walk", "--engine", "strapdown"}).code != 0);
 }
@@ -89,14 +90,14 @@ SCENARIO("a search prints settings that are effective for the selected beacon") 
   const Result result =
       run(SONOPOSE_TEST_TUNE,
           {"walk", "--seeds", "1", "--rounds", "1", "--beacon", "9", "--set", "fusion.engine=documented",
-           "--set", "beacon.9.trust.sigma_m=0.3", "--vary", "trust.sigma_m=0.1..0.2"});
+           "--set", "beacon.9.documented.trust.sigma_m=0.3", "--vary", "documented.trust.sigma_m=0.1..0.2"});
   CAPTURE(result.error);
   REQUIRE(result.code == 0);
   const TemporaryFolder folder;
   write_text(folder / "found.toml", result.output);
   const std::string config = (folder / "found.toml").string();
   CHECK(rmse_of({"--config", config, "--beacon", "9"}) !=
-        rmse_of({"--config", config, "--beacon", "9", "--set", "beacon.9.trust.sigma_m=0.3"}));
+        rmse_of({"--config", config, "--beacon", "9", "--set", "beacon.9.documented.trust.sigma_m=0.3"}));
 }
 
 SCENARIO("own logs are scored with and without truth, alone, and what is left out is named") {

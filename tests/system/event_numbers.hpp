@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The event numbers in a recording, and those that a reader received.
+/// Event numbers in a recording, and those that a reader received.
 
 #include "recorder/messages.hpp"
 #include <sonopose/dds/topics/serialized_topics.hpp>
@@ -12,7 +12,7 @@
 
 namespace sonopose::test {
 
-/// The little-endian number of 8 bytes at `offset` of the CDR.
+/// Little-endian 8-byte number at `offset` of the CDR.
 inline std::uint64_t number_at(const recorder::test::OwnedMessage& message, std::size_t offset) {
   REQUIRE(message.data.size() >= offset + 8);
   std::uint64_t number = 0;
@@ -21,11 +21,10 @@ inline std::uint64_t number_at(const recorder::test::OwnedMessage& message, std:
   return number;
 }
 
-/// By beacon.
+/// Event numbers by beacon.
 using Numbers = std::map<int, std::vector<std::uint64_t>>;
 
-/// The event numbers of IMU samples, fixes, headings and poses: the second field of their types,
-/// aligned to 8.
+/// Event numbers of IMU samples, fixes, headings and poses: the second field of their types, aligned to 8.
 inline Numbers event_numbers(const std::vector<recorder::test::OwnedMessage>& messages) {
   Numbers numbers;
   for (const auto& message : messages) {

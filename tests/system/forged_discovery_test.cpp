@@ -1,4 +1,5 @@
-/// A process whose discovery messages end others: a known limit of Cyclone DDS 0.10 (docs/reliability.md).
+/// A process whose discovery messages end others: a known limitation of Cyclone DDS 0.10
+/// (docs/reliability.md).
 
 #include "support/bus.hpp"
 
@@ -11,12 +12,12 @@ using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they must be loaded first
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // the sanitizers must be loaded first
 
 SCENARIO("programs that a forged discovery message has ended serve again after their restart") {
   GIVEN("a running bridge and fusion") {
     const Bus bus;
-    // With a tag of their own: a doctor of another test that visits this domain would end, too.
+    // A private tag protects other tests' doctors that visit this domain: they would end, too.
     ::setenv("CYCLONEDDS_URI",
              "<CycloneDDS><Domain><Discovery><Tag>forged</Tag></Discovery></Domain></CycloneDDS>", 1);
     const auto bridge = bus.bridge({"--scenario", "rest"});

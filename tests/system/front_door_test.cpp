@@ -1,4 +1,4 @@
-/// The program sonopose, and options of every program: --help, --version, suggestions for misspelt words.
+/// The program sonopose and the common options: --help, --version, suggestions for misspelt words.
 
 #include "support/process.hpp"
 #include "support/temporary_folder.hpp"
@@ -49,13 +49,13 @@ std::string refusal(const fs::path& program, const std::vector<std::string>& arg
   return result.error;
 }
 
-/// The program sonopose alone in a folder, with a foreign verb on PATH.
-struct FrontDoorAlone {
+/// The program sonopose alone in a folder, with a foreign subcommand on PATH.
+struct LauncherAlone {
   TemporaryFolder folder;
   fs::path program = folder / "sonopose";
   Environment environment{{"PATH", (folder / "path").string() + ":" + std::getenv("PATH")}};
 
-  FrontDoorAlone() {
+  LauncherAlone() {
     fs::copy_file(front_door, program);
     fs::create_directory(folder / "path");
     const fs::path verb = folder / "path" / "sonopose-greet";
@@ -106,7 +106,7 @@ SCENARIO("A verb runs its program") {
     }
   }
   WHEN("the program is only on PATH") {
-    const FrontDoorAlone alone;
+    const LauncherAlone alone;
     THEN("it runs from there") {
       const Result result = run(alone.program, {"greet", "a b", "--c"}, alone.environment);
       CHECK(result.output == "hello a b --c\n");
@@ -114,7 +114,7 @@ SCENARIO("A verb runs its program") {
     }
   }
   WHEN("the program of a known verb is missing") {
-    const FrontDoorAlone alone;
+    const LauncherAlone alone;
     THEN("sonopose says which one") {
       const Result result = run(alone.program, {"tune"}, alone.environment);
       CHECK(result.code.value_or(0) > 0);
@@ -139,8 +139,8 @@ TEST_CASE("A misspelt option is refused with the nearest one") {
   CHECK_THAT(refusal(bridge, {"--sorce=sim"}), Contains("--sorce: unknown option; did you mean --source?"));
   CHECK_THAT(refusal(bridge, {"--xyzzy"}), Contains("--xyzzy: unknown option\n"));
   CHECK_THAT(refusal(bridge, {"sim"}), Contains("sim: unexpected argument"));
-  // An argument is missing too, but only because of the misspelt option.
-  CHECK_THAT(refusal(beside_front_door("sonopose-tune"), {"--vray", "drift.jump_alpha"}),
+  // The argument is missing only because of the misspelt option.
+  CHECK_THAT(refusal(beside_front_door("sonopose-tune"), {"--vray", "documented.drift.jump_alpha"}),
              Contains("--vray: unknown option; did you mean --vary?"));
 }
 
@@ -179,7 +179,7 @@ TEST_CASE("Every program refuses an unknown option") {
   }
 }
 
-/// The command lines that a program has a help for: its own and those of its commands.
+/// Subcommands of a program that have their own help; empty for the program's.
 std::vector<std::vector<std::string>> helps_of(const std::string& program) {
   std::vector<std::vector<std::string>> helps{{}};
   if (program == "sonopose-settings") helps.insert(helps.end(), {{"get"}, {"set"}, {"watch"}, {"reset"}});
@@ -187,7 +187,7 @@ std::vector<std::vector<std::string>> helps_of(const std::string& program) {
   return helps;
 }
 
-/// Lines that are wider than a page.
+/// Lines wider than a page.
 std::vector<std::string> wide_lines(const std::string& text) {
   std::vector<std::string> wide;
   std::istringstream lines(text);
@@ -222,7 +222,7 @@ TEST_CASE("Every help fits a page of 45 lines and 100 columns") {
   }
 }
 
-/// The descriptions of the options in a help, by the option; those on several lines as one.
+/// Descriptions of the options in a help text, by option; wrapped ones are joined.
 std::map<std::string, std::string> descriptions_in(const std::string& help) {
   std::map<std::string, std::string> descriptions;
   std::istringstream lines(help);
@@ -281,7 +281,7 @@ TEST_CASE("The settings have a help of their own") {
   const Result group = run(fusion, {"--help-settings", "attitude.mahony"});
   CHECK(group.code == 0);
   CHECK_THAT(group.output,
-             Contains("attitude.mahony.kp") && !Contains("attitude.ahrs") && !Contains("drift."));
+             Contains("documented.attitude.mahony.kp") && !Contains("attitude.ahrs") && !Contains("drift."));
   CHECK_THAT(refusal(fusion, {"--help-settings", "headign"}),
              Contains("--help-settings: headign") && Contains("did you mean heading?"));
 }

@@ -27,7 +27,7 @@ SCENARIO("a stopped consumer does not delay others") {
     const auto monitor = bus.monitor({"--json"});
     REQUIRE(monitor->wait_for_lines(Stream::output, 2));
     WHEN("one of them is stopped for more poses than any buffer holds") {
-      constexpr std::size_t poses_each = 64;  // a writer keeps 64 of each beacon
+      constexpr std::size_t poses_each = 64;  // a writer keeps 64 per beacon
       monitor->send(SIGSTOP);
       std::map<BeaconAddress, std::size_t> counts;
       std::size_t complete = 0;

@@ -18,7 +18,7 @@ using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
-/// Twenty seconds of the simulator, recorded by the bridge itself.
+/// Records twenty seconds of the simulator by the bridge itself.
 void record_simulation(const Bus& bus, const std::filesystem::path& folder) {
   const auto bridge =
       bus.bridge({"--source", "sim", "--rate", "0", "--duration", "20", "--record", folder.string()});
@@ -44,7 +44,7 @@ Replay replay(const std::filesystem::path& folder, const std::string& engine = "
   return replay;
 }
 
-/// Number of poses that are not bit-identical, the k-th against the k-th.
+/// Number of k-th samples that are not bit-identical.
 template <class Sample>
 std::size_t differences(const std::vector<Sample>& a, const std::vector<Sample>& b) {
   std::size_t count = 0;
@@ -54,7 +54,7 @@ std::size_t differences(const std::vector<Sample>& a, const std::vector<Sample>&
   return count;
 }
 
-/// Poses of sonopose-replay, from its files.
+/// Poses in the files of sonopose-replay.
 std::vector<Bits> replayed_rows(const std::filesystem::path& log, const std::filesystem::path& out,
                                 const std::string& engine) {
   REQUIRE(run(SONOPOSE_TEST_REPLAY, {log.string(), "--out", out.string(), "--engine", engine}).code == 0);

@@ -1,4 +1,4 @@
-/// Addresses without end, such as those of forged samples: the beacons that were there first go on.
+/// Unlimited addresses, as of forged samples: the first beacons continue.
 
 #include "clocks/clocks.hpp"
 #include "support/beacon_feed.hpp"
@@ -29,14 +29,14 @@ using namespace sonopose::test;
 constexpr BeaconAddress healthy = 7;
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr double tolerated_mb = 2000;  // their allocators keep what is freed
+constexpr double tolerated_mb = 2000;  // the sanitizers' allocators keep freed memory
 #else
 constexpr double tolerated_mb = 25;
 #endif
 
-/// Resources that a process uses.
+/// Resource usage of a process.
 struct Usage {
-  double processor_s = 0;  ///< per sample of the healthy beacon
+  double processor_s = 0;  ///< processor time per sample of the healthy beacon
   double memory_mb = 0;
   std::ptrdiff_t threads = 0;
   std::ptrdiff_t descriptors = 0;
@@ -65,11 +65,11 @@ Usage usage_of(int pid) {
           .descriptors = entries_of(pid, "fd")};
 }
 
-/// A process whose resources must be the same before and after a flood.
+/// A process whose usage must be the same before and after a flood.
 struct Observed {
   std::string name;
   Process& process;
-  double more_mb;  ///< that it may use afterwards
+  double more_mb;  ///< additional memory allowed afterwards
   Usage before{};
   Usage after{};
 };
@@ -87,7 +87,7 @@ void measure(std::vector<Observed>& all, Usage Observed::*moment, const Receive&
   }
 }
 
-constexpr double tolerated_ratio = 5;  ///< of processor time
+constexpr double tolerated_ratio = 5;  ///< of the processor times
 
 bool is_as_before(const Observed& each) {
   return each.after.processor_s < tolerated_ratio * each.before.processor_s &&
@@ -124,7 +124,7 @@ std::set<BeaconAddress> addresses_of(const std::vector<Sample>& samples, std::si
 
 constexpr unsigned flood_pieces = 16;
 
-/// A participant that writes a sample and a bridge's status of every fourth address, and then lives on.
+/// Writes a sample and a bridge's status of every fourth address, and then stays alive.
 class Forger {
 public:
   explicit Forger(const Bus& bus)
@@ -132,7 +132,7 @@ public:
         imu_(dds::topics::make_writer(participant_, dds::qos::Provider(), dds::topics::imu)),
         status_(dds::topics::make_writer(participant_, dds::qos::Provider(), dds::topics::beacon_status)) {}
 
-  /// Calls `go_on()` after each piece.
+  /// Writes the pieces and calls `go_on()` after each.
   template <class GoOn>
   void write(unsigned pieces, const GoOn& go_on) {
     constexpr unsigned spacing = 4;
@@ -158,7 +158,7 @@ private:
   dds::DataWriter<sonopose_BeaconStatus> status_;
 };
 
-/// Writes statuses of fusions and lines that do not exist, each once. Calls `go_on()` after each piece.
+/// Writes one status each of nonexistent fusions and lines. Calls `go_on()` after each piece.
 class IdForger {
 public:
   explicit IdForger(const Bus& bus)
@@ -194,7 +194,7 @@ private:
   dds::DataWriter<sonopose_LineStatus> lines_;
 };
 
-/// A fusion and a relay that serve the healthy beacon at 25 Hz, and few others.
+/// A fusion and a relay that admit few beacons, and the healthy beacon at 25 Hz.
 struct ServedBeacon {
   Bus bus;
   std::unique_ptr<Process> fusion = bus.fusion({"--max-beacons", "64"});
@@ -203,7 +203,7 @@ struct ServedBeacon {
   RosReader<ros2::Imu> imu{bus, fmt::format("/hedge_{}/imu/data_raw", healthy)};
   std::unique_ptr<Process> bridge = bus.bridge({"--address", std::to_string(healthy), "--imu-rate", "25"});
 
-  /// Waits for so many poses more, and for a message of the relay.
+  /// Waits for `count` more poses and a message of the relay.
   void receive(std::size_t count) {
     REQUIRE(imu.wait_for([](const ros2::Imu&) { return true; }));
     REQUIRE(poses.wait_for_count(poses.count(), count).size() >= count);
@@ -276,7 +276,7 @@ SCENARIO("forged fusions and lines disturb no observer") {
   }
 }
 
-/// A beacon at 100 Hz on a line, whose latest IMU datagram can be read.
+/// A beacon at 100 Hz on a line, whose latest IMU datagram is readable.
 class LiveBeacon {
 public:
   explicit LiveBeacon(const UdpSender& sender)
@@ -289,7 +289,7 @@ public:
     feed_.add(healthy);
   }
 
-  /// The latest IMU datagram, as the beacon of `address` would send it.
+  /// The latest IMU datagram, as if from the beacon of `address`.
   std::vector<std::uint8_t> forged(std::uint8_t address) const {
     const std::lock_guard lock(mutex_);
     auto bytes = imu_;
@@ -319,7 +319,7 @@ SCENARIO("forged datagrams of all addresses disturb no bridge") {
           imu.wait_for([&](const ImuSample& sample) { return sample.address == healthy && ++seen == count; },
                        imu.samples.size()));
     };
-    receive(50);  // what gathered during the start has been taken
+    receive(50);  // the backlog of the start has been taken
     std::vector<Observed> all{{"bridge", *bridge, tolerated_mb}};
     measure(all, &Observed::before, receive);
     WHEN("another sender sends forty datagrams of each of the other 255 addresses") {

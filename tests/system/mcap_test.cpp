@@ -1,4 +1,4 @@
-/// The program sonopose-mcap, and the programs that take its files.
+/// The program sonopose-mcap, and programs that read its files.
 
 #include "bus_log/recorded.hpp"
 #include "mcap/reader.hpp"
@@ -19,7 +19,7 @@ using namespace sonopose::test;
 using Catch::Contains;
 using Path = std::filesystem::path;
 
-/// Twenty seconds of a walk, of each of these beacons.
+/// Records twenty seconds of a walk for each of these beacons.
 void record_walks(const Path& file, const std::vector<BeaconAddress>& addresses) {
   BusRecording recording(file);
   for (Event event : sim::record(sim::find_scenario("walk"), {.duration_s = 20.0}).events) {
@@ -49,7 +49,7 @@ SCENARIO("a recording of the bus is shown, selected and exported") {
     const Result result = mcap({"info", file});
     THEN("it lists the topics") {
       CHECK(result.code == 0);
-      // 20 s of two beacons with 100 Hz each.
+      // 20 s of two beacons at 100 Hz each.
       const std::size_t line_at = result.output.find("sonopose/imu ");
       REQUIRE(line_at != std::string::npos);
       const std::string line = result.output.substr(line_at, result.output.find('\n', line_at) - line_at);
@@ -107,7 +107,7 @@ SCENARIO("the exit code says whether a file is sound") {
   const auto verify = [&folder](const std::string& text) {
     const std::string damaged = folder / "damaged.mcap";
     write_text(damaged, text);
-    CHECK(mcap({"info", damaged}).code == 0);  // what can be read is shown
+    CHECK(mcap({"info", damaged}).code == 0);  // shows the readable part
     return mcap({"info", "--verify", damaged});
   };
   GIVEN("a sound file") {
@@ -136,9 +136,9 @@ SCENARIO("programs take recordings of other forms") {
     const std::string file = folder / "run.mcap";
     record_walks(file, {7, 12});
     THEN("a search scores settings on one of them") {
-      const Result result =
-          run(SONOPOSE_TEST_TUNE, {file, "--beacon", "12", "--rounds", "2", "--vary",
-                                   "alignment.yaw_noise_mps=0.2..1", "--set", "fusion.engine=documented"});
+      const Result result = run(SONOPOSE_TEST_TUNE, {file, "--beacon", "12", "--rounds", "2", "--vary",
+                                                     "documented.alignment.yaw_noise_mps=0.2..1", "--set",
+                                                     "fusion.engine=documented"});
       CAPTURE(result.error);
       CHECK(result.code == 0);
       CHECK_THAT(result.output, Contains("Geometric mean"));

@@ -1,4 +1,4 @@
-/// sonopose-monitor --echo: the samples of a topic as lines of JSON.
+/// sonopose-monitor --echo: samples of a topic as lines of JSON.
 
 #include "support/bus.hpp"
 

@@ -25,20 +25,20 @@ const std::string end = "\x1bOF";
 const std::string enter = "\r";
 const std::string escape = "\x1b";
 
-/// A monitor on a terminal of its own.
+/// A monitor on its own terminal.
 class MonitorScreen : public TerminalProcess {
 public:
   explicit MonitorScreen(const Bus& bus, const std::vector<std::string>& variables = {"TERM=xterm-256color"})
       : TerminalProcess(SONOPOSE_TEST_MONITOR, {"--domain", std::to_string(bus.domain_id())}, 80, 24,
                         variables) {}
 
-  /// A line with the text in this row, counted from the top.
+  /// Waits for a text in this row, counted from the top.
   bool wait_for_row(std::size_t row, std::string_view text) {
     return wait_until(
         [=](const TextScreen& screen) { return screen.line(row).find(text) != std::string::npos; });
   }
 
-  /// The row of a beacon with a pose: only such have numbers with two decimals.
+  /// Waits for a pose in a beacon's row; only poses have numbers with two decimals.
   bool wait_for_pose(std::size_t row) {
     static const std::regex position(R"(\d\.\d\d( |$))");
     return wait_until(
@@ -115,7 +115,7 @@ SCENARIO("the monitor is a screen that fits") {
   }
 }
 
-/// The thread of this name; -1 if there is none.
+/// Id of the thread with this name; -1 if there is none.
 int thread_of(int pid, const std::string& name) {
   for (const auto& entry : std::filesystem::directory_iterator("/proc/" + std::to_string(pid) + "/task")) {
     std::string thread_name;
@@ -131,7 +131,7 @@ SCENARIO("the monitor gives way to the processes that it watches") {
     MonitorScreen monitor(bus);
     REQUIRE(monitor.wait_for("no beacon yet"));
     THEN("none of its threads interrupts another one when it wakes up") {
-      // It keeps a policy that the user has chosen, such as that of the test.
+      // The monitor keeps a policy chosen by the user, such as that of the test.
       const int own = ::sched_getscheduler(0);
       const int expected = own == SCHED_OTHER ? SCHED_BATCH : own;
       int threads = 0;
@@ -140,7 +140,7 @@ SCENARIO("the monitor gives way to the processes that it watches") {
         CHECK(::sched_getscheduler(std::stoi(task.path().filename())) == expected);
         ++threads;
       }
-      CHECK(threads > 2);  // with those of Cyclone DDS
+      CHECK(threads > 2);  // includes those of Cyclone DDS
     }
   }
 }
@@ -188,7 +188,7 @@ SCENARIO("c clears the counters") {
     REQUIRE(monitor.wait_for("missed"));
     bridge->send(SIGCONT);
     WHEN("c is typed") {
-      // A deadline that is missed after a clear is counted; on a busy machine it takes several.
+      // Deadlines missed after a clear are counted, so a busy machine may need several.
       const bool is_cleared = wait_until([&] {
         monitor.type("c");
         return monitor.wait_until(
@@ -213,7 +213,7 @@ SCENARIO("a second Ctrl-C ends a monitor that hangs, and restores the terminal")
       monitor.type(ctrl_c);
       CHECK_FALSE(monitor.wait_for_exit(std::chrono::milliseconds(1200)));
       CHECK_FALSE(monitor.has_normal_line());
-      // Again and again: a busy machine may have been late with the first one.
+      // Repeated, because a busy machine may have been late with the first one.
       REQUIRE(test::wait_until([&monitor] {
         monitor.type(ctrl_c);
         return monitor.wait_for_exit(std::chrono::milliseconds(200)).has_value();
@@ -256,7 +256,7 @@ SCENARIO("a crash in a thread that receives samples restores the terminal") {
     const auto fusion = bus.fusion();
     const auto bridge = bus.bridge({});
     REQUIRE(monitor.wait_for("1 beacon by worst"));
-    const int receiver = thread_of(monitor.pid(), "recv");  // Cyclone DDS blocks signals in it
+    const int receiver = thread_of(monitor.pid(), "recv");  // Cyclone DDS blocks signals on this thread
     REQUIRE(receiver > 0);
     WHEN("that thread gets a fault") {
       REQUIRE(::syscall(SYS_tgkill, monitor.pid(), receiver, SIGSEGV) == 0);
@@ -294,7 +294,7 @@ SCENARIO("TERM and NO_COLOR choose colours and the screen") {
     }
   }
   GIVEN("a terminal of an unknown type") {
-    // ncurses keeps 1.6 kB where it does not know the terminal.
+    // ncurses leaks 1.6 kB if it does not know the terminal.
     MonitorScreen monitor(bus, {"TERM=unheard-of", "ASAN_OPTIONS=detect_leaks=0"});
     THEN("the monitor prints lines and says why") {
       CHECK(monitor.wait_for("unheard-of"));

@@ -1,4 +1,4 @@
-/// A fusion that gets too little processor time.
+/// A fusion with too little processor time.
 
 #include "support/pose_tap.hpp"
 
@@ -16,7 +16,7 @@ using namespace sonopose::test;
 namespace topics = dds::topics;
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr std::size_t beacons = 20;  // of these each costs a multiple
+constexpr std::size_t beacons = 20;  // each costs several times as much
 #else
 constexpr std::size_t beacons = 80;
 #endif
@@ -30,7 +30,7 @@ struct ManyBeacons {
   std::unique_ptr<Process> fusion = bus.fusion();
   std::unique_ptr<Process> bridge = bus.bridge({"--beacons", std::to_string(beacons), "--imu-rate", "25"});
 
-  /// The latest status of each beacon since the one with this index.
+  /// Latest status of each beacon from this index.
   [[nodiscard]] std::map<BeaconAddress, FusionStatus> latest(std::size_t from = 0) const {
     std::map<BeaconAddress, FusionStatus> latest;
     for (std::size_t i = from; i < status.samples.size(); ++i) {
@@ -39,7 +39,7 @@ struct ManyBeacons {
     return latest;
   }
 
-  /// Waits until the latest status of each beacon from now on is as wanted.
+  /// Waits until each beacon's latest status from now on fulfils `wanted`.
   template <class Wanted>
   bool wait_for_all(const Wanted& wanted) {
     const std::size_t from = status.samples.size();
@@ -50,8 +50,8 @@ struct ManyBeacons {
     });
   }
 
-  /// Stops the fusion until much has gathered, again and for longer where that does not overload a fast
-  /// machine, and waits until each beacon has a pose that is marked. Returns how many have.
+  /// Stops the fusion until it has a large backlog, repeatedly and longer if a fast machine is not
+  /// overloaded. Waits until every beacon has a marked pose; returns the number of beacons that have one.
   std::size_t overload() {
     std::set<BeaconAddress> marked;
     const auto mark = [&marked](const TappedPose& tapped) {
@@ -95,8 +95,8 @@ SCENARIO("an overloaded fusion still serves every beacon") {
             CHECK(many.fusion->wait_for_line(Stream::error, "no longer overloaded"));
             CHECK(is_silent);
             std::uint64_t used = 0;
-            std::uint64_t rejected = 0;  // those that waited too long, too
-            std::uint64_t lost = 0;      // on a machine that is so busy that even the input is lost
+            std::uint64_t rejected = 0;  // includes those that waited too long
+            std::uint64_t lost = 0;      // on a machine so busy that even input is lost
             std::uint64_t skipped = 0;
             for (const auto& entry : many.latest()) {
               used += entry.second.fixes_used;

@@ -1,4 +1,4 @@
-/// sonopose-play: a fusion computes the same poses from what is played.
+/// sonopose-play: a fusion computes the same poses from the played inputs.
 
 #include "bus_log/outputs.hpp"
 #include "bus_log/sensor_log.hpp"
@@ -29,13 +29,13 @@ namespace fs = std::filesystem;
 
 constexpr std::array<BeaconAddress, 2> beacons{7, 8};
 
-/// The poses that an engine in this process computes from the inputs of a file.
+/// Poses that an engine in this process computes from the inputs of a file.
 std::vector<FusedPose> replayed(const fs::path& file, BeaconAddress address) {
   estimation::AnyEstimator estimator{settings::Settings{}};
   return poses_of(estimator, bus_log::read_sensor_log(file, address).events);
 }
 
-/// Those of a beacon, as bits.
+/// Poses of a beacon, as bits.
 std::vector<Bits> bits_of_beacon(const std::vector<FusedPose>& poses, BeaconAddress address) {
   std::vector<Bits> bits;
   for (const FusedPose& pose : poses) {
@@ -44,7 +44,7 @@ std::vector<Bits> bits_of_beacon(const std::vector<FusedPose>& poses, BeaconAddr
   return bits;
 }
 
-/// The poses in a recording, by beacon and number.
+/// Poses in a recording, by beacon and event number.
 std::map<std::pair<BeaconAddress, std::uint64_t>, Bits> recorded_poses(const fs::path& file) {
   std::map<std::pair<BeaconAddress, std::uint64_t>, Bits> bits;
   const mcap::Reader reader(file);
@@ -59,8 +59,8 @@ std::map<std::pair<BeaconAddress, std::uint64_t>, Bits> recorded_poses(const fs:
   return bits;
 }
 
-/// Waits for the poses of a lossless fusion that gets the inputs in a file from a player, ends it, and
-/// returns what it has logged.
+/// Waits for the poses of a lossless fusion that receives a file's inputs from a player, ends it, and returns
+/// its log.
 std::string play_to(Process& fusion, Consumer<sonopose_FusedPose>& poses, const Bus& bus,
                     const fs::path& file, const char* readers, std::size_t pose_count) {
   REQUIRE(bus.play({file.string(), "--topics", "imu,fix,heading", "--rate", "0", "--readers", readers})
@@ -72,7 +72,7 @@ std::string play_to(Process& fusion, Consumer<sonopose_FusedPose>& poses, const 
   return fusion.text(Stream::error);
 }
 
-/// Whether the log of a fusion has the state hash that the replay of the file has, for each beacon.
+/// Checks that the fusion's log has the state hash of a replay of the file, for each beacon.
 void check_state_hashes(const std::string& log, const fs::path& file) {
   for (const BeaconAddress address : beacons) {
     const Result replay = run(SONOPOSE_TEST_REPLAY, {file.string(), "--beacon", std::to_string(address)});
@@ -88,8 +88,8 @@ void check_state_hashes(const std::string& log, const fs::path& file) {
   }
 }
 
-/// Inputs of two beacons, a lossless fusion that got them from a player, a recording of both, and another
-/// lossless fusion that got the recording.
+/// Inputs of two beacons, a lossless fusion that received them from a player, a recording of both, and
+/// another lossless fusion that received the recording.
 struct PlayedTwice {
   PlayedTwice() {
     record_walk(inputs, 4.0, {beacons.begin(), beacons.end()});
@@ -103,7 +103,7 @@ struct PlayedTwice {
     Consumer<sonopose_FusedPose> consumer(bus, topics::pose);
     const auto fusion = bus.fusion({"--lossless"});
     REQUIRE(consumer.wait_for_writers());
-    // Its writer of poses is older than the one of the settings: then the recorder knows both.
+    // The fusion's writer of poses is older than that of the settings, so the recorder knows both.
     REQUIRE(wait_for_part(file, {"sonopose/settings"}, 1));
     log = play_to(*fusion, consumer, bus, inputs, "2", pose_count);
     poses = consumer.samples;
@@ -122,9 +122,9 @@ struct PlayedTwice {
   TemporaryFolder folder;
   fs::path inputs = folder / "inputs.mcap";
   fs::path file = folder / "run.mcap";
-  std::map<BeaconAddress, std::vector<FusedPose>> expected;  ///< of a replay
+  std::map<BeaconAddress, std::vector<FusedPose>> expected;  ///< poses of a replay
   std::size_t pose_count = 0;
-  std::string log, log_again;  ///< of the fusions
+  std::string log, log_again;  ///< logs of the two fusions
   std::vector<FusedPose> poses, poses_again;
 };
 

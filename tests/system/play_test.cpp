@@ -1,7 +1,7 @@
-/// sonopose-play: a recording on the bus again.
+/// sonopose-play: a recording published again.
 
+#include "bus_log/instance_end.hpp"
 #include "bus_log/recorded.hpp"
-#include "recorder/instance_end.hpp"
 #include "recorder/messages.hpp"
 #include "support/bus.hpp"
 #include "support/held_thread.hpp"
@@ -28,7 +28,7 @@ using recorder::test::OwnedMessage;
 namespace topics = dds::topics;
 namespace fs = std::filesystem;
 
-/// A recording of a fusion with two beacons of the simulator.
+/// Records a fusion with two beacons of the simulator.
 void record_run(const fs::path& file, const std::string& names) {
   const Bus bus;
   const auto record = start_recording(bus, file, {"--topics", names});
@@ -38,7 +38,7 @@ void record_run(const fs::path& file, const std::string& names) {
   REQUIRE(record->end_by(SIGINT).code == 0);
 }
 
-/// When the event of that number was available.
+/// Time at which the event of that number was available.
 TimeNs bridge_time_of(const std::vector<Event>& events, std::uint64_t sequence) {
   const auto found = std::find_if(events.begin(), events.end(),
                                   [&](const Event& event) { return sequence_of(event) == sequence; });
@@ -52,26 +52,26 @@ TimeNs host_now_ns() {
       .count();
 }
 
-/// What a player must keep of a message: all but its arrival. Of one beacon and topic, in order.
+/// Message content that a player must preserve: everything but the arrival. By topic and beacon, in order.
 using Kept =
     std::map<std::pair<std::string, int>, std::vector<std::pair<std::uint64_t, std::vector<std::byte>>>>;
 
 Kept kept_of(const std::vector<OwnedMessage>& messages) {
   Kept kept;
   for (const OwnedMessage& message : messages) {
-    if (message.topic == recorder::instance_ends_topic) continue;
+    if (message.topic == bus_log::instance_ends_topic) continue;
     kept[{message.topic, topics::beacon_of(message.data).value_or(0)}].emplace_back(message.publish_time_ns,
                                                                                     message.data);
   }
   return kept;
 }
 
-/// The explicit ends of instances, by topic and beacon, with their kind.
+/// Explicit ends of instances, by topic and beacon, with their kind.
 std::vector<std::tuple<std::string, int, bool>> ends_of(const std::vector<OwnedMessage>& messages) {
   std::vector<std::tuple<std::string, int, bool>> ends;
   for (const OwnedMessage& message : messages) {
-    if (message.topic != recorder::instance_ends_topic) continue;
-    const auto end = recorder::instance_end_of(message.text());
+    if (message.topic != bus_log::instance_ends_topic) continue;
+    const auto end = bus_log::instance_end_of(message.text());
     ends.emplace_back(end.topic, topics::beacon_of(end.key_cdr).value_or(0), end.disposed);
   }
   std::sort(ends.begin(), ends.end());
@@ -97,7 +97,7 @@ SCENARIO("what is played is what was recorded") {
       const auto again = messages_of(folder / "second.mcap");
       THEN("it has the same messages with the same stamps, and the same instances end") {
         CHECK(has_all);
-        CHECK(kept_of(recorded).size() == 12 + 3);  // and the settings of both beacons, and of all
+        CHECK(kept_of(recorded).size() == 12 + 3);  // includes the settings of both beacons and of all
         CHECK((kept_of(again) == kept_of(recorded)));
         CHECK(ends_of(again) == ends_of(recorded));
         CHECK_THAT(play->text(Stream::output),
@@ -119,7 +119,7 @@ SCENARIO("no message is played before its time") {
               0);
       REQUIRE(imu.wait_for_count(1));
       THEN("the first is of the start, none is from the future, and they are as far apart as before") {
-        // A stalled reader loses live samples; those that it has are not early.
+        // A stalled reader loses live samples, but none that it has is early.
         CHECK(imu.samples.front().bridge_time_ns >= before_start_ns);
         for (std::size_t i = 0; i < imu.samples.size(); ++i) {
           CHECK(imu.samples[i].bridge_time_ns <= imu.received_ns[i]);
@@ -248,7 +248,7 @@ SCENARIO("a player waits for the number of readers that was asked for") {
   }
 }
 
-/// The time of the next message, in ms since the first one, that the player shows when it is paused.
+/// Time of the next message, in ms since the first one, shown by a paused player.
 long long paused_at_ms(TerminalProcess& play) {
   const std::string name = "paused at ";
   const auto shown = [&name](const TextScreen& screen) {

@@ -1,4 +1,4 @@
-/// sonopose-record: where a file ends, and what is not in it.
+/// sonopose-record: the ends of its files, and the data that they lack.
 
 #include "mcap/reader.hpp"
 #include "recorder/event_gaps.hpp"
@@ -88,7 +88,8 @@ SCENARIO("a full disk ends the recording with an error and a complete file") {
   }
 }
 
-/// Without those before the latest of the two beginnings: a writer does not find two readers at one moment.
+/// Removes the numbers before the later of the two first ones: a writer does not match two readers
+/// simultaneously.
 void begin_together(Numbers& a, Numbers& b) {
   for (auto& [address, numbers] : a) {
     auto& others = b[address];
@@ -99,7 +100,7 @@ void begin_together(Numbers& a, Numbers& b) {
   }
 }
 
-/// How many of the samples that a reader of live writers received are not in the recording.
+/// Number of samples received by a reader of live writers but missing in the recording.
 template <class Sample>
 std::uint64_t lacking(const std::vector<OwnedMessage>& messages, const std::vector<Sample>& samples) {
   Numbers recorded = event_numbers(messages);
@@ -136,7 +137,7 @@ SCENARIO("a recording goes on in further files") {
       THEN("the files together have all, each with the settings in effect") {
         std::vector<OwnedMessage> all;
         std::size_t count = 0;
-        bool begins_with_settings = false;  // the last file: the first ones may be older than the fusion
+        bool begins_with_settings = false;  // of the last file; the first ones may be older than the fusion
         std::uint64_t counted = recorder::EventNumbers::under_way;
         for (; exists(numbered(folder, count + 1)); ++count) {
           const auto messages = messages_of(numbered(folder, count + 1));
@@ -184,8 +185,8 @@ SCENARIO("the last seconds are written when something has happened") {
         const auto first = messages_of(folder / "run_001.mcap");
         const auto second = messages_of(folder / "run_002.mcap");
         const auto span_ns = first.back().log_time_ns - first.front().log_time_ns;
-        CHECK(span_ns > 500'000'000);                               // longer where its thread was held up
-        CHECK_FALSE(of_topic(first, "sonopose/settings").empty());  // they came before
+        CHECK(span_ns > 500'000'000);                               // longer if its thread was delayed
+        CHECK_FALSE(of_topic(first, "sonopose/settings").empty());  // published before
         CHECK_FALSE(metadata_of(folder / "run_001.mcap", "sonopose.settings").empty());
         CHECK_FALSE(of_topic(second, "sonopose/settings").empty());
         CHECK(first.back().log_time_ns <= second.front().log_time_ns);
@@ -197,7 +198,7 @@ SCENARIO("the last seconds are written when something has happened") {
   }
 }
 
-/// Whether the file has a pose that is stale after one that is not.
+/// Returns true if the file has a stale pose after one that is not.
 bool turns_stale(const fs::path& file) {
   if (!exists(file)) return false;
   bool was_good = false;
@@ -217,10 +218,11 @@ SCENARIO("the last seconds before a fault are written") {
     const auto record = start_recording(bus, folder / "run.mcap", {"--keep-last", "3", "--trigger-status"});
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
     WHEN("the fixes end") {
-      const auto bridge = bus.bridge({"--scenario", "outages", "--rate", "5"});  // the first one after 15 s
+      const auto bridge =
+          bus.bridge({"--scenario", "outages", "--rate", "5"});  // the first outage begins after 15 s
       const auto is_stale = [](const FusedPose& pose) { return (pose.status & status_stale) != 0; };
       REQUIRE(poses.wait_for(is_stale));
-      // A stall of the machine may have been an event of its own before.
+      // A stall of the machine may have caused an earlier event.
       std::size_t number = 1;
       while (exists(numbered(folder, number)) && !turns_stale(numbered(folder, number))) ++number;
       const auto give_up = std::chrono::steady_clock::now() + timeout;
@@ -249,7 +251,7 @@ SCENARIO("a full disk is noticed when the last seconds are written") {
     REQUIRE(record.wait_for_line(Stream::error, "recording "));
     Consumer<sonopose_ImuSample> imu(bus, topics::imu);
     const auto bridge = bus.bridge({"--rate", "4", "--beacons", "8"});
-    REQUIRE(imu.wait_for_count(9'000));  // of about 150 bytes
+    REQUIRE(imu.wait_for_count(9'000));  // about 150 bytes each
     WHEN("they are written") {
       record.send(SIGUSR1);
       const auto code = record.wait_for_exit();
@@ -266,8 +268,7 @@ SCENARIO("a full disk is noticed when the last seconds are written") {
   }
 }
 
-/// The numbers of each beacon that are not there, from its first to the last that does not count as under
-/// way.
+/// Counts the missing events of all beacons, each from its first to the last one that cannot be in transit.
 std::uint64_t missing_numbers(const std::vector<OwnedMessage>& messages) {
   std::map<int, std::set<std::uint64_t>> numbers;
   for (const char* const topic : {"sonopose/imu", "sonopose/fix", "sonopose/heading"}) {
@@ -327,7 +328,7 @@ SCENARIO("two fusions do not look like losses") {
         const auto end = metadata_of(file, "sonopose.recording_end");
         const auto poses = event_numbers(of_topic(messages, "sonopose/pose"))[7].size();
         CHECK(poses > 100);
-        // A stalled machine may lose some. Those of the weaker fusion are as many as the recorded ones.
+        // A stalled machine may lose some. The weaker fusion's poses are as many as the recorded ones.
         CHECK(std::stoull(end.at("lost_dds")) < poses / 2);
         CHECK(end.at("events_missing") == std::to_string(missing_numbers(messages)));
       }

@@ -1,7 +1,7 @@
-/// sonopose-record: what is on the bus, in MCAP files.
+/// sonopose-record: the contents of the bus in MCAP files.
 
 #include "bus_log/foreign_lines.hpp"
-#include "recorder/instance_end.hpp"
+#include "bus_log/instance_end.hpp"
 #include "recorder/messages.hpp"
 #include "support/bus.hpp"
 #include "support/temporary_folder.hpp"
@@ -63,17 +63,18 @@ SCENARIO("a recording has every message that a consumer gets beside it") {
   }
 }
 
-/// The instances that ended, as "sonopose/imu 7", and how.
+/// Instances that ended, such as "sonopose/imu 7", and whether they were disposed.
 std::map<std::string, bool> disposed_by_instance(const std::vector<OwnedMessage>& messages) {
   std::map<std::string, bool> disposed;
   for (const OwnedMessage& message : of_topic(messages, "sonopose/instance_ends")) {
-    const auto end = recorder::instance_end_of(message.text());
+    const auto end = bus_log::instance_end_of(message.text());
     disposed[end.topic + " " + std::to_string(topics::beacon_of(end.key_cdr).value_or(0))] = end.disposed;
   }
   return disposed;
 }
 
-/// A run of a bridge with two beacons, a fusion and a recorder, until the recorder has the ends of all.
+/// A run of a bridge with two beacons, a fusion and a recorder, until the recorder has the ends of all
+/// instances.
 struct RecordedRun {
   RecordedRun() {
     const Bus bus;
@@ -206,7 +207,7 @@ SCENARIO("topics and beacons are selected, and what is not ours is named") {
   }
 }
 
-/// A run of a bridge, a fusion and a relay, until odometry is recorded for a while.
+/// A run of a bridge, a fusion and a relay with some seconds of recorded odometry.
 struct RecordedRos2 {
   RecordedRos2() {
     const Bus bus;

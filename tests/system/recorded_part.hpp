@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// A recorder that runs, and what it has written so far.
+/// A running recorder and the data that it has written so far.
 
 #include "files/error.hpp"
 #include "recorder/messages.hpp"
@@ -17,7 +17,7 @@
 
 namespace sonopose::test {
 
-/// Returns when it records.
+/// Starts a recorder and returns once it is recording.
 inline std::unique_ptr<Process> start_recording(const Bus& bus, const std::filesystem::path& file,
                                                 const Arguments& options = {}) {
   Arguments arguments{file.string()};
@@ -27,8 +27,8 @@ inline std::unique_ptr<Process> start_recording(const Bus& bus, const std::files
   return process;
 }
 
-/// Waits until `done(messages)` of what is in the file's part. A recorder that is told to end does not wait
-/// for what is on its way to it.
+/// Waits until `done(messages)` for the messages in the file's part. A recorder that is told to end does not
+/// wait for messages in transit.
 template <class Done>
 bool wait_for_part(std::filesystem::path file, const Done& done) {
   file += ".part";
@@ -43,7 +43,7 @@ bool wait_for_part(std::filesystem::path file, const Done& done) {
   return false;
 }
 
-/// Waits until it has so many messages of these topics.
+/// Waits until the part has this many messages of these topics.
 inline bool wait_for_part(const std::filesystem::path& file, const std::vector<std::string>& names,
                           std::size_t count) {
   return wait_for_part(file, [&](const std::vector<recorder::test::OwnedMessage>& messages) {

@@ -12,7 +12,7 @@
 
 namespace sonopose::test {
 
-/// The samples of a walk, with the times that a bridge gives to IMU samples.
+/// Samples of a walk, with the publication times that a bridge gives to IMU samples.
 inline std::vector<Event> walk(double duration_s) {
   auto events = sim::record(sim::find_scenario("walk"), {.duration_s = duration_s}).events;
   for (Event& event : events) {
@@ -22,7 +22,7 @@ inline std::vector<Event> walk(double duration_s) {
   return events;
 }
 
-/// A recording of these beacons, which have the same samples; returns those of one.
+/// Records these beacons with the same samples; returns those of one.
 inline std::vector<Event> record_walk(const std::filesystem::path& file, double duration_s,
                                       const std::vector<BeaconAddress>& addresses) {
   const auto events = walk(duration_s);
@@ -36,7 +36,7 @@ inline std::vector<Event> record_walk(const std::filesystem::path& file, double 
   return events;
 }
 
-/// Twenty seconds of IMU samples and poses of three beacons; a pose has the number of its sample.
+/// Records twenty seconds of IMU samples and poses of three beacons; a pose has the number of its sample.
 inline void record_imu_and_poses(const std::filesystem::path& file) {
   const auto events = sim::record(sim::find_scenario("walk"), {.duration_s = 20.0}).events;
   BusRecording recording(file);

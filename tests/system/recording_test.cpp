@@ -41,7 +41,7 @@ struct Streams {
   Consumer<sonopose_PairHeading> headings;
 };
 
-/// Clears the fields without a column in the format: publication time and fix flags.
+/// Clears the fields that the format lacks: publication time and fix flags.
 Event as_recorded(Event event) {
   if (auto* imu = std::get_if<ImuSample>(&event)) imu->bridge_time_ns = 0;
   if (auto* fix = std::get_if<UltrasonicFix>(&event)) fix->flags = 0;
@@ -57,7 +57,7 @@ std::vector<Sample> of_kind(const std::vector<Event>& events) {
   return found;
 }
 
-/// Largest deviation of `a − b` from its first value, ns: the difference of two clocks without their offset.
+/// Range of the difference `a − b`, ns: the difference of two clocks without their offset.
 template <class Sample, class TimeOf>
 TimeNs time_spread_ns(const std::vector<Sample>& a, const std::vector<Sample>& b, const TimeOf& time_of) {
   TimeNs least = INT64_MAX;
@@ -85,7 +85,7 @@ SCENARIO("a recording of a live run contains what was published") {
         const auto events = published.events();
         REQUIRE_FALSE(events.empty());
         REQUIRE(events.rbegin()->first == log.events.size());
-        CHECK(events.size() == log.events.size() + 1 - events.begin()->first);  // all from the match on
+        CHECK(events.size() == log.events.size() + 1 - events.begin()->first);  // all since the match
         for (const auto& [number, event] : events) {
           CAPTURE(number, event.index());
           REQUIRE(log.events[number - 1] == as_recorded(event));
@@ -199,7 +199,7 @@ SCENARIO("a disk that stands still does not keep the bridge alive") {
     Streams published(bus);
     const auto bridge =
         bus.bridge({"--rate", "10", "--capture", pipe, "--record", (folder / "log").string()});
-    REQUIRE(published.imu.wait_for_more(1000));  // of about 40 bytes
+    REQUIRE(published.imu.wait_for_more(1000));  // about 40 bytes each
     WHEN("it is asked to stop") {
       const auto ending = bridge->end_by(SIGTERM);
       THEN("it ends, with an error that counts the loss, and the recording is whole") {

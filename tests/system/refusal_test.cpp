@@ -23,12 +23,12 @@ std::string refusal(const char* program, const Arguments& arguments, const Envir
   for (const auto& [name, value] : changes) environment[name] = value;
   const Result result = run(program, arguments, environment);
   CAPTURE(arguments, result.error);
-  REQUIRE(result.code);  // it exited
+  REQUIRE(result.code);  // not killed
   CHECK(*result.code > 0);
   return result.error;
 }
 
-/// Writes a configuration file of the fusion.
+/// Runs the fusion with an invalid configuration file; returns the message.
 std::string refused_config(const std::string& toml) {
   const TemporaryFolder folder;
   write_text(folder / "fusion.toml", toml);
@@ -37,7 +37,7 @@ std::string refused_config(const std::string& toml) {
   return said;
 }
 
-/// The project's QoS file with one text replaced.
+/// Runs the fusion with the project's QoS file in which one text is replaced; returns the message.
 std::string refused_qos(const std::string& right, const std::string& wrong) {
   const TemporaryFolder folder;
   std::string xml = read_text(std::filesystem::path(SONOPOSE_SOURCE_DIR) / "qos" / "sonopose.xml");
@@ -52,35 +52,35 @@ std::string refused_qos(const std::string& right, const std::string& wrong) {
 
 SCENARIO("a fusion refuses an invalid configuration") {
   WHEN("a key is misspelt") {
-    const std::string said = refused_config("[drift]\n\ndecay_rat_hz = 2.0\n");
+    const std::string said = refused_config("[documented.drift]\n\ndecay_rat_hz = 2.0\n");
     THEN("file, line and key are named, and the nearest key") {
       CHECK_THAT(said, Contains("fusion.toml:3:") && Contains("'drift.decay_rat_hz'") &&
-                           Contains("'drift.decay_rate_hz'"));
+                           Contains("'documented.drift.decay_rate_hz'"));
     }
   }
   WHEN("a value is out of range") {
-    const std::string said = refused_config("[drift]\ndecay_rate_hz = 1000.0\n");
+    const std::string said = refused_config("[documented.drift]\ndecay_rate_hz = 1000.0\n");
     THEN("file, line, key, value and limits are named") {
-      CHECK_THAT(said, Contains("fusion.toml:2:") && Contains("drift.decay_rate_hz") && Contains("1000") &&
-                           Contains("0 … 50"));
+      CHECK_THAT(said, Contains("fusion.toml:2:") && Contains("documented.drift.decay_rate_hz") &&
+                           Contains("1000") && Contains("0 … 50"));
     }
   }
   WHEN("a value has the wrong type") {
-    const std::string said = refused_config("[drift]\ndecay_rate_hz = \"fast\"\n");
+    const std::string said = refused_config("[documented.drift]\ndecay_rate_hz = \"fast\"\n");
     THEN("file, line, key, value and the allowed values are named") {
-      CHECK_THAT(said, Contains("fusion.toml:2:") && Contains("drift.decay_rate_hz") && Contains("fast") &&
-                           Contains("type") && Contains("0 … 50"));
+      CHECK_THAT(said, Contains("fusion.toml:2:") && Contains("documented.drift.decay_rate_hz") &&
+                           Contains("fast") && Contains("type") && Contains("0 … 50"));
     }
   }
   WHEN("an override of one beacon is misspelt") {
-    const std::string said = refused_config("[beacon.7.drift]\ndecay_rate = 1.0\n");
+    const std::string said = refused_config("[beacon.7.documented.drift]\ndecay_rate = 1.0\n");
     THEN("file, line and key are named") {
       CHECK_THAT(said, Contains("fusion.toml:2:") && Contains("drift.decay_rate"));
     }
   }
   WHEN("the file is not TOML") {
     THEN("file and line are named") {
-      CHECK_THAT(refused_config("[drift]\ndecay_rate_hz = = 2\n"), Contains("fusion.toml:2:"));
+      CHECK_THAT(refused_config("[documented.drift]\ndecay_rate_hz = = 2\n"), Contains("fusion.toml:2:"));
     }
   }
   WHEN("the file does not exist") {
@@ -91,8 +91,8 @@ SCENARIO("a fusion refuses an invalid configuration") {
   }
   WHEN("--set has a value out of range") {
     THEN("the argument, the value and the limits are named") {
-      CHECK_THAT(refusal(SONOPOSE_TEST_FUSION, {"--set", "drift.decay_rate_hz=-1"}),
-                 Contains("--set drift.decay_rate_hz=-1") && Contains("0 … 50"));
+      CHECK_THAT(refusal(SONOPOSE_TEST_FUSION, {"--set", "documented.drift.decay_rate_hz=-1"}),
+                 Contains("--set documented.drift.decay_rate_hz=-1") && Contains("0 … 50"));
     }
   }
 }
@@ -240,7 +240,7 @@ SCENARIO("a bridge refuses an invalid input") {
   }
 }
 
-/// A recording of one message, which can be played.
+/// Writes a playable recording of one message.
 void write_recording(const std::filesystem::path& file) {
   mcap::FileSink sink(file);
   mcap::Writer writer(sink);
@@ -285,11 +285,11 @@ SCENARIO("a replay with any limit of file descriptors gives its result or the re
     const Result result = run("/bin/sh", {"-c", command, SONOPOSE_TEST_REPLAY, log}, neutral);
     CAPTURE(limit, result.output, result.error);
     REQUIRE(result.code);
-    CHECK(*result.code >= 0);  // no signal ended it
+    CHECK(*result.code >= 0);  // not ended by a signal
     if (*result.code == 0) {
       CHECK_THAT(result.output, Contains("state hash"));
     } else {
-      // Of our own, or of the loader that starts the program.
+      // From the program itself, or from the loader that starts it.
       CHECK_THAT(result.error, Contains("Too many open files") || Contains("cannot open shared object file"));
       has_refused = true;
     }

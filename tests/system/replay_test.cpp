@@ -59,7 +59,7 @@ json report_of(std::vector<std::string> arguments) {
   return json::parse(result.output);
 }
 
-/// Runs it with arguments that it must refuse; returns the message.
+/// Runs the program with arguments that it must refuse; returns the message.
 std::string refusal(const std::vector<std::string>& arguments, const Environment& environment = {}) {
   const Result result = replay(arguments, environment);
   CAPTURE(arguments, result.error);
@@ -114,8 +114,8 @@ SCENARIO("a smoothed replay prints the scores of both trajectories and writes co
   CHECK(lines_of(recording / "out/pose.csv") == 1 + smoothed["poses"].get<std::size_t>());
   CHECK_THAT(refusal({recording.log(), "--smooth", "--engine", "documented"}),
              Contains("only the Kalman engine can be smoothed"));
-  CHECK_THAT(refusal({recording.log(), "--smooth", "--set", "delay.estimate=true"}),
-             Contains("delay.estimate"));
+  CHECK_THAT(refusal({recording.log(), "--smooth", "--set", "kalman.delay.estimate=true"}),
+             Contains("kalman.delay.estimate"));
   CHECK_THAT(refusal({recording.log(), "--smooth", "--load-state", "state.json"}), Contains("--load-state"));
 }
 
@@ -188,15 +188,15 @@ SCENARIO("settings come from file and command line, for all beacons or for one")
     return report_of(arguments)["state_hash"];
   };
   const auto plain = hash({});
-  const auto changed = hash({"--set", "attitude.adaptive.accel_time_s=10"});
+  const auto changed = hash({"--set", "documented.attitude.adaptive.accel_time_s=10"});
   CHECK(plain != changed);
-  write_text(recording / "own.toml", "[beacon.9.attitude.adaptive]\naccel_time_s = 10\n");
+  write_text(recording / "own.toml", "[beacon.9.documented.attitude.adaptive]\naccel_time_s = 10\n");
   const std::string config = (recording / "own.toml").string();
   CHECK(hash({"--config", config}) == plain);
-  // The address is in no file and in no hash: only its settings make a difference.
+  // No file and no hash contains the address: only its settings make a difference.
   CHECK(hash({"--config", config, "--beacon", "9"}) == changed);
-  CHECK(hash({"--config", config, "--beacon", "9", "--set", "beacon.9.attitude.adaptive.accel_time_s=20"}) !=
-        changed);
+  CHECK(hash({"--config", config, "--beacon", "9", "--set",
+              "beacon.9.documented.attitude.adaptive.accel_time_s=20"}) != changed);
 }
 
 SCENARIO("the beacon that a log names is the one whose settings apply") {
@@ -217,7 +217,7 @@ SCENARIO("the beacon that a log names is the one whose settings apply") {
   for (const std::string engine : {"documented", "kalman"}) {
     const std::string without = hash({"--engine", engine});
     write_text(recording / "log/meta.toml", "imu_meaning = \"instant\"\n");
-    CHECK(hash({"--engine", engine}) == without);  // both engines take unknown samples as instants
+    CHECK(hash({"--engine", engine}) == without);  // both engines treat unknown samples as instantaneous
     write_text(recording / "log/meta.toml", "imu_meaning = \"mean\"\n");
     CHECK((hash({"--engine", engine}) == without) == (engine == "documented"));
     std::filesystem::remove(recording / "log/meta.toml");
@@ -245,7 +245,7 @@ SCENARIO("a run continues seamlessly from a saved state") {
   CHECK((halves == pose_rows(recording / "whole/pose.csv")));
   CHECK(read_text(end) == read_text(whole_end));
   AND_THEN("a damaged state is refused with file and field") {
-    if (engine != "documented") return;  // the field is one of its state
+    if (engine != "documented") return;  // the field belongs to its state
     std::string text = read_text(state);
     text.replace(text.find("\"trust.trust\""), 13, "\"trust.truth\"");
     write_text(state, text);
@@ -283,7 +283,8 @@ SCENARIO("errors are named, and the exit code is 1") {
   const std::string log = recording.log();
   CHECK_THAT(refusal({(recording / "nowhere").string()}), Contains("nowhere: does not exist"));
   CHECK_THAT(refusal({log, "--set", "drift.no_such_key=1"}), Contains("drift.no_such_key"));
-  CHECK_THAT(refusal({log, "--set", "attitude.mahony.kp=11"}), Contains("kp") && Contains("out of range"));
+  CHECK_THAT(refusal({log, "--set", "documented.attitude.mahony.kp=11"}),
+             Contains("kp") && Contains("out of range"));
   CHECK_THAT(refusal({log, "--config", "/nowhere.toml"}), Contains("/nowhere.toml"));
   CHECK_THAT(refusal({log, "--until", "-1"}), Contains("--until"));
   CHECK_THAT(refusal({log, "--engine", "magic"}), Contains("--engine"));

@@ -30,7 +30,7 @@ private:
   dds::DataWriter<sonopose_ResetCommand> writer_;
 };
 
-/// A pose of `address` after `count` resets.
+/// Predicate for a pose of `address` after `count` resets.
 auto reset_to(BeaconAddress address, std::uint32_t count) {
   return [=](const FusedPose& pose) { return pose.address == address && pose.reset_counter == count; };
 }

@@ -20,7 +20,7 @@ SCENARIO("a bridge is killed and restarted") {
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
     Consumer<sonopose_FusionStatus> status(bus, topics::fusion_status, dds::topics::Delivery::live);
     const auto fusion = bus.fusion();
-    // At 500 Hz the numbers rise fast: those of a new bridge are lower even if it is discovered late.
+    // At 500 Hz the numbers rise so fast that a new bridge's are lower even if it is discovered late.
     auto bridge = bus.bridge({"--scenario", "rest", "--imu-rate", "500"});
     REQUIRE(poses.wait_for([](const FusedPose& pose) { return is_ready(pose) && pose.sequence > 500; }));
     WHEN("the bridge is killed, and a new one numbers its events from 1") {
@@ -96,9 +96,9 @@ SCENARIO("a bridge that an error ends states the reason and the restart that hel
   }
 }
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they have their own allocations
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // the sanitizers replace the allocator
 
-/// A program one of whose allocations fails after SIGUSR1 (support/failing_allocation.cpp).
+/// A program in which one allocation fails after SIGUSR1 (support/failing_allocation.cpp).
 std::unique_ptr<Process> failing(const Bus& bus, const char* program, Arguments arguments,
                                  const std::string& allocation) {
   arguments.insert(arguments.end(), {"--domain", std::to_string(bus.domain_id())});
@@ -114,7 +114,7 @@ void check_reason(Process& process, const std::string& program) {
 }
 
 SCENARIO("a program that an exception ends, on any thread, states the reason and the restart that helps") {
-  // The thread that receives samples is Cyclone's; nothing there can catch an exception.
+  // Samples are received on a thread of Cyclone DDS, which cannot catch an exception.
   const std::string thread = GENERATE("main", "recv");
   CAPTURE(thread);
   const Bus bus;
@@ -142,18 +142,18 @@ SCENARIO("a program that an exception ends, on any thread, states the reason and
 }
 
 SCENARIO("a request for settings that cannot be answered for want of memory does not end the fusion") {
-  // As long as no other text, so that its copy is the allocation that fails.
+  // Longer than any other text, so that its copy is the failing allocation.
   const std::string value = "0.25" + std::string(119, '0');
   const Bus bus;
   const auto fusion = failing(bus, SONOPOSE_TEST_FUSION, {}, "=" + std::to_string(value.size() + 1));
   REQUIRE(fusion->wait_for_line(Stream::error, "serving"));
   fusion->send(SIGUSR1);
-  const Result set = bus.settings({"set", "trust.sigma_m=" + value});
+  const Result set = bus.settings({"set", "documented.trust.sigma_m=" + value});
   CAPTURE(set.output, set.error);
   CHECK(fusion->wait_for_line(Stream::error, "std::bad_alloc"));
   CHECK(fusion->wait_for_exit(std::chrono::milliseconds(0)) == std::nullopt);
-  // The client repeats its request; the next one must be answered in any case.
-  CHECK(bus.settings({"set", "trust.sigma_m=0.5"}).code == 0);
+  // The client repeats its request; in any case the next one must be answered.
+  CHECK(bus.settings({"set", "documented.trust.sigma_m=0.5"}).code == 0);
 }
 
 #endif

@@ -1,4 +1,4 @@
-/// The relay started as `ros2 launch` starts a node.
+/// The relay started like a node by `ros2 launch`.
 
 #include "support/ros2.hpp"
 #include "support/ros2_graph.hpp"
@@ -12,7 +12,7 @@ using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
-/// What launch_ros writes into a temporary file for `parameters=[{…}]`.
+/// Temporary file that launch_ros writes for `parameters=[{…}]`.
 const std::string launch_parameters = R"(/**:
   ros__parameters:
     use_sim_time: false
@@ -77,7 +77,8 @@ TEST_CASE("The relay refuses invalid ROS 2 arguments and parameters, and names t
   };
   check_refused({"-p", "tf"}, {"-p tf: it must be NAME:=VALUE"});
   check_refused({"-p", "tf:=sideways"}, {"--tf", "'sideways'", "map_base, map_odom, off"});
-  check_refused({"-p", "trust.n_min:=-1"}, {"-p trust.n_min:=-1", "trust.n_min"});
+  check_refused({"-p", "documented.trust.n_min:=-1"},
+                {"-p documented.trust.n_min:=-1", "documented.trust.n_min"});
   check_refused({"-r", "__node:=a/b"}, {"--remap: remap rule '__node:=a/b'"});
   check_refused({"--tf", "off"}, {"--ros-args: --tf is unknown"});
 }

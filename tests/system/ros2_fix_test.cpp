@@ -1,4 +1,4 @@
-/// Fixes in ROS 2: each once, with the variance that the fusion assigns to it.
+/// Fixes in ROS 2: each once, with the variance that the fusion assigns.
 
 #include "clocks/clocks.hpp"
 #include "support/ros2.hpp"
@@ -29,7 +29,7 @@ std::vector<SeenFix> fixes_seen(RosReader<ros2::PoseWithCovarianceStamped>& read
   return seen;
 }
 
-/// Whether `variance_m2` is that of one of the standard deviations with one of the weights.
+/// Returns true if `variance_m2` results from one of the standard deviations with one of the weights.
 template <class Weights>
 bool is_weighted(double variance_m2, const std::vector<double>& stds_m, const Weights& weights) {
   return std::any_of(stds_m.begin(), stds_m.end(), [&](double std_m) {
@@ -47,9 +47,13 @@ SCENARIO("each fix arrives once, with the variance that the fusion assigns to it
     Consumer<sonopose_UltrasonicFix> native(bus, topics::fix);
     Consumer<sonopose_FixReport> reports(bus, topics::report);
     RosReader<ros2::PoseWithCovarianceStamped> fix(bus, "/hedge_7/fix");
-    const Arguments settings{
-        "--set", "uncertainty.fix_std_m=0.1", "--set", "fusion.engine=" + engine, "--warm-up",
-        "0",     "--standby-strength"};
+    const Arguments settings{"--set",
+                             "documented.uncertainty.fix_std_m=0.1",
+                             "--set",
+                             "fusion.engine=" + engine,
+                             "--warm-up",
+                             "0",
+                             "--standby-strength"};
     const auto with_strength = [&](const char* strength) {
       Arguments arguments = settings;
       arguments.emplace_back(strength);

@@ -23,9 +23,9 @@ namespace topics = dds::topics;
 using Catch::Contains;
 
 /// Five standard deviations of a fix, which may be the only one so far.
-constexpr double most_off_m = 0.1;
+constexpr double max_off_m = 0.1;
 
-/// A robot on a level circle around (1, 2, 0.5) that looks along its path; at rest at the centre if the
+/// A robot on a level circle around (1, 2, 0.5) that faces along its path; at rest at the centre if the
 /// radius is 0.
 struct Motion {
   double radius_m = 0;
@@ -45,16 +45,16 @@ struct Motion {
   TimeNs start_ns = clocks::host_now();
 };
 
-/// What the drivers of a robot do.
+/// Motion and timing of a robot's drivers.
 struct Driving {
   Motion motion{};
-  TimeNs fix_delay_ns = 0;  ///< from the stamp of a fix to its message
-  TimeNs fix_age_ns = 0;    ///< of the stamps of fixes, relative to those of the IMU
-  TimeNs age_ns = 0;        ///< of all stamps, as in a recording that is played back
+  TimeNs fix_delay_ns = 0;  ///< delay from a fix's stamp to its message
+  TimeNs fix_age_ns = 0;    ///< age of the fixes' stamps relative to those of the IMU
+  TimeNs age_ns = 0;        ///< age of all stamps, as in a recording that is played back
 };
 
-/// Drivers of an IMU at 100 Hz and of fixes with 2 cm noise at 10 Hz. No stamp depends on how busy the
-/// machine is.
+/// Drivers of an IMU at 100 Hz and of fixes with 2 cm noise at 10 Hz. Stamps do not depend on the machine's
+/// load.
 class Drivers {
 public:
   static constexpr TimeNs period_ns = 10'000'000;
@@ -64,7 +64,7 @@ public:
 
   bool wait_for_readers() { return imu_.wait_for_reader() && position_.wait_for_reader(); }
 
-  /// Sends the next sample of the IMU, and the fixes that arrive with it. Returns the time of the sample.
+  /// Sends the next IMU sample and the fixes that arrive with it. Returns the time of the sample.
   TimeNs send() {
     const TimeNs now_ns = driving_.motion.start_ns + count_ * period_ns;
     imu_.write(ros2::raw_imu(driving_.motion.imu(), now_ns - driving_.age_ns, frames_, {}));
@@ -94,7 +94,7 @@ private:
   int count_ = 0;
 };
 
-/// Drivers that send in real time, until destruction.
+/// Drivers that send in real time during their lifetime.
 class LiveDrivers {
 public:
   explicit LiveDrivers(const Bus& bus, Driving driving = {}) : drivers_(bus, driving) {}
@@ -125,12 +125,12 @@ SCENARIO("a late fix is placed at its stamp") {
     REQUIRE(drivers.wait_for_readers());
     WHEN("it is played for 15 s as fast as the fusion follows") {
       for (int i = 0; i < 1500; ++i) {
-        const TimeNs least_ns = drivers.send() - driving.age_ns - 20 * Drivers::period_ns;
+        const TimeNs min_ns = drivers.send() - driving.age_ns - 20 * Drivers::period_ns;
         if (i < 100) {
           std::this_thread::sleep_for(std::chrono::nanoseconds(Drivers::period_ns));
         } else {
           REQUIRE(poses.wait_until(
-              [&] { return !poses.samples.empty() && poses.samples.back().time_ns >= least_ns; }));
+              [&] { return !poses.samples.empty() && poses.samples.back().time_ns >= min_ns; }));
         }
       }
       THEN("the pose is where the robot is, not 30 cm behind it") {
@@ -160,13 +160,14 @@ SCENARIO("a recording that is played back is fused like live sensors") {
         return (pose.status & (status_initialising | status_converging)) == 0;
       }));
       const FusedPose& pose = poses.samples.back();
-      CHECK((pose.position_world_m - Vector3d(1, 2, 0.5)).norm() < most_off_m);
+      CHECK((pose.position_world_m - Vector3d(1, 2, 0.5)).norm() < max_off_m);
       CHECK(seconds_between(pose.time_ns, clocks::host_now()) == Approx(86'400).margin(60));
     }
   }
 }
 
-/// A reader that has not matched yet does not receive the first messages of a volatile writer.
+/// Repeats the write until `done()`, because an unmatched reader misses the first messages of a volatile
+/// writer.
 template <class Write, class Done>
 bool repeat_until(const Write& write, const Done& done) {
   return wait_until([&] {
@@ -238,9 +239,9 @@ SCENARIO("any IMU and any positioning system with a ROS 2 driver feed the fusion
       }));
       const FusedPose& pose = poses.samples.back();
       CHECK(pose.address == 42);
-      CHECK((pose.position_world_m - Vector3d(1, 2, 0.5)).norm() < most_off_m);
+      CHECK((pose.position_world_m - Vector3d(1, 2, 0.5)).norm() < max_off_m);
       REQUIRE(odometry.wait_for_count(1, [&](const auto& message) {
-        CHECK((ros2::base_in_map(message).translation_m - Vector3d(1, 2, 0.5)).norm() < most_off_m);
+        CHECK((ros2::base_in_map(message).translation_m - Vector3d(1, 2, 0.5)).norm() < max_off_m);
       }));
       REQUIRE(status.wait_for(
           [](const BeaconStatus& one) { return one.imu_rate_hz > 0 && one.fix_rate_hz > 0; }));

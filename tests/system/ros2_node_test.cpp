@@ -1,4 +1,4 @@
-/// The relay in the ROS 2 graph: its node, its enclave and its endpoints.
+/// The relay in the ROS 2 graph: its node, enclave and endpoints.
 
 #include "support/bus.hpp"
 #include "support/ros2_graph.hpp"
@@ -11,7 +11,7 @@ namespace ros2_node_test {
 using namespace sonopose;
 using namespace sonopose::test;
 
-/// The writers of these topics, by key; fewer if some do not exist yet.
+/// Keys of these topics' writers; fewer if some do not exist yet.
 std::set<std::string> writers_of(const dds::Discovery& discovery, const std::string& participant,
                                  const std::vector<std::string>& topics) {
   const auto all = endpoints_of(discovery.writers(), participant);
@@ -68,7 +68,7 @@ TEMPLATE_TEST_CASE("ROS 2 lists the relay as a node with the topics of the beaco
   CHECK(watcher.wait_until([&] { return watcher.messages.back().nodes.empty(); }));
 }
 
-/// Whether the latest message that a process of this distribution received lists the relay.
+/// Waits until the latest message received by a process of this distribution lists the relay.
 template <class Info>
 bool lists_relay(Watcher<Info>& watcher) {
   return watcher.wait_until([&] {

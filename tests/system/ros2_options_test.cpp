@@ -1,5 +1,5 @@
-/// The relay's command line and environment: invalid values are refused at startup with a message that names
-/// the option, the value and the allowed values.
+/// The relay's command line and environment: invalid values are refused at startup. The message names the
+/// option, the value and the allowed values.
 
 #include "support/bus.hpp"
 
@@ -15,7 +15,7 @@ struct Wrong {
   Environment environment = {};
 };
 
-/// In a private domain, in case it starts.
+/// Checks that the program refuses; runs it in a private domain in case it starts.
 void check_refused(const char* program, const Wrong& wrong) {
   const TestDomain domain;
   Environment environment = neutral;

@@ -1,4 +1,4 @@
-/// The relay and the other processes: what it reports of them, and what they see of it.
+/// The relay and other processes: its reports on them, and their view of it.
 
 #include "clocks/clocks.hpp"
 #include "support/ros2.hpp"
@@ -113,14 +113,15 @@ SCENARIO("changes of parameters are published") {
       return names;
     };
     REQUIRE(events.wait_for([&](const ros2::ParameterEvent& event) {
-      return event.node == std::string("/sonopose") && names_in(event.new_parameters).contains("trust.n_min");
+      return event.node == std::string("/sonopose") &&
+             names_in(event.new_parameters).contains("documented.trust.n_min");
     }));
     WHEN("a setting changes") {
-      REQUIRE(bus.settings({"set", "trust.n_min=5"}).code == 0);
+      REQUIRE(bus.settings({"set", "documented.trust.n_min=5"}).code == 0);
       THEN("an event has the new value, and nothing else") {
         CHECK(events.wait_for([&](const ros2::ParameterEvent& event) {
           const auto& changed = event.changed_parameters;
-          return names_in(changed) == std::set<std::string>{"trust.n_min"} &&
+          return names_in(changed) == std::set<std::string>{"documented.trust.n_min"} &&
                  changed._buffer[0].value.integer_value == 5 && event.new_parameters._length == 0;
         }));
       }
@@ -129,7 +130,7 @@ SCENARIO("changes of parameters are published") {
       REQUIRE(fusion->end_by(SIGTERM).code == 0);
       THEN("its parameters are deleted") {
         CHECK(events.wait_for([&](const ros2::ParameterEvent& event) {
-          return names_in(event.deleted_parameters).contains("trust.n_min");
+          return names_in(event.deleted_parameters).contains("documented.trust.n_min");
         }));
       }
     }

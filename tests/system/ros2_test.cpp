@@ -1,4 +1,4 @@
-/// The relay's messages, as received by a ROS 2 process, against the native topics.
+/// The relay's messages, as received by a ROS 2 process, compared with the native topics.
 
 #include "support/ros2.hpp"
 
@@ -22,8 +22,8 @@ using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
-/// Waits for a message and the native sample of the same time. A busy machine may lose a few of the one or
-/// the other. `seen`: what is kept of a message, by its stamp.
+/// Waits for a message and the native sample of the same time; a busy machine may lose a few of either.
+/// `messages` holds the relevant part of each message by its stamp.
 template <class Message, class Seen, class T, class Time>
 auto wait_for_pair(RosReader<Message>& reader, std::map<TimeNs, Seen>& messages, Consumer<T>& natives,
                    Time time) {
@@ -53,7 +53,7 @@ bool positive_diagonal(const double (&covariance)[size], std::size_t rows) {
   return true;
 }
 
-/// A copy of the fields under test: a loaned message is only valid for a short time.
+/// A copy of the tested fields: a loaned message is valid only for a short time.
 struct SeenOdometry {
   explicit SeenOdometry(const ros2::Odometry& message);
 
@@ -120,7 +120,7 @@ SCENARIO("a ROS 2 process receives the IMU, raw and with orientation, and the fi
       CHECK(of_raw.linear_acceleration.x == raw_sample.specific_force_body_mps2.x());
       CHECK(of_raw.linear_acceleration.z == raw_sample.specific_force_body_mps2.z());
       CHECK(of_raw.angular_velocity.y == raw_sample.angular_velocity_body_radps.y());
-      CHECK(of_raw.orientation_covariance[0] == -1);  // it has none
+      CHECK(of_raw.orientation_covariance[0] == -1);  // no orientation
       const auto [of_sample, sample] = wait_for_pair(fused, samples, &ImuSample::sensor_time_ns);
       CHECK(of_sample.linear_acceleration.z == sample.specific_force_body_mps2.z());
       const auto [of_pose, pose] = wait_for_pair(fused, poses, &FusedPose::imu_sensor_time_ns);
@@ -148,7 +148,7 @@ SCENARIO("imu/data has every sample, also where its pose arrives first") {
     THEN("each of 200 samples as measured has its counterpart with the orientation") {
       std::set<TimeNs> raw_ns;
       std::set<TimeNs> fused_ns;
-      // On a busy machine the transport loses some samples, and the count begins again.
+      // On a busy machine the transport loses some samples, and the count restarts.
       const auto longest_run = [&] {
         int longest = 0;
         int run = 0;
@@ -241,7 +241,7 @@ SCENARIO("the relay publishes the selected topics at the selected rate") {
         return seconds_between(0, *std::min_element(all_ns.begin() + 1, all_ns.end()));
       };
       const auto check_10_hz = [&](const std::vector<TimeNs>& all_ns) {
-        CHECK(shortest_gap_s(all_ns) < 0.115);  // where nothing is lost
+        CHECK(shortest_gap_s(all_ns) < 0.115);  // if nothing is lost
         // The first one may be late.
         CHECK(seconds_between(all_ns.front(), all_ns.back()) >
               0.099 * static_cast<double>(all_ns.size() - 2));

@@ -241,11 +241,11 @@ SCENARIO("two beacons do not publish the same frame") {
   }
 }
 
-/// A relay for which a beacon is stale after 1 s and gone after 5 s. It runs in a fork of this process: make
-/// it before any participant.
-class ImpatientRelay {
+/// A relay that treats a beacon as stale after 1 s and as gone after 5 s. It is a fork of this process, so
+/// make it before any participant.
+class ShortTimeoutRelay {
 public:
-  explicit ImpatientRelay(const Bus& bus) : pid_(::fork()) {
+  explicit ShortTimeoutRelay(const Bus& bus) : pid_(::fork()) {
     if (pid_ != 0) return;
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     const logging::Session log(logging::Level::info);
@@ -265,11 +265,11 @@ public:
     }
     std::_Exit(1);
   }
-  ImpatientRelay(const ImpatientRelay&) = delete;
-  ImpatientRelay& operator=(const ImpatientRelay&) = delete;
-  ImpatientRelay(ImpatientRelay&&) = delete;
-  ImpatientRelay& operator=(ImpatientRelay&&) = delete;
-  ~ImpatientRelay() {
+  ShortTimeoutRelay(const ShortTimeoutRelay&) = delete;
+  ShortTimeoutRelay& operator=(const ShortTimeoutRelay&) = delete;
+  ShortTimeoutRelay(ShortTimeoutRelay&&) = delete;
+  ShortTimeoutRelay& operator=(ShortTimeoutRelay&&) = delete;
+  ~ShortTimeoutRelay() {
     ::kill(pid_, SIGKILL);
     ::waitpid(pid_, nullptr, 0);
   }
@@ -281,7 +281,7 @@ private:
 SCENARIO("another beacon takes over the transforms of one that was switched off") {
   GIVEN("two beacons with the same frames, of which the first one has the transforms") {
     const Bus bus;
-    const ImpatientRelay relay(bus);
+    const ShortTimeoutRelay relay(bus);
     RosReader<ros2::TFMessage> tf(bus, "/tf");
     RosReader<ros2::DiagnosticArray> diagnostics(bus, "/diagnostics");
     RosReader<ros2::LogMessage> log(bus, "/rosout", Subscription::latched_log);
@@ -310,7 +310,7 @@ SCENARIO("another beacon takes over the transforms of one that was switched off"
             [&](const auto& message) { return levels_of_first(message).contains(stale); }));
         CHECK(diagnostics.wait_for([&](const auto& message) { return levels_of_first(message).empty(); }));
         REQUIRE(is_logged("beacon 8 has the transforms now, because beacon 7 is gone"));
-        tf.take([](const auto&) {});  // those of the first one
+        tf.take([](const auto&) {});  // transforms of the first beacon
         CHECK(tf.wait_for([](const auto&) { return true; }));
       }
     }

@@ -25,7 +25,7 @@ std::unique_ptr<Process> start(const Bus& bus, Arguments arguments) {
   return std::make_unique<Process>(SONOPOSE_TEST_RUN, arguments);
 }
 
-/// The process id of a program that `parent` started; 0 if there is none.
+/// Process id of a program started by `parent`; 0 if there is none.
 int child_named(int parent, const std::string& name) {
   std::ifstream children("/proc/" + std::to_string(parent) + "/task/" + std::to_string(parent) + "/children");
   for (int pid = 0; children >> pid;) {
@@ -35,7 +35,7 @@ int child_named(int parent, const std::string& name) {
   return 0;
 }
 
-/// Whether the process ends, also one that is not ours.
+/// Waits until the process ends, even if it is not our child.
 bool ends(int pid) {
   return wait_until([&] { return !fs::exists("/proc/" + std::to_string(pid) + "/exe"); });
 }
@@ -48,7 +48,6 @@ SCENARIO("one command runs bridge, fusion and monitor") {
     Consumer<sonopose_EffectiveSettings> settings(bus, topics::settings);
     const auto all = start(bus, {"--source", "sim", "--scenario", "kart", "--seed", "4", "--config",
                                  (folder / "f.toml").string(), "--record", (folder / "log").string()});
-    // The monitor shows the beacon with its poses.
     REQUIRE(all->wait_for_line(Stream::error, "sonopose-bridge: publishing from sim"));
     REQUIRE(settings.wait_for([](const EffectiveSettings& each) { return each.address == 7; }));
     REQUIRE(all->wait_for_line(Stream::output, " 7 "));

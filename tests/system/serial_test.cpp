@@ -17,10 +17,10 @@ using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
-/// Position of the simulator's scenario "rest".
+/// Position in the simulator's scenario "rest".
 const Vector3d resting_place_world_m{1.0, 2.0, 0.5};
 
-/// The bytes of a beacon at rest for four seconds.
+/// Bytes of a beacon at rest for four seconds.
 std::vector<TimedFrame> resting_beacon(const Bus& bus, const std::filesystem::path& folder) {
   const std::string file = (folder / "bytes.bin").string();
   REQUIRE(bus.bridge({"--scenario", "rest", "--rate", "0", "--duration", "4", "--capture", file})
@@ -41,7 +41,7 @@ std::span<const TimedFrame> between(const std::vector<TimedFrame>& frames, doubl
   return {at(from_s), at(until_s)};
 }
 
-/// Sends like a beacon whose clock continues: the first frame at once.
+/// Sends like a beacon whose clock continues, the first frame immediately.
 void send(std::span<const TimedFrame> frames, const PseudoTerminal& line) {
   std::vector<TimedFrame> from_now(frames.begin(), frames.end());
   const TimeNs first_ns = from_now.front().sent_after_ns;

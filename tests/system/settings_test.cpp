@@ -34,7 +34,7 @@ std::string value_in(const EffectiveSettings& settings, const std::string& key) 
   return found == settings.values.end() ? "not there" : found->value;
 }
 
-/// The settings of `address` where `key` is `value`.
+/// Predicate for settings of `address` in which `key` is `value`.
 auto has(BeaconAddress address, const std::string& key, const std::string& value) {
   return [=](const EffectiveSettings& settings) {
     return settings.address == address && value_in(settings, key) == value;
@@ -45,7 +45,7 @@ auto of(BeaconAddress address) {
   return [=](const auto& sample) { return sample.address == address; };
 }
 
-/// The effective settings that a new consumer receives.
+/// Effective settings that a late-joining consumer receives.
 EffectiveSettings as_late_consumer(const Bus& bus, BeaconAddress address) {
   Consumer<sonopose_EffectiveSettings> late(bus, topics::settings, dds::topics::Delivery::live);
   REQUIRE(late.wait_for(of(address)));
@@ -70,49 +70,52 @@ struct LiveSystem {
 
 SCENARIO("settings are changed at run time, and late consumers receive the effective ones") {
   GIVEN("beacons 7 and 8, and an override for 8") {
-    LiveSystem live({"--set", "beacon.8.trust.sigma_m=0.8"});
+    LiveSystem live({"--set", "beacon.8.documented.trust.sigma_m=0.8"});
     const Bus& bus = live.bus;
     WHEN("settings of all beacons are changed") {
-      const Result set = bus.settings({"set", "trust.sigma_m=0.25", "trust.n_base=9"});
+      const Result set = bus.settings({"set", "documented.trust.sigma_m=0.25", "documented.trust.n_base=9"});
       CAPTURE(set.error);
       REQUIRE(set.code == 0);
       CHECK_THAT(set.output, Contains("accepted"));
       THEN("both use them, except for the override of 8; late consumers receive this") {
-        REQUIRE(live.settings.wait_for(has(7, "trust.n_base", "9")));
-        REQUIRE(live.settings.wait_for(has(8, "trust.n_base", "9")));
-        CHECK(value_in(as_late_consumer(bus, 7), "trust.sigma_m") == "0.25");
-        CHECK(value_in(as_late_consumer(bus, 8), "trust.sigma_m") == "0.8");
+        REQUIRE(live.settings.wait_for(has(7, "documented.trust.n_base", "9")));
+        REQUIRE(live.settings.wait_for(has(8, "documented.trust.n_base", "9")));
+        CHECK(value_in(as_late_consumer(bus, 7), "documented.trust.sigma_m") == "0.25");
+        CHECK(value_in(as_late_consumer(bus, 8), "documented.trust.sigma_m") == "0.8");
         CHECK(as_late_consumer(bus, 7).values.size() == settings::setting_table().size());
-        const Result get = bus.settings({"get", "trust.sigma_m", "--json"});
+        const Result get = bus.settings({"get", "documented.trust.sigma_m", "--json"});
         REQUIRE(get.code == 0);
         const auto list = nlohmann::json::parse(get.output);
         REQUIRE(list.size() == 3);
         CHECK(list[0]["beacon"] == "all");
-        CHECK(list[0]["settings"]["trust.sigma_m"] == 0.25);
-        CHECK(list[1]["settings"]["trust.sigma_m"] == 0.25);
-        CHECK(list[2]["settings"]["trust.sigma_m"] == 0.8);
+        CHECK(list[0]["settings"]["documented.trust.sigma_m"] == 0.25);
+        CHECK(list[1]["settings"]["documented.trust.sigma_m"] == 0.25);
+        CHECK(list[2]["settings"]["documented.trust.sigma_m"] == 0.8);
         CHECK_THAT(bus.settings({"get", "trust", "--beacon", "8"}).output,
-                   Contains("[beacon.8]") && Contains("trust.sigma_m = 0.8\n") &&
-                       Contains("trust.n_base = 9\n") && !Contains("drift."));
+                   Contains("[beacon.8]") && Contains("documented.trust.sigma_m = 0.8\n") &&
+                       Contains("documented.trust.n_base = 9\n") && !Contains("drift."));
       }
     }
     WHEN("a request contains one invalid value") {
-      const Result set = bus.settings({"set", "trust.n_base=9", "drift.jump_alpha=2", "--beacon", "7"});
+      const Result set = bus.settings(
+          {"set", "documented.trust.n_base=9", "documented.drift.jump_alpha=2", "--beacon", "7"});
       THEN("it is refused with key, value and limits, and nothing changes") {
         CHECK(set.code == 1);
         CHECK(set.output.empty());
-        CHECK_THAT(set.error, Contains("refused") && Contains("drift.jump_alpha = 2") && Contains("0 … 1"));
-        REQUIRE(bus.settings({"set", "trust.n_min=3", "--beacon", "7"}).code == 0);
-        REQUIRE(live.settings.wait_for(has(7, "trust.n_min", "3")));
-        CHECK(value_in(as_late_consumer(bus, 7), "trust.n_base") ==
+        CHECK_THAT(set.error,
+                   Contains("refused") && Contains("documented.drift.jump_alpha = 2") && Contains("0 … 1"));
+        REQUIRE(bus.settings({"set", "documented.trust.n_min=3", "--beacon", "7"}).code == 0);
+        REQUIRE(live.settings.wait_for(has(7, "documented.trust.n_min", "3")));
+        CHECK(value_in(as_late_consumer(bus, 7), "documented.trust.n_base") ==
               std::to_string(settings::TrustSettings{}.n_base));
       }
     }
     WHEN("a setting that a preset replaces is set") {
-      const Result set = bus.settings({"set", "fusion.engine=documented", "drift.jump_alpha=0.9"});
+      const Result set = bus.settings({"set", "fusion.engine=documented", "documented.drift.jump_alpha=0.9"});
       THEN("it is accepted with a warning") {
         CHECK(set.code == 0);
-        CHECK_THAT(set.error, Contains("warning") && Contains("drift.jump_alpha") && Contains("user"));
+        CHECK_THAT(set.error,
+                   Contains("warning") && Contains("documented.drift.jump_alpha") && Contains("user"));
       }
     }
     WHEN("a key of get is misspelt, or an argument of set is not an assignment") {
@@ -120,9 +123,9 @@ SCENARIO("settings are changed at run time, and late consumers receive the effec
         const Result get = bus.settings({"get", "trust.sigma"});
         CHECK(get.code == 1);
         CHECK_THAT(get.error, Contains("'trust.sigma'"));
-        const Result set = bus.settings({"set", "trust.sigma_m"});
+        const Result set = bus.settings({"set", "documented.trust.sigma_m"});
         CHECK(set.code == 1);
-        CHECK_THAT(set.error, Contains("trust.sigma_m") && Contains("KEY=VALUE"));
+        CHECK_THAT(set.error, Contains("documented.trust.sigma_m") && Contains("KEY=VALUE"));
       }
     }
   }
@@ -131,21 +134,21 @@ SCENARIO("settings are changed at run time, and late consumers receive the effec
 SCENARIO("a fusion without a beacon reports the settings that it will use") {
   GIVEN("a fusion alone, started with a changed setting") {
     const Bus bus;
-    const auto fusion = bus.fusion({"--set", "trust.n_min=3"});
+    const auto fusion = bus.fusion({"--set", "documented.trust.n_min=3"});
     THEN("get prints that setting, and reports that a beacon has not been received") {
       const Result get = bus.settings({"get", "trust"});
       CAPTURE(get.error);
       CHECK(get.code == 0);
-      CHECK_THAT(get.output, Contains("trust.n_min = 3\n") && !Contains("[beacon"));
+      CHECK_THAT(get.output, Contains("documented.trust.n_min = 3\n") && !Contains("[beacon"));
       const Result seven = bus.settings({"get", "--beacon", "7"});
       CHECK(seven.code == 1);
       CHECK_THAT(seven.error, Contains("received nothing from beacon 7"));
     }
     WHEN("the value is changed for all beacons") {
-      REQUIRE(bus.settings({"set", "trust.n_base=9"}).code == 0);
+      REQUIRE(bus.settings({"set", "documented.trust.n_base=9"}).code == 0);
       THEN("get prints it at once") {
         CHECK_THAT(bus.settings({"get", "trust"}).output,
-                   Contains("trust.n_min = 3\n") && Contains("trust.n_base = 9\n"));
+                   Contains("documented.trust.n_min = 3\n") && Contains("documented.trust.n_base = 9\n"));
       }
     }
   }
@@ -155,17 +158,18 @@ SCENARIO("a misspelt key is refused at once, with and without a running fusion")
   const Bus bus;
   const Result get = bus.settings({"get", "trust.sigma", "--timeout", "1000"});
   CHECK(get.code == 1);
-  CHECK_THAT(get.error, Contains("'trust.sigma'") && Contains("'trust.sigma_m'"));
+  CHECK_THAT(get.error, Contains("'trust.sigma'") && Contains("'documented.trust.sigma_m'"));
 }
 
 SCENARIO("watch prints changes as they happen") {
   LiveSystem live;
   const auto lines = live.bus.settings_watch({"--beacon", "7"});
   REQUIRE(lines->wait_for_line(Stream::error, "watching beacon 7"));
-  REQUIRE(live.bus.settings({"set", "trust.n_base=9", "--beacon", "8"}).code == 0);
-  REQUIRE(live.bus.settings({"set", "fusion.imu_weight=low"}).code == 0);
-  REQUIRE(lines->wait_for_line(Stream::output, "beacon.7.fusion.imu_weight = \"low\"  # was \"medium\""));
-  REQUIRE(lines->wait_for_line(Stream::output, "beacon.7.velocity.blend_weight"));  // set by the preset
+  REQUIRE(live.bus.settings({"set", "documented.trust.n_base=9", "--beacon", "8"}).code == 0);
+  REQUIRE(live.bus.settings({"set", "documented.imu_weight=low"}).code == 0);
+  REQUIRE(lines->wait_for_line(Stream::output, "beacon.7.documented.imu_weight = \"low\"  # was \"medium\""));
+  REQUIRE(lines->wait_for_line(Stream::output,
+                               "beacon.7.documented.velocity.blend_weight"));  // set by the preset
   CHECK(lines->end_by(SIGINT).code == 0);
   CHECK_THAT(lines->text(Stream::output), !Contains("beacon.8") && !Contains("trust"));
 }
@@ -188,7 +192,7 @@ SCENARIO("the reset command waits for its result") {
 SCENARIO("a missing fusion is reported") {
   const Bus bus;
   for (const Arguments& command :
-       {Arguments{"get"}, Arguments{"set", "trust.n_base=9"}, Arguments{"reset"}}) {
+       {Arguments{"get"}, Arguments{"set", "documented.trust.n_base=9"}, Arguments{"reset"}}) {
     Arguments arguments = command;
     arguments.insert(arguments.end(), {"--timeout", "0.3"});
     const Result result = bus.settings(arguments);
@@ -207,7 +211,7 @@ SCENARIO("a change at a given event gives poses that are bit-identical to the re
                 ->wait_for_exit() == 0);
     constexpr std::uint64_t from = 1000;
     const Arguments change = GENERATE(Arguments{"heading.mount_offset_deg=3", "delay.source=fixed"},
-                                      Arguments{"fusion.engine=documented", "trust.sigma_m=0.02"});
+                                      Arguments{"fusion.engine=documented", "documented.trust.sigma_m=0.02"});
     const auto key_of = [](const std::string& text) { return text.substr(0, text.find('=')); };
     const auto value_of = [](const std::string& text) { return text.substr(text.find('=') + 1); };
     settings::Settings other;
@@ -257,14 +261,14 @@ SCENARIO("a change at a given event gives poses that are bit-identical to the re
 }
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int beacon_count = 4;  // twenty overload a fusion that is slowed down
+constexpr int beacon_count = 4;  // twenty overload a fusion that a sanitizer slows down
 #else
 constexpr int beacon_count = 20;
 #endif
 constexpr BeaconAddress first_beacon = 7;
-constexpr BeaconAddress another_beacon = first_beacon + beacon_count - 1;  ///< the last one
+constexpr BeaconAddress another_beacon = first_beacon + beacon_count - 1;  ///< the last beacon
 
-/// Requests of all kinds, as fast as 1,600 a second, and resets of one beacon.
+/// Sends requests of all kinds, up to 1,600 per second, and resets of one beacon.
 class RequestFlood {
 public:
   explicit RequestFlood(const Bus& bus)
@@ -281,12 +285,13 @@ private:
     while (!stop.stop_requested()) {
       SettingsRequest request{.address = first_beacon, .request_id = ++sent_, .assignments = {}};
       if (sent_ % 3 == 0) request.address = all_beacons;
-      request.from_sequence = sent_ % 5 == 0 ? 1'000'000 + sent_ : 0;  // waits
+      request.from_sequence = sent_ % 5 == 0 ? 1'000'000 + sent_ : 0;  // waits for its event
       if (sent_ % 2 == 0) {
         request.assignments.assign(sonopose_MAX_ASSIGNMENTS, {std::string(sonopose_MAX_SETTING_KEY, 'x'),
                                                               std::string(sonopose_MAX_SETTING_VALUE, '9')});
       } else {
-        request.assignments = {{"trust.n_base", std::to_string(5 + sent_ % 20)}, {"trust.sigma_m", "0.3"}};
+        request.assignments = {{"documented.trust.n_base", std::to_string(5 + sent_ % 20)},
+                               {"documented.trust.sigma_m", "0.3"}};
       }
       writer_.write(dds::topics::to_idl(request).sample());
       if (sent_ % 16 == 0) resets_.write({.address = another_beacon, .request_id = sent_});
@@ -301,15 +306,15 @@ private:
   std::jthread thread_;
 };
 
-/// Waits for the next pose of each beacon, sorted, without the time in `stalls`, which are disjoint, and
-/// without the delays of the bridge: on a busy machine it publishes samples further apart than their period.
+/// Sorted waits for each beacon's next pose, minus the time in the disjoint `stalls` and the delays of the
+/// bridge. On a busy machine the bridge publishes samples further apart than their period.
 std::vector<double> unexplained_waits_ms(const std::vector<TappedPose>& poses,
                                          const std::vector<faults::Interval>& stalls) {
   constexpr TimeNs period_ns = 10'000'000;
   std::map<BeaconAddress, TappedPose> latest;
   std::vector<double> waits_ms;
   for (const TappedPose& tapped : poses) {
-    if (tapped.pose.address == another_beacon) continue;  // it is reset
+    if (tapped.pose.address == another_beacon) continue;  // this beacon is reset
     const auto [entry, is_first] = latest.try_emplace(tapped.pose.address, tapped);
     const TappedPose before = std::exchange(entry->second, tapped);
     if (is_first) continue;
@@ -342,7 +347,7 @@ SCENARIO("a flood of requests delays no pose") {
         const auto waits_ms = unexplained_waits_ms(poses, faults::merged(stalls.stalls()));
         std::cout << fmt::format("{} requests: longest wait for a pose {:.1f} ms\n", flood.sent(),
                                  waits_ms.back());
-        constexpr double watch_period_ms = 10;  // a stall is known this exactly
+        constexpr double watch_period_ms = 10;  // resolution of the measured stalls
         CHECK(waits_ms[waits_ms.size() * 99 / 100] <= 20 + watch_period_ms);
       }
     }

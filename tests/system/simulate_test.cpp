@@ -23,11 +23,11 @@ Result simulate(const std::vector<std::string>& arguments) {
   return run(SONOPOSE_TEST_SIMULATE, arguments);
 }
 
-/// Runs it with arguments that it must refuse; returns the message.
+/// Runs the program with arguments that it must refuse; returns the message.
 std::string refusal(const std::vector<std::string>& arguments) {
   const Result result = simulate(arguments);
   CAPTURE(arguments, result.error);
-  REQUIRE(result.code);  // it exited
+  REQUIRE(result.code);  // not killed
   CHECK(*result.code > 0);
   return result.error;
 }

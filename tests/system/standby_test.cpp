@@ -21,10 +21,10 @@ namespace topics = dds::topics;
 
 constexpr TimeNs lease_ns = 100'000'000;
 constexpr TimeNs imu_period_ns = 5'000'000;
-constexpr BeaconAddress contested = 7;   ///< both fusions have it
-constexpr BeaconAddress undisputed = 8;  ///< only the weak fusion has it
+constexpr BeaconAddress contested = 7;   ///< both fusions have this beacon
+constexpr BeaconAddress undisputed = 8;  ///< only the weak fusion has this beacon
 
-/// Number of times that a fusion is taken out; docs/standby.md has the figures of more.
+/// Number of times that a fusion is taken out; docs/standby.md lists results of more.
 int kills() {
   const char* const number = std::getenv("SONOPOSE_KILLS");
   return number == nullptr ? 5 : std::atoi(number);
@@ -75,7 +75,7 @@ public:
   std::unique_ptr<Process> bridge;
 };
 
-/// A pair whose stronger fusion has one of two beacons.
+/// A pair whose stronger fusion has only one of two beacons.
 struct UnequalPair : Pair {
   explicit UnequalPair(const std::string& scenario = "rest", const std::string& engine = "kalman")
       : Pair({"--scenario", scenario, "--imu-rate", "200", "--beacons", "2"}),
@@ -96,8 +96,8 @@ struct UnequalPair : Pair {
   Fusion strong;
 };
 
-/// Takes the strong fusion out several times. Prints how long the consumer waits for the weak one, and checks
-/// it by what the weak one writes meanwhile of its own beacon, which nothing disturbs.
+/// Takes the strong fusion out several times. Prints the consumer's waits for the weak one, and compares them
+/// with the poses that the weak one writes meanwhile of its own, undisturbed beacon.
 void check_takeovers(const std::string& what, UnequalPair& pair, int times,
                      const std::function<std::function<void()>()>& take_out) {
   std::vector<double> waits_ms;
@@ -128,7 +128,7 @@ void check_takeovers(const std::string& what, UnequalPair& pair, int times,
 }
 
 SCENARIO("a killed fusion is replaced within its lease, and its consumer learns of its death") {
-  // A takeover does not depend on the engine, so one of the engines is killed less often.
+  // A takeover does not depend on the engine, so one engine is killed less often.
   const auto [engine, times] =
       GENERATE(table<std::string, int>({{"kalman", kills()}, {"documented", (3 * kills() + 4) / 5}}));
   UnequalPair pair("rest", engine);
@@ -162,8 +162,8 @@ SCENARIO("a fusion whose receive thread hangs is replaced, although its other th
   CHECK(pair.tap.wait_for_writer({pair.strong.claim}, pair.tap.count()));
 }
 
-/// Stops a process for a second. Returns the first half of it, by the clock of the stamps: what was sent then
-/// is old when the process continues.
+/// First half of a stop of one second, by the clock of the stamps: samples sent then are old when the process
+/// continues.
 struct Stop {
   TimeNs from_ns = 0;
   TimeNs until_ns = 0;
@@ -209,7 +209,7 @@ SCENARIO("a process that was stopped for a second passes nothing old off as live
     Consumer<sonopose_FusionStatus> status(bus, topics::fusion_status, dds::topics::Delivery::live);
     REQUIRE(tap.wait_for_count(0, 100).size() >= 100);
     for (const std::string name : {"fusion", "bridge"}) {
-      // Samples that gather while the bridge is stopped leave it only when it continues.
+      // Samples that wait while the bridge is stopped leave it only when it continues.
       const auto since_ns = name == "fusion" ? &FusedPose::imu_bridge_time_ns : &FusedPose::time_ns;
       WHEN("the " + name + " continues") {
         const std::size_t before = tap.count();
@@ -255,7 +255,7 @@ SCENARIO("while the stronger fusion is alive, the weaker one delivers only what 
             continue;
           }
           if (latest != nullptr && pair.strong.wrote(*latest)) {
-            // If a busy machine starves the stronger fusion for a lease, the weaker one rightly serves.
+            // If a busy machine starves the stronger fusion for a lease, the weaker one serves legitimately.
             if (pair.weak.wrote(tapped)) {
               REQUIRE(tapped.received - latest->received > lease_ns / 4);
             } else {
@@ -269,14 +269,14 @@ SCENARIO("while the stronger fusion is alive, the weaker one delivers only what 
   }
 }
 
-/// Checks one beacon's poses around the time at which the strong fusion serves it: each is of the next
-/// sample, or of the same one again, and close to the one before. Two processes may be some samples apart,
-/// above all where the machine kept one of them waiting. `stalls` are disjoint.
+/// Checks one beacon's poses around the time in which the strong fusion serves it. Each belongs to the next
+/// sample, or to the same one again, and is close to the previous one. The processes may be some samples
+/// apart, mainly if the machine stalled one of them. `stalls` are disjoint.
 void check_hand_overs(std::vector<TappedPose> poses, const Fusion& strong, const Fusion& weak,
                       const std::vector<faults::Interval>& stalls) {
   REQUIRE(weak.wrote(poses.front()));
   REQUIRE(weak.wrote(poses.back()));
-  // From the last pose before the claim; the start of a process may briefly starve the others.
+  // Start at the last pose before the claim; the start of a process may briefly starve the others.
   const auto claimed = std::find_if(poses.begin(), poses.end(),
                                     [&](const TappedPose& pose) { return pose.writer == strong.claim; });
   REQUIRE(claimed != poses.end());
@@ -289,13 +289,13 @@ void check_hand_overs(std::vector<TappedPose> poses, const Fusion& strong, const
     const TimeNs missing_ns = std::max<TimeNs>(0, after.time_ns - before.time_ns - imu_period_ns);
     INFO("beacon " << after.address << ", event " << before.sequence << " to " << after.sequence);
     if (missing_ns > 1000) {
-      constexpr TimeNs watch_period_ns = 10'000'000;  // a stall is known this exactly
+      constexpr TimeNs watch_period_ns = 10'000'000;  // resolution of the measured stalls
       const TimeNs waited_ns =
           faults::covered_ns(stalls, poses[k].received - 1'000'000'000, poses[k].received + watch_period_ns);
       REQUIRE(waited_ns > 0);
       CHECK(missing_ns <= waited_ns + watch_period_ns);
     }
-    // Walking: at most 1.3 m/s; plus the difference between the engines (late_starter_test).
+    // Walking speed of at most 1.3 m/s, plus the difference between the engines (late_starter_test).
     CHECK((after.position_world_m - before.position_world_m).norm() <
           0.05 + 0.01 + 1.3 * seconds_between(0, missing_ns));
   }

@@ -1,4 +1,4 @@
-/// The processes log changes of a beacon's state, with level and reason, once.
+/// The processes log each change of a beacon's state once, with level and reason.
 
 #include "recording/log_writer.hpp"
 #include "sim/scenario.hpp"
@@ -19,7 +19,7 @@ namespace topics = dds::topics;
 constexpr double freezes_at_s = 9.0;
 constexpr double moves_at_s = 14.0;
 
-/// A walk whose fixes repeat one position for five seconds.
+/// Records a walk whose fixes repeat one position for five seconds.
 void record_frozen_walk(const std::filesystem::path& folder) {
   recording::SensorLogWriter writer(folder);
   sim::Simulator simulator(sim::find_scenario("walk"), {.seed = 3, .duration_s = 40.0});
@@ -36,7 +36,7 @@ void record_frozen_walk(const std::filesystem::path& folder) {
   }
 }
 
-/// A fusion whose standard error systemd has announced as the journal.
+/// A fusion whose standard error is announced as the journal, as systemd does.
 std::unique_ptr<Process> journalled_fusion(const Bus& bus, Arguments arguments) {
   arguments.insert(arguments.begin(),
                    {"-c", R"(JOURNAL_STREAM=$(stat -L -c %d:%i /proc/self/fd/2) exec "$0" "$@")",
@@ -46,7 +46,7 @@ std::unique_ptr<Process> journalled_fusion(const Bus& bus, Arguments arguments) 
   return fusion;
 }
 
-/// Lines that begin with `text`.
+/// Counts the lines that begin with `text`.
 std::size_t count(const Process& process, const std::string& text) {
   const auto lines = process.lines(Stream::error);
   const auto begins = [&text](const std::string& line) { return line.starts_with(text); };
@@ -134,7 +134,7 @@ SCENARIO("a reader of the log that goes away does not stop the poses") {
     REQUIRE(bridge->wait_for_exit() == 0);
   }
   const auto bridge =
-      bus.bridge({"--scenario", "rest", "--address", "9"});  // logged again: found, initialised
+      bus.bridge({"--scenario", "rest", "--address", "9"});  // logs further lines: found, initialised
   CHECK(poses.wait_for(
       [](const FusedPose& pose) { return pose.address == 9 && (pose.status & status_initialising) == 0U; }));
   CHECK(fusion.end_by(SIGINT).code == 0);
@@ -149,7 +149,7 @@ SCENARIO("a killed bridge, its return and changed settings are logged") {
     REQUIRE(fusion->wait_for_line(Stream::error, "<6>beacon 7: initialised, after "));
     REQUIRE(relay->wait_for_line(Stream::error, "sonopose-ros2: beacon 7: initialised, after "));
     WHEN("the bridge is killed") {
-      const std::size_t earlier = count(*fusion, "<3>beacon 7: bridge lost");  // on a busy machine
+      const std::size_t earlier = count(*fusion, "<3>beacon 7: bridge lost");  // may occur on a busy machine
       bridge->send(SIGKILL);
       REQUIRE(bridge->wait_for_exit() == -SIGKILL);
       REQUIRE(wait_until([&] { return count(*fusion, "<3>beacon 7: bridge lost") > earlier; }));

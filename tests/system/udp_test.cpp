@@ -18,8 +18,8 @@ using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
-/// Bytes that have arrived at a port and wait for its program. The kernel's list may miss a socket while
-/// others close.
+/// Bytes in a port's receive queue. Empty if the kernel's list misses the socket, which happens while others
+/// close.
 std::optional<std::size_t> waiting_bytes(const sockaddr_in& at) {
   const std::string address = fmt::format("0100007F:{:04X}", ntohs(at.sin_port));
   std::ifstream sockets("/proc/net/udp");
@@ -30,7 +30,7 @@ std::optional<std::size_t> waiting_bytes(const sockaddr_in& at) {
   return std::nullopt;
 }
 
-/// A bridge that listens where this beacon sends.
+/// A bridge that listens to this beacon.
 std::unique_ptr<Process> listening_bridge(const Bus& bus, const UdpSender& beacon,
                                           const Arguments& further = {}) {
   Arguments arguments{"--source", "udp", "--listen", beacon.endpoint()};
@@ -40,7 +40,7 @@ std::unique_ptr<Process> listening_bridge(const Bus& bus, const UdpSender& beaco
   return bridge;
 }
 
-/// Longest time between the stamps of two samples.
+/// Longest interval between the stamps of two samples.
 double longest_gap_s(const std::vector<ImuSample>& samples) {
   TimeNs longest_ns = 0;
   for (std::size_t i = 1; i < samples.size(); ++i) {
@@ -63,7 +63,7 @@ SCENARIO("a flood of forged datagrams does not interrupt a beacon") {
     const auto first = *std::find_if(datagrams.begin(), datagrams.end(), is_imu);
     beacon.send(first.bytes);
     REQUIRE(lines.wait_for([](const LineStatus& line) { return line.frames == 1; }));
-    // A forged header announces more than follows; a forged stamp would reset the beacon's clock.
+    // The forged header announces more bytes than follow; a forged stamp would reset the beacon's clock.
     Bytes header(first.bytes.begin(), first.bytes.begin() + 5);
     header[4] = 255;
     for (const Bytes& forged : {header, first.bytes}) {
@@ -73,7 +73,7 @@ SCENARIO("a flood of forged datagrams does not interrupt a beacon") {
         int sent = 0;
         send_in_time(datagrams, [&](std::span<const std::uint8_t> bytes) {
           for (int i = 0; i < 100; ++i, ++sent) attacker.send(forged);
-          // A full receive buffer of a bridge that a busy machine delays would lose the beacon's datagram.
+          // If a busy machine delays the bridge, its full receive buffer would lose the beacon's datagram.
           REQUIRE(wait_until([&] { return waiting_bytes(beacon.to()) == 0; }));
           beacon.send(bytes);
         });

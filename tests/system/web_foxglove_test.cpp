@@ -1,4 +1,4 @@
-/// Foxglove's protocol, as the program sonopose-web serves it.
+/// Foxglove's protocol as served by the program sonopose-web.
 
 #include "support/bus.hpp"
 #include "web_process.hpp"
@@ -54,7 +54,7 @@ SCENARIO("a client of Foxglove's protocol receives what it subscribes to") {
   CHECK(pose["encoding"] == "cdr");
   CHECK(pose["schemaEncoding"] == "omgidl");
   constexpr int subscription = 0x01020304;
-  // The head of a message: its kind, and the subscription in little-endian order.
+  // Head of a message: its kind, then the subscription in little-endian order.
   const std::string head{"\x01\x04\x03\x02\x01", 5};
   const auto next_status = [&client] {
     while (true) {
@@ -68,7 +68,7 @@ SCENARIO("a client of Foxglove's protocol receives what it subscribes to") {
   subscribe(subscription, pose["id"]);
   for (int messages = 0; messages < 20;) {
     const std::string message = client.next();
-    if (!message.starts_with(head)) continue;  // such as the time
+    if (!message.starts_with(head)) continue;  // other messages, such as the time
     CHECK(message.size() > 100);
     ++messages;
   }
@@ -131,9 +131,9 @@ SCENARIO("a client of Foxglove that is not ours decodes the poses") {
                                   pose["orientation"]["z"].get<double>())) == Approx(1.0));
       latest_s = std::stod(each["timestamp"].get<std::string>()) * 1e-9;
     }
-    CHECK(by_kind["message"].size() >= 11);  // and the settings
+    CHECK(by_kind["message"].size() >= 11);  // includes the settings
     CHECK(latest_s == Approx(static_cast<double>(std::time(nullptr))).margin(300));
-    CHECK(by_kind["end"].at(0)["posesAfterwards"].get<int>() < 50);  // on their way; 2 s would be 200
+    CHECK(by_kind["end"].at(0)["posesAfterwards"].get<int>() < 50);  // poses in transit; 2 s would be 200
   }
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The program sonopose-web, and its clients.
+/// The program sonopose-web and its clients.
 
 #include "support/bus.hpp"
 #include "support/http_socket.hpp"
@@ -19,7 +19,7 @@ namespace sonopose::test {
 class Web {
 public:
   Web(const Bus& bus, Arguments arguments) : Web(with_domain(std::move(arguments), bus)) {}
-  /// Without a bus.
+  /// Starts it without a bus.
   explicit Web(const Arguments& arguments) : process_(SONOPOSE_TEST_WEB, arguments) {
     REQUIRE(process_.wait_for_line(Stream::error, "the page is at "));
     const std::string text = process_.text(Stream::error);
@@ -55,7 +55,7 @@ private:
   std::string token_;
 };
 
-/// A connection of a page, or of another client that sends JSON.
+/// Connection of a page, or of another client that sends JSON.
 class Page {
 public:
   explicit Page(const Web& web, const std::string& target = "/ws",
@@ -66,12 +66,12 @@ public:
     REQUIRE_THAT(socket_.read_until("\r\n\r\n"), Catch::StartsWith("HTTP/1.1 101 "));
   }
 
-  /// The next message, which may be binary.
+  /// Next message, which may be binary.
   std::string next() { return socket_.read_message(); }
 
   void send(const nlohmann::json& message) const { socket_.send_message(message.dump()); }
 
-  /// The next message with this op for which `accepts` is true. Fails the test after many without one.
+  /// Next message with this op that `accepts` accepts. Fails the test after many others.
   template <class Accepts>
   nlohmann::json wait_for(const std::string& op, const Accepts& accepts) {
     for (int i = 0; i < 2000; ++i) {

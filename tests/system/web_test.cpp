@@ -27,7 +27,7 @@ using Catch::StartsWith;
 using nlohmann::json;
 using Path = std::filesystem::path;
 
-/// Between the positions of a frame's arrays, m.
+/// Distance between the positions in a frame's arrays, m.
 double distance(const json& pose, const json& truth) {
   const auto difference = [&](std::size_t i) { return pose[i].get<double>() - truth[i].get<double>(); };
   return std::hypot(difference(1), difference(2), difference(3));
@@ -47,7 +47,7 @@ SCENARIO("two pages see the poses near the truth") {
   const auto fusion = bus.fusion();
   const auto bridge = bus.bridge({"--source", "sim", "--scenario", "walk", "--beacons", "2"});
   const auto is_settled = [](const json& frame) {
-    // The poses of one frame are a few milliseconds away from its truth; a walker moves 1 mm in one.
+    // A frame's poses are within a few milliseconds of its truth; a walker moves 1 mm per millisecond.
     return frame["beacons"].size() == 2 &&
            std::all_of(frame["beacons"].begin(), frame["beacons"].end(), [](const json& beacon) {
              if (!beacon.contains("pose") || !beacon.contains("truth")) return false;
@@ -103,7 +103,7 @@ SCENARIO("other machines need the token that the program prints") {
     CHECK_THAT(web.get(secret), StartsWith("HTTP/1.1 401 "));
   }
   CHECK_THAT(web.get("/map.json?token=" + web.token()), StartsWith("HTTP/1.1 200 "));
-  // A browser asks for the page's parts without the token.
+  // A browser requests the page's parts without the token.
   const std::string page = web.get("/?token=" + web.token());
   CHECK_THAT(page, StartsWith("HTTP/1.1 200 ") && Contains("<title>"));
   const std::regex link(R"re((?:src|href)="([^":]+)")re");
@@ -147,7 +147,7 @@ SCENARIO("wrong options of the web process are named") {
   const auto fails = [](const Arguments& arguments, const std::string& named, const std::string& why) {
     CAPTURE(arguments);
     const Result result = run(SONOPOSE_TEST_WEB, arguments);
-    REQUIRE(result.code);  // it was not killed
+    REQUIRE(result.code);  // not killed
     CHECK(*result.code != 0);
     CHECK_THAT(result.error, Contains(named) && Contains(why));
   };
@@ -199,7 +199,7 @@ SCENARIO("a page resets estimators, runs the doctor, and learns that no fusion a
       other.wait_for("findings", [](const json& message) { return message["running"] == true; });
       CHECK(other.wait_for("findings", [](const json& message) { return message["running"] == false; }) ==
             findings);
-      for (int seconds = 0; seconds < 2;) {  // nothing says that it still runs
+      for (int seconds = 0; seconds < 2;) {  // no message claims that it is still running
         const json message = json::parse(other.next());
         CHECK(message["op"] != "findings");
         if (message["op"] == "status") ++seconds;
@@ -213,7 +213,7 @@ SCENARIO("a page resets estimators, runs the doctor, and learns that no fusion a
   }
 }
 
-/// Least severity of a beacon whose pose stream is silent, or lost because a busy fusion missed its lease.
+/// Lowest severity of a beacon whose pose stream is silent, or lost because a busy fusion missed its lease.
 constexpr int severity_without_poses = 95;
 
 SCENARIO("a page that opens late sees a beacon that has stopped, as without poses") {
@@ -241,7 +241,7 @@ bool is_of(const json& event, const std::string& program, const std::string& beg
   return event.value("program", "") == program && event["text"].get<std::string>().starts_with(begin);
 }
 
-/// Waits until the page has the line of the bridge and that of the fusion.
+/// Waits until the page has the bridge's line and the fusion's.
 void wait_for_both(Page& page, const std::string& of_bridge, const std::string& of_fusion) {
   bool has_bridge = false;
   bool has_fusion = false;
@@ -277,7 +277,7 @@ SCENARIO("a page shows the logs of the other processes, each line once") {
     bridge->send(SIGCONT);
     page.wait_for("event",
                   [](const json& event) { return is_of(event, "sonopose-fusion", "beacon 7: IMU samples"); });
-    for (int seconds = 0; seconds < 3;) {  // longer than an event of the page's own could wait
+    for (int seconds = 0; seconds < 3;) {  // longer than the page may hold back its own event
       const json message = json::parse(page.next());
       if (message["op"] == "status") ++seconds;
       if (message["op"] != "event" || message.contains("program")) continue;
@@ -372,7 +372,7 @@ SCENARIO("a page that reads nothing loses frames, and others see the latest pose
     }
     return latest;
   };
-  WHEN("it has left 2.5 MB, and the beacons stop") {  // its socket takes 0.4 MB, and the server keeps 1 MB
+  WHEN("it has left 2.5 MB, and the beacons stop") {  // its socket buffers 0.4 MB, and the server 1 MB
     json lost_by_other = 0;
     for (std::size_t bytes = 0; bytes < 2'500'000;) {
       const std::string text = other.next();

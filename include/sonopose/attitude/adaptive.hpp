@@ -1,8 +1,8 @@
 #pragma once
 /// \file
-/// The default filter, not part of the specifications: inclination from the specific force, low-pass
-/// filtered in a frame that does not rotate; a separate heading; and a gyroscope offset learned at rest
-/// and in motion. Based on D. Laidig and T. Seel, "VQF: Highly accurate IMU
+/// The default filter, which is not part of the specifications. It estimates the inclination from the
+/// specific force, low-pass filtered in a frame that does not rotate, and the heading separately. It learns
+/// the gyroscope offset at rest and in motion. Based on D. Laidig and T. Seel, "VQF: Highly accurate IMU
 /// orientation estimation with bias estimation and magnetic disturbance rejection" (Information Fusion 91,
 /// 2023).
 
@@ -25,18 +25,18 @@ public:
 
   void reset(const Quaternion<Scalar>& q_body_to_world);
 
+  /// One step:
   /// 1. q ← q ⊗ exp((ω − b)·dt).
-  /// 2. The specific force is low-pass filtered in world axes, where back-and-forth motion of the body
-  ///    averages out, because these axes do not rotate with it. q is then rotated so that the
-  ///    filtered force points up.
-  /// 3. The heading is corrected by a share of the angle from the horizontal field to north, unless the field
-  ///    is disturbed. This never changes the tilt.
-  /// 4. Every 0.1 s the gyroscope's offset b is estimated again.
-  /// Each sensor counts for the time since it was last measured, up to longest_wait_s.
+  /// 2. The specific force is low-pass filtered in world axes. They do not rotate with the body, so its
+  ///    back-and-forth motion averages out. q is then rotated so that the filtered force points up.
+  /// 3. A share of the angle from the horizontal field to north corrects the heading, unless the field is
+  ///    disturbed. This never changes the tilt.
+  /// 4. Every 0.1 s the gyroscope offset b is estimated again.
+  /// Each sensor counts for the time since its last measurement, up to longest_wait_s.
   void update(const Settings& all, const Measurement<Scalar>& measurement);
 
-  /// The vertical of the low-pass filter does not change, so the accelerometer later corrects a tilt by
-  /// this rotation.
+  /// Rotates the estimate. The low-pass filter's vertical stays, so the accelerometer later corrects a tilt
+  /// by this rotation.
   void turn_in_world(const Vector3<Scalar>& rotation_world_rad);
 
   [[nodiscard]] const Quaternion<Scalar>& orientation() const { return q_body_to_world_; }
@@ -62,10 +62,10 @@ private:
 
   Quaternion<Scalar> q_body_to_world_ = Quaternion<Scalar>::Identity();
   LowPass<Vector3<Scalar>> force_world_;  ///< m/s²
-  // Sensors may come at different rates.
+  // Sensors may have different rates.
   Scalar since_force_s_ = 0;
   Scalar since_field_s_ = 0;
-  Scalar heading_share_ = 1;  ///< least share of the next heading: the first ones are averaged
+  Scalar heading_share_ = 1;  ///< least share of the next heading, so that the first ones are averaged
   RestState<Scalar> rest_;
   BiasState<Scalar> bias_;
   MagneticState<Scalar> magnetic_;

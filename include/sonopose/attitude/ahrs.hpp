@@ -1,8 +1,8 @@
 #pragma once
 /// \file
-/// The revised AHRS algorithm of S. Madgwick's thesis (2014), chapter 7: the gyroscope is integrated and
-/// corrected towards the vertical of the accelerometer and the heading of the magnetometer. Each sensor is
-/// ignored while it deviates too much from the estimate.
+/// The revised AHRS algorithm of S. Madgwick's thesis (2014), chapter 7. The gyroscope is integrated and
+/// corrected towards the accelerometer's vertical and the magnetometer's heading. Each sensor is ignored
+/// while it deviates too much from the estimate.
 
 #include <sonopose/attitude/ahrs_outputs.hpp>
 #include <sonopose/attitude/filter.hpp>
@@ -13,7 +13,7 @@
 namespace sonopose::attitude {
 
 /// The filter as a value: copying it copies its state. It starts initialising: for 3 s its gain falls from
-/// 10/s to the one set, nothing is rejected, and it converges from wherever it stands. A filter of gain 0
+/// 10/s to the configured one, nothing is rejected, and it converges from any orientation. A filter of gain 0
 /// never initialises.
 template <class Scalar_>
 class BasicAhrs {
@@ -25,42 +25,42 @@ public:
   /// Restarts the initialisation at this orientation and forgets the learned gyroscope offset.
   void reset(const Quaternion<Scalar>& q_body_to_world);
 
-  /// One step; with all sensors, without the magnetometer, or with the gyroscope alone.
+  /// One step, with all sensors, without the magnetometer, or with the gyroscope alone:
   ///   e = up_measured × up_estimated + up_estimated · sin(heading_measured − heading_estimated)
   ///   q ← q ⊗ exp((ω − offset)·Δt + gain·Δt·e)
-  /// with both errors as rotations in body axes, each of length 1 beyond 90°, so that the correction does not
+  /// Both errors are rotations in body axes, each of length 1 beyond 90°, so that the correction does not
   /// fade towards 180°. No step corrects more than its errors. A missing sensor (zero length) corrects
-  /// nothing and counts as neither used nor ignored; one that is present in every n-th step corrects 1/n as
+  /// nothing and counts as neither used nor ignored. One that is present in every n-th step corrects 1/n as
   /// fast. The magnetometer corrects only the heading, and only after the first accelerometer sample.
   void update(const Settings& settings, const Measurement<Scalar>& measurement);
 
-  /// One step with an external heading instead of the magnetometer, with the same rejection:
-  /// `heading_rad` is the body's yaw in the world, the direction of body X seen from above,
-  /// counter-clockwise from world +X; it must be finite. It pulls nothing while body X is vertical.
+  /// One step with an external heading instead of the magnetometer, with the same rejection. `heading_rad` is
+  /// the body's yaw in the world: the direction of body X seen from above, counter-clockwise from world +X.
+  /// It must be finite. It corrects nothing while body X is vertical.
   void update_external_heading(const Settings& settings, const Measurement<Scalar>& measurement,
                                Scalar heading_rad);
 
-  /// The same with the body's ZYX yaw in a convention: what `geometry::yaw_of(orientation_in(convention, …))`
-  /// gives once it has settled.
+  /// Overload for the body's ZYX yaw in a convention: the value of
+  /// `geometry::yaw_of(orientation_in(convention, …))` once the filter has settled.
   void update_external_heading(const Settings& settings, const Measurement<Scalar>& measurement,
                                Scalar heading_rad, Convention convention) {
     update_external_heading(settings, measurement,
                             yaw_in_world(convention, measurement.north_world, heading_rad));
   }
 
-  /// Turns the estimate about world Z until its yaw is this; nothing else changes.
+  /// Turns the estimate about world Z to this yaw; nothing else changes.
   void set_heading(Scalar yaw_rad);
 
-  /// Turns the estimate by |v| about v, a vector in the world (rad); nothing else changes.
+  /// Turns the estimate by a rotation vector in the world; nothing else changes.
   void turn_in_world(const Vector3<Scalar>& rotation_world_rad);
 
   [[nodiscard]] const Quaternion<Scalar>& orientation() const { return q_body_to_world_; }
 
-  /// The gyroscope's offset: what is taken off the rates (rad/s, body), learned or given.
+  /// Gyroscope offset, learned or given, that is subtracted from the rates (rad/s, body).
   [[nodiscard]] const Vector3<Scalar>& gyro_bias_body_radps() const { return offset_.offset_body_radps; }
   void set_gyro_bias(const Vector3<Scalar>& bias_body_radps) { offset_.offset_body_radps = bias_body_radps; }
 
-  /// With the settings of the last update.
+  /// Internal states; `settings` must be those of the last update.
   [[nodiscard]] AhrsInternalStates<Scalar> internal_states(const Settings& settings) const;
   [[nodiscard]] AhrsFlags flags(const Settings& settings) const;
 
@@ -83,8 +83,8 @@ public:
 private:
   using Vector2 = Eigen::Matrix<Scalar, 2, 1>;
 
-  /// A horizontal direction as the estimate sees it and as it truly is, both in the world; `seen` of any
-  /// length, zero for none.
+  /// A horizontal direction as estimated and as true, both in the world. `seen_world` may have any length;
+  /// zero means none.
   struct HeadingReference {
     Vector2 seen_world;
     Vector2 true_world;
@@ -123,9 +123,9 @@ private:
   GyroOffset<Scalar> offset_;
   Rejection<Scalar> acceleration_;
   Rejection<Scalar> heading_;
-  Scalar ramp_s_ = 0;        ///< since initialisation began, up to its period
-  bool up_known_ = false;    ///< an accelerometer has been seen
-  bool over_range_ = false;  ///< as the flag says
+  Scalar ramp_s_ = 0;        ///< time since initialisation began, up to its duration
+  bool up_known_ = false;    ///< true once an accelerometer sample was processed
+  bool over_range_ = false;  ///< flag of the same name
 };
 
 using Ahrs = BasicAhrs<double>;

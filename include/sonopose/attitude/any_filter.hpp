@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// The filter that is selected at run time (setting attitude.filter). It satisfies Filter itself, so that it
-/// can be used like any other filter.
+/// The filter that is selected at run time (setting documented.attitude.filter). It satisfies Filter itself,
+/// so that it can be used like any other filter.
 
 #include <sonopose/attitude/adaptive.hpp>
 #include <sonopose/attitude/ahrs.hpp>
@@ -18,10 +18,10 @@
 
 namespace sonopose::attitude {
 
-/// The chosen filter takes heading from the magnetometer.
+/// Returns true if the chosen filter takes heading from the magnetometer.
 bool has_magnetic_heading(const SelectionSettings& settings);
 
-/// What the settings say of the magnetometer.
+/// Extracts the use of the magnetometer from the settings.
 FieldUse field_use(const SelectionSettings& settings);
 
 class AnyFilter {
@@ -30,10 +30,10 @@ public:
   using Settings = attitude::Settings;
   static constexpr std::string_view name = "any";
 
-  /// Keeps the kind.
+  /// Resets the filter and keeps its kind.
   void reset(const Quaterniond& q_body_to_world);
 
-  /// If the settings select another filter than before, the new one starts with the orientation and the
+  /// Performs one step. If the settings now select another filter, it starts with the orientation and
   /// gyroscope offset of the previous one. The AHRS then initialises, as after every reset.
   void update(const Settings& all, const Measurement<double>& measurement);
 
@@ -53,7 +53,7 @@ public:
   bool operator==(const AnyFilter&) const = default;
 
 private:
-  // In the order of FilterKind.
+  // Alternatives in the order of FilterKind.
   std::variant<Adaptive, Mahony, Complementary, Ahrs, Gyro> filter_;
 };
 

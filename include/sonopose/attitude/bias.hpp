@@ -1,8 +1,8 @@
 #pragma once
 /// \file
-/// The gyroscope's offset, estimated by a small Kalman filter: at rest from the mean rate; in motion from
-/// the repeated tilt corrections by the accelerometer, which make the offset about the two axes observable
-/// that are level at the time.
+/// The gyroscope offset, estimated by a small Kalman filter. At rest it uses the mean rate. In motion it uses
+/// the accelerometer's repeated tilt corrections. They make the offset observable about the two axes that are
+/// level at the time.
 
 #include <sonopose/attitude/filter.hpp>
 #include <sonopose/attitude/low_pass.hpp>
@@ -16,13 +16,14 @@ using Matrix3 = Eigen::Matrix<Scalar, 3, 3>;
 template <class Scalar>
 struct BiasState {
   Vector3<Scalar> bias_body_radps = Vector3<Scalar>::Zero();
-  Matrix3<Scalar> covariance = Matrix3<Scalar>::Zero();  ///< of it; zero until the first estimate
+  Matrix3<Scalar> covariance =
+      Matrix3<Scalar>::Zero();  ///< covariance of the offset; zero until the first estimate
   bool begun = false;
   // Sums since the last estimate.
   Scalar span_s = 0;
   Matrix3<Scalar> rotation_s = Matrix3<Scalar>::Zero();        ///< ∫R(q) dt
-  Vector3<Scalar> turned_world_rad = Vector3<Scalar>::Zero();  ///< corrections made
-  // Delayed like the corrections, by the same low-pass filter as the accelerometer.
+  Vector3<Scalar> turned_world_rad = Vector3<Scalar>::Zero();  ///< sum of the tilt corrections
+  // Delayed by the accelerometer's low-pass filter, like the corrections.
   LowPass<Matrix3<Scalar>> late_rotation;    ///< R(q)
   LowPass<Vector3<Scalar>> late_bias_world;  ///< R(q)·bias
 
@@ -48,21 +49,21 @@ bool is_due(const BiasState<Scalar>& state) {
   return state.span_s >= Scalar(period_s);
 }
 
-/// Further inputs of an estimate: the mean rate, if the body is at rest, and the low-pass filter that delays
-/// the correction of a wrong tilt.
+/// Further inputs of an estimate: the mean rate if the body is at rest, and the low-pass filter that delays
+/// tilt corrections.
 template <class Scalar>
 struct BiasEvidence {
   bool at_rest = false;
-  bool levelled = false;  ///< the low-pass has settled, so that corrections mean something
+  bool levelled = false;  ///< true once the low-pass filter has settled and corrections are meaningful
   Vector3<Scalar> rate_mean_body_radps = Vector3<Scalar>::Zero();
   Scalar accel_time_s = 0;
 };
 
-/// The largest offset that is learned, rad/s.
+/// Largest offset that is learned (rad/s).
 template <class Scalar>
 Scalar limit_radps(const BiasSettings& settings);
 
-/// One estimate from what was collected; then restarts the collection.
+/// Estimates once from the sums, then restarts them.
 template <class Scalar>
 void estimate(const BiasSettings& settings, BiasState<Scalar>& state, const BiasEvidence<Scalar>& evidence);
 

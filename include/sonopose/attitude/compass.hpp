@@ -9,8 +9,8 @@
 
 namespace sonopose::attitude {
 
-/// ZYX yaw of the body in the convention (rad), whatever its tilt. `specific_force_body` points up, and both
-/// vectors may have any length. Nothing where one of them is zero, both are parallel or body X is vertical.
+/// ZYX yaw of the body in the convention (rad), at any tilt. `specific_force_body` points up; both vectors
+/// may have any length. Empty if one is zero, both are parallel or body X is vertical.
 template <class Scalar>
 std::optional<Scalar> compass_heading(Convention convention,
                                       const geometry::Vector3<Scalar>& specific_force_body,
@@ -19,7 +19,7 @@ std::optional<Scalar> compass_heading(Convention convention,
   const geometry::Vector3<Scalar> up_body = specific_force_body.stableNormalized();
   const geometry::Vector3<Scalar> west_body = up_body.cross(magnetic_field_body.stableNormalized());
   const geometry::Vector3<Scalar> north_body = west_body.cross(up_body);
-  // Body X seen from above: its parts to the north and to the west.
+  // Components of body X to the north and to the west, seen from above.
   const Scalar north = north_body.x();
   const Scalar west = west_body.x();
   if (std::hypot(north, west) <= 4 * tiny) return std::nullopt;

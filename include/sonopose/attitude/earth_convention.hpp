@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// The three usual ways to lay axes on the Earth. The project's world is Z up with magnetic north wherever
-/// `north_world` points; these functions convert vectors from it to one of them.
+/// The three usual conventions for axes on the Earth. In the project's world Z is up and magnetic north is
+/// along `north_world`. These functions convert from it to a convention.
 
 #include <sonopose/geometry/rotation.hpp>
 
@@ -19,8 +19,7 @@ enum class Convention {
 template <class Scalar>
 using Direction2 = Eigen::Matrix<Scalar, 2, 1>;
 
-/// Turns vectors of the world into vectors of the convention. `north_world`: unit vector in the world's XY
-/// plane.
+/// Rotation from the world to the convention. `north_world`: unit vector in the world's XY plane.
 template <class Scalar>
 geometry::Quaternion<Scalar> world_to_convention(Convention convention,
                                                  const Direction2<Scalar>& north_world) {
@@ -31,23 +30,23 @@ geometry::Quaternion<Scalar> world_to_convention(Convention convention,
   return geometry::Quaternion<Scalar>(0, 1, 0, 0) * q_world_to_nwu;
 }
 
-/// The orientation of the body in the convention: turns body vectors into vectors of the convention.
+/// Orientation of the body in the convention: turns body vectors into vectors of the convention.
 template <class Scalar>
 geometry::Quaternion<Scalar> orientation_in(Convention convention, const Direction2<Scalar>& north_world,
                                             const geometry::Quaternion<Scalar>& q_body_to_world) {
   return world_to_convention(convention, north_world) * q_body_to_world;
 }
 
-/// A vector of the world in the convention.
+/// Converts a world vector to the convention.
 template <class Scalar>
 geometry::Vector3<Scalar> vector_in(Convention convention, const Direction2<Scalar>& north_world,
                                     const geometry::Vector3<Scalar>& vector_world) {
   return world_to_convention(convention, north_world) * vector_world;
 }
 
-/// The yaw in the project's world (direction of body X, counter-clockwise from +X seen from above) of a body
-/// whose ZYX yaw in the convention is `yaw_rad`: counter-clockwise from north in NWU and from east in ENU,
-/// clockwise from north in NED.
+/// World yaw of a body whose ZYX yaw in the convention is `yaw_rad`. World yaw is the direction of body X,
+/// counter-clockwise from +X seen from above. ZYX yaw is counter-clockwise from north in NWU and from east in
+/// ENU, clockwise from north in NED.
 template <class Scalar>
 Scalar yaw_in_world(Convention convention, const Direction2<Scalar>& north_world, Scalar yaw_rad) {
   const Scalar north_rad = std::atan2(north_world.y(), north_world.x());

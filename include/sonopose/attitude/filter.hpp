@@ -1,8 +1,8 @@
 #pragma once
 /// \file
 /// The concept of an attitude filter: a value that turns measurements and settings into an orientation. All
-/// filters of this module model it, so that each can replace any other, chosen at compile time by
-/// a template argument or at run time (any_filter.hpp).
+/// filters of this module model it. Any can replace any other, at compile time (template argument) or at run
+/// time (any_filter.hpp).
 
 #include <sonopose/geometry/rotation.hpp>
 
@@ -16,18 +16,19 @@ namespace sonopose::attitude {
 using geometry::Quaternion;
 using geometry::Vector3;
 
-/// One step of a filter. Its numbers must be finite.
+/// Input of one filter step. All numbers must be finite.
 template <class Scalar>
 struct Measurement {
-  Scalar dt_s = 0;  ///< since the previous measurement, ≥ 0; may vary
+  Scalar dt_s = 0;  ///< time since the previous measurement, ≥ 0; may vary
   Vector3<Scalar> angular_velocity_body_radps = Vector3<Scalar>::Zero();
   Vector3<Scalar> specific_force_body_mps2 = Vector3<Scalar>::Zero();  ///< zero length: not measured
   Vector3<Scalar> magnetic_field_body_t = Vector3<Scalar>::Zero();     ///< zero length: not measured
-  /// Unit vector to magnetic north in the world's XY plane: (0, 1) where X is east, (1, 0) where X is north.
+  /// Unit vector to magnetic north in the world's XY plane: (0, 1) if X is east, (1, 0) if X is north.
   Eigen::Matrix<Scalar, 2, 1> north_world{0, 1};
-  /// Acceleration of the body known from another source, m/s²; the rest of the specific force is gravity's.
+  /// Acceleration of the body known from another source (m/s²). The rest of the specific force is due to
+  /// gravity.
   Vector3<Scalar> acceleration_world_mps2 = Vector3<Scalar>::Zero();
-  /// False: the body may accelerate in unknown ways, so the specific force serves rest detection alone.
+  /// False if the body may accelerate in unknown ways. The specific force then serves rest detection alone.
   bool force_shows_up = true;
 };
 
@@ -40,21 +41,20 @@ Vector3<Scalar> gravity_force_body(const Measurement<Scalar>& measurement,
          q_body_to_world.conjugate() * measurement.acceleration_world_mps2;
 }
 
-/// Whether the specific force is present and shows where up is.
+/// Returns true if the specific force is present and shows the vertical.
 template <class Scalar>
 bool shows_up(const Measurement<Scalar>& measurement) {
   return measurement.force_shows_up && !measurement.specific_force_body_mps2.isZero(0);
 }
 
-/// Whether a world vector has a horizontal direction: its horizontal part exceeds rounding errors.
+/// Returns true if a world vector has a horizontal direction: its horizontal part exceeds rounding errors.
 template <class Scalar>
 bool has_level_part(const Vector3<Scalar>& vector_world) {
   constexpr Scalar least = 16 * std::numeric_limits<Scalar>::epsilon();
   return vector_world.template head<2>().squaredNorm() > least * least * vector_world.squaredNorm();
 }
 
-/// The turn about the vertical that takes the level part of `field_world_t` to north; the field must have
-/// one.
+/// Angle about the vertical from the level part of `field_world_t` to north. The level part must not be zero.
 template <class Scalar>
 Scalar heading_error_rad(const Vector3<Scalar>& field_world_t, const Measurement<Scalar>& measurement) {
   const auto& north = measurement.north_world;
@@ -62,22 +62,22 @@ Scalar heading_error_rad(const Vector3<Scalar>& field_world_t, const Measurement
                     field_world_t.x() * north.x() + field_world_t.y() * north.y());
 }
 
-/// Takes a filter's fields, whatever they are.
+/// Accepts the fields of any filter.
 struct AnyVisit {
   template <class Field>
   void operator()(const char* /*name*/, Field& /*field*/) const {}
 };
 
 // clang-format off
-/// Orientations are `q_body_to_world`, the world's Z up. Made by its default constructor a filter stands at
-/// the identity and has learned nothing.
+/// An attitude filter. Orientations are `q_body_to_world`; the world's Z is up. A default-constructed filter
+/// has the identity orientation and has learned nothing.
 ///
-/// | Member | What it does |
+/// | Member | Effect |
 /// |---|---|
 /// | `reset(q)` | restarts at this orientation and forgets the learned gyroscope offset |
-/// | `update(settings, m)` | one step; allocates nothing and never throws |
-/// | `turn_in_world(v)` | turns the estimate by the length of v about v, a vector in the world (rad) |
-/// | `gyro_bias_body_radps()`, `set_gyro_bias(b)` | what the filter takes off the rates (rad/s, body) |
+/// | `update(settings, m)` | performs one step; allocates nothing and never throws |
+/// | `turn_in_world(v)` | turns the estimate by a rotation vector in the world (rad) |
+/// | `gyro_bias_body_radps()`, `set_gyro_bias(b)` | offset that is subtracted from the rates (rad/s, body) |
 /// | `for_each_field(f)` | calls f(name, field) for each field of the state, to save and restore it; fields are bool, int, Scalar, Vector3, Matrix3 and Quaternion |
 // clang-format on
 template <class F>

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// The orientation half of the strapdown document (equations 3 and 4) as a filter: the gyroscope alone, which
-/// nothing corrects.
+/// The gyroscope alone, without corrections: the orientation half of the strapdown document (equations 3 and
+/// 4) as a filter.
 
 #include <sonopose/attitude/integrated_attitude.hpp>
 
@@ -10,7 +10,7 @@ namespace sonopose::attitude {
 /// This filter has no settings.
 struct GyroSettings {};
 
-/// Its offset is the one that was given: the filter learns none.
+/// The filter uses the given gyroscope offset and learns none.
 template <class Number>
 class BasicGyro : public IntegratedAttitude<Number> {
 public:

@@ -1,12 +1,12 @@
 #pragma once
 /// \file
-/// The state of a filter that is no more than an orientation and the gyroscope's offset.
+/// The state of a filter that consists only of an orientation and a gyroscope offset.
 
 #include <sonopose/attitude/filter.hpp>
 
 namespace sonopose::attitude {
 
-/// What the concept Filter asks for, but the update itself.
+/// Implements the concept Filter, except for the update.
 template <class Number>
 class IntegratedAttitude {
 public:
@@ -37,8 +37,8 @@ public:
   }
 
 protected:
-  /// q ← q ⊗ exp(ω·dt), ω in the body's axes. The document of the strapdown writes the increment on the left;
-  /// body rates and a body-to-world quaternion demand the right.
+  /// q ← q ⊗ exp(ω·dt), with ω in body axes. The strapdown document multiplies from the left; body rates and
+  /// a body-to-world quaternion require the right.
   void turn_in_body(const Vector3<Scalar>& rotation_body_rad) {
     q_body_to_world_ = (q_body_to_world_ * geometry::rotation_by(rotation_body_rad)).normalized();
   }

@@ -1,22 +1,22 @@
 #pragma once
 /// \file
-/// A low-pass of second order for vectors and matrices, at steps that may vary.
+/// A second-order low-pass filter for vectors and matrices, at variable steps.
 
 #include <cmath>
 #include <numbers>
 
 namespace sonopose::attitude {
 
-/// y″ + √2·w·y′ + w²·y = w²·u with w = √2/time, a Butterworth low-pass, by the implicit Euler rule, which is
-/// stable at any step. For the first `time_s` it is the mean of its inputs, so that it needs no initial
-/// value. `Value` is an Eigen vector or matrix.
+/// Butterworth low-pass filter y″ + √2·w·y′ + w²·y = w²·u with w = √2/time, by the implicit Euler rule, which
+/// is stable at any step. For the first `time_s` it is the mean of its inputs, so it needs no initial value.
+/// `Value` is an Eigen vector or matrix.
 template <class Value>
 struct LowPass {
   using Scalar = typename Value::Scalar;
 
   Value value = Value::Zero();
   Value slope = Value::Zero();  ///< per second
-  Scalar age_s = 0;             ///< how long it has been fed, up to its time
+  Scalar age_s = 0;             ///< time covered by the inputs, up to the filter's time
 
   template <class Derived>
   void feed(const Eigen::MatrixBase<Derived>& input, Scalar dt_s, Scalar time_s) {
@@ -32,7 +32,7 @@ struct LowPass {
     value += dt_s * slope;
   }
 
-  /// It no longer only takes the mean.
+  /// Returns true once the output is no longer a plain mean.
   [[nodiscard]] bool is_settled(Scalar time_s) const { return age_s >= time_s; }
 
   bool operator==(const LowPass&) const = default;

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// The Mahony filter (settings 29, 30; the attitude document's "Mahony Filter"): the gyroscope integrated,
-/// with a proportional and integral pull of the estimated up towards the measured specific force, and of the
+/// The Mahony filter (settings 29, 30; the attitude document's "Mahony Filter"). It integrates the gyroscope.
+/// A proportional and an integral term pull the estimated up towards the measured specific force, and the
 /// estimated north towards the measured field.
 
 #include <sonopose/attitude/integrated_attitude.hpp>
@@ -12,7 +12,7 @@
 
 namespace sonopose::attitude {
 
-/// The gyroscope offset is the negative of the integral.
+/// The filter's gyroscope offset is the negative of the integral.
 template <class Number>
 class BasicMahony : public IntegratedAttitude<Number> {
 public:
@@ -20,8 +20,9 @@ public:
   using Settings = MahonySettings;
   static constexpr std::string_view name = "mahony";
 
+  /// One step:
   ///   e = v_measured × v_estimated;  ω' = ω + Kp·e + Ki·∫e dt;  q ← q ⊗ exp(ω'·dt)
-  /// The exponential is exact where the document's q̇ = ½ q ⊗ ω is of first order.
+  /// The exponential is exact; the document's q̇ = ½ q ⊗ ω is of first order.
   void update(const Settings& settings, const Measurement<Scalar>& measurement);
 };
 

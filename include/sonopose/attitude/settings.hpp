@@ -13,25 +13,25 @@ constexpr std::array<std::string_view, 5> choices_of(FilterKind /*unused*/) {
   return {"adaptive", "mahony", "complementary", "ahrs", "gyro"};
 }
 
-/// What the magnetometer corrects in the Mahony filter.
+/// Correction by the magnetometer in the Mahony filter.
 enum class MagneticError : std::uint8_t {
   heading,  ///< yaw alone: a disturbed field cannot tilt the estimate
-  full      ///< the classic error of all three axes
+  full      ///< all three axes, as in the classic filter
 };
 constexpr std::array<std::string_view, 2> choices_of(MagneticError /*unused*/) {
   return {"heading", "full"};
 }
 
-/// What happens when a sensor has been ignored for too long (rejection.hpp).
+/// Reaction to a sensor that was ignored for too long (rejection.hpp).
 enum class RejectionForm {
-  recovery,  ///< it is used again until it agrees
-  seed       ///< the accelerometer's restarts the initialisation, the magnetometer's sets the heading
+  recovery,  ///< the sensor is used again until it agrees
+  seed       ///< the accelerometer restarts the initialisation; the magnetometer sets the heading
 };
 constexpr std::array<std::string_view, 2> choices_of(RejectionForm /*unused*/) {
   return {"recovery", "seed"};
 }
 
-/// Which filter estimates the attitude, and its use of the magnetometer.
+/// Choice of the attitude filter, and its use of the magnetometer.
 struct SelectionSettings {
   FilterKind filter = FilterKind::adaptive;
   bool magnetometer = false;
@@ -47,7 +47,7 @@ struct MahonySettings {
   double heading_kp = 0.05;
 };
 
-/// Adaptive filter (adaptive.hpp): its time constants.
+/// Time constants of the adaptive filter (adaptive.hpp).
 struct AdaptiveSettings {
   double accel_time_s = 3.0;
   double heading_time_s = 9.0;
@@ -105,7 +105,7 @@ struct AhrsSettings {
   double gyro_range_dps = 0.0;
 };
 
-/// The adaptive filter with its parts.
+/// The adaptive filter and its parts.
 struct AdaptiveFilterSettings {
   AdaptiveSettings adaptive;
   RestSettings rest;
@@ -113,7 +113,7 @@ struct AdaptiveFilterSettings {
   MagneticSettings magnetic;
 };
 
-/// Which filter, and the settings of each.
+/// The choice of the filter, and the settings of each.
 struct Settings {
   SelectionSettings selection;
   AdaptiveFilterSettings adaptive;

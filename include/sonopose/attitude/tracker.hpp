@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// A filter fed with samples: the time step comes from their own time stamps, the first one sets the start.
+/// An attitude filter fed with IMU samples. Their stamps give the time step; the first sample sets the start.
 
 #include <sonopose/attitude/filter.hpp>
 #include <sonopose/samples/samples.hpp>
@@ -10,7 +10,7 @@
 
 namespace sonopose::attitude {
 
-/// How a sample becomes the measurement of any filter that has no settings for this.
+/// Use of the magnetometer when a sample becomes the measurement of any filter.
 struct FieldUse {
   bool use_magnetometer = false;
   double north_deg = 90;  ///< direction of magnetic north in the world, counter-clockwise from +X
@@ -26,11 +26,11 @@ struct FieldUse {
   }
 };
 
-/// Level with the specific force; with yaw so that the field's level part points north, where there is one.
-/// A force of zero length, or a field without a horizontal part, carries no information.
+/// Initial orientation: level with the specific force, and with the field's level part pointing north, if
+/// there is one. A force of zero length or a field without a horizontal part carries no information.
 Quaterniond first_orientation(const Measurement<double>& measurement);
 
-/// Finite, and below 1000 rad/s, 10 km/s² and 1 T: no sensor measures more.
+/// Returns true if all values are finite and below 1000 rad/s, 10 km/s² and 1 T. No sensor measures more.
 inline bool is_measurement(const ImuSample& imu) {
   const auto below = [](const Vector3d& vector, double limit) {
     return vector.allFinite() && vector.cwiseAbs().maxCoeff() < limit;
@@ -39,15 +39,15 @@ inline bool is_measurement(const ImuSample& imu) {
          (!imu.magnetic_field_body_t || below(*imu.magnetic_field_body_t, 1.0));
 }
 
-/// `F` is a filter of double precision, named at compile time: `Tracker<Mahony>`, or `Tracker<AnyFilter>`
-/// where the settings shall name it.
+/// Tracks attitude with a double-precision filter: `Tracker<Mahony>`, or `Tracker<AnyFilter>` to let the
+/// settings select it.
 template <Filter F>
 class Tracker {
 public:
   Tracker(typename F::Settings settings, FieldUse field) : settings_(std::move(settings)), field_(field) {}
 
-  /// Processes one sample. Returns false and does nothing if it is not a measurement: not finite, beyond
-  /// what any sensor measures, or earlier than the one before.
+  /// Processes one sample. Returns false and does nothing if it is not a measurement (not finite or beyond
+  /// any sensor's range) or is earlier than the previous one.
   bool on(const ImuSample& imu) {
     if (!is_measurement(imu) || (started_ && imu.sensor_time_ns < time_ns_)) return false;
     const double dt_s = started_ ? seconds_between(time_ns_, imu.sensor_time_ns) : 0.0;

@@ -1,8 +1,8 @@
 #pragma once
 /// \file
 /// Restores the order of one beacon's events. The three topics have no order among each other; the bridge's
-/// event numbers define it. An event that is next in line passes immediately. One that arrives early waits
-/// for a limited time for its predecessors, which are then counted as lost.
+/// event numbers define it. An event that is next in line passes immediately. An early one waits for a
+/// limited time for its predecessors, which then count as lost.
 
 #include <sonopose/samples/samples.hpp>
 
@@ -15,17 +15,17 @@ namespace sonopose::collation {
 
 struct CollatorCounters {
   std::uint64_t lost = 0;        ///< event numbers that never arrived
-  std::uint64_t duplicated = 0;  ///< arrived twice, or after they had been given up
-  std::uint64_t restarts = 0;    ///< the numbering started again, or jumped ahead
+  std::uint64_t duplicated = 0;  ///< events that arrived twice, or after they had been given up
+  std::uint64_t restarts = 0;    ///< restarts of the numbering, and jumps ahead
 };
 
-/// The most events that can be lost in succession: hours of one beacon. A number further ahead is corrupt or
-/// from another numbering.
-inline constexpr std::uint64_t most_lost = 10'000'000;
+/// Most events that can be lost in succession: hours of one beacon. A number further ahead is corrupt or from
+/// another numbering.
+inline constexpr std::uint64_t max_lost = 10'000'000;
 
-/// Counts the numbers from `from` to before `to`, which never arrived.
+/// Counts the numbers of [`from`, `to`), which never arrived.
 inline void count_gap(CollatorCounters& counters, std::uint64_t from, std::uint64_t to) {
-  if (to - from > most_lost) {
+  if (to - from > max_lost) {
     ++counters.restarts;
   } else {
     counters.lost += to - from;
@@ -44,12 +44,12 @@ public:
   /// Number of events that can wait. If more arrive, the gap before them is given up early.
   static constexpr std::size_t capacity = 64;
 
-  /// `timeout_ns`: how long an event waits for its predecessors.
+  /// `timeout_ns` limits how long an event waits for its predecessors.
   explicit Collator(TimeNs timeout_ns = 5'000'000) : timeout_ns_(timeout_ns) {}
 
-  /// Adds an event that arrived at `now`. Returns the events that are in line now, in
-  /// order; the span is valid until the next call. Without a gap this is the event itself. A gap is given up
-  /// only when a later event arrives, so that no timer is needed.
+  /// Adds an event that arrived at `now`. Returns the events that are now in line, in order: without a gap,
+  /// the event itself. The span is valid until the next call. A gap is given up only when a later event
+  /// arrives, so no timer is needed.
   std::span<const CollatedEvent> push(const Event& event, SteadyTime now) {
     ready_count_ = 0;
     const std::uint64_t sequence = sequence_of(event);
@@ -87,9 +87,9 @@ private:
 
   void release(const Event& event, bool restart = false) { ready_[ready_count_++] = {event, restart}; }
 
-  /// A restarted bridge counts from the beginning: several late numbers in succession with no number in line
-  /// between them. (If two bridges publish the same address, the first stays the one that counts.) A number
-  /// that was given up is only late.
+  /// Detects a restarted bridge, which counts from the beginning: several late numbers in succession without
+  /// one in line between them. A number that was given up is merely late. If two bridges publish the same
+  /// address, the first one keeps counting.
   [[nodiscard]] bool is_restart(std::uint64_t sequence, SteadyTime now) {
     constexpr int enough = 4;
     if (was_given_up(sequence, now)) return false;
@@ -127,10 +127,10 @@ private:
     ++waiting_;
   }
 
-  /// Counts everything before `sequence` that has not arrived as lost.
+  /// Counts all missing events before `sequence` as lost.
   void give_up_to(std::uint64_t sequence, SteadyTime now) {
     if (sequence == next_) return;
-    constexpr std::uint64_t widest = 1024;  // a wider gap is not filled any more
+    constexpr std::uint64_t widest = 1024;  // a wider gap is no longer filled
     count_gap(counters_, next_, sequence);
     if (sequence - next_ <= widest) {
       given_up_[given_up_count_++ % given_up_.size()] = {next_, sequence, now};
@@ -186,7 +186,7 @@ private:
   bool started_ = false;
   int late_run_ = 0;
   std::uint64_t late_next_ = 0;
-  std::array<Gap, 16> given_up_{};  ///< the latest
+  std::array<Gap, 16> given_up_{};  ///< latest gaps
   std::size_t given_up_count_ = 0;
   CollatorCounters counters_;
 };

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Restores the order of events on a lossless path (keep-all on both sides, a log played at full speed): an
+/// Restores the order of events on a lossless path (keep-all on both sides, a log played at full speed). An
 /// event waits for its predecessors without a time limit.
 
 #include <sonopose/collation/collator.hpp>
@@ -16,20 +16,20 @@
 
 namespace sonopose::collation {
 
-/// The numbering begins with 1, as in a log. It allocates and is not for the live path.
+/// Collates events that are numbered from 1, as in a log. It allocates and is not for the live path.
 class LosslessCollator {
 public:
-  /// More events than any transport buffers: if so many wait, the missing event will not arrive.
+  /// More events than any transport buffers. If so many wait, the missing event will not arrive.
   static constexpr std::size_t capacity = 1U << 16U;
 
-  /// Adds an event. Returns the events that are in line now, in order; the span is valid until the next call.
+  /// Adds an event. Returns the events that are now in line, in order. The span is valid until the next call.
   std::span<const CollatedEvent> push(const Event& event) {
     ready_.clear();
     const std::uint64_t sequence = sequence_of(event);
     bool restart = false;
     if (sequence < next_) {
-      // A duplicate, or an event of a log that is played again, whose first events may arrive in any order:
-      // keep them until number 1 shows which.
+      // Either duplicates, or the first events of a log that is played again, which may arrive in any order.
+      // Number 1 decides; until then they are kept.
       ++counters_.duplicated;
       late_.insert_or_assign(sequence, event);
       if (!late_.contains(1)) return {};
@@ -73,7 +73,7 @@ private:
 
   std::uint64_t next_ = 1;
   std::map<std::uint64_t, Event> waiting_;
-  std::map<std::uint64_t, Event> late_;  ///< with numbers that were released before
+  std::map<std::uint64_t, Event> late_;  ///< events with numbers that were released before
   std::vector<CollatedEvent> ready_;
   CollatorCounters counters_;
 };

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The estimator that is selected at run time. It satisfies Estimator itself.
+/// The estimator selected at run time. It satisfies Estimator itself.
 
 #include <sonopose/estimation/documented/engine.hpp>
 #include <sonopose/estimation/estimator.hpp>
@@ -25,16 +25,16 @@ constexpr std::array<std::string_view, 3> choices_of(EstimatorKind /*kind*/) {
   return {"documented", "strapdown", "kalman"};
 }
 
-/// The state of an estimator of either kind; the alternatives are in the order of EstimatorKind.
+/// Snapshot of an estimator of any kind; the alternatives are in the order of EstimatorKind.
 using AnySnapshot = std::variant<documented::Snapshot, strapdown::Snapshot, kalman::Snapshot>;
 
 [[nodiscard]] constexpr EstimatorKind kind_of(settings::EngineKind engine) {
   return engine == settings::EngineKind::kalman ? EstimatorKind::kalman : EstimatorKind::documented;
 }
 
-/// An estimator, and what the strapdown estimator needs besides the settings.
+/// The kind of an estimator, and what the strapdown estimator needs besides the settings.
 struct EstimatorOptions {
-  std::optional<EstimatorKind> kind{};  ///< empty: that of the setting fusion.engine
+  std::optional<EstimatorKind> kind{};  ///< empty: as set by fusion.engine
   strapdown::State strapdown_start{};
   strapdown::Rule strapdown_rule = strapdown::Rule::previous;
 };
@@ -48,12 +48,12 @@ public:
   std::optional<FusedPose> predict(const ImuSample& imu) noexcept;
   FixReport correct(const UltrasonicFix& fix) noexcept;
   void correct(const PairHeading& heading) noexcept;
-  void catch_up() noexcept;
-  /// Another fusion.engine than before starts again with that engine, which allocates its memory.
+  void finish_pending_work() noexcept;
+  /// Applies new settings. A changed fusion.engine restarts with that engine, which allocates its memory.
   void configure(const settings::Settings& settings) noexcept;
   void reset() noexcept;
 
-  /// Continues from a snapshot and becomes an estimator of its kind, with the present settings.
+  /// Continues from a snapshot as an estimator of its kind, with the current settings.
   void restore(const Snapshot& snapshot) noexcept;
   [[nodiscard]] Snapshot snapshot() const;
 

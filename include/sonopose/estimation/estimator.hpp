@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The interface of position estimators: a beacon's events in, poses and fix reports out. The types that
+/// The interface of position estimators, which turn a beacon's events into poses and fix reports. Types that
 /// satisfy it are interchangeable; AnyEstimator (any_estimator.hpp) selects one at run time.
 
 #include <sonopose/samples/estimator_counters.hpp>
@@ -17,16 +17,15 @@ namespace sonopose::estimation {
 
 /// An estimator of one beacon's pose.
 ///
-/// It is a deterministic value: the same settings and events give the same bits, and an estimator that is
-/// restored from a snapshot continues like the original. None of these functions throws, and none but
-/// `snapshot` allocates.
+/// It is a deterministic value: the same settings and events give the same bits. An estimator restored from a
+/// snapshot continues like the original. None of these functions throws, and none but `snapshot` allocates.
 ///
 /// - `predict` integrates an IMU sample and returns the pose at it. It returns nothing for a sample that it
-///   does not use; an impossible one it counts in `samples_invalid`. A pose is always finite.
+///   does not use, and counts an impossible one in `samples_invalid`. A pose is always finite.
 /// - `correct` with a fix returns a report on it; FixFlag::fix_used is not set if the fix changed nothing.
-/// - `catch_up` does at once what the last event left to do, and the next one would have to do first. It
-///   changes no pose, report or snapshot. Call it before `estimate`, which otherwise may be of a time in the
-///   past: that of a fix that came late.
+/// - `finish_pending_work` does the work that the last event left, which the next one would have to do first.
+///   It changes no pose, report or snapshot. Call it before `estimate`, which after a late fix may otherwise
+///   be of that earlier time.
 /// - `configure` replaces the settings and keeps the state. `settings` are the effective ones.
 /// - `reset` discards the state, keeps the counters and increments `reset_counter`.
 /// - `time_ns` is the time of the state; 0 before the first sample.
@@ -42,7 +41,7 @@ concept Estimator = std::copyable<T> && std::equality_comparable<typename T::Sna
   noexcept->std::same_as<FixReport>;
   { estimator.correct(heading) }
   noexcept->std::same_as<void>;
-  { estimator.catch_up() }
+  { estimator.finish_pending_work() }
   noexcept->std::same_as<void>;
   { estimator.configure(settings) }
   noexcept->std::same_as<void>;
@@ -58,8 +57,8 @@ concept Estimator = std::copyable<T> && std::equality_comparable<typename T::Sna
   { constant.estimate() } -> std::same_as<Estimate>;
 };
 
-/// The output for one event: a pose for an IMU sample, a report for a fix, nothing for a heading or a sample
-/// that was not used.
+/// Output for one event: a pose for an IMU sample, a report for a fix, nothing for a heading or an unused
+/// sample.
 using EventResult = std::variant<std::monostate, FusedPose, FixReport>;
 
 /// Passes an event to the estimator.

@@ -17,7 +17,7 @@ namespace sonopose::estimation {
   return static_cast<EstimatorKind>(snapshot.index());
 }
 
-/// The snapshot of a new estimator of this kind.
+/// Snapshot of a new estimator of this kind.
 [[nodiscard]] inline AnySnapshot initial_snapshot(EstimatorKind kind) {
   switch (kind) {
     case EstimatorKind::documented:
@@ -32,14 +32,14 @@ namespace sonopose::estimation {
 
 /// Calls `visit(name, field)` for each field of the state; `Snapshot` is AnySnapshot or const AnySnapshot.
 /// Fields are bool, int, TimeNs, double, Vector3d, Quaterniond, enumerations with `choices_of`,
-/// attitude::AnyFilter, and sequences of structs that have a `for_each_field` themselves.
+/// attitude::AnyFilter, and sequences of structs with their own `for_each_field`.
 template <class Snapshot, class Visit>
 requires std::same_as<std::remove_const_t<Snapshot>, AnySnapshot>
 void for_each_field(Snapshot& snapshot, const Visit& visit) {
   std::visit([&](auto& any) { for_each_field(any, visit); }, snapshot);
 }
 
-/// The counters of a snapshot; `Snapshot` is AnySnapshot or const AnySnapshot.
+/// Counters of a snapshot; `Snapshot` is AnySnapshot or const AnySnapshot.
 template <class Snapshot>
 [[nodiscard]] auto& counters_of(Snapshot& snapshot) {
   return std::visit(
@@ -52,7 +52,7 @@ template <class Snapshot>
       [](auto& any) -> auto& { return any.reset_counter; }, snapshot);
 }
 
-/// The first field whose value no estimator can have although its type allows it.
+/// First field with a value that its type allows but no estimator can have.
 [[nodiscard]] inline std::optional<FieldFault> find_fault(const AnySnapshot& snapshot) {
   return std::visit([](const auto& any) { return find_fault(any); }, snapshot);
 }

@@ -6,7 +6,7 @@
 
 namespace sonopose::geometry {
 
-/// [v]×, with [v]× w = v × w.
+/// The matrix [v]× with [v]× w = v × w.
 inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
   Eigen::Matrix3d matrix;
   matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;

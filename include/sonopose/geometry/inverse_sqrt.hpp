@@ -1,15 +1,14 @@
 #pragma once
 /// \file
-/// 1/√x, exactly or fast. Both are always there; `inverse_sqrt` is the fast one where the build defines
-/// SONOPOSE_FAST_INVERSE_SQRT (a CMake option, off by default) and the exact one elsewhere.
+/// 1/√x, exact or fast. Both are always available. `inverse_sqrt` is the fast one if the build defines
+/// SONOPOSE_FAST_INVERSE_SQRT (a CMake option, off by default), otherwise the exact one.
 ///
-/// The fast one: the bits of a float, read as an integer, are a straight-line approximation of its logarithm,
-/// so that half of them subtracted from a constant approximate 1/√x, wrong by no more than 3.44 %. A Newton
-/// step y ← y·(3 − x·y²)/2 turns a relative error e into −(3e² + e³)/2: never above, and at most 1.753e-3
-/// below. Made larger by half of that, the result is wrong by no more than 8.8e-4 either way, and a second
-/// step leaves 1.2e-6. Measured from 1e-6 to 1e6: 1.27e-6 for float, its rounding included, and 1.15e-6 for
-/// double
-/// (`test_math -s "the fast inverse square root*"`).
+/// The bits of a float, read as an integer, are a straight-line approximation of its logarithm. Half of them,
+/// subtracted from a constant, approximate 1/√x to within 3.44 %. A Newton step y ← y·(3 − x·y²)/2 turns a
+/// relative error e into −(3e² + e³)/2: never above, and at most 1.753e-3 below. Enlarged by half of that,
+/// the result is wrong by no more than 8.8e-4 either way, and a second step leaves 1.2e-6. Measured from 1e-6
+/// to 1e6: 1.27e-6 for float, its rounding included, and 1.15e-6 for double (`test_math -s "the fast inverse
+/// square root*"`).
 
 #include <bit>
 #include <cmath>
@@ -22,7 +21,7 @@ Scalar exact_inverse_sqrt(Scalar x) {
   return 1 / std::sqrt(x);
 }
 
-/// The first guess, for normal x > 0.
+/// First guess, for normal x > 0.
 inline float guess_inverse_sqrt(float x) {
   return std::bit_cast<float>(0x5f37'59dfU - (std::bit_cast<std::uint32_t>(x) >> 1U));
 }
@@ -30,7 +29,7 @@ inline double guess_inverse_sqrt(double x) {
   return std::bit_cast<double>(0x5fe6'eb50'c7b5'37a9U - (std::bit_cast<std::uint64_t>(x) >> 1U));
 }
 
-/// For normal x > 0.
+/// Fast inverse square root, for normal x > 0.
 template <class Scalar>
 Scalar fast_inverse_sqrt(Scalar x) {
   constexpr auto larger = Scalar(1 + 0.5 * 1.753e-3);

@@ -18,14 +18,14 @@ using Vector3 = Eigen::Matrix<Scalar, 3, 1>;
 template <class Scalar>
 using Quaternion = Eigen::Quaternion<Scalar>;
 
-/// The same angle in [−π, π].
+/// Wraps an angle to [−π, π].
 template <class Scalar>
 Scalar wrap_angle(Scalar angle_rad) {
-  if (std::abs(angle_rad) <= std::numbers::pi_v<Scalar>) return angle_rad;  // most are: saves the division
+  if (std::abs(angle_rad) <= std::numbers::pi_v<Scalar>) return angle_rad;  // most are; saves the division
   return std::remainder(angle_rad, 2 * std::numbers::pi_v<Scalar>);
 }
 
-/// The rotation by |v| about v: the exponential map, exact also for small angles.
+/// Rotation by |v| about v: the exponential map, exact also for small angles.
 template <class Derived>
 Quaternion<typename Derived::Scalar> rotation_by(const Eigen::MatrixBase<Derived>& rotation_vector_rad) {
   using Scalar = typename Derived::Scalar;
@@ -49,7 +49,7 @@ Quaternion<typename Derived::Scalar> rotation_by(const Eigen::MatrixBase<Derived
   return {std::cos(angle / 2), xyz.x(), xyz.y(), xyz.z()};
 }
 
-/// The same, so that the vector may be written in braces.
+/// Overload that takes a vector in braces.
 inline Eigen::Quaterniond rotation_by(const Eigen::Vector3d& rotation_vector_rad) {
   return rotation_by<Eigen::Vector3d>(rotation_vector_rad);
 }
@@ -68,7 +68,7 @@ Scalar yaw_of(const Quaternion<Scalar>& q_body_to_world) {
 }
 
 /// ZYX Euler angles (rad): world = Rz(yaw)·Ry(pitch)·Rx(roll)·body. At pitch = ±90° yaw and roll turn about
-/// the same axis; then only their difference means anything.
+/// the same axis, and only their difference is meaningful.
 template <class Scalar>
 struct EulerAngles {
   Scalar roll_rad;
@@ -99,12 +99,12 @@ Vector3<Scalar> up_in_body(const Quaternion<Scalar>& q_body_to_world) {
           1 - 2 * (q.x() * q.x() + q.y() * q.y())};
 }
 
-/// The shortest rotation that turns the direction of `from` into that of `to`: a half turn about some axis at
-/// right angles where they are opposite, the identity where one of them is zero.
+/// Shortest rotation from the direction of `from` to that of `to`. For opposite directions it is a half turn
+/// about some perpendicular axis, for a zero vector the identity.
 Eigen::Quaterniond rotation_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 
-/// The attitude with the given yaw whose up agrees with a specific force measured at rest; level for a force
-/// of zero.
+/// Attitude with the given yaw whose up agrees with a specific force measured at rest; level for a zero
+/// force.
 Eigen::Quaterniond level_with(const Eigen::Vector3d& specific_force_body, double yaw_rad);
 
 }  // namespace sonopose::geometry

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// A covariance as its upper triangle, as it is transmitted and recorded.
+/// A covariance as its upper triangle, as transmitted and recorded.
 
 #include <Eigen/Core>
 
@@ -12,7 +12,7 @@
 
 namespace sonopose {
 
-/// A symmetric N × N covariance. A negative variance means that it is unknown; its covariances are then zero.
+/// A symmetric N × N covariance. A negative variance is unknown; its covariances are then zero.
 template <int N>
 class Covariance {
 public:
@@ -22,12 +22,12 @@ public:
   using Matrix = Eigen::Matrix<double, N, N>;
   using Vector = Eigen::Matrix<double, N, 1>;
 
-  /// All variances unknown.
+  /// Sets all variances to unknown.
   constexpr Covariance() {
     for (int i = 0; i < N; ++i) set(i, i, unknown);
   }
 
-  /// From the upper triangle, row by row.
+  /// Takes the upper triangle, row by row.
   constexpr explicit Covariance(const std::array<double, element_count>& elements) : elements_(elements) {}
 
   static Covariance from_diagonal(const Vector& variances) {

@@ -4,18 +4,18 @@
 
 namespace sonopose {
 
-/// Events that an estimator has processed since it was made. A reset does not clear them.
+/// Counts of the events that an estimator has processed since it was made. A reset does not clear them.
 struct EstimatorCounters {
   std::uint64_t imu_samples = 0;
   std::uint64_t fixes_used = 0;
   std::uint64_t fixes_rejected = 0;
   std::uint64_t headings = 0;
   std::uint64_t samples_invalid = 0;  ///< not finite, impossible, out of order, or too late
-  std::uint64_t imu_gaps = 0;         ///< silences of the IMU that were not integrated over
+  std::uint64_t imu_gaps = 0;         ///< silences of the IMU not integrated over
 
   bool operator==(const EstimatorCounters&) const = default;
 
-  /// What has been counted since `before`.
+  /// Counts since `before`.
   EstimatorCounters operator-(const EstimatorCounters& before) const {
     return {.imu_samples = imu_samples - before.imu_samples,
             .fixes_used = fixes_used - before.fixes_used,

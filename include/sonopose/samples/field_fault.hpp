@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// What is wrong with a saved state.
+/// A fault of a saved state.
 
 #include <concepts>
 #include <string_view>
@@ -8,11 +8,11 @@
 
 namespace sonopose {
 
-/// `Group` or `const Group`: for functions that visit the fields of either.
+/// `Group` or `const Group`, for functions that visit the fields of either.
 template <class T, class Group>
 concept IsFieldsOf = std::same_as<std::remove_const_t<T>, Group>;
 
-/// A field of a state, and what is impossible about its value.
+/// A field of a state and its fault.
 struct FieldFault {
   std::string_view field;
   std::string_view fault;

@@ -14,7 +14,7 @@ struct FixFlagName {
   std::string_view name;
 };
 
-/// In ascending order of bits.
+/// Names in ascending order of bits.
 inline constexpr std::array<FixFlagName, 11> fix_flag_names{{{fix_used, "used"},
                                                              {fix_outlier, "outlier"},
                                                              {fix_low_quality, "low_quality"},

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// A line of the log of a process, as other processes receive it.
+/// A line of a process's log, as other processes receive it.
 
 #include <sonopose/samples/time.hpp>
 
@@ -14,14 +14,14 @@ enum class LogLevel : std::uint32_t {
   info,
   warning,
   error,
-  failure  ///< why the process ends
+  failure  ///< reason why the process ends
 };
 
 struct LogLine {
   std::string host;              ///< name of the machine; DDS cuts it at 64 bytes
-  std::uint32_t process_id = 0;  ///< of its operating system
+  std::uint32_t process_id = 0;  ///< id in its operating system
   std::uint64_t number = 0;      ///< counts the published lines of the process from 1; 0: not numbered
-  TimeNs time_ns = 0;            ///< when the line was logged
+  TimeNs time_ns = 0;            ///< time of logging
   std::string program;           ///< such as "sonopose-fusion"; DDS cuts it at 64 bytes
   LogLevel level = LogLevel::info;
   std::string text;  ///< DDS cuts it at 1024 bytes

@@ -6,7 +6,7 @@
 
 namespace sonopose {
 
-/// A report that names the fix and when it was applied.
+/// Returns a report that names the fix and the time of its application.
 inline FixReport report_on(const UltrasonicFix& fix, TimeNs applied_time_ns) {
   FixReport report;
   report.address = fix.address;

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// The output of an engine: the fused pose at every IMU sample, a report for every fix, and its estimates of
-/// the sensors.
+/// Output of an engine: the fused pose at every IMU sample, a report on every fix, and its estimates of the
+/// sensors.
 
 #include <sonopose/samples/samples.hpp>
 
@@ -10,7 +10,7 @@
 
 namespace sonopose {
 
-/// What a consumer must know about a pose; bits of `FusedPose::status`.
+/// Conditions that a consumer of a pose must know; bits of `FusedPose::status`.
 enum PoseStatus : std::uint32_t {
   status_initialising = 1U << 0U,     ///< no position yet (documented engine: or it measures the gyro offset)
   status_uncalibrated = 1U << 1U,     ///< the gyro bias is not known well
@@ -18,22 +18,22 @@ enum PoseStatus : std::uint32_t {
   status_converging = 1U << 3U,       ///< the pose is being corrected by a large distance
   status_heading_unknown = 1U << 4U,  ///< yaw not known to 5° (documented engine: no heading for 0.5 s)
   status_frozen_track = 1U << 5U,     ///< the fixes repeat one position while the IMU moves
-  status_predicted = 1U << 6U,        ///< between or beyond IMU samples, not at one
+  status_predicted = 1U << 6U,        ///< the pose is between or beyond IMU samples, not at one
   status_imu_gap = 1U << 7U,          ///< the IMU was silent just before this pose
   status_low_trust = 1U << 8U,        ///< many of the last fixes were not used
   status_rotating_fast = 1U << 9U,    ///< documented engine: settings 35–37 suppress acceleration
-  status_late = 1U << 10U,            ///< its IMU sample arrived much later than usual
+  status_late = 1U << 10U,            ///< the IMU sample arrived much later than usual
   status_overloaded = 1U << 11U,      ///< the fusion cannot keep up with its input and skips poses
   status_imu_inconsistent =
       1U << 12U,  ///< gyroscope, accelerometer or mount contradict fixes, headings or gravity
   status_fixes_inconsistent =
-      1U << 13U  ///< a default position instead of some fixes, or stamps of another clock
+      1U << 13U  ///< a default position replaces some fixes, or stamps are from another clock
 };
 
 /// The pose of one beacon at one IMU sample.
 struct FusedPose {
   BeaconAddress address = 0;
-  std::uint64_t sequence = 0;  ///< of the IMU sample that it was computed at
+  std::uint64_t sequence = 0;  ///< event number of its IMU sample
   TimeNs time_ns = 0;          ///< time of validity (sensor time)
   Vector3d position_world_m = Vector3d::Zero();
   Quaterniond q_body_to_world = Quaterniond::Identity();
@@ -43,14 +43,14 @@ struct FusedPose {
   Vector3d gyro_bias_body_radps = Vector3d::Zero();
   Covariance<6> pose_covariance;  ///< m, rad: position in world, then a rotation about the fixed world axes
   Covariance<3> velocity_covariance;  ///< (m/s)², world
-  double trust = 0;                   ///< 0…1, of the ultrasonic track
-  double since_valid_fix_s = 0;       ///< since the last valid fix; infinite before the first
+  double trust = 0;                   ///< trust in the ultrasonic track, 0…1
+  double since_valid_fix_s = 0;       ///< time since the last valid fix; infinite before the first
   std::uint32_t reset_counter = 0;    ///< increases when the engine is re-initialised: expect a jump
   std::uint32_t status = 0;           ///< bits of PoseStatus
-  TimeNs imu_sensor_time_ns = 0;      ///< the path of its IMU sample: measured,
-  TimeNs imu_bridge_time_ns = 0;      ///< published by the bridge,
-  TimeNs fusion_in_time_ns = 0;       ///< taken by the fusion process,
-  TimeNs fusion_out_time_ns = 0;      ///< and the pose written
+  TimeNs imu_sensor_time_ns = 0;      ///< measurement of its IMU sample
+  TimeNs imu_bridge_time_ns = 0;      ///< publication of this sample by the bridge
+  TimeNs fusion_in_time_ns = 0;       ///< taking of this sample by the fusion
+  TimeNs fusion_out_time_ns = 0;      ///< writing of the pose
 
   bool operator==(const FusedPose&) const = default;
 };
@@ -71,7 +71,7 @@ inline double yaw_std_rad(const FusedPose& pose) {
   return pose.pose_covariance.std_dev(5);
 }
 
-/// What was done with a fix; bits of `FixReport::flags`.
+/// Treatment of a fix; bits of `FixReport::flags`.
 enum FixFlag : std::uint32_t {
   fix_used = 1U << 0U,
   fix_outlier = 1U << 1U,
@@ -82,34 +82,35 @@ enum FixFlag : std::uint32_t {
   fix_snapped_under = 1U << 6U,
   fix_stale_recovered = 1U << 7U,
   fix_frozen = 1U << 8U,
-  fix_first = 1U << 9U,     ///< set the position directly: the first of a run
-  fix_too_late = 1U << 10U  ///< measured longer ago than the engine can still correct
+  fix_first = 1U << 9U,     ///< first fix of a run: sets the position directly
+  fix_too_late = 1U << 10U  ///< measured too long ago for the engine to correct
 };
 
-/// What the engine did with one fix, and why.
+/// Treatment of one fix by the engine, with the reasons.
 struct FixReport {
   BeaconAddress address = 0;
-  std::uint64_t sequence = 0;                             ///< of the fix
-  TimeNs emission_time_ns = 0;                            ///< of the fix
-  TimeNs applied_time_ns = 0;                             ///< engine time at which it was applied
-  Vector3d position_world_m = Vector3d::Zero();           ///< as measured
-  Vector3d shifted_position_world_m = Vector3d::Zero();   ///< moved forward to `applied_time_ns` (setting 6)
+  std::uint64_t sequence = 0;                    ///< event number of the fix
+  TimeNs emission_time_ns = 0;                   ///< stamp of the fix
+  TimeNs applied_time_ns = 0;                    ///< engine time of its application
+  Vector3d position_world_m = Vector3d::Zero();  ///< position as measured
+  Vector3d shifted_position_world_m =
+      Vector3d::Zero();  ///< position moved forward to `applied_time_ns` (setting 6)
   Vector3d innovation_world_m = Vector3d::Zero();         ///< the fix minus its prediction (setting 13)
-  std::optional<Covariance<3>> innovation_covariance_m2;  ///< world
+  std::optional<Covariance<3>> innovation_covariance_m2;  ///< covariance in world axes
   std::optional<double> test_ratio;  ///< squared normalised innovation over its gate: above 1 is an outlier
-  std::uint32_t hypothesis = 0;      ///< 1: a fix that was not used lies on another track
-  std::uint32_t model = 0;           ///< of the IMU, in use: a kalman::ImuModel
-  double weight = 0;                 ///< effective, after floor and trust (settings 13–15)
+  std::uint32_t hypothesis = 0;      ///< 1: an unused fix lies on another track
+  std::uint32_t model = 0;           ///< model of the IMU in use: a kalman::ImuModel
+  double weight = 0;                 ///< effective weight, after floor and trust (settings 13–15)
   double trust = 0;                  ///< 0…1
-  Vector3d jump_world_m = Vector3d::Zero();               ///< applied at once (setting 4)
-  Vector3d velocity_change_world_mps = Vector3d::Zero();  ///< applied at once (setting 3)
-  double yaw_change_rad = 0;                              ///< applied at once (settings 31–33)
+  Vector3d jump_world_m = Vector3d::Zero();               ///< immediate change (setting 4)
+  Vector3d velocity_change_world_mps = Vector3d::Zero();  ///< immediate change (setting 3)
+  double yaw_change_rad = 0;                              ///< immediate change (settings 31–33)
   std::uint32_t flags = 0;                                ///< bits of FixFlag
 
   bool operator==(const FixReport&) const = default;
 };
 
-/// A value that an engine estimates, and its standard deviation.
+/// An estimated value and its standard deviation.
 struct ScalarEstimate {
   double value = 0;
   double std = 0;  ///< negative: unknown
@@ -117,7 +118,7 @@ struct ScalarEstimate {
   bool operator==(const ScalarEstimate&) const = default;
 };
 
-/// The same per axis.
+/// An estimated vector and its standard deviation per axis.
 struct VectorEstimate {
   Vector3d value = Vector3d::Zero();
   Vector3d std = Vector3d::Zero();  ///< negative: unknown
@@ -125,31 +126,31 @@ struct VectorEstimate {
   bool operator==(const VectorEstimate&) const = default;
 };
 
-/// What one engine has estimated about its sensors. A value that it does not estimate is empty.
+/// Estimates of one engine about its sensors. A value that it does not estimate is empty.
 struct Estimate {
   BeaconAddress address = 0;
-  std::uint64_t fusion_id = 0;  ///< of the process, as in FusionStatus
+  std::uint64_t fusion_id = 0;  ///< id of the process, as in FusionStatus
   TimeNs time_ns = 0;
   std::optional<VectorEstimate> gyro_bias_body_radps;
   std::optional<VectorEstimate> accelerometer_bias_body_mps2;
   std::optional<VectorEstimate> lever_arm_body_m;  ///< from the tracked point to the IMU
-  std::optional<ScalarEstimate> delay_s;           ///< emission of a fix to its receipt
+  std::optional<ScalarEstimate> delay_s;           ///< delay from the emission of a fix to its receipt
   std::optional<ScalarEstimate> fix_noise_m;       ///< standard deviation of a fix, per axis
   std::optional<ScalarEstimate> heading_noise_rad;
-  std::optional<ScalarEstimate> heading_offset_rad;  ///< mount offset of the pair's axis
 
   bool operator==(const Estimate&) const = default;
 };
 
-/// What an engine did with a fix.
+/// Verdict of an engine on a fix.
 enum class FixVerdict : std::uint8_t {
   used,
   down_weighted,  ///< used with less weight because its innovation is large
   rejected
 };
 
-/// The weight of the documented engine falls with every innovation, so there only an outlier is
-/// down-weighted. The Kalman engine, which reports an innovation covariance, lowers it between its gates.
+/// Verdict on the fix of a report. The documented engine's weight falls with every innovation, so only an
+/// outlier is down-weighted there. The Kalman engine, which reports an innovation covariance, lowers the
+/// weight between its gates.
 inline FixVerdict verdict_of(const FixReport& report) {
   if ((report.flags & fix_used) == 0) return FixVerdict::rejected;
   const bool has_gates = report.innovation_covariance_m2.has_value();
@@ -161,8 +162,8 @@ inline bool is_down_weighted(const FixReport& report) {
   return verdict_of(report) == FixVerdict::down_weighted;
 }
 
-/// Whether the innovation was computed. It is not for the first fix, nor for one that was rejected before,
-/// such as one of low quality: it is 0 then.
+/// True if the innovation was computed. It is 0 for the first fix and for one rejected before, such as one of
+/// low quality.
 inline bool has_innovation(const FixReport& report) {
   const bool is_predicted = (report.flags & fix_used) != 0 && (report.flags & fix_first) == 0;
   return is_predicted || !report.innovation_world_m.isZero(0.0);

@@ -1,8 +1,8 @@
 #pragma once
 /// \file
 /// The native types. Every edge of the system (wire, log folder, simulator, DDS, ROS 2) converts to and from
-/// them once. SI units; times are integer nanoseconds since the Unix epoch in the host's clock; the name of a
-/// vector contains its frame (`body`: the IMU's axes, `world`: the beacons' map, Z up).
+/// them once. Units are SI; times are integer nanoseconds since the Unix epoch in the host's clock. The name
+/// of a vector contains its frame (`body`: the IMU's axes, `world`: the beacons' map, Z up).
 
 #include <sonopose/samples/covariance.hpp>
 #include <sonopose/samples/time.hpp>
@@ -24,37 +24,37 @@ using Eigen::Vector3d;
 /// The beacon (or other sensor head) that a sample comes from; the key of the native topics.
 using BeaconAddress = std::uint16_t;
 
-/// In a command: every beacon. Never the address of a sample.
+/// Every beacon, in a command; never the address of a sample.
 inline constexpr BeaconAddress all_beacons = 0xFFFF;
 
-/// What an accelerometer at rest measures along the vertical, in the simulator and in the fusion.
+/// Vertical specific force at rest, in the simulator and in the fusion.
 inline constexpr double standard_gravity_mps2 = 9.80665;
 
-/// What the values of an IMU sample refer to.
+/// Meaning of the values of an IMU sample.
 enum class ImuMeaning : std::uint32_t {
   unknown,
   instant,         ///< the moment `sensor_time_ns`
-  mean_since_last  ///< the mean over the interval from the previous sample
+  mean_since_last  ///< mean over the interval from the previous sample
 };
 
-/// The words for them in options and files, in the order of the values.
+/// Words for ImuMeaning in options and files, in the order of its values.
 inline constexpr std::array<std::string_view, 3> imu_meaning_words{"unknown", "instant", "mean"};
 
 /// One inertial measurement.
 struct ImuSample {
   BeaconAddress address = 0;
   std::uint64_t sequence = 0;  ///< event number over the beacon's three streams, given by the bridge
-  TimeNs sensor_time_ns = 0;   ///< when it was measured
-  TimeNs bridge_time_ns = 0;   ///< when the bridge published it; for latency alone, never for integration
+  TimeNs sensor_time_ns = 0;   ///< time of measurement
+  TimeNs bridge_time_ns = 0;  ///< time of publication by the bridge; for latency alone, never for integration
   Vector3d angular_velocity_body_radps = Vector3d::Zero();
-  Vector3d specific_force_body_mps2 = Vector3d::Zero();  ///< +9.81 on z at rest, level
+  Vector3d specific_force_body_mps2 = Vector3d::Zero();  ///< +9.81 on z if at rest and level
   std::optional<Vector3d> magnetic_field_body_t;         ///< tesla
   ImuMeaning meaning = ImuMeaning::unknown;
 
   bool operator==(const ImuSample&) const = default;
 };
 
-/// What the positioning system reported with a position; bits of `UltrasonicFix::flags`.
+/// Flags of the positioning system for a position; bits of `UltrasonicFix::flags`.
 enum UltrasonicFlag : std::uint32_t {
   ultrasonic_flag_user_button_1 = 1U << 0U,
   ultrasonic_flag_user_button_2 = 1U << 1U,
@@ -69,7 +69,7 @@ struct UltrasonicFix {
   BeaconAddress address = 0;
   std::uint64_t sequence = 0;
   TimeNs emission_time_ns = 0;  ///< moment of the ultrasound emission: where the beacon *was*
-  TimeNs received_time_ns = 0;  ///< when the fix reached the host; no causal user has it earlier
+  TimeNs received_time_ns = 0;  ///< time of receipt by the host; no causal user has the fix earlier
   Vector3d position_world_m = Vector3d::Zero();
   std::optional<Covariance<3>> covariance_world_m2;  ///< empty if the source does not know it
   std::optional<double> quality_percent;             ///< 0…100; empty if the hardware does not report it
@@ -91,7 +91,7 @@ struct PairHeading {
   bool operator==(const PairHeading&) const = default;
 };
 
-/// The axes that a TwistSample measured; bits of `TwistSample::axes`.
+/// Axes that a TwistSample measured; bits of `TwistSample::axes`.
 enum TwistAxis : std::uint32_t {
   twist_velocity_x = 1U << 0U,
   twist_velocity_y = 1U << 1U,
@@ -105,8 +105,8 @@ enum TwistAxis : std::uint32_t {
 struct TwistSample {
   BeaconAddress address = 0;
   std::uint64_t sequence = 0;
-  TimeNs emission_time_ns = 0;  ///< when it was measured
-  TimeNs received_time_ns = 0;  ///< when it reached the host
+  TimeNs emission_time_ns = 0;  ///< time of measurement
+  TimeNs received_time_ns = 0;  ///< time of receipt by the host
   Vector3d velocity_body_mps = Vector3d::Zero();
   Vector3d velocity_std_mps = Vector3d::Constant(-1);  ///< per body axis; negative: unknown
   Vector3d angular_velocity_body_radps = Vector3d::Zero();
@@ -118,9 +118,9 @@ struct TwistSample {
 
 /// A stationary beacon of the positioning system.
 struct StationaryBeacon {
-  BeaconAddress address = 0;                 ///< its own
-  TimeNs time_ns = 0;                        ///< when its position reached the host
-  std::optional<Vector3d> position_world_m;  ///< empty if it is not known
+  BeaconAddress address = 0;                 ///< address of the stationary beacon
+  TimeNs time_ns = 0;                        ///< receipt of its position by the host
+  std::optional<Vector3d> position_world_m;  ///< empty if unknown
 
   bool operator==(const StationaryBeacon&) const = default;
 };
@@ -136,8 +136,8 @@ inline std::uint64_t sequence_of(const Event& event) {
   return std::visit([](const auto& sample) { return sample.sequence; }, event);
 }
 
-/// The earliest time at which a causal user has the event: an IMU sample at once, a fix or heading at its
-/// receipt.
+/// Earliest time at which a causal user has the event: the stamp of an IMU sample, the receipt of a fix or
+/// heading.
 inline TimeNs available_at_ns(const Event& event) {
   struct Visitor {
     TimeNs operator()(const ImuSample& sample) const { return sample.sensor_time_ns; }
@@ -147,7 +147,7 @@ inline TimeNs available_at_ns(const Event& event) {
   return std::visit(Visitor{}, event);
 }
 
-/// A true state, if it is known (simulator, motion capture).
+/// A true state, if known (simulator, motion capture).
 struct TruthSample {
   BeaconAddress address = 0;
   TimeNs time_ns = 0;

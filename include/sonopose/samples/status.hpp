@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// What the bridge and the fusion publish about themselves once a second.
+/// Statuses that bridge and fusion publish once a second.
 
 #include <sonopose/samples/samples.hpp>
 
@@ -10,13 +10,13 @@
 
 namespace sonopose {
 
-/// The state of one beacon and of its line, as the bridge sees them. Counters start with the bridge.
+/// State of one beacon and its line, as seen by the bridge. Counters start with the bridge.
 struct BeaconStatus {
   BeaconAddress address = 0;
   TimeNs time_ns = 0;
   std::optional<double> battery_v;
   std::optional<double> rssi_dbm;
-  double imu_rate_hz = 0;  ///< over the last second
+  double imu_rate_hz = 0;  ///< rate over the last second
   double fix_rate_hz = 0;
   double heading_rate_hz = 0;
   double clock_offset_s = 0;               ///< host time − beacon time, as mapped
@@ -26,50 +26,49 @@ struct BeaconStatus {
   std::uint64_t bytes_lost = 0;            ///< bytes skipped in search of a frame
   std::uint64_t unknown_frames = 0;        ///< good frames of an unknown kind
   std::uint64_t fixes_unavailable = 0;     ///< fixes that the hardware flagged "not available"
-  std::uint64_t samples_rejected = 0;      ///< implausible values, not published
+  std::uint64_t samples_rejected = 0;      ///< samples with implausible values, not published
   std::uint64_t clock_resets = 0;          ///< restarts of the beacon's clock, and steps of the host's
   std::uint32_t other_bridges = 0;         ///< other bridges that publish the same address
   std::uint64_t imu_deadlines_missed = 0;  ///< deadline periods without a sample, since the first one
   std::uint64_t fix_deadlines_missed = 0;
   std::uint64_t heading_deadlines_missed = 0;
-  // Of the whole bridge, the same for all of its beacons:
+  // Common to all beacons of the bridge:
   std::uint64_t liveliness_lost = 0;       ///< expired leases of its writers
   std::uint64_t readers_incompatible = 0;  ///< readers with incompatible QoS
-  std::uint64_t samples_unwritten = 0;     ///< not written because a slow reader blocked
-  std::uint64_t samples_unrecorded = 0;    ///< missing in the recording: the disk is too slow or full
+  std::uint64_t samples_unwritten = 0;     ///< samples not written because a slow reader blocked
+  std::uint64_t samples_unrecorded = 0;    ///< samples missing in the recording: the disk is too slow or full
 
   bool operator==(const BeaconStatus&) const = default;
 };
 
 enum class LineState : std::uint32_t {
   closed,   ///< not opened yet, or closed
-  waiting,  ///< for the device or the peer to appear
+  waiting,  ///< waiting for the device or the peer to appear
   open,
   failed,    ///< cannot be opened or read: see `text`
   silent,    ///< open, but no bytes for 3 s
   no_frames  ///< open, but no valid frame for 3 s in the bytes received
 };
 
-/// One serial line or socket of one bridge, known before any beacon address is. Counters start with the
-/// bridge.
+/// One serial line or socket of one bridge, known before any beacon address. Counters start with the bridge.
 struct LineStatus {
   std::string name;             ///< such as "/dev/ttyACM0"; DDS cuts it at 128 bytes
-  std::uint64_t bridge_id = 0;  ///< of the process, random: two bridges may use the same name
+  std::uint64_t bridge_id = 0;  ///< random id of the process: two bridges may use the same name
   TimeNs time_ns = 0;
   LineState state = LineState::closed;
-  std::uint64_t bytes = 0;       ///< received
-  std::uint64_t frames = 0;      ///< decoded
+  std::uint64_t bytes = 0;       ///< bytes received
+  std::uint64_t frames = 0;      ///< frames decoded
   std::uint64_t crc_errors = 0;  ///< frames with a wrong checksum
   std::uint64_t bytes_lost = 0;  ///< bytes skipped in search of a frame
-  /// Of a sender that is not accepted or not the one of the beacon, or of more beacons than are accepted.
+  /// Packets of a sender that is not accepted or not the beacon's, or of too many beacons.
   std::uint64_t packets_refused = 0;
-  /// Empty if frames arrive; otherwise why not, and what to check. DDS cuts it at 256 bytes.
+  /// Reason why no frames arrive and what to check; empty if they arrive. DDS cuts it at 256 bytes.
   std::string text;
 
   bool operator==(const LineStatus&) const = default;
 };
 
-/// Which poses of a beacon consumers receive.
+/// Role of a process, which decides which poses of a beacon consumers receive.
 enum class FusionRole : std::uint32_t {
   sole,     ///< not in a standby pair
   warming,  ///< poses of strength 0, until the engine has settled
@@ -77,10 +76,10 @@ enum class FusionRole : std::uint32_t {
   stalled   ///< no pose for a deadline: the beacon was released
 };
 
-/// The counters and the role of one engine. Counters start with the fusion.
+/// Counters and role of one engine. Counters start with the fusion.
 struct FusionStatus {
   BeaconAddress address = 0;
-  std::uint64_t fusion_id = 0;  ///< of the process, random
+  std::uint64_t fusion_id = 0;  ///< random id of the process
   TimeNs time_ns = 0;
   FusionRole role = FusionRole::sole;
   std::int32_t strength = 0;  ///< ownership strength of the process
@@ -88,9 +87,9 @@ struct FusionStatus {
   bool overloaded = false;    ///< the process cannot keep up with its input and skips poses
   std::uint64_t imu_samples = 0;
   std::uint64_t fixes_used = 0;
-  std::uint64_t fixes_down_weighted = 0;  ///< of the used ones (is_down_weighted)
+  std::uint64_t fixes_down_weighted = 0;  ///< used fixes with less weight (is_down_weighted)
   std::uint64_t fixes_rejected = 0;
-  std::uint64_t fixes_late = 0;  ///< of the rejected ones: fix_too_late
+  std::uint64_t fixes_late = 0;  ///< rejected fixes with fix_too_late
   std::uint64_t headings = 0;
   std::uint64_t events_lost = 0;        ///< gaps in the event sequence that were never filled
   std::uint64_t events_duplicated = 0;  ///< events with a repeated sequence number, or too late
@@ -100,10 +99,10 @@ struct FusionStatus {
   std::uint64_t imu_deadlines_missed = 0;  ///< deadline periods without a sample, since the first one
   std::uint64_t fix_deadlines_missed = 0;
   std::uint64_t heading_deadlines_missed = 0;
-  std::uint64_t bridge_losses = 0;  ///< times that the bridge of this beacon was lost
+  std::uint64_t bridge_losses = 0;  ///< number of times that the bridge of this beacon was lost
   std::uint64_t poses_late = 0;     ///< poses with status_late
-  std::uint64_t poses_skipped = 0;  ///< not written: overloaded, or late while warming
-  // Of the whole process, the same for all of its beacons:
+  std::uint64_t poses_skipped = 0;  ///< poses not written: overloaded, or late while warming
+  // Common to all beacons of the process:
   std::uint64_t pose_deadlines_missed = 0;
   std::uint64_t liveliness_lost = 0;   ///< expired leases of its pose writers
   std::uint64_t samples_lost = 0;      ///< input samples lost in transport

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// Times of the two clocks, and durations. The host's clock stamps samples and may be set at any moment; the
-/// steady clock measures waiting times. The types differ, so that one is never passed for the other.
+/// Times of two clocks, and durations. The host's clock stamps samples and may be set at any moment; the
+/// steady clock measures waiting times. Their types differ, so that one is never passed for the other.
 
 #include <compare>
 #include <cstdint>
@@ -12,11 +12,11 @@ namespace sonopose {
 /// Nanoseconds: a duration, or a time of the host's clock since the Unix epoch.
 using TimeNs = std::int64_t;
 
-/// A time of the host's clock: nanoseconds since the Unix epoch. A plain number, since estimation integrates
-/// it.
+/// A time of the host's clock: nanoseconds since the Unix epoch. A plain number, because estimation
+/// integrates it.
 using HostTime = TimeNs;
 
-/// A time of the steady clock. It has no epoch: only differences and comparisons mean something.
+/// A time of the steady clock. It has no epoch: only differences and comparisons are meaningful.
 struct SteadyTime {
   std::int64_t ns = 0;
 
@@ -27,7 +27,7 @@ struct SteadyTime {
     return *this;
   }
 
-  /// Later than any other.
+  /// A time later than any other.
   static constexpr SteadyTime max() { return {std::numeric_limits<std::int64_t>::max()}; }
 };
 
@@ -39,19 +39,19 @@ constexpr SteadyTime operator-(SteadyTime time, TimeNs duration_ns) {
   return {time.ns - duration_ns};
 }
 
-/// The duration between them, in nanoseconds.
+/// Duration from `from` to `to` in nanoseconds.
 constexpr TimeNs operator-(SteadyTime to, SteadyTime from) {
   return to.ns - from.ns;
 }
 
-/// `to` − `from`, limited to what a TimeNs can represent: stamps from the bus may have any value.
+/// `to` − `from`, limited to the range of TimeNs: stamps from the bus may have any value.
 constexpr TimeNs saturated_difference(TimeNs to, TimeNs from) {
   TimeNs difference = 0;
   if (!__builtin_sub_overflow(to, from, &difference)) return difference;
   return to < from ? std::numeric_limits<TimeNs>::min() : std::numeric_limits<TimeNs>::max();
 }
 
-/// `time` + `duration`, limited in the same way.
+/// `time` + `duration`, limited likewise.
 constexpr TimeNs saturated_sum(TimeNs time, TimeNs duration) {
   TimeNs sum = 0;
   if (!__builtin_add_overflow(time, duration, &sum)) return sum;
@@ -67,7 +67,7 @@ constexpr double seconds_between(SteadyTime from, SteadyTime to) {
   return seconds_between(from.ns, to.ns);
 }
 
-/// Seconds as whole nanoseconds, rounded to nearest.
+/// Converts seconds to nanoseconds, rounded to nearest.
 constexpr TimeNs to_ns(double seconds) {
   return static_cast<TimeNs>(seconds * 1e9 + (seconds < 0 ? -0.5 : 0.5));
 }

@@ -6,17 +6,17 @@
 
 namespace sonopose::settings {
 
-/// Items 2, 3 and 4 as one preset sets them.
+/// Items 2, 3 and 4 of one preset.
 struct Balance {
   double decay_rate_hz;
   double blend_weight;
   double jump_alpha;
 };
 
-/// The values of a preset. `user` has none; for it the result is that of `medium`.
+/// Values of a preset. `user` has none and returns those of `medium`.
 Balance balance_of(ImuWeight weight);
 
-/// The settings that the engine uses: unless the preset is `user`, its values replace items 2, 3 and 4.
+/// Effective settings: unless the preset is `user`, its values replace items 2, 3 and 4.
 Settings resolved(Settings settings);
 
 }  // namespace sonopose::settings

@@ -1,8 +1,8 @@
 #pragma once
 /// \file
-/// All settings of one estimator, one group per stage, each with its default. Ranges, units and meanings are
-/// in src/settings/settings_table.cpp and docs/settings.md. An item is the number of a setting in the fusion
-/// document; settings without one are additions.
+/// All settings of one estimator with their defaults, one group per stage. Ranges, units and meanings are in
+/// src/core/settings/settings_table.cpp and docs/settings.md. An item is the number of a setting in the
+/// fusion document; settings without one are additions.
 
 #include <sonopose/attitude/settings.hpp>
 #include <sonopose/calibration/model/settings.hpp>
@@ -28,7 +28,7 @@ constexpr std::array<std::string_view, 2> choices_of(DelaySource /*unused*/) {
   return {"measured", "fixed"};
 }
 
-/// Which estimator is used.
+/// Choice of the estimator.
 struct EngineSettings {
   EngineKind engine = EngineKind::kalman;
 };
@@ -38,14 +38,14 @@ struct PresetSettings {
   ImuWeight imu_weight = ImuWeight::medium;  ///< item 1
 };
 
-/// How the position follows a fix.
+/// Correction of the position by a fix.
 struct DriftSettings {
   double decay_rate_hz = 1.5;             ///< item 2
   double jump_alpha = 0.32;               ///< item 4
   double velocity_smooth_rate_hz = 10.0;  ///< item 9
 };
 
-/// How the velocity follows the fixes.
+/// Correction of the velocity by fixes.
 struct VelocitySettings {
   double blend_weight = 0.14;       ///< item 3
   bool overshoot_fix = true;        ///< item 7
@@ -59,7 +59,7 @@ struct VelocitySettings {
   double interval_wanted_s = 0.15;
 };
 
-/// In-motion alignment of the attitude by velocity corrections.
+/// Alignment of the attitude in motion, by velocity corrections.
 struct AlignmentSettings {
   double tilt_gain_hz = 0.85;
   double vertical_gain_hz = 0.13;
@@ -97,7 +97,7 @@ struct OutageSettings {
   double imu_gap_s = 0.25;
 };
 
-/// Which samples the engine accepts.
+/// Conditions on which the engine accepts a sample.
 struct AdmissionSettings {
   double min_quality_percent = 50.0;  ///< item 12
   double max_position_m = 1e4;
@@ -106,7 +106,7 @@ struct AdmissionSettings {
   double max_fix_age_s = 0.9;
 };
 
-/// How far a fix is believed.
+/// Trust in a fix.
 struct TrustSettings {
   double sigma_m = 0.15;                ///< item 13
   double min_weight = 0.003;            ///< item 14

@@ -1,6 +1,7 @@
 #pragma once
 /// \file
-/// The table of all settings: access by key, range checks, and what help, configuration files and docs print.
+/// The table of all settings: access by key, range checks, and the text for help, configuration files and
+/// docs.
 
 #include <sonopose/settings/settings.hpp>
 
@@ -12,7 +13,7 @@
 
 namespace sonopose::settings {
 
-/// The item of a setting that is not one of the document's 37.
+/// Item of a setting that is not one of the document's 37.
 inline constexpr int no_item = 0;
 
 /// A value of any type of setting; a choice is the name of its value.
@@ -35,7 +36,7 @@ struct SettingInfo {
   std::string sentence;
   ReadBy read_by = ReadBy::all;
 
-  /// The allowed values as text: "0 … 50 1/s", "true or false", "low, medium, high or user".
+  /// Allowed values as text: "0 … 50 1/s", "true or false", "low, medium, high or user".
   [[nodiscard]] std::string allowed() const;
 };
 
@@ -48,21 +49,21 @@ public:
 /// Every setting, in the order of the groups in Settings.
 const std::vector<SettingInfo>& setting_table();
 
-/// The row of `key`. Throws SettingError, which names the nearest key, for an unknown one.
+/// Row of `key`. Throws SettingError, which names the nearest key, for an unknown one.
 const SettingInfo& setting_info(std::string_view key);
 
-/// The value of `key`. Throws SettingError for an unknown key.
+/// Value of `key`. Throws SettingError for an unknown key.
 SettingValue get(const Settings& settings, std::string_view key);
 
 /// Sets `key`. An int is accepted for a double. Throws SettingError and changes nothing for an unknown key, a
 /// value of the wrong type or one out of range.
 void set(Settings& settings, std::string_view key, const SettingValue& value);
 
-/// Parses the value of `key` as typed on a command line ("true", "12", "0.5", "medium"). Throws SettingError
-/// for an unknown key and for text that is not of the key's type. Does not check the range.
+/// Parses the value of `key` as typed on a command line ("true", "12", "0.5", "medium"), without checking its
+/// range. Throws SettingError for an unknown key and for text that is not of the key's type.
 SettingValue parse_value(std::string_view key, std::string_view text);
 
-/// The value as text that parse_value() reads back to the same bits.
+/// Value as text from which parse_value() reads the same bits.
 std::string to_text(const SettingValue& value);
 
 }  // namespace sonopose::settings

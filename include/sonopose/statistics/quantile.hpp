@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Quantiles of numbers, some of which may not be finite.
+/// Quantiles of numbers, of which some may not be finite.
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,8 @@
 
 namespace sonopose::statistics {
 
-/// The value that `share` (0…1) of the finite values lie below: one of them, the lower where it falls between
-/// two. 0 where none is finite.
+/// Value below which `share` (0…1) of the finite values lie; the lower one if it falls between two. 0 without
+/// finite values.
 inline double quantile(std::vector<double> values, double share) {
   std::erase_if(values, [](double value) { return !std::isfinite(value); });
   if (values.empty()) return 0.0;

@@ -8,12 +8,12 @@
 
 namespace sonopose::text {
 
-/// Whether a character of UTF-8 begins with this byte.
+/// True if a character of UTF-8 begins with this byte.
 constexpr bool is_first_byte(char byte) {
   return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U;
 }
 
-/// Characters, not bytes.
+/// Number of characters, not of bytes.
 constexpr std::size_t columns_of(std::string_view text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), is_first_byte));
 }

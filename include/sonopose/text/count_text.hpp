@@ -8,7 +8,7 @@
 
 namespace sonopose::text {
 
-/// "1 beacon", "2 beacons". `plural`: of a noun whose plural does not only add an s.
+/// Returns "1 beacon", "2 beacons". `plural` is for a noun whose plural does not only add an s.
 std::string count_text(std::uint64_t count, std::string_view noun, std::string_view plural = {});
 
 }  // namespace sonopose::text

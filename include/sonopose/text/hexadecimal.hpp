@@ -9,7 +9,7 @@
 
 namespace sonopose::text {
 
-/// Two digits for each byte.
+/// Formats each byte as two digits.
 inline std::string hexadecimal(std::span<const std::byte> bytes) {
   constexpr std::string_view digits = "0123456789abcdef";
   std::string text;

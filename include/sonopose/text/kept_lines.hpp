@@ -11,18 +11,18 @@
 
 namespace sonopose::text {
 
-/// Splits bytes into lines and keeps the latest. Bounded: the oldest lines are dropped and counted, and long
-/// ones are cut.
+/// Splits bytes into lines and keeps the latest. Memory is bounded: the oldest lines are dropped and counted,
+/// and long ones are cut.
 class KeptLines {
 public:
-  static constexpr std::size_t most_lines = 1000;
-  static constexpr std::size_t most_columns = 1000;  ///< bytes of a line
+  static constexpr std::size_t max_lines = 1000;
+  static constexpr std::size_t max_columns = 1000;  ///< largest number of bytes per line
 
-  /// Calls `on_line` for each line that is complete now.
+  /// Adds bytes and calls `on_line` for each line that is now complete.
   void add(std::string_view bytes, const std::function<void(const std::string& line)>& on_line = {});
 
-  /// What was kept: a line that says how many earlier ones were dropped, if any, the lines, and one without
-  /// an end.
+  /// Returns the kept lines, the last one possibly without an end. If earlier ones were dropped, the first
+  /// line tells how many.
   std::vector<std::string> take();
 
   [[nodiscard]] const std::deque<std::string>& lines() const { return lines_; }

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// From raw sensor readings to what the filters use: offsets, sensitivities, misalignments and iron in the
-/// sensors' axes, then the body's axes.
+/// Conversion of raw sensor readings for the filters. Corrects offsets, sensitivities, misalignments and iron
+/// in the sensors' axes, then converts to body axes.
 
 #include <sonopose/calibration/model/affine.hpp>
 #include <sonopose/calibration/model/settings.hpp>
@@ -9,20 +9,20 @@
 
 namespace sonopose::calibration {
 
-/// The settings as three maps, made once. A value without pointers.
+/// Three maps, made once from the settings. A value without pointers.
 class Calibration {
 public:
-  /// Changes nothing.
+  /// Constructs the identity.
   Calibration() = default;
   explicit Calibration(const Settings& settings);
 
-  /// The sample in body axes, its times, address and sequence as they were. With default settings it has the
-  /// very same bits. A number that is not finite makes the whole of its vector so, and a huge one may
-  /// overflow: callers that need finite numbers must check the result.
+  /// Returns the sample in body axes; times, address and sequence stay. Default settings preserve every bit.
+  /// A number that is not finite makes its whole vector so, and a huge one may overflow. Callers that need
+  /// finite numbers must check the result.
   [[nodiscard]] ImuSample corrected(const ImuSample& raw) const noexcept;
 
-  /// Re-expresses a rate, corrected by `other`, as corrected by this one. Not finite where that cannot be
-  /// known.
+  /// Re-expresses a rate, corrected by `other`, as corrected by this calibration. Not finite if the
+  /// correction by `other` cannot be inverted.
   [[nodiscard]] Vector3d rate_from(const Calibration& other, const Vector3d& rate_body_radps) const noexcept {
     return gyroscope_(other.gyroscope_.inverse_of(rate_body_radps));
   }

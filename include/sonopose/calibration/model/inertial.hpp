@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Gyroscope and accelerometer, each in its own axes: i_c = M·s·(i_u − b) with the offset b, the diagonal
+/// Gyroscope and accelerometer, each in its own axes: i_c = M·s·(i_u − b), with the offset b, the diagonal
 /// matrix of sensitivities s and the misalignment M, whose diagonal is 1.
 
 #include <sonopose/calibration/model/affine.hpp>

@@ -8,8 +8,8 @@
 
 namespace sonopose::calibration {
 
-/// The mounting of the sensor, an index into the names below. A name lists the sensor's axes along body X, Y
-/// and Z: with "+y-x+z" body X is the sensor's +Y, body Y its −X and body Z its +Z.
+/// Mounting of the sensor, an index into the names below. A name lists the sensor's axes along body X, Y and
+/// Z: with "+y-x+z" body X is the sensor's +Y, body Y its −X and body Z its +Z.
 enum class Axes : std::uint8_t { as_mounted };
 
 /// All mountings that turn a right-handed sensor into a right-handed body.
@@ -23,8 +23,8 @@ struct AxesSettings {
   Axes axes = Axes::as_mounted;
 };
 
-/// Common to gyroscope and accelerometer (inertial.hpp): the sensitivities, and the misalignment without its
-/// diagonal, by row and column.
+/// Terms common to gyroscope and accelerometer (inertial.hpp): the sensitivities, and the misalignment
+/// without its diagonal, by row and column.
 struct InertialTerms {
   double sensitivity_x = 1.0;
   double sensitivity_y = 1.0;
@@ -49,7 +49,7 @@ struct AccelerometerSettings : InertialTerms {
   double offset_z_mps2 = 0.0;
 };
 
-/// Soft-iron matrix, which is symmetric, and hard-iron offset (magnetometer.hpp).
+/// Symmetric soft-iron matrix and hard-iron offset (magnetometer.hpp).
 struct MagnetometerSettings {
   double soft_iron_xx = 1.0;
   double soft_iron_xy = 0.0;

@@ -1,6 +1,7 @@
 #pragma once
 /// \file
-/// Samples from their serialized form, without a participant: from a recording, for example.
+/// Conversion of samples from and to their serialized form, without a participant: for recordings, for
+/// example.
 
 #include <sonopose/dds/binding/topic.hpp>
 
@@ -14,12 +15,12 @@
 namespace sonopose::dds {
 
 /// Reads a serialized sample, from its encapsulation header on, into `sample`, which is zero. Its sequences
-/// belong to the sample then (dds_sample_free). Returns false if the bytes are not a whole sample of the
-/// type and its padding, or are in another encoding than XCDR1 of either byte order: Cyclone DDS 0.10.2 reads
-/// an array of doubles in XCDR2 beyond its end.
+/// then belong to the sample (dds_sample_free). Returns false if the bytes are not a whole sample of the type
+/// and its padding, or not in XCDR1 of either byte order. Cyclone DDS 0.10.2 reads an array of doubles in
+/// XCDR2 beyond its end.
 bool read_cdr(std::span<const std::byte> cdr, const dds_topic_descriptor_t& type, void* sample);
 
-/// The serialized form of a sample in XCDR1, from its encapsulation header on.
+/// Serializes a sample in XCDR1, with its encapsulation header.
 std::vector<std::byte> write_cdr(const void* sample, const dds_topic_descriptor_t& type,
                                  std::endian byte_order = std::endian::native);
 
@@ -28,7 +29,7 @@ std::vector<std::byte> write_cdr(const T& sample, std::endian byte_order = std::
   return write_cdr(&sample, TopicTraits<T>::descriptor(), byte_order);
 }
 
-/// A sample that was read from its serialized form.
+/// A sample read from its serialized form.
 template <class T>
 class CdrSample {
 public:
@@ -40,7 +41,7 @@ public:
   CdrSample(CdrSample&&) = delete;
   CdrSample& operator=(CdrSample&&) = delete;
 
-  /// The sample; null if the bytes are not one.
+  /// The sample; null if the bytes are invalid.
   [[nodiscard]] const T* get() const { return is_valid_ ? &sample_ : nullptr; }
 
 private:

@@ -26,22 +26,21 @@ namespace sonopose::dds {
 struct PublicationData {
   std::string topic_name;
   std::string type_name;
-  dds_guid_t key{};              ///< of the writer
-  dds_guid_t participant_key{};  ///< of the participant that it belongs to
+  dds_guid_t key{};              ///< GUID of the writer
+  dds_guid_t participant_key{};  ///< GUID of its participant
   std::vector<std::uint8_t> user_data;
 };
 
-/// The most samples of one loan. Cyclone DDS 0.10 keeps the memory of a reader's largest loan; for a later,
-/// smaller one it still writes a pointer for each of its samples into the caller's array. So all arrays for
-/// loans are this long.
+/// Most samples of one loan. Cyclone DDS 0.10 keeps the memory of a reader's largest loan. For a later,
+/// smaller one it still writes a pointer for each of those samples into the caller's array. All arrays for
+/// loans therefore have this length.
 constexpr std::size_t max_loan = 256;
 
 namespace detail {
 std::vector<InstanceHandle> matched_publications(dds_entity_t reader);
 PublicationData matched_publication_data(dds_entity_t reader, InstanceHandle publication);
 
-/// Calls `dds_take_mask` or `dds_read_mask` on a reader none of whose loans are larger than `largest`.
-/// Throws `Error`.
+/// Calls `dds_take_mask` or `dds_read_mask` on a reader whose loans never exceed `largest`. Throws `Error`.
 template <class T, class Call>
 LoanedSamples<T> loan(dds_entity_t reader, const char* name, Call call, std::size_t max_samples,
                       std::size_t largest, DataState state) {
@@ -55,13 +54,13 @@ LoanedSamples<T> loan(dds_entity_t reader, const char* name, Call call, std::siz
 }
 }  // namespace detail
 
-/// Every member but the `try_…` ones throws `Error`.
+/// Reads samples of one type. Every member but the `try_…` ones throws `Error`.
 template <class T>
 class DataReader : public Entity {
 public:
   DataReader() noexcept = default;
 
-  /// `listener` must outlive the reader; it receives the statuses in `mask`.
+  /// `listener` must outlive the reader and receives the statuses in `mask`.
   DataReader(const DomainParticipant& participant, const Topic<T>& topic, const Qos& qos = {},
              DataReaderListener<T>* listener = nullptr, StatusMask mask = StatusMask::all())
       : Entity(check("dds_create_reader", topic.name(),
@@ -71,26 +70,25 @@ public:
   /// A non-owning view of a reader.
   static DataReader borrow(dds_entity_t handle) noexcept { return DataReader(handle, Ownership::borrowed); }
 
-  /// Takes up to `max_samples` (never more than `max_loan`) on loan, out of the reader.
+  /// Takes up to `max_samples` (at most `max_loan`) out of the reader, on loan.
   LoanedSamples<T> take(std::size_t max_samples = max_loan, DataState state = DataState::any()) {
     return detail::loan<T>(handle(), "dds_take_mask", dds_take_mask, max_samples, max_loan, state);
   }
 
-  /// Reads up to `max_samples` (never more than `max_loan`) on loan and leaves them in the reader, marked as
-  /// read.
+  /// Reads up to `max_samples` (at most `max_loan`) on loan. They stay in the reader, marked as read.
   LoanedSamples<T> read(std::size_t max_samples = max_loan, DataState state = DataState::any()) {
     return detail::loan<T>(handle(), "dds_read_mask", dds_read_mask, max_samples, max_loan, state);
   }
 
-  /// For the hot path: takes all available samples, oldest first within an instance, and calls
-  /// `on_data(const T&, const SampleInfo&)` for each sample with data. After the first call it allocates
-  /// nothing. Returns how many there were, or a negative return code.
+  /// Takes all available samples on the hot path, oldest first within an instance. Calls `on_data(const T&,
+  /// const SampleInfo&)` for each sample with data. Allocates nothing after the first call. Returns the
+  /// number of samples, or a negative return code.
   template <class OnData>
   ReturnCode try_take_each(OnData&& on_data) {
     return try_take_each(on_data, [](const T&, const SampleInfo&) {});
   }
 
-  /// As above; `on_state(const T& key, const SampleInfo&)` is called for instances that were disposed of or
+  /// Overload that calls `on_state(const T& key, const SampleInfo&)` for instances that were disposed of or
   /// lost their writers. Only the key fields of `key` are set.
   template <class OnData, class OnState>
   ReturnCode try_take_each(OnData&& on_data, OnState&& on_state) {
@@ -129,8 +127,8 @@ public:
     return static_cast<std::size_t>(check("dds_take", try_take_each(visitors...)));
   }
 
-  /// Sets the key fields of `key` to those of an instance. No exceptions: negative if the instance is not
-  /// known.
+  /// Sets the key fields of `key` to those of an instance. Does not throw; returns a negative code if the
+  /// instance is unknown.
   ReturnCode try_key_value(T& key, InstanceHandle instance) const noexcept {
     return dds_instance_get_key(handle(), instance.value, &key);
   }
@@ -141,7 +139,8 @@ public:
     return detail::matched_publication_data(handle(), publication);
   }
 
-  /// Waits until the transient-local samples from before this reader have arrived; false after `timeout`.
+  /// Waits until the transient-local samples from before this reader have arrived. Returns false after
+  /// `timeout`.
   bool wait_for_historical_data(Duration timeout) {
     const ReturnCode code = dds_reader_wait_for_historical_data(handle(), timeout.count());
     if (code == DDS_RETCODE_TIMEOUT) return false;

@@ -17,7 +17,7 @@ namespace sonopose::dds {
 
 /// Identity of a matched reader.
 struct SubscriptionData {
-  dds_guid_t participant_key{};  ///< of the participant that it belongs to
+  dds_guid_t participant_key{};  ///< GUID of its participant
   std::vector<std::uint8_t> user_data;
 };
 
@@ -26,13 +26,13 @@ std::vector<InstanceHandle> matched_subscriptions(dds_entity_t writer);
 SubscriptionData matched_subscription_data(dds_entity_t writer, InstanceHandle subscription);
 }  // namespace detail
 
-/// Every member but the `try_…` ones throws `Error`.
+/// Writes samples of one type. Every member but the `try_…` ones throws `Error`.
 template <class T>
 class DataWriter : public Entity {
 public:
   DataWriter() noexcept = default;
 
-  /// `listener` must outlive the writer; it receives the statuses in `mask`.
+  /// `listener` must outlive the writer and receives the statuses in `mask`.
   DataWriter(const DomainParticipant& participant, const Topic<T>& topic, const Qos& qos = {},
              DataWriterListener<T>* listener = nullptr, StatusMask mask = StatusMask::all())
       : Entity(check("dds_create_writer", topic.name(),
@@ -49,19 +49,18 @@ public:
     check("dds_write_ts", dds_write_ts(handle(), &sample, source_timestamp_ns));
   }
 
-  /// For the hot path: no exceptions. If `is_timeout`, readers blocked for max_blocking_time and the sample
-  /// was not written.
+  /// Writes without exceptions, for the hot path. If `is_timeout`, readers blocked for max_blocking_time and
+  /// the sample was not written.
   ReturnCode try_write(const T& sample) noexcept { return dds_write(handle(), &sample); }
 
   /// Sends pending samples if the domain batches writes (DomainOptions::batch_writes).
   void flush() noexcept { dds_write_flush(handle()); }
 
-  /// For a stream that must not lose anything: retries after timeouts until `give_up()` returns true. Returns
-  /// whether the sample was written.
+  /// Writes a sample that must not be lost: retries after timeouts until `give_up()` returns true. Returns
+  /// true if the sample was written.
   template <class GiveUp>
   bool write_unless(const T& sample, GiveUp&& give_up) {
-    ReturnCode code = try_write(sample);
-    while (is_timeout(code) && !give_up()) code = try_write(sample);
+    const ReturnCode code = retry_unless(give_up, [&] { return try_write(sample); });
     if (is_timeout(code)) return false;
     check("dds_write", code);
     return true;
@@ -70,28 +69,28 @@ public:
   /// Disposes of the instance. Only the key fields of `key` are used.
   void dispose_instance(const T& key) { check("dds_dispose", dds_dispose(handle(), &key)); }
 
-  /// Unregisters the instance: its deadline ends, and a weaker exclusive writer takes over at once. Do this
-  /// on a clean exit. Only the key fields of `key` are used.
+  /// Unregisters the instance: its deadline ends, and a weaker exclusive writer takes over immediately. Call
+  /// it on a clean exit. Only the key fields of `key` are used.
   void unregister_instance(const T& key) {
     check("dds_unregister_instance", dds_unregister_instance(handle(), &key));
   }
 
-  /// The same without exceptions, for destructors.
+  /// Unregisters the instance without exceptions, for destructors.
   ReturnCode try_unregister_instance(const T& key) noexcept {
     return dds_unregister_instance(handle(), &key);
   }
 
-  /// The handle of an instance that this writer has written; nil for any other.
+  /// Handle of an instance that this writer has written; otherwise nil.
   InstanceHandle lookup_instance(const T& key) const { return {dds_lookup_instance(handle(), &key)}; }
 
   /// Asserts manual liveliness. After its lease has expired, only a write revives the writer (Cyclone DDS
   /// 0.10).
   void assert_liveliness() { check("dds_assert_liveliness", dds_assert_liveliness(handle())); }
 
-  /// The same without exceptions, for threads that must continue.
+  /// Asserts manual liveliness without exceptions, for threads that must continue.
   ReturnCode try_assert_liveliness() noexcept { return dds_assert_liveliness(handle()); }
 
-  /// Returns whether all readers acknowledged all samples within `timeout`.
+  /// Returns true if all readers acknowledged all samples within `timeout`.
   bool wait_for_acknowledgments(Duration timeout) {
     const ReturnCode code = dds_wait_for_acks(handle(), timeout.count());
     if (code == DDS_RETCODE_TIMEOUT) return false;
@@ -117,7 +116,7 @@ public:
     return status;
   }
 
-  /// Cyclone DDS 0.10 leaves its `last_instance_handle` nil.
+  /// Status of missed deadlines. Cyclone DDS 0.10 leaves its `last_instance_handle` nil.
   OfferedDeadlineMissedStatus offered_deadline_missed_status() {
     OfferedDeadlineMissedStatus status{};
     check("dds_get_offered_deadline_missed_status",

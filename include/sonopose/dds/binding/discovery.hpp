@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// The processes in the domain, their readers and their writers, as found by discovery (the built-in
-/// topics DCPSParticipant, DCPSPublication and DCPSSubscription).
+/// The processes of the domain, their readers and writers, as found by discovery (the built-in topics
+/// DCPSParticipant, DCPSPublication and DCPSSubscription).
 
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/binding/qos.hpp>
@@ -18,37 +18,37 @@ namespace sonopose::dds {
 
 /// A participant. Cyclone DDS announces its process; other implementations may not.
 struct FoundParticipant {
-  std::string key;  ///< its GUID, 32 hexadecimal digits
+  std::string key;  ///< GUID, 32 hexadecimal digits
   std::string process_name;
   std::string host_name;
   std::optional<std::uint32_t> process_id;
-  std::string addresses;  ///< its locators, in the notation of Cyclone DDS
+  std::string addresses;  ///< locators, in the notation of Cyclone DDS
   std::vector<std::uint8_t> user_data;
 };
 
 /// A reader or a writer.
 struct FoundEndpoint {
   std::string key;
-  InstanceHandle handle;  ///< of a writer: as SampleInfo::publication_handle gives it
+  InstanceHandle handle;  ///< handle; for a writer, equal to SampleInfo::publication_handle
   std::string participant_key;
   std::string topic_name;
   std::string type_name;
   Qos qos;
 };
 
-/// Reads what discovery has found so far. Every member throws `Error`.
+/// Reads the results of discovery. Every member throws `Error`.
 class Discovery {
 public:
-  /// `participant` must outlive it. `on_change` is called after every change, under the rules of a listener:
-  /// it must not block, nor use this object.
+  /// `participant` must outlive this object. `on_change` is called after every change, under the rules of a
+  /// listener: it must not block or use this object.
   explicit Discovery(const DomainParticipant& participant, std::function<void()> on_change = {});
 
-  /// All that currently exist, including our own.
+  /// All current participants, including the own one.
   std::vector<FoundParticipant> participants() const;
   std::vector<FoundEndpoint> writers() const;
   std::vector<FoundEndpoint> readers() const;
 
-  /// The key of the own participant.
+  /// Key of the own participant.
   std::string own_key() const;
 
 private:
@@ -58,7 +58,7 @@ private:
     BuiltinReader(const DomainParticipant& participant, dds_entity_t topic, std::function<void()>* on_change);
   };
 
-  /// What has left the bus does not stay in memory.
+  /// Frees the memory of participants and endpoints that have left the bus.
   void discard_ended() const;
 
   dds_entity_t participant_;

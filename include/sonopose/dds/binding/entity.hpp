@@ -9,8 +9,8 @@
 
 namespace sonopose::dds {
 
-/// Move-only. Deletion waits for running listeners of the entity, so an entity must not be destroyed in its
-/// own listener.
+/// Move-only owner of an entity. Deletion waits for running listeners of the entity, so an entity must not be
+/// destroyed in its own listener.
 class Entity {
 public:
   Entity() noexcept = default;
@@ -38,7 +38,7 @@ public:
   /// Changes policies that are changeable on an existing entity.
   void qos(const Qos& changes);
 
-  /// The statuses that have changed since they were last read.
+  /// Statuses that have changed since they were last read.
   StatusMask status_changes() const;
 
 protected:
@@ -51,7 +51,7 @@ private:
   Ownership ownership_ = Ownership::owned;
 };
 
-/// The GUID of a participant, reader or writer, unique in the domain.
+/// GUID of a participant, reader or writer, unique in the domain.
 dds_guid_t guid_of(const Entity& entity);
 
 }  // namespace sonopose::dds

@@ -20,19 +20,26 @@ public:
   /// `DDS_RETCODE_…`; negative.
   ReturnCode code() const noexcept { return code_; }
 
-  /// Whether too few file descriptors or too little memory were free.
+  /// True if too few file descriptors or too little memory were free.
   bool is_out_of_resources() const noexcept { return code_ == DDS_RETCODE_OUT_OF_RESOURCES; }
 
 private:
   ReturnCode code_;
 };
 
-/// Whether a `try_…` call timed out.
+/// Returns true if a `try_…` call timed out.
 inline bool is_timeout(ReturnCode code) noexcept {
   return code == DDS_RETCODE_TIMEOUT;
 }
 
-/// Passes a good return through and throws `Error` for a negative one.
+/// Repeats `attempt()`, a `try_…` call, after timeouts until `give_up()` returns true. Returns the last code.
+ReturnCode retry_unless(const auto& give_up, const auto& attempt) {
+  ReturnCode code = attempt();
+  while (is_timeout(code) && !give_up()) code = attempt();
+  return code;
+}
+
+/// Returns a good code; throws `Error` for a negative one.
 inline ReturnCode check(const char* call, ReturnCode code) {
   if (code < 0) throw Error(call, code);
   return code;

@@ -1,11 +1,11 @@
 #pragma once
 /// \file
-/// Callbacks of readers and writers. They are passed when the entity is created, so that no event is missed.
+/// Callbacks of readers and writers, passed when the entity is created so that no event is missed.
 ///
 /// The contract:
 /// - Callbacks run on threads of Cyclone DDS: data of other processes on its one receive thread, data of this
-///   process on the writing thread, deadlines and liveliness on others. Take microseconds, do no I/O, do not
-///   block, and do not create or destroy entities.
+///   process on the writing thread, deadlines and liveliness on others. They must take microseconds, do no
+///   I/O, not block, and neither create nor destroy entities.
 /// - A callback may run before the constructor of the entity has returned. Samples can be taken then, but the
 ///   entity's own instance handle is still nil.
 /// - Callbacks are noexcept: an exception cannot pass through Cyclone DDS and terminates the process.
@@ -26,7 +26,7 @@ class DataReader;
 template <class T>
 class DataWriter;
 
-/// Override the callbacks of interest. The defaults do nothing.
+/// Callbacks of a reader. Override those of interest; the defaults do nothing.
 template <class T>
 class DataReaderListener {
 public:
@@ -47,7 +47,7 @@ public:
   virtual void on_sample_rejected(DataReader<T>&, const SampleRejectedStatus&) noexcept {}
 };
 
-/// Override the callbacks of interest. The defaults do nothing.
+/// Callbacks of a writer. Override those of interest; the defaults do nothing.
 template <class T>
 class DataWriterListener {
 public:
@@ -71,7 +71,7 @@ struct DeleteListener {
 };
 using CListener = std::unique_ptr<dds_listener_t, DeleteListener>;
 
-/// One C callback for each status: finds the C++ listener in `arg` and calls `method` with a borrowed entity.
+/// C callback for one status: finds the C++ listener in `arg` and calls its `Method` with a borrowed entity.
 template <class Endpoint, class Listener, auto Method, class Status>
 void forward_status(dds_entity_t handle, Status status, void* arg) noexcept {
   Endpoint borrowed = Endpoint::borrow(handle);

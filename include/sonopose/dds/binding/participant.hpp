@@ -10,8 +10,8 @@
 
 namespace sonopose::dds {
 
-/// Joins the domain. The first participant of a process configures the domain, the last one closes it.
-/// Topics, writers and readers of a participant must not outlive it.
+/// Joins the domain. The first participant of a process configures the domain, the last one closes it. A
+/// participant must outlive its topics, writers and readers.
 class DomainParticipant : private DomainLease, public Entity {
 public:
   explicit DomainParticipant(const DomainOptions& options = {}, const Qos& qos = {});
@@ -24,14 +24,14 @@ public:
 
   using DomainLease::domain_id;
 
-  /// From the options; topics::make_writer and topics::make_reader add it to every profile.
+  /// Partition of the options. topics::make_writer and topics::make_reader add it to every profile.
   [[nodiscard]] const std::string& partition() const noexcept { return partition_; }
 
 private:
   std::string partition_;
 };
 
-/// Like the constructor.
+/// Equivalent to the constructor.
 inline DomainParticipant make_participant(const DomainOptions& options = {}, const Qos& qos = {}) {
   return DomainParticipant(options, qos);
 }

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
 /// QoS policies as plain values. `apply` writes one into a C QoS object and throws std::invalid_argument for
-/// an invalid value; `from` reads it back, empty if it is not set.
+/// an invalid value. `from` reads it back; empty if it is not set.
 
 #include <sonopose/dds/binding/types.hpp>
 
@@ -21,28 +21,28 @@ enum class OwnershipKind : std::uint8_t { shared, exclusive };
 /// "No limit" in `ResourceLimits`.
 inline constexpr std::int32_t length_unlimited = DDS_LENGTH_UNLIMITED;
 
-/// The maximum time between two samples of an instance. Positive: Cyclone DDS 0.10 crashes at zero.
+/// Maximum time between two samples of an instance. Positive: Cyclone DDS 0.10 crashes at zero.
 struct Deadline {
   Duration period = infinite;
   void apply(dds_qos_t* qos) const;
   static std::optional<Deadline> from(const dds_qos_t* qos);
 };
 
-/// How long a sample may be delayed to send it together with others.
+/// Maximum delay of a sample to send it together with others.
 struct LatencyBudget {
   Duration duration{0};
   void apply(dds_qos_t* qos) const;
   static std::optional<LatencyBudget> from(const dds_qos_t* qos);
 };
 
-/// How long a sample is useful after its source time stamp. Positive.
+/// Time for which a sample is useful after its source time stamp. Positive.
 struct Lifespan {
   Duration duration = infinite;
   void apply(dds_qos_t* qos) const;
   static std::optional<Lifespan> from(const dds_qos_t* qos);
 };
 
-/// Whether lost samples are resent, and how long a write may block.
+/// Repetition of lost samples, and the longest time that a write may block.
 struct Reliability {
   ReliabilityKind kind = ReliabilityKind::best_effort;
   Duration max_blocking_time = std::chrono::milliseconds(100);
@@ -54,7 +54,7 @@ struct Reliability {
   }
 };
 
-/// How many samples of an instance are kept until they are sent or taken. The depth is positive.
+/// Number of samples per instance that are kept until they are sent or taken. The depth is positive.
 struct History {
   HistoryKind kind = HistoryKind::keep_last;
   std::int32_t depth = 1;
@@ -64,14 +64,14 @@ struct History {
   static History keep_all() { return {HistoryKind::keep_all, 1}; }
 };
 
-/// Whether a late reader receives samples that were written before it appeared.
+/// Delivery of samples to readers that appeared after they were written.
 struct Durability {
   DurabilityKind kind = DurabilityKind::volatile_data;
   void apply(dds_qos_t* qos) const;
   static std::optional<Durability> from(const dds_qos_t* qos);
 };
 
-/// How a writer asserts its liveliness, and after how long it counts as dead. The lease is positive.
+/// Assertion of a writer's liveliness, and the lease after which it counts as dead. The lease is positive.
 struct Liveliness {
   LivelinessKind kind = LivelinessKind::automatic;
   Duration lease_duration = infinite;
@@ -79,14 +79,14 @@ struct Liveliness {
   static std::optional<Liveliness> from(const dds_qos_t* qos);
 };
 
-/// Whether one writer of several owns an instance. Exclusive and shared never match.
+/// Exclusive or shared ownership of an instance. The two never match.
 struct Ownership {
   OwnershipKind kind = OwnershipKind::shared;
   void apply(dds_qos_t* qos) const;
   static std::optional<Ownership> from(const dds_qos_t* qos);
 };
 
-/// How many samples of an instance a transient-local writer keeps for late readers; the DDS default is 1.
+/// Number of samples per instance that a transient-local writer keeps for late readers; the DDS default is 1.
 struct DurabilityService {
   std::int32_t history_depth = 1;
   void apply(dds_qos_t* qos) const;
@@ -116,14 +116,14 @@ struct TransportPriority {
   static std::optional<TransportPriority> from(const dds_qos_t* qos);
 };
 
-/// What the end of an instance means to its readers.
+/// Effect of unregistering an instance.
 struct WriterDataLifecycle {
   bool autodispose_unregistered_instances = true;  ///< unregistering an instance also disposes it
   void apply(dds_qos_t* qos) const;
   static std::optional<WriterDataLifecycle> from(const dds_qos_t* qos);
 };
 
-/// Reader and writer match only if they share a partition; no name is the partition "".
+/// Reader and writer match only if they share a partition. No name means the partition "".
 struct Partition {
   std::vector<std::string> names;
   void apply(dds_qos_t* qos) const;

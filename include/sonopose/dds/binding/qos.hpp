@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// A set of QoS policies, for any entity. Policies that it does not set have the DDS default.
+/// A set of QoS policies for any entity. Unset policies have the DDS default.
 
 #include <sonopose/dds/binding/policy.hpp>
 
@@ -11,7 +11,7 @@
 
 namespace sonopose::dds {
 
-/// A value: copies are independent. `qos << policy::Deadline{…} << policy::History::keep_last(64)`.
+/// A value: copies are independent. Usage: `qos << policy::Deadline{…} << policy::History::keep_last(64)`.
 class Qos {
 public:
   Qos();
@@ -28,7 +28,7 @@ public:
     return *this;
   }
 
-  /// The policy, or empty if it is not set.
+  /// The policy; empty if it is not set.
   template <class Policy>
   std::optional<Policy> policy() const {
     return Policy::from(qos_.get());
@@ -47,7 +47,7 @@ private:
   std::unique_ptr<dds_qos_t, Delete> qos_;
 };
 
-/// The deadline's period; infinite, the DDS default, if it is not set.
+/// Period of the deadline; infinite, the DDS default, if it is not set.
 inline Duration deadline_of(const Qos& qos) {
   return qos.policy<policy::Deadline>().value_or(policy::Deadline{}).period;
 }

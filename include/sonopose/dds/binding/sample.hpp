@@ -14,32 +14,32 @@
 
 namespace sonopose::dds {
 
-/// The metadata of a sample.
+/// Metadata of a sample.
 class SampleInfo {
 public:
   explicit SampleInfo(const dds_sample_info_t& info) : info_(&info) {}
 
-  /// False: only the instance's state changed, and only the key fields are set.
+  /// False if only the instance's state changed and only the key fields are set.
   bool valid() const noexcept { return info_->valid_data; }
-  /// When it was written, ns since the Unix epoch, in the writer's clock or as the writer specified.
+  /// Time of writing, ns since the Unix epoch, in the writer's clock or as the writer specified.
   std::int64_t source_timestamp_ns() const noexcept { return info_->source_timestamp; }
   InstanceHandle instance_handle() const noexcept { return {info_->instance_handle}; }
-  /// The writer that it came from.
+  /// The writer of the sample.
   InstanceHandle publication_handle() const noexcept { return {info_->publication_handle}; }
-  /// The instance's state: it has a living writer that did not dispose of it.
+  /// True if the instance has a living writer that did not dispose of it.
   bool alive() const noexcept { return info_->instance_state == DDS_IST_ALIVE; }
   bool disposed() const noexcept { return info_->instance_state == DDS_IST_NOT_ALIVE_DISPOSED; }
   bool no_writers() const noexcept { return info_->instance_state == DDS_IST_NOT_ALIVE_NO_WRITERS; }
-  /// The instance was not seen before, or is back.
+  /// True if the instance was not seen before, or is back.
   bool new_instance() const noexcept { return info_->view_state == DDS_VST_NEW; }
-  /// It was read before.
+  /// True if the sample was read before.
   bool read_before() const noexcept { return info_->sample_state == DDS_SST_READ; }
 
 private:
   const dds_sample_info_t* info_;
 };
 
-/// One sample of a loan. Valid as long as the loan.
+/// One sample of a loan, valid as long as the loan.
 template <class T>
 class Sample {
 public:
@@ -53,8 +53,7 @@ private:
   SampleInfo info_;
 };
 
-/// A range of samples on loan from Cyclone DDS, returned when this object is destroyed. It must not outlive
-/// the reader.
+/// A range of samples on loan from Cyclone DDS, returned on destruction. It must not outlive the reader.
 template <class T>
 class LoanedSamples {
 public:
@@ -83,8 +82,7 @@ public:
   };
 
   LoanedSamples() = default;
-  /// Takes ownership of what `dds_take` or `dds_read` filled in; the vectors have one element for each
-  /// sample.
+  /// Takes over the loan of `dds_take` or `dds_read`; the vectors have one element for each sample.
   LoanedSamples(dds_entity_t reader, std::vector<void*> data, std::vector<dds_sample_info_t> infos)
       : reader_(reader), data_(std::move(data)), infos_(std::move(infos)) {}
   LoanedSamples(const LoanedSamples&) = delete;

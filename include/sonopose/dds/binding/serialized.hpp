@@ -1,10 +1,9 @@
 #pragma once
 /// \file
-/// Samples as they are on the wire: read and written without a decoding, for programs that record or forward
-/// any topic.
+/// Samples in wire format, read and written without decoding, for programs that record or forward any topic.
 ///
-/// Cyclone DDS checks every sample as it arrives and turns one of the other byte order into the machine's
-/// own; the encapsulation header says which order the bytes have.
+/// Cyclone DDS checks every arriving sample and converts one of the other byte order to the machine's own.
+/// The encapsulation header tells the byte order.
 
 #include <sonopose/dds/binding/data_reader.hpp>
 #include <sonopose/dds/binding/data_writer.hpp>
@@ -19,11 +18,11 @@
 
 namespace sonopose::dds {
 
-/// In place of a type: `DataReader<Serialized>`.
+/// Stands in for a type: `DataReader<Serialized>`.
 struct Serialized {};
 
-/// The bytes of a sample, or of the key of an instance, by reference: they stay in the memory of Cyclone DDS,
-/// also after their reader is gone, but not after its domain. Move-only; any one thread at a time.
+/// The bytes of a sample, or of an instance's key, by reference. They stay in the memory of Cyclone DDS, also
+/// after their reader is gone, but not after its domain. Move-only; any one thread at a time.
 class SerializedSample {
 public:
   SerializedSample() noexcept = default;
@@ -43,10 +42,10 @@ public:
   }
   ~SerializedSample() { release(); }
 
-  /// The encapsulation header (4 bytes), then the CDR, with the padding to 4 bytes that the header counts.
+  /// Encapsulation header (4 bytes), then the CDR with the padding to 4 bytes that the header counts.
   [[nodiscard]] std::span<const std::byte> bytes() const noexcept { return bytes_; }
 
-  /// The key of the sample's instance. Allocates.
+  /// Key of the sample's instance. Allocates.
   [[nodiscard]] SerializedSample key() const noexcept;
 
 private:
@@ -56,13 +55,13 @@ private:
   std::span<const std::byte> bytes_;
 };
 
-/// Takes the samples of a topic without a decoding.
+/// Takes the samples of a topic without decoding.
 template <>
 class DataReader<Serialized> : public Entity {
 public:
   DataReader() noexcept = default;
 
-  /// `listener` must outlive the reader; it receives the statuses in `mask`.
+  /// `listener` must outlive the reader and receives the statuses in `mask`.
   template <class T>
   DataReader(const DomainParticipant& participant, const Topic<T>& topic, const Qos& qos = {},
              DataReaderListener<Serialized>* listener = nullptr, StatusMask mask = StatusMask::all())
@@ -77,9 +76,9 @@ public:
   }
 
   /// Takes all available samples, oldest first within an instance. Calls `on_sample(SerializedSample&&, const
-  /// SampleInfo&)` for each with data, and `on_end(SerializedSample&& key, const SampleInfo&)` for each
-  /// instance that was disposed of or lost its writers, after its last sample. Returns how many there were,
-  /// or a negative return code; throws only what the visitors throw.
+  /// SampleInfo&)` for each with data. Calls `on_end(SerializedSample&& key, const SampleInfo&)` for each
+  /// instance that was disposed of or lost its writers, after its last sample. Returns the number of samples,
+  /// or a negative return code. Throws only what the visitors throw.
   template <class OnSample, class OnEnd>
   ReturnCode try_take_each(OnSample&& on_sample, OnEnd&& on_end) {
     ReturnCode total = 0;
@@ -100,13 +99,13 @@ public:
           if (!info.alive()) on_end(std::move(sample), info);
           continue;
         }
-        // An end that meets samples which nobody has taken yet has no sample of its own: the info of the last
-        // of them reports it.
+        // An end that follows untaken samples has no sample of its own: the info of the last of them reports
+        // it.
         const bool ended = !info.alive() && batch.is_last_of_instance(i, taken);
         SerializedSample key = ended ? sample.key() : SerializedSample();
         on_sample(std::move(sample), info);
         if (!ended) continue;
-        if (i + 1 == batch.infos.size()) {  // the next batch can have more of this instance
+        if (i + 1 == batch.infos.size()) {  // the next batch may have more of this instance
           held = {true, std::move(key), batch.infos[i]};
         } else {
           on_end(std::move(key), info);
@@ -123,7 +122,7 @@ public:
 private:
   using Entity::Entity;
 
-  /// What one call takes. It gives up what the visitors did not get.
+  /// Result of one take. Frees what the visitors did not get.
   struct Batch {
     static constexpr std::int32_t capacity = 32;
 
@@ -134,9 +133,9 @@ private:
     Batch& operator=(Batch&&) = delete;
     ~Batch();
     ReturnCode take(dds_entity_t reader) noexcept;
-    /// Whether no later sample of the batch is of the same instance.
+    /// True if no later sample of the batch belongs to the same instance.
     [[nodiscard]] bool is_last_of_instance(std::size_t index, ReturnCode taken) const noexcept;
-    /// Whether it reports the end of the instance.
+    /// True if the batch reports the end of the instance.
     [[nodiscard]] bool has_end_of(dds_instance_handle_t instance, ReturnCode taken) const noexcept;
 
     std::array<ddsi_serdata*, capacity> samples{};
@@ -144,7 +143,7 @@ private:
         infos;  // NOLINT(*-member-init): dds_takecdr fills in what is used
   };
 
-  /// The end of the instance of the last sample of a full batch.
+  /// End of an instance whose sample is the last of a full batch.
   struct HeldEnd {
     bool is_set = false;
     SerializedSample key;
@@ -157,11 +156,11 @@ using SerializedReader = DataReader<Serialized>;
 /// Writes samples that are already serialized.
 class SerializedWriter : public Entity {
 public:
-  /// What the bytes are, and what they do to their instance.
+  /// Meaning of the bytes, and their effect on the instance.
   enum class Change : std::uint8_t {
     write,      ///< a sample
-    dispose,    ///< the key of an instance that ends
-    unregister  ///< the key of an instance that this writer gives up
+    dispose,    ///< key of an instance that ends
+    unregister  ///< key of an instance that this writer gives up
   };
 
   SerializedWriter() noexcept = default;
@@ -171,14 +170,14 @@ public:
       : Entity(check("dds_create_writer", topic.name(),
                      dds_create_writer(participant.handle(), topic.handle(), qos.get(), nullptr))) {}
 
-  /// `bytes` begin with the encapsulation header; XCDR1 of either byte order. `source_timestamp_ns` is since
-  /// the Unix epoch. Negative for bytes that are not of the topic's type, and `is_timeout` as for
-  /// DataWriter::try_write. Cyclone DDS does not dispose of an instance that is only unregistered here,
-  /// whatever the writer's QoS.
+  /// Forwards `bytes`, which begin with the encapsulation header, in XCDR1 of either byte order.
+  /// `source_timestamp_ns` is since the Unix epoch. Returns a negative code for bytes that are not of the
+  /// topic's type, and timeouts like DataWriter::try_write. Cyclone DDS does not dispose of an instance that
+  /// is only unregistered here, whatever the writer's QoS.
   ReturnCode try_forward(std::span<const std::byte> bytes, std::int64_t source_timestamp_ns,
                          Change change = Change::write) noexcept;
 
-  /// The same, but throws `Error`.
+  /// Like `try_forward`, but throws `Error`.
   void forward(std::span<const std::byte> bytes, std::int64_t source_timestamp_ns,
                Change change = Change::write) {
     check("dds_forwardcdr", try_forward(bytes, source_timestamp_ns, change));
@@ -187,7 +186,7 @@ public:
   /// Sends pending samples if the domain batches writes (DomainOptions::batch_writes).
   void flush() noexcept { dds_write_flush(handle()); }
 
-  /// Returns whether all readers acknowledged all samples within `timeout`.
+  /// Returns true if all readers acknowledged all samples within `timeout`.
   bool wait_for_acknowledgments(Duration timeout);
 
   PublicationMatchedStatus publication_matched_status();

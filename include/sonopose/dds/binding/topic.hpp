@@ -12,8 +12,8 @@
 
 namespace sonopose::dds {
 
-/// The descriptor of a type that idlc generated. Specialise it with a static function
-/// `const dds_topic_descriptor_t& descriptor()`.
+/// Descriptor of a type that idlc generated. Specialise it with a static function `const
+/// dds_topic_descriptor_t& descriptor()`.
 template <class T>
 struct TopicTraits;
 
@@ -33,7 +33,7 @@ inline dds_topic_descriptor_t renamed(const dds_topic_descriptor_t& descriptor, 
           .restrict_data_representation = descriptor.restrict_data_representation};
 }
 
-/// Several topics of one name may exist in a participant. A topic may be destroyed before its writers and
+/// A topic of a participant, which may have several of one name. It may be destroyed before its writers and
 /// readers.
 template <class T>
 class Topic : public Entity {
@@ -46,8 +46,8 @@ public:
 
   const std::string& name() const noexcept { return name_; }
 
-  /// Readers made with this topic from now on receive only samples for which `accepts(sample, argument)` is
-  /// true. It is called on the receiving thread, before an instance is made; `argument` must outlive the
+  /// Restricts readers made with this topic from now on to samples for which `accepts(sample, argument)` is
+  /// true. It is called on the receiving thread, before an instance is made. `argument` must outlive the
   /// readers. `sample` is a const T*.
   void set_filter(bool (*accepts)(const void* sample, void* argument), void* argument) {
     check("dds_set_topic_filter_and_arg", name_, dds_set_topic_filter_and_arg(handle(), accepts, argument));

@@ -30,13 +30,13 @@ struct InstanceHandle {
 struct DataState {
   std::uint32_t mask = DDS_ANY_STATE;
 
-  /// Everything, including notifications that an instance was disposed of or lost its writers.
+  /// All samples, including notifications that an instance was disposed of or lost its writers.
   static constexpr DataState any() { return {DDS_ANY_STATE}; }
-  /// Not read before.
+  /// Samples that were not read before.
   static constexpr DataState not_read() {
     return {DDS_NOT_READ_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_ANY_INSTANCE_STATE};
   }
-  /// Not read before, of instances that are alive.
+  /// Unread samples of instances that are alive.
   static constexpr DataState new_data() {
     return {DDS_NOT_READ_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_ALIVE_INSTANCE_STATE};
   }

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Waiting for events: conditions, and wait sets.
+/// Conditions, and wait sets that wait for them.
 
 #include <sonopose/dds/binding/data_reader.hpp>
 #include <sonopose/dds/binding/entity.hpp>
@@ -24,7 +24,7 @@ private:
   ReadCondition(dds_entity_t reader, DataState state);
 };
 
-/// True while the application sets it: wakes another thread from its `WaitSet`.
+/// True while the application sets it, to wake another thread from its `WaitSet`.
 class GuardCondition : public Entity {
 public:
   GuardCondition();
@@ -33,7 +33,7 @@ public:
   bool trigger_value() const;
 };
 
-/// True while one of an entity's enabled statuses has changed and was not read yet. It is part of the entity,
+/// True while one of an entity's enabled statuses has changed and was not read. It is part of the entity,
 /// which has one set of enabled statuses.
 class StatusCondition {
 public:
@@ -54,7 +54,8 @@ class WaitSet : public Entity {
 public:
   WaitSet();
 
-  /// A `ReadCondition`, `GuardCondition` or `StatusCondition`. It leaves the set when it is destroyed.
+  /// Attaches a `ReadCondition`, `GuardCondition` or `StatusCondition`. It leaves the set when it is
+  /// destroyed.
   template <class Condition>
   WaitSet& operator+=(const Condition& condition) {
     attach(condition.handle());
@@ -66,7 +67,7 @@ public:
     return *this;
   }
 
-  /// Returns how many conditions are true; 0 after `timeout`.
+  /// Returns the number of true conditions; 0 after `timeout`.
   std::size_t wait(Duration timeout = infinite);
 
 private:

@@ -1,8 +1,8 @@
 #pragma once
 /// \file
-/// Native type ↔ IDL type, for every native topic. Pure functions. Units and frames are the same on both
-/// sides. An empty optional is a validity flag on the wire, or a negative number for quantities that are
-/// never negative.
+/// Conversions between native and IDL types, for every native topic. Pure functions. Units and frames are the
+/// same on both sides. An empty optional is a validity flag on the wire, or a negative number for quantities
+/// that are never negative.
 
 #include <sonopose/idl/sonopose.h>
 #include <sonopose/samples/live_settings.hpp>
@@ -17,7 +17,7 @@
 
 namespace sonopose::dds::topics {
 
-/// An IDL sample with a list of assignments, for writing. It owns the list.
+/// An IDL sample for writing, with a list of assignments that it owns.
 template <class T>
 class IdlView {
 public:
@@ -52,13 +52,13 @@ sonopose_BeaconStatus to_idl(const BeaconStatus& native);
 sonopose_LineStatus to_idl(const LineStatus& native);
 sonopose_FusionStatus to_idl(const FusionStatus& native);
 sonopose_TruthSample to_idl(const TruthSample& native);
-/// Its texts end in "..." if they are too long.
+/// Texts that are too long end in "...".
 sonopose_LogLine to_idl(const LogLine& native);
 /// `reason` and `details` end in "..." if they are too long.
 sonopose_SettingsReply to_idl(const SettingsReply& native);
 /// Throws `std::length_error` if a key, a value or the list is too long for its type.
 IdlView<sonopose_SettingsRequest> to_idl(const SettingsRequest& native);
-/// The same. The settings that the fusion publishes always fit.
+/// Throws like the above. Settings published by the fusion always fit.
 IdlView<sonopose_EffectiveSettings> to_idl(const EffectiveSettings& native);
 
 ImuSample from_idl(const sonopose_ImuSample& idl);

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The descriptors of the native IDL types.
+/// Descriptors of the native IDL types.
 
 #include <sonopose/dds/binding/topic.hpp>
 #include <sonopose/idl/sonopose.h>

@@ -18,8 +18,8 @@ template <class T>
 struct Entry {
   using Type = T;
   const char* name;
-  const char* profile;           ///< live
-  const char* lossless_profile;  ///< for replaying a log at full speed; the live one if it suffices
+  const char* profile;           ///< profile for live use
+  const char* lossless_profile;  ///< profile for replaying a log at full speed; the live one if it suffices
 };
 
 /// bridge → fusion, recorder
@@ -27,7 +27,7 @@ inline constexpr Entry<sonopose_ImuSample> imu{"sonopose/imu", "sonopose::Imu", 
 inline constexpr Entry<sonopose_UltrasonicFix> fix{"sonopose/fix", "sonopose::Fix", "sonopose::LosslessFix"};
 inline constexpr Entry<sonopose_PairHeading> heading{"sonopose/heading", "sonopose::Heading",
                                                      "sonopose::LosslessHeading"};
-/// wheel odometry and the like → fusion: reserved
+/// wheel odometry → fusion; reserved
 inline constexpr Entry<sonopose_TwistSample> twist{"sonopose/twist", "sonopose::Twist",
                                                    "sonopose::LosslessTwist"};
 /// bridge → consumers
@@ -62,7 +62,7 @@ inline constexpr Entry<sonopose_EffectiveSettings> settings{"sonopose/settings",
 /// bridge, fusion, relay → web page, any program
 inline constexpr Entry<sonopose_LogLine> log{"sonopose/log", "sonopose::Log", "sonopose::Log"};
 
-/// Every row.
+/// All rows.
 inline constexpr std::tuple all{imu,
                                 fix,
                                 heading,
@@ -103,7 +103,7 @@ public:
   virtual bool accepts(BeaconAddress address) noexcept = 0;
 };
 
-/// A writer for one row of the diagram. `listener` must outlive it. `changes` override the profile.
+/// Makes a writer for one row of the diagram. `listener` must outlive it. `changes` override the profile.
 template <class T>
 DataWriter<T> make_writer(const DomainParticipant& participant, const qos::Provider& qos,
                           const Entry<T>& entry,
@@ -117,8 +117,8 @@ DataWriter<T> make_writer(const DomainParticipant& participant, const qos::Provi
   return DataWriter<T>(participant, topic, writer_qos, listener);
 }
 
-/// A reader for one row of the diagram. `listener` and `filter` must outlive it; the listener receives the
-/// statuses in `mask`. The filter is an AddressFilter, or accepts samples.
+/// Makes a reader for one row of the diagram. `listener` and `filter` must outlive it. The listener receives
+/// the statuses in `mask`. `filter` is an AddressFilter, or accepts whole samples.
 template <class T, class Filter = AddressFilter>
 DataReader<T> make_reader(const DomainParticipant& participant, const qos::Provider& qos,
                           const Entry<T>& entry,

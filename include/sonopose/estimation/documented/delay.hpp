@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Item 6: a fix is a past position of the beacon; this stage extrapolates it to the time of the engine's
+/// Item 6: a fix is a past position of the beacon. This stage extrapolates it to the time of the engine's
 /// state.
 
 #include <sonopose/estimation/documented/kinematics.hpp>
@@ -17,17 +17,14 @@ using settings::DelaySource;
 
 /// A fix with its time of measurement.
 struct TimedFix {
-  TimeNs measured_ns = 0;  ///< by the selected delay (delay.source)
+  TimeNs measured_ns = 0;  ///< time of measurement, by the selected delay (delay.source)
   Vector3d measured_position_world_m = Vector3d::Zero();
-  Vector3d shifted_position_world_m = Vector3d::Zero();  ///< extrapolated by the IMU's motion since then
-  Vector3d share = Vector3d::Ones();  ///< of each axis that counts, by the noise of the fixes (scatter)
+  Vector3d shifted_position_world_m =
+      Vector3d::Zero();               ///< position extrapolated by the IMU's motion since then
+  Vector3d share = Vector3d::Ones();  ///< share of each axis that counts, by the noise of the fixes (scatter)
 };
 
 namespace delay {
-
-/// The time of the measurement, by its own delay or the fixed one.
-[[nodiscard]] TimeNs measured_at(const DelaySettings& settings, const UltrasonicFix& fix);
-[[nodiscard]] TimeNs measured_at(const DelaySettings& settings, const PairHeading& heading);
 
 /// Extrapolates a timed fix to the state's time along the inertial path. At constant velocity this is the
 /// document's v · delay; in a turn it is more accurate.

@@ -13,8 +13,8 @@
 
 namespace sonopose::estimation::documented {
 
-/// Takes a beacon's events in the order of their arrival. It has no clock, allocates nothing and, once made,
-/// never throws. Satisfies estimation::Estimator.
+/// Processes a beacon's events in the order of their arrival. It has no clock, allocates nothing and, once
+/// made, never throws. Satisfies estimation::Estimator.
 class Engine {
 public:
   using Snapshot = documented::Snapshot;
@@ -25,8 +25,8 @@ public:
   /// Replaces the settings and keeps the state.
   void configure(const settings::Settings& settings) noexcept;
 
-  /// Calibrates one raw IMU sample, integrates it and returns the pose at it. Returns nothing, and counts the
-  /// sample as invalid, if it is no possible measurement or precedes the previous sample.
+  /// Calibrates one raw IMU sample, integrates it and returns the pose at it. Returns nothing and counts the
+  /// sample as invalid if it is not a possible measurement or precedes the previous one.
   std::optional<FusedPose> predict(const ImuSample& raw) noexcept;
 
   /// Corrects the state with one fix and reports what the fix changed.
@@ -35,8 +35,8 @@ public:
   /// Sets the yaw to which the following IMU samples turn the body.
   void correct(const PairHeading& heading) noexcept;
 
-  /// Adds the latest IMU sample to the history of the path. A pose does not need it.
-  void catch_up() noexcept;
+  /// Adds the latest IMU sample to the history of the path, which a pose does not need.
+  void finish_pending_work() noexcept;
 
   /// Discards the state. Counters are kept and reset_counter rises.
   void reset() noexcept;
@@ -45,9 +45,9 @@ public:
   void restore(const Snapshot& snapshot) noexcept;
   [[nodiscard]] Snapshot snapshot() const;
 
-  /// The effective settings, with the preset resolved.
+  /// Effective settings, with the preset resolved.
   [[nodiscard]] const settings::Settings& settings() const { return settings_; }
-  /// Its history of the path may lack the latest IMU sample (see `catch_up`).
+  /// The state; its history of the path may lack the latest IMU sample (see `finish_pending_work`).
   [[nodiscard]] const State& state() const { return state_; }
   [[nodiscard]] TimeNs time_ns() const { return state_.body.time_ns; }
   [[nodiscard]] Estimate estimate() const;

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Frozen track: fixes repeat the same coordinates while the IMU measures a motion. (Beacons at rest repeat
+/// Frozen track: fixes repeat the same coordinates while the IMU measures motion. (Beacons at rest repeat
 /// coordinates too.)
 
 #include <sonopose/estimation/documented/kinematics.hpp>
@@ -16,8 +16,8 @@ struct FrozenState {
   bool frozen = false;
   int repeats = 0;
   Vector3d coordinates_world_m = Vector3d::Zero();
-  // The inertial path at the beginning of the window. The velocity corrections are those of that time,
-  // because fixes of a frozen track correct the velocity to zero.
+  // The inertial path at the start of the window, with the velocity corrections of that time: fixes of a
+  // frozen track correct the velocity to zero.
   TimeNs window_began_ns = 0;
   Vector3d window_displacement_world_m = Vector3d::Zero();
   Vector3d window_corrections_world_mps = Vector3d::Zero();
@@ -27,7 +27,8 @@ struct FrozenState {
 
 namespace frozen {
 
-/// Adds an admitted fix. True while the track is frozen, which ends with the first different coordinate.
+/// Adds an admitted fix. Returns true while the track is frozen, which ends with the first different
+/// coordinate.
 bool update(const FrozenSettings& settings, FrozenState& state, const Kinematics& body,
             const UltrasonicFix& fix);
 

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The last second of the inertial path, to compare a fix or heading with the engine's estimate at the time
+/// The last second of the inertial path. A fix or heading is compared with the engine's estimate at the time
 /// of its measurement.
 
 #include <sonopose/samples/samples.hpp>
@@ -15,23 +15,23 @@ namespace sonopose::estimation::documented {
 struct InertialPoint {
   TimeNs time_ns = 0;
   Vector3d displacement_world_m = Vector3d::Zero();  ///< ∫(v − v_corrections) dt since the engine's start
-  double yaw_rad = 0;  ///< yaw by the pair (heading), without any yaw corrections
+  double yaw_rad = 0;                                ///< yaw by the pair (heading), without yaw corrections
 
   bool operator==(const InertialPoint&) const = default;
 };
 
-/// A ring buffer of fixed size. A newest point that is closer to its predecessor than the spacing is replaced
-/// by the next point, so that the buffer spans more than a second at any IMU rate.
+/// A ring buffer of fixed size. A newest point closer to its predecessor than the spacing is replaced by the
+/// next point, so that the buffer spans more than a second at any IMU rate.
 class InertialHistory {
 public:
   using value_type = InertialPoint;
   static constexpr std::size_t capacity = 512;
   static constexpr TimeNs spacing_ns = 2'500'000;
 
-  /// Adds a point that `accepts`.
+  /// Adds a point that `accepts` admits.
   void push(const InertialPoint& point);
 
-  /// Whether a point is not older than the newest one.
+  /// True if a point is not older than the newest one.
   [[nodiscard]] bool accepts(const InertialPoint& point) const {
     return empty() || point.time_ns >= newest().time_ns;
   }

@@ -1,6 +1,7 @@
 #pragma once
 /// \file
-/// Items 23 and 24: emergency damping of a velocity that points away from the last fix that was no outlier.
+/// Items 23 and 24: emergency damping of a velocity that points away from the last fix that was not an
+/// outlier.
 
 #include <sonopose/estimation/documented/delay.hpp>
 #include <sonopose/estimation/documented/kinematics.hpp>
@@ -14,19 +15,18 @@ using settings::RunawaySettings;
 
 struct RunawayState {
   bool has_fix = false;
-  Vector3d fix_position_world_m = Vector3d::Zero();  ///< last valid fix that was no outlier
+  Vector3d fix_position_world_m = Vector3d::Zero();  ///< last valid fix that was not an outlier
 
   bool operator==(const RunawayState&) const = default;
 };
 
 namespace runaway {
 
-/// A fix that is no outlier is the new reference. On a wrong track the body moves as on the right one, so
-/// outliers that agree with each other carry the reference along.
+/// Makes a fix the new reference if it is not an outlier. Outliers that agree with each other carry the
+/// reference along: on a wrong track the body moves as on the right one.
 void follow(RunawayState& state, const TimedFix& fix, const FixAssessment& assessment);
 
-/// Damps the velocity over one IMU step if the body is far from the last fix that was no outlier and moves
-/// away.
+/// Damps the velocity over one IMU step if the body is far from the reference and moves away.
 void damp(const RunawaySettings& settings, const RunawayState& state, Kinematics& body, double dt_s);
 
 }  // namespace runaway

@@ -1,11 +1,11 @@
 #pragma once
 /// \file
-/// The state of one engine, a group per stage. It is a plain value.
+/// The state of one engine, with one group per stage. It is a plain value.
 
 #include <sonopose/attitude/any_filter.hpp>
-#include <sonopose/estimation/documented/admission.hpp>
+#include <sonopose/estimation/aiding/admission.hpp>
+#include <sonopose/estimation/aiding/default_position.hpp>
 #include <sonopose/estimation/documented/alignment.hpp>
-#include <sonopose/estimation/documented/default_position.hpp>
 #include <sonopose/estimation/documented/drift.hpp>
 #include <sonopose/estimation/documented/frozen.hpp>
 #include <sonopose/estimation/documented/heading.hpp>
@@ -27,8 +27,8 @@ struct State {
   Kinematics body;
   attitude::AnyFilter filter;
   StartupState startup;
-  AdmissionState admission;
-  DefaultPosition default_position;
+  aiding::AdmissionState admission;
+  aiding::DefaultPosition default_position;
   FrozenState frozen;
   ScatterState scatter;
   TrustState trust;
@@ -39,14 +39,14 @@ struct State {
   OutageState outage;
   RunawayState runaway;
   UncertaintyState uncertainty;
-  Vector3d previous_rate_body_radps = Vector3d::Zero();  ///< of the previous sample, without the offset
-  bool in_imu_gap = false;                               ///< the latest sample followed a silence
+  Vector3d previous_rate_body_radps = Vector3d::Zero();  ///< rate of the previous sample, without the offset
+  bool in_imu_gap = false;                               ///< true if the latest sample followed a silence
 
   bool operator==(const State&) const = default;
 };
 
-/// Everything that an engine has besides its settings. An engine with the same settings that is restored from
-/// it computes the same bits.
+/// Everything in an engine except its settings. An engine restored from it with the same settings computes
+/// the same bits.
 struct Snapshot {
   State state;
   EstimatorCounters counters;

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// Every field of the engine's state by name, to save, restore and hash it. The order is the order of the
-/// hash. A test compares the number of names in each group with the number of its fields.
+/// Every field of the engine's state by name, to save, restore and hash it, in the order of the hash. A test
+/// compares the number of names in each group with the number of its fields.
 
 #include <sonopose/estimation/documented/state.hpp>
 #include <sonopose/samples/field_fault.hpp>
@@ -130,26 +130,26 @@ void for_each_field(IsFieldsOf<State> auto& state, const auto& visit) {
   visit("in_imu_gap", state.in_imu_gap);
 }
 
-/// The fields of its state; the counters are listed elsewhere (samples/estimator_counters.hpp).
+/// Visits the fields of the state. The counters are listed in samples/estimator_counters.hpp.
 void for_each_field(IsFieldsOf<Snapshot> auto& snapshot, const auto& visit) {
   for_each_field(snapshot.state, visit);
 }
 
-/// The first field whose value no engine can have although its type allows it.
+/// First field with a value that its type allows but no engine can have.
 inline std::optional<FieldFault> find_fault(const Snapshot& snapshot) {
   const State& state = snapshot.state;
   if (!(state.trust.trust >= 0.0 && state.trust.trust <= 1.0)) {
     return FieldFault{"trust.trust", "is not between 0 and 1"};
   }
   if (state.default_position.fixes < 0 ||
-      state.default_position.fixes >= 2 * static_cast<int>(DefaultPosition::capacity)) {
+      state.default_position.fixes >= 2 * static_cast<int>(aiding::DefaultPosition::capacity)) {
     return FieldFault{"default_position.fixes", "is not between 0 and twice the number of places"};
   }
   if (!(state.scatter.noise_world_m.minCoeff() > 0.0)) {
     return FieldFault{"scatter.noise_world_m", "is not positive"};
   }
-  if (state.scatter.learned < 0 || state.scatter.learned > ScatterState::enough) {
-    return FieldFault{"scatter.learned", "is not between 0 and enough"};
+  if (state.scatter.learned < 0 || state.scatter.learned > ScatterState::samples_to_learn) {
+    return FieldFault{"scatter.learned", "is not between 0 and samples_to_learn"};
   }
   if (state.velocity.count < 0 || state.velocity.count > VelocityState::capacity) {
     return FieldFault{"velocity.count", "is more than the number of fixes"};

@@ -1,9 +1,9 @@
 #pragma once
 /// \file
-/// Items 13–22: the weight of a fix. It follows from the fix's innovation and from the trust in the track,
-/// which an outlier removes and consistent fixes rebuild. A diverged engine is forced to converge. Outliers
-/// that agree with each other along the IMU's path are rivals of the pose: they show its velocity, and
-/// whether it is the pose that moves away.
+/// Items 13–22: the weight of a fix. It follows from the fix's innovation and from the trust in the track. An
+/// outlier removes trust; consistent fixes rebuild it. A diverged engine is forced to converge. Outliers that
+/// agree with each other along the IMU's path are rivals of the pose. They show its velocity, and whether the
+/// pose is moving away.
 
 #include <sonopose/estimation/documented/delay.hpp>
 #include <sonopose/estimation/documented/kinematics.hpp>
@@ -22,25 +22,25 @@ struct TrustState {
   int rebuild_n = 0;        ///< number of consistent fixes that restore full trust
   int rebuilt = 0;          ///< consistent fixes so far
   int since_loss = 0;       ///< fixes since trust was lost
-  int outliers_in_row = 0;  ///< at zero trust
-  bool forced = false;      ///< convergence is being forced
+  int outliers_in_row = 0;  ///< consecutive outliers at zero trust
+  bool forced = false;      ///< true while convergence is forced
   bool has_last = false;
-  TimeNs last_measured_ns = 0;  ///< the track's latest fix
+  TimeNs last_measured_ns = 0;  ///< measurement time of the track's latest fix
   Vector3d last_position_world_m = Vector3d::Zero();
   int rivals = 0;                ///< outliers that agree with each other along the IMU's path
-  int strays = 0;                ///< outliers after the latest of them that do not agree with them
-  TimeNs rival_measured_ns = 0;  ///< the latest of them
+  int strays = 0;                ///< outliers after the latest rival that do not agree with the rivals
+  TimeNs rival_measured_ns = 0;  ///< measurement time of the latest rival
   Vector3d rival_position_world_m = Vector3d::Zero();
-  Vector3d rival_excess_world_mps = Vector3d::Zero();  ///< their velocity minus the IMU's
-  Vector3d rival_offset_world_m = Vector3d::Zero();    ///< from the pose to the first of them
+  Vector3d rival_excess_world_mps = Vector3d::Zero();  ///< velocity of the rivals minus the IMU's
+  Vector3d rival_offset_world_m = Vector3d::Zero();    ///< offset of the first rival from the pose
 
   bool operator==(const TrustState&) const = default;
 };
 
-/// The assessment of one fix, for the later stages.
+/// Assessment of one fix, for the later stages.
 struct FixAssessment {
   Vector3d innovation_world_m = Vector3d::Zero();
-  double innovation_m = 0;  ///< its norm
+  double innovation_m = 0;  ///< norm of the innovation
   double test_ratio = 0;    ///< (innovation_m / (outlier_sigmas · sigma_m))²: above 1 is an outlier
   double weight = 1;        ///< w_eff = max(item 14, w · trust)
   double jump_floor = 0;    ///< item 21 while convergence is forced
@@ -48,35 +48,36 @@ struct FixAssessment {
   bool outlier = false;
   bool forced = false;
   double sigma_m = std::numeric_limits<double>::infinity();  ///< item 13 as it applies to this fix
-  int rivals = 0;  ///< the outliers that agree with each other, up to this one; 0: it is not one of them
-  double rival_residual_m = 0;                     ///< its distance to where they lead
-  Vector3d rival_step_world_m = Vector3d::Zero();  ///< from the one before it, if they agree on the way
-  bool trusted = true;                             ///< trust in the track is full
-  bool track_accepted = false;  ///< with this fix the track is accepted against the IMU: items 19 and 20
-  bool new_track = false;       ///< no velocity can be measured between the previous fixes and this one
+  int rivals = 0;               ///< number of rivals up to this fix; 0: it is not a rival
+  double rival_residual_m = 0;  ///< distance of this rival to its prediction from the others
+  Vector3d rival_step_world_m =
+      Vector3d::Zero();  ///< step from the previous rival, if they agree along the path
+  bool trusted = true;   ///< true if trust in the track is full
+  bool track_accepted =
+      false;               ///< true if this fix makes the track accepted against the IMU (items 19 and 20)
+  bool new_track = false;  ///< true if no velocity can be measured from the previous fixes to this one
 };
 
 namespace trust {
 
-/// w = 1 / (1 + (r/σ)²): one half at r = σ (item 13).
+/// Weight w = 1 / (1 + (r/σ)²): one half at r = σ (item 13).
 [[nodiscard]] double weight_of(double innovation_m, double sigma_m);
 
-/// The share of each axis of a fix that counts, by its noise: 1 up to half of item 13, then falling as
-/// 1/noise.
+/// Share of each axis of a fix that counts, by its noise: 1 up to half of item 13, then falling as 1/noise.
 [[nodiscard]] Vector3d share_of(const TrustSettings& settings, const Vector3d& noise_world_m);
 
-/// Whether a pose at this distance from its fix is still converging: the fix's weight would be below one
-/// half.
+/// Returns true if a pose at this distance from its fix is still converging: the fix's weight would be below
+/// one half.
 [[nodiscard]] bool is_far(const TrustSettings& settings, double distance_m);
 
-/// Assesses a fix by its innovation: its distance to the position predicted from the previous fix and the
-/// IMU's velocity or, while trust is not full, to the fused position (item 15). `velocities` is the number of
-/// velocity corrections of this run if the velocity still averages them: the fewer, the less is known where
-/// the fix should be.
+/// Assesses a fix by its innovation. This is its distance to the position predicted from the previous fix and
+/// the IMU's velocity or, while trust is not full, to the fused position (item 15). `velocities` is the
+/// number of velocity corrections of this run if the velocity still averages them. The fewer there are, the
+/// less certain the prediction.
 FixAssessment assess(const TrustSettings& settings, TrustState& state, const Kinematics& body,
                      const TimedFix& fix, std::optional<int> velocities = std::nullopt);
 
-/// Restarts at `fix` with full trust: at the start and after stale mode.
+/// Restarts at `fix` with full trust, at the start and after stale mode.
 void restart(TrustState& state, const TimedFix& fix);
 
 }  // namespace trust

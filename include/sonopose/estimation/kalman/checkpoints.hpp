@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// Earlier states of an engine, to go back to: dense in the last three tenths of a second, in which most
-/// fixes were measured, and sparse before.
+/// Earlier states of an engine, to return to: dense over the last 0.3 s, in which most fixes were measured,
+/// and sparse before.
 
 #include <sonopose/estimation/kalman/state.hpp>
 
@@ -12,13 +12,13 @@
 
 namespace sonopose::estimation::kalman {
 
-/// A state after the sample at its time and before the fixes and headings of that time.
+/// State after the sample at its time, and before the fixes and headings of that time.
 struct Checkpoint {
   State state;
   std::uint64_t next_imu = 0;  ///< number of the first sample that is not part of it
 };
 
-/// Its memory is allocated at construction, and most of it is never touched.
+/// A store of checkpoints. Its memory is allocated at construction, and most of it is never touched.
 class Checkpoints {
 public:
   static constexpr std::size_t capacity = 12;
@@ -29,16 +29,16 @@ public:
   [[nodiscard]] const Checkpoint& oldest() const { return slots_[order_.front()]; }
   [[nodiscard]] const Checkpoint& latest() const { return slots_[order_[count_ - 1]]; }
 
-  /// True if a state of this time is to be added.
+  /// Returns true if a state of this time is to be added.
   [[nodiscard]] bool is_due(TimeNs time_ns) const;
 
-  /// Adds the latest state, and removes those that are too dense or too old.
+  /// Adds the latest state and removes those that are too dense or too old.
   void add(const State& state, std::uint64_t next_imu);
 
-  /// Goes back to the latest one that is not after this time, or to the oldest.
+  /// Returns to the latest checkpoint that is not after this time, or to the oldest.
   const Checkpoint& rewind(TimeNs time_ns);
 
-  /// Removes the oldest. Returns whether another one is left; the last one stays.
+  /// Removes the oldest checkpoint, unless it is the only one. Returns true if it was removed.
   bool drop_oldest();
 
   void clear() { count_ = 0; }

@@ -3,8 +3,8 @@
 /// The error-state Kalman filter of one beacon.
 
 #include <sonopose/calibration/model/calibration.hpp>
-#include <sonopose/estimation/documented/admission.hpp>
-#include <sonopose/estimation/kalman/timeline.hpp>
+#include <sonopose/estimation/aiding/admission.hpp>
+#include <sonopose/estimation/kalman/delayed_fusion_buffer.hpp>
 #include <sonopose/samples/estimator_counters.hpp>
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/settings/settings.hpp>
@@ -14,13 +14,13 @@
 
 namespace sonopose::estimation::kalman {
 
-/// Everything that an engine has besides its settings.
+/// Everything in an engine except its settings.
 struct Snapshot {
   History history;
-  documented::AdmissionState admission;
-  TimeNs last_used_received_ns = 0;                   ///< receipt of the last fix that was used; 0: none
-  double last_delay_s = 0;                            ///< of that fix, from its stamp to its receipt
-  Vector3d last_position_world_m = Vector3d::Zero();  ///< of the latest pose
+  aiding::AdmissionState admission;
+  TimeNs last_used_received_ns = 0;                   ///< receipt time of the last fix used; 0: none
+  double last_delay_s = 0;                            ///< delay of that fix, from its stamp to its receipt
+  Vector3d last_position_world_m = Vector3d::Zero();  ///< position of the latest pose
   EstimatorCounters counters;
   std::uint32_t reset_counter = 0;
 
@@ -31,8 +31,8 @@ struct Snapshot {
 /// estimation::Estimator.
 ///
 /// A sample that follows all other events only computes the nominal state of the best filter, which gives the
-/// pose. Everything else follows in `catch_up`: so the covariances of a pose, and the bits of its status that
-/// follow from them, are those of one sample before, or of the last joined step of a fast IMU.
+/// pose. Everything else follows in `finish_pending_work`. The covariances of a pose, and the status bits
+/// that depend on them, are therefore one sample old, or as old as the last joined step of a fast IMU.
 class Engine {
 public:
   using Snapshot = kalman::Snapshot;
@@ -43,19 +43,19 @@ public:
   std::optional<FusedPose> predict(const ImuSample& raw) noexcept;
   FixReport correct(const UltrasonicFix& fix) noexcept;
   void correct(const PairHeading& heading) noexcept;
-  void catch_up() noexcept;
+  void finish_pending_work() noexcept;
   void reset() noexcept;
   void restore(const Snapshot& snapshot) noexcept;
   [[nodiscard]] Snapshot snapshot() const;
 
-  /// The measurement in a sample: calibrated, or at the time of its emission. Item 6: without compensation a
-  /// fix or heading counts as one of now.
+  /// Measurement of a sample: calibrated, or dated to its emission. Without delay compensation (item 6) a fix
+  /// or heading counts as current.
   [[nodiscard]] ImuMeasurement measurement_in(const ImuSample& raw) const;
   [[nodiscard]] FixMeasurement measurement_in(const UltrasonicFix& fix) const;
   [[nodiscard]] HeadingMeasurement measurement_in(const PairHeading& heading) const;
 
   [[nodiscard]] const settings::Settings& settings() const { return settings_; }
-  /// After all events that were caught up with.
+  /// State after the processed events (DelayedFusionBuffer::now).
   [[nodiscard]] const State& state() const { return timeline_.now(); }
   [[nodiscard]] TimeNs time_ns() const { return timeline_.time_ns(); }
   [[nodiscard]] Estimate estimate() const;
@@ -76,8 +76,8 @@ private:
 
   settings::Settings settings_;
   calibration::Calibration calibration_;
-  Timeline timeline_;
-  /// Covariances and their consequences, of the state after the last catch_up().
+  DelayedFusionBuffer timeline_;
+  /// Covariances and the status bits that depend on them, as of the last finish_pending_work().
   struct Uncertainty {
     Covariance<6> pose_covariance;
     Covariance<3> velocity_covariance;
@@ -87,7 +87,7 @@ private:
     bool yaw_is_unknown = false;
   };
   Uncertainty uncertainty_;
-  documented::AdmissionState admission_;
+  aiding::AdmissionState admission_;
   TimeNs last_used_received_ns_ = 0;
   double last_delay_s_ = 0;
   Vector3d last_position_world_m_ = Vector3d::Zero();

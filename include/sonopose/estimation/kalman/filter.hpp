@@ -15,12 +15,12 @@ using Eigen::Matrix3d;
 
 /// Rows of the error state. The attitude error is a rotation about the body axes.
 enum StateIndex : int {
-  at_position = 0,     ///< of the IMU, world
-  at_velocity = 3,     ///< of the IMU, world
-  at_attitude = 6,     ///< body
-  at_gyro_bias = 9,    ///< body
-  at_accel_bias = 12,  ///< body
-  at_lever_arm = 15,   ///< body
+  at_position = 0,     ///< position of the IMU, world
+  at_velocity = 3,     ///< velocity of the IMU, world
+  at_attitude = 6,     ///< attitude error, body
+  at_gyro_bias = 9,    ///< bias, body
+  at_accel_bias = 12,  ///< bias, body
+  at_lever_arm = 15,   ///< lever arm, body
   state_size = 18
 };
 
@@ -35,10 +35,10 @@ struct ProcessNoise {
   double gyro_radps_rthz = 2e-4;
   double accel_bias_mps2_rts = 4e-4;
   double gyro_bias_radps_rts = 1e-4;
-  double delay_s_rts = 1e-4;  ///< if the delay is estimated
+  double delay_s_rts = 1e-4;  ///< used if the delay is estimated
 };
 
-/// A motion that nobody measured: white acceleration and angular rate, and a velocity that falls.
+/// Unmeasured motion: white acceleration and angular rate, and a decaying velocity.
 struct UnknownMotion {
   double slowing_s = 1.0;  ///< time constant of the velocity
   double accel_mps2_rthz = 2.0;
@@ -51,16 +51,16 @@ struct Innovation {
   Vector3d value_world_m = Vector3d::Zero();
   Matrix3d covariance_m2 = Matrix3d::Identity();  ///< S = H P Hᵀ + R
   StateColumns columns = StateColumns::Zero();    ///< P Hᵀ
-  Vector3d delay_row = Vector3d::Zero();          ///< the row of P Hᵀ of the delay
+  Vector3d delay_row = Vector3d::Zero();          ///< row of P Hᵀ for the delay
   double squared_norm = 0;                        ///< normalised by S
-  double log_determinant = 0;                     ///< of S
+  double log_determinant = 0;                     ///< log-determinant of S
 };
 
 /// Parts of the Jacobian Φ of several steps: sums over the steps, in the world frame.
 struct Transition {
-  double duration_s = 0;                               ///< of the steps
+  double duration_s = 0;                               ///< duration of the steps
   double position_velocity_s = 0;                      ///< ∂p/∂v
-  double shock_variance_m2ps2 = 0;                     ///< added to the velocity, per axis
+  double shock_variance_m2ps2 = 0;                     ///< variance added to the velocity, per axis
   Matrix3d rotation_start = Matrix3d::Identity();      ///< body to world, before the first step
   Vector3d impulse_mps = Vector3d::Zero();             ///< Σ Δt f
   Vector3d impulse_sum_m = Vector3d::Zero();           ///< Σ Δt impulse
@@ -73,16 +73,17 @@ struct Transition {
 };
 
 struct NominalState {
-  Vector3d position_world_m = Vector3d::Zero();  ///< of the IMU
+  Vector3d position_world_m = Vector3d::Zero();  ///< position of the IMU
   Vector3d velocity_world_mps = Vector3d::Zero();
   Quaterniond q_body_to_world = Quaterniond::Identity();
-  Vector3d acceleration_world_mps2 = Vector3d::Zero();      ///< of the latest step, without gravity
-  Vector3d angular_velocity_body_radps = Vector3d::Zero();  ///< of the latest step, without the bias
+  Vector3d acceleration_world_mps2 =
+      Vector3d::Zero();  ///< acceleration over the latest step, without gravity
+  Vector3d angular_velocity_body_radps = Vector3d::Zero();  ///< rate over the latest step, without the bias
 
   bool operator==(const NominalState&) const = default;
 };
 
-/// One step of the IMU.
+/// One IMU step.
 struct NominalStep {
   NominalState after;
   Matrix3d rotation_middle;  ///< body to world, in the middle of the step
@@ -96,62 +97,63 @@ public:
   Vector3d accel_bias_body_mps2 = Vector3d::Zero();
   Vector3d lever_arm_body_m = Vector3d::Zero();  ///< from the tracked point to the IMU
   StateCovariance covariance = StateCovariance::Zero();
-  // The error of the delay is an optional further row and column, kept apart so that it costs nothing when
-  // off.
-  double delay_error_s = 0;      ///< by which fixes and headings are older than their stamps
-  double delay_variance_s2 = 0;  ///< 0: not estimated
-  StateVector delay_covariance = StateVector::Zero();  ///< of the state with the delay
-  Transition pending;                                  ///< since the covariance was propagated
+  // The delay error is an optional further row and column, kept apart so that it costs nothing when off.
+  double delay_error_s = 0;                            ///< age of fixes and headings beyond their stamps
+  double delay_variance_s2 = 0;                        ///< 0: not estimated
+  StateVector delay_covariance = StateVector::Zero();  ///< covariance of the state with the delay
+  Transition pending;                                  ///< transition since the covariance was propagated
 
   bool operator==(const Filter&) const = default;
 
-  /// One step from a nominal state, with the biases of this filter and the mean rate and specific force over
-  /// the step.
+  /// Computes one step from a nominal state, with the biases of this filter and the mean rate and specific
+  /// force over the step.
   [[nodiscard]] NominalStep step(const NominalState& from, const Vector3d& rate_body_radps,
                                  const Vector3d& specific_force_body_mps2, double dt_s) const;
 
   /// Moves the nominal state by one step with the mean rate and specific force over it, and composes the
-  /// transition. The covariance follows in `propagate`. `shock_variance_m2ps2` is added to the velocity's.
+  /// transition. `propagate` then updates the covariance. `shock_variance_m2ps2` is added to the velocity's
+  /// variance.
   void predict(const Vector3d& rate_body_radps, const Vector3d& specific_force_body_mps2, double dt_s,
                double shock_variance_m2ps2 = 0.0);
 
   /// Moves the state and its covariance over a time without samples. The covariance must have been
   /// propagated.
-  void coast(double duration_s, const UnknownMotion& motion);
+  void predict_without_imu(double duration_s, const UnknownMotion& motion);
 
-  /// Φ of all steps since the last `propagate`.
+  /// Jacobian Φ of all steps since the last `propagate`.
   [[nodiscard]] StateCovariance transition() const;
 
-  /// P ← Φ P Φᵀ + Q for all steps since the last call.
+  /// Propagates the covariance over all steps since the last call: P ← Φ P Φᵀ + Q.
   void propagate(const ProcessNoise& noise);
 
-  /// The innovation of a position of the tracked point, measured `ahead_s` after the latest step.
+  /// Innovation of a position of the tracked point, measured `ahead_s` after the latest step.
   [[nodiscard]] Innovation fix_innovation(const Vector3d& position_world_m, const Matrix3d& fix_covariance_m2,
                                           double ahead_s) const;
 
-  /// H of a fix that was measured `ahead_s` after the latest step.
+  /// Jacobian H of a fix measured `ahead_s` after the latest step.
   [[nodiscard]] FixJacobian fix_jacobian(double ahead_s) const;
 
-  /// Corrects the state by a fix with this innovation, as `fix_innovation` of this state has returned it.
-  /// `more_covariance_m2` is added to the covariance of the fix.
+  /// Corrects the state by a fix with this innovation, which `fix_innovation` must have returned for the
+  /// current state. `more_covariance_m2` is added to the covariance of the fix.
   void correct_fix(const Innovation& innovation, const Matrix3d& more_covariance_m2 = Matrix3d::Zero());
 
-  /// The innovation of the direction of a horizontal body axis at `mount_rad` from body X, and its variance.
+  /// Innovation of the direction of a horizontal body axis at `mount_rad` from body X, and its variance.
   struct HeadingInnovation {
     double value_rad = 0;
     double variance_rad2 = 1;
-    bool observable = false;                              ///< false: the axis is nearly vertical
-    Eigen::RowVector3d row = Eigen::RowVector3d::Zero();  ///< H of the attitude error; else H is zero
-    StateVector column = StateVector::Zero();             ///< P Hᵀ
-    double delay_row = 0;                                 ///< the row of P Hᵀ of the delay
+    bool observable = false;  ///< false if the axis is nearly vertical
+    Eigen::RowVector3d row =
+        Eigen::RowVector3d::Zero();            ///< H of the attitude error; zero for all other states
+    StateVector column = StateVector::Zero();  ///< P Hᵀ
+    double delay_row = 0;                      ///< row of P Hᵀ for the delay
   };
   [[nodiscard]] HeadingInnovation heading_innovation(double heading_world_rad, double mount_rad,
                                                      double variance_rad2, double ahead_s) const;
   void correct_heading(double heading_world_rad, double mount_rad, double variance_rad2, double ahead_s);
 
-  /// Corrects by a direct measurement of three states that start at `index`. `innovation` is measured minus
-  /// estimated, `variance` that of each component.
-  void correct_states(StateIndex index, const Vector3d& innovation, double variance);
+  /// Corrects by a direct measurement of the three states from `index` on. `innovation` is measured minus
+  /// estimated; `variance` is that of each component.
+  void update_direct(StateIndex index, const Vector3d& innovation, double variance);
 
   /// Adds an error to the nominal state. The covariance stays as it is.
   void inject(const StateVector& error);
@@ -174,7 +176,7 @@ public:
 
   [[nodiscard]] Vector3d tracked_position_world_m() const { return tracked_position_world_m(*this); }
   [[nodiscard]] Vector3d tracked_velocity_world_mps() const { return tracked_velocity_world_mps(*this); }
-  /// The same of another nominal state, with the lever arm of this one.
+  /// Position of another state's tracked point, with the lever arm of this filter.
   [[nodiscard]] Vector3d tracked_position_world_m(const NominalState& state) const {
     return state.position_world_m - state.q_body_to_world * lever_arm_body_m;
   }
@@ -182,7 +184,7 @@ public:
     return state.velocity_world_mps -
            state.q_body_to_world * state.angular_velocity_body_radps.cross(lever_arm_body_m);
   }
-  /// Position of the tracked point and rotation about the fixed world axes.
+  /// Covariance of the tracked point's position and of the rotation about the fixed world axes.
   [[nodiscard]] Covariance<6> pose_covariance() const;
   /// Covariance of the tracked point's velocity v − R(ω × l), world.
   [[nodiscard]] Covariance<3> velocity_covariance() const;
@@ -219,7 +221,8 @@ void for_each_field(IsFieldsOf<Transition> auto& transition, const auto& visit) 
   visit("position_gyro_bias", transition.position_gyro_bias);
 }
 
-/// In every state that is kept, the state is that of the latest sample, and all filters have made all steps.
+/// Visits the fields of a filter. In every stored state, all filters have made all steps up to the latest
+/// sample.
 void for_each_field(IsFieldsOf<Filter> auto& filter, const auto& visit) {
   visit("position_world_m", filter.position_world_m);
   visit("velocity_world_mps", filter.velocity_world_mps);

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Detection of fixes that repeat their coordinates while the IMU measures a motion.
+/// Detection of fixes that repeat their coordinates while the IMU measures motion.
 
 #include <sonopose/samples/field_fault.hpp>
 #include <sonopose/samples/samples.hpp>
@@ -14,12 +14,12 @@ struct FrozenTrackDetector {
   int repeats = 0;
   Vector3d coordinates_world_m = Vector3d::Zero();
   TimeNs began_ns = 0;
-  Vector3d moved_world_m = Vector3d::Zero();       ///< inertial path since then, without corrections
-  Vector3d velocity_world_mps = Vector3d::Zero();  ///< along it
+  Vector3d moved_world_m = Vector3d::Zero();       ///< inertial path since `began_ns`, without corrections
+  Vector3d velocity_world_mps = Vector3d::Zero();  ///< velocity along this path
 
-  /// Adds a step of the IMU.
+  /// Adds an IMU step.
   void move(double duration_s, const Vector3d& acceleration_world_mps2);
-  /// Adds a fix after a sample at `time_ns`. Returns whether the track is frozen.
+  /// Adds a fix after a sample at `time_ns`. Returns true if the track is frozen.
   bool add(const settings::FrozenSettings& settings, TimeNs time_ns, const Vector3d& position_world_m,
            const Vector3d& velocity_world_mps);
   bool operator==(const FrozenTrackDetector&) const = default;

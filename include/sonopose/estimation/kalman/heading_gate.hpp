@@ -1,27 +1,27 @@
 #pragma once
 /// \file
-/// The recent headings: the last one for a start, and runs of rejected ones.
+/// Recent headings: the last one, for a start, and runs of rejected ones.
 
 #include <sonopose/samples/field_fault.hpp>
 #include <sonopose/samples/samples.hpp>
 
 namespace sonopose::estimation::kalman {
 
-inline constexpr double longest_heading_interval_s = 10.0;  ///< a longer one counts as this
+inline constexpr double longest_heading_interval_s = 10.0;  ///< upper limit of a counted interval
 
 struct HeadingGate {
-  TimeNs used_ns = 0;            ///< last heading that was used
-  double heading_world_rad = 0;  ///< it, turned to the latest IMU sample while it is current
-  bool is_current = false;       ///< it is recent, and no gap of the IMU followed: a start may use it
-  TimeNs rejected_since_ns = 0;  ///< first rejected heading of the present run of them; 0: none
-  TimeNs rejected_ns = 0;        ///< last rejected heading
+  TimeNs used_ns = 0;            ///< time of the last heading used
+  double heading_world_rad = 0;  ///< that heading, turned to the latest IMU sample while it is current
+  bool is_current = false;       ///< true if it is recent and no IMU gap followed: a start may use it
+  TimeNs rejected_since_ns = 0;  ///< time of the first heading in the current run of rejected ones; 0: none
+  TimeNs rejected_ns = 0;        ///< time of the last rejected heading
   int rejected_in_row = 0;
-  TimeNs seen_ns = 0;     ///< last heading, used or not
-  double interval_s = 0;  ///< between most headings; up to longest_heading_interval_s
+  TimeNs seen_ns = 0;     ///< time of the last heading, used or not
+  double interval_s = 0;  ///< usual interval between headings, up to longest_heading_interval_s
 
   /// Registers a heading, used or not.
   void see(TimeNs time_ns);
-  /// Registers a rejected heading. True if headings have been rejected for so long that they must be
+  /// Registers a rejected heading. Returns true if headings have been rejected for so long that they must be
   /// believed.
   bool reject(TimeNs time_ns);
   /// Ends the run of rejected headings.

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The hypotheses about the motion: filters that differ in what they assume of the IMU and of the fixes.
+/// Hypotheses about the motion: filters that differ in their assumptions about IMU and fixes.
 
 #include <sonopose/estimation/kalman/filter.hpp>
 #include <sonopose/samples/field_fault.hpp>
@@ -17,7 +17,7 @@ enum class ImuModel : std::uint8_t {
   quiet,
   rough_gyro,
   rough,        ///< vibration also shakes the accelerometer
-  other_clock,  ///< its stamps are those of another clock than the stamps of fixes and headings
+  other_clock,  ///< IMU stamps are from another clock than those of fixes and headings
   open_gyro,    ///< hardly trusts the gyroscope
   open_accel,   ///< hardly trusts the accelerometer
   open          ///< hardly trusts either: follows the fixes alone
@@ -31,19 +31,19 @@ constexpr bool is_open(ImuModel model) {
   return model >= ImuModel::open_gyro;
 }
 
-/// Which fixes a hypothesis takes for those of the body.
+/// Track of fixes that a hypothesis attributes to the body.
 enum class Track : std::uint8_t {
-  followed,  ///< that of the pose
-  other,     ///< that of the fixes which the best hypothesis rejects
-  turned,    ///< the same, in a map that has turned
-  former     ///< the one that was followed before
+  followed,  ///< track of the pose
+  other,     ///< track of the fixes that the best hypothesis rejects
+  turned,    ///< the other track, in a map that has turned
+  former     ///< track that was followed before
 };
 
 constexpr std::array<std::string_view, 4> choices_of(Track /*track*/) {
   return {"followed", "other", "turned", "former"};
 }
 
-/// Standard deviations that are added to a hypothesis that assumes a model.
+/// Standard deviations added to a hypothesis when it assumes a model.
 struct Widening {
   double velocity_mps = 0;
   double tilt_rad = 0;
@@ -52,15 +52,15 @@ struct Widening {
   double accel_bias_mps2 = 0;
 };
 
-/// Adds these variances.
+/// Adds the variances of `widening`.
 void widen(Filter& filter, const Widening& widening);
 
-/// Consequences of a model of the IMU.
+/// Parameters of a model of the IMU.
 struct ImuModelParameters {
   ProcessNoise noise;
   Widening widening;
-  double dead_reckoning_mps_rts = 0;  ///< density of the measurement of no velocity without fixes
-  double clock_offset_std_s = 0;      ///< of an error of the delay that it estimates; 0: as the settings say
+  double dead_reckoning_mps_rts = 0;  ///< density of the zero-velocity measurement without fixes
+  double clock_offset_std_s = 0;  ///< deviation of the delay error that it estimates; 0: as the settings say
 };
 
 [[nodiscard]] const ImuModelParameters& parameters_of(ImuModel model);
@@ -69,27 +69,28 @@ struct Hypothesis {
   ImuModel imu = ImuModel::quiet;
   Track track = Track::followed;
   Filter filter;
-  double score = 0;     ///< log-likelihood of the last sixty fixes or so
-  double evidence = 0;  ///< that of the last seven fixes or so and their headings, of which each may be wrong
-  int explained = 0;    ///< fixes since it began
-  int explained_in_row = 0;  ///< fixes and headings
-  int missed_in_row = 0;     ///< fixes
-  int headings = 0;          ///< that agreed with a turned map
-  TimeNs began_ns = 0;       ///< of a former track: when the one that replaced it began
-  TimeNs explained_ns = 0;   ///< last fix that it explained
+  double score = 0;  ///< log-likelihood of about the last sixty fixes
+  double evidence =
+      0;  ///< log-likelihood of about the last seven fixes and their headings, each of which may be wrong
+  int explained = 0;         ///< explained fixes since it began
+  int explained_in_row = 0;  ///< consecutive explained fixes and headings
+  int missed_in_row = 0;     ///< consecutive missed fixes
+  int headings = 0;          ///< headings that agreed with a turned map
+  TimeNs began_ns = 0;       ///< start of the track; for a former one, of the track that replaced it
+  TimeNs explained_ns = 0;   ///< time of the last explained fix
 
   bool operator==(const Hypothesis&) const = default;
 };
 
-/// Lets a hypothesis assume this model of the IMU, and widens its filter accordingly.
+/// Makes a hypothesis assume this model of the IMU, and widens its filter accordingly.
 void assume(Hypothesis& hypothesis, ImuModel model);
 
 inline constexpr int closed_model_count =
-    4;                                 ///< models that trust the IMU: one hypothesis each while tracking
+    4;                                 ///< models that trust the IMU, with one hypothesis each while tracking
 inline constexpr int start_count = 8;  ///< directions from which an unknown yaw is searched
 
-/// All hypotheses, and the best of the followed track. A plain value that has memory for all from its first
-/// hypothesis on: an assignment then allocates nothing.
+/// All hypotheses, and the best of the followed track. A plain value with memory for all from its first
+/// hypothesis on, so that an assignment allocates nothing.
 struct HypothesisBank {
   static constexpr int capacity = start_count + 3;  ///< the starts, `open`, another and a former track
 
@@ -105,7 +106,7 @@ struct HypothesisBank {
   ~HypothesisBank() = default;
   bool operator==(const HypothesisBank&) const = default;
 
-  /// Allocates memory for all.
+  /// Allocates memory for all hypotheses.
   void reserve() { hypotheses.reserve(capacity); }
   void clear();
 
@@ -122,15 +123,15 @@ struct HypothesisBank {
     return static_cast<int>(&hypothesis - hypotheses.data());
   }
 
-  /// The hypothesis of this model on the followed track; null: none.
+  /// Hypothesis of this model on the followed track; null: none.
   [[nodiscard]] Hypothesis* find(ImuModel model);
-  /// The hypothesis on a track that is not followed; null: none.
+  /// Hypothesis on a track that is not followed; null: none.
   [[nodiscard]] Hypothesis* find(Track track);
 
-  /// Adds a copy. Requires that there is place for it.
+  /// Adds a copy. Requires that there is room for it.
   Hypothesis& spawn(const Hypothesis& hypothesis);
   void remove(const Hypothesis* hypothesis);
-  /// Ends the hypotheses on this track.
+  /// Removes the hypotheses on this track.
   void remove(Track track);
   /// Follows this track, with one hypothesis per closed model of the IMU. Other tracks live on.
   void follow(const Filter& track);

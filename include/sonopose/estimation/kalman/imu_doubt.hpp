@@ -1,14 +1,14 @@
 #pragma once
 /// \file
-/// The doubt in the IMU that fixes and headings raise.
+/// Doubt in the IMU, raised by fixes and headings.
 
 #include <sonopose/estimation/kalman/filter.hpp>
 #include <sonopose/samples/field_fault.hpp>
 
 namespace sonopose::estimation::kalman {
 
-/// A track at an offset from the followed one that stays or grows evenly. A wrong IMU leads a filter away
-/// faster and faster.
+/// A track at a constant or evenly growing offset from the followed one. A wrong IMU leads a filter away ever
+/// faster.
 struct ShiftedTrack {
   TimeNs seen_ns = 0;
   Vector3d offset_world_m = Vector3d::Zero();
@@ -17,23 +17,24 @@ struct ShiftedTrack {
   double covariance_m2ps = 0;
   double drift_variance_m2ps2 = 0;
 
-  double evidence = 0;  ///< as of a hypothesis
+  double evidence = 0;  ///< evidence, as of a hypothesis
 
   /// Adds a fix at this offset. Returns its log-likelihood.
   double add(TimeNs time_ns, const Vector3d& offset_world_m, const Matrix3d& covariance_m2);
   bool operator==(const ShiftedTrack&) const = default;
 };
 
-/// Explanations of bad fixes that need no filter, and the doubt that these fixes left.
+/// Explanations of bad fixes that need no filter, and the doubt left by these fixes.
 struct ImuDoubt {
   ShiftedTrack shifted;
-  TimeNs suspicious_until_ns = 0;  ///< up to when fixes or headings that fit badly keep the open models alive
-  TimeNs doubted_until_ns = 0;     ///< up to when the IMU counts as wrong
-  TimeNs doubted_ns = 0;           ///< when an open model last became the best; 0: never
-  int doubts = 0;                  ///< of the last minute
-  Vector3d trusted_gyro_bias_body_radps = Vector3d::Zero();  ///< before the doubt
+  TimeNs suspicious_until_ns =
+      0;  ///< time until which badly fitting fixes or headings keep the open models alive
+  TimeNs doubted_until_ns = 0;  ///< time until which the IMU counts as wrong
+  TimeNs doubted_ns = 0;        ///< time when an open model last became the best; 0: never
+  int doubts = 0;               ///< doubts within the last minute
+  Vector3d trusted_gyro_bias_body_radps = Vector3d::Zero();  ///< bias before the doubt
   Vector3d trusted_accel_bias_body_mps2 = Vector3d::Zero();
-  bool is_undecided = false;  ///< several fixes in a row were rejected, and none has fitted well since
+  bool is_undecided = false;  ///< true after several consecutive rejected fixes, until one fits well
   Vector3d scatter_m2 = Vector3d::Zero();  ///< mean square of the best innovations; zero: none yet
 
   /// Adds an innovation of the best hypothesis. Returns the log-likelihood of a fix that scatters about it as

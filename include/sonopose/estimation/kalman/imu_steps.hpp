@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The motion between two samples of the IMU, and several such steps joined into one.
+/// The motion between two IMU samples, and the joining of several such steps.
 
 #include <sonopose/samples/field_fault.hpp>
 #include <sonopose/samples/samples.hpp>
@@ -14,7 +14,7 @@ struct ImuMeasurement {
   TimeNs time_ns = 0;
   Vector3d rate_body_radps = Vector3d::Zero();
   Vector3d force_body_mps2 = Vector3d::Zero();
-  bool is_mean = false;  ///< over the time since the previous sample, not at an instant
+  bool is_mean = false;  ///< true for the mean since the previous sample, false for an instant
 
   bool operator==(const ImuMeasurement&) const = default;
 };
@@ -24,54 +24,54 @@ struct ImuStep {
   double duration_s = 0;
   Vector3d rate_body_radps = Vector3d::Zero();  ///< mean
   Vector3d force_body_mps2 = Vector3d::Zero();  ///< mean
-  bool irregular = false;                       ///< so long that the mean of its ends may miss much:
-  double velocity_std_mps = 0;                  ///< what it may miss
-  double position_std_m = 0;                    ///< the same
-  double attitude_std_rad = 0;                  ///< the same
-  double shock_variance_m2ps2 = 0;              ///< of the velocity, per axis: what a shock may have left
+  bool irregular = false;           ///< true if it is so long that the mean of its ends may miss much
+  double velocity_std_mps = 0;      ///< velocity that it may miss
+  double position_std_m = 0;        ///< position that it may miss
+  double attitude_std_rad = 0;      ///< attitude that it may miss
+  double shock_variance_m2ps2 = 0;  ///< variance of the velocity, per axis, that a shock may have left
 
   bool operator==(const ImuStep&) const = default;
 };
-/// `usual_s`: the interval between most samples.
+/// Motion between two samples. `usual_s` is the usual interval between samples.
 [[nodiscard]] ImuStep step_between(const ImuMeasurement& last, const ImuMeasurement& next, double usual_s);
 
-/// Finds shocks in the readings of a sensor, in m/s² or rad/s. A shock is as short as a few samples, may
-/// exceed the range of the sensor and bends its mount, so its integral is hardly known. The motion of a body
-/// is smooth at this scale.
+/// Detects shocks in the readings of a sensor, in m/s² or rad/s. A shock lasts a few samples, may exceed the
+/// sensor's range and bends its mount, so its integral is hardly known. The motion of a body is smooth at
+/// this scale.
 struct ShockDetector {
-  int intervals = 0;  ///< that are known, up to 2
-  double open_s = 0;  ///< duration of the interval that is not complete
+  int intervals = 0;  ///< number of known intervals, up to 2
+  double open_s = 0;  ///< duration of the incomplete interval
   Vector3d open_integral_body = Vector3d::Zero();
   double roughness = 0;                                                      ///< usual second difference
   std::array<Vector3d, 2> reading_body{Vector3d::Zero(), Vector3d::Zero()};  ///< means of the last intervals
 
   /// Adds a step. `smooth` is the largest second difference of the motion of a body at 10 ms. Returns the
-  /// variance of the integral, per axis, that a shock adds.
+  /// variance per axis that a shock adds to the integral.
   double add(const Vector3d& reading_body, double duration_s, double smooth);
-  /// The density of white noise with this roughness, per √Hz.
+  /// Density of white noise with this roughness, per √Hz.
   [[nodiscard]] double density_rthz() const;
   bool operator==(const ShockDetector&) const = default;
 };
 
-/// The usual interval between samples after one more.
-[[nodiscard]] double usual_step_s(double before_s, double step_s);
+/// Updates the usual interval between samples with another one.
+[[nodiscard]] double nominal_imu_period_s(double before_s, double step_s);
 
-/// Several steps of a fast IMU, joined into one. Its rate and force are the means, corrected for the turn of
-/// the body between the steps (coning and sculling: Savage, Strapdown Inertial Navigation Integration
-/// Algorithm Design, 1998).
-class JoinedSteps {
+/// Joins several steps of a fast IMU into one. Rate and force are means, corrected for the turn of the body
+/// between the steps (coning and sculling: Savage, Strapdown Inertial Navigation Integration Algorithm
+/// Design, 1998).
+class ImuPreintegrator {
 public:
   [[nodiscard]] bool empty() const { return duration_s_ == 0.0; }
   [[nodiscard]] double duration_s() const { return duration_s_; }
   void add(const ImuStep& step);
 
-  /// True if there is more than one.
+  /// Returns true if there is more than one step.
   [[nodiscard]] bool has_several() const { return duration_s_ > latest_.duration_s; }
-  /// Requires that there is one.
+  /// The joined step. Requires at least one step.
   [[nodiscard]] ImuStep joined() const;
   [[nodiscard]] const ImuStep& latest() const { return latest_; }
 
-  bool operator==(const JoinedSteps&) const = default;
+  bool operator==(const ImuPreintegrator&) const = default;
 
 private:
   double duration_s_ = 0;

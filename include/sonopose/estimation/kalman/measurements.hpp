@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Fixes and headings at the time of their measurement, and what became of them.
+/// Fixes and headings at the time of their measurement, and the verdicts on them.
 
 #include <sonopose/estimation/kalman/filter.hpp>
 
@@ -10,11 +10,11 @@ namespace sonopose::estimation::kalman {
 
 struct FixMeasurement {
   TimeNs time_ns = 0;
-  TimeNs stamp_ns = 0;  ///< of the source: the same in every copy of a fix, whenever it arrives
+  TimeNs stamp_ns = 0;  ///< stamp of the source: equal in every copy of a fix, whenever it arrives
   Vector3d position_world_m = Vector3d::Zero();
   double quality_percent = -1;  ///< negative: unknown
   bool has_covariance = false;
-  Matrix3d covariance_world_m2 = Matrix3d::Zero();  ///< if the source knows it
+  Matrix3d covariance_world_m2 = Matrix3d::Zero();  ///< covariance, if the source knows it
 
   bool operator==(const FixMeasurement&) const = default;
 };
@@ -27,34 +27,37 @@ struct HeadingMeasurement {
   bool operator==(const HeadingMeasurement&) const = default;
 };
 
-/// The verdict on a fix.
+/// Verdict on a fix.
 struct FixOutcome {
   Innovation innovation{};
   bool has_innovation = false;
-  Matrix3d covariance_world_m2 = Matrix3d::Zero();  ///< of the fix as it was used or rejected; zero: unknown
-  double test_ratio = 0;                            ///< squared norm over the rejection threshold
-  double weight = 0;                                ///< 1: full; 0: rejected
-  // Changes by the fix at its time:
+  Matrix3d covariance_world_m2 =
+      Matrix3d::Zero();   ///< covariance of the fix as used or rejected; zero: unknown
+  double test_ratio = 0;  ///< squared norm over the rejection threshold
+  double weight = 0;      ///< 1: full; 0: rejected
+  // Changes by the fix, at its time:
   Vector3d jump_world_m = Vector3d::Zero();
   Vector3d velocity_change_world_mps = Vector3d::Zero();
   double yaw_change_rad = 0;
   std::uint32_t flags = 0;
-  bool starts = false;           ///< the estimate started at it, and not only on another track
-  std::uint32_t hypothesis = 0;  ///< 1: it agreed with another track
+  bool starts = false;           ///< true if the estimate started at it, false if it only changed track
+  std::uint32_t hypothesis = 0;  ///< 1: the fix agreed with another track
 };
 
-/// The verdict on a heading.
+/// Verdict on a heading.
 struct HeadingOutcome {
   bool used = false;
-  double variance_rad2 = 0;        ///< of the heading as it was used or rejected; 0: unknown
-  double added_variance_rad2 = 0;  ///< of yaw, before the heading was used: it was believed against the yaw
+  double variance_rad2 = 0;  ///< variance of the heading as used or rejected; 0: unknown
+  double added_variance_rad2 =
+      0;  ///< variance added to yaw before, if the heading was believed against the yaw
 };
 
-/// Conclusions from an IMU sample besides the motion.
+/// Conclusions from an IMU sample other than the motion.
 struct ImuOutcome {
-  bool still = false;               ///< it ends half a second of rest: rest.still_gyro_mean is the gyro bias
-  double still_rate_variance = 0;   ///< of that bias, (rad/s)²
-  double no_velocity_variance = 0;  ///< of a velocity of zero, (m/s)²; 0: no such measurement
+  bool still = false;  ///< true if it ends half a second of rest: rest.still_gyro_mean is the gyro bias
+  double still_rate_variance = 0;  ///< variance of that bias, (rad/s)²
+  double no_velocity_variance =
+      0;  ///< variance of zero velocity as a measurement, (m/s)²; 0: no such measurement
 };
 
 void for_each_field(IsFieldsOf<FixMeasurement> auto& fix, const auto& visit) {

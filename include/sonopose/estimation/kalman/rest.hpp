@@ -7,7 +7,7 @@
 
 namespace sonopose::estimation::kalman {
 
-/// A regression of up to three values over time that forgets.
+/// Regression of up to three values over time, with forgetting.
 struct Trend {
   int samples = 0;
   TimeNs latest_ns = 0;
@@ -28,12 +28,12 @@ struct RestState {
   Vector3d gyro_squares = Vector3d::Zero();  ///< Welford's sum of squared deviations
   Vector3d accel_mean = Vector3d::Zero();
   Vector3d accel_squares = Vector3d::Zero();
-  int still_windows = 0;                        ///< consecutive
-  TimeNs still_since_ns = 0;                    ///< beginning of the first of them
-  Vector3d still_gyro_mean = Vector3d::Zero();  ///< of the latest still window
+  int still_windows = 0;                        ///< number of consecutive still windows
+  TimeNs still_since_ns = 0;                    ///< start of the first of these windows
+  Vector3d still_gyro_mean = Vector3d::Zero();  ///< mean of the latest still window
   Vector3d still_accel_mean = Vector3d::Zero();
-  Trend fixes;     ///< since then: the position, m
-  Trend headings;  ///< since then: X is the heading relative to the first one, rad
+  Trend fixes;     ///< trend of the position since then, m
+  Trend headings;  ///< trend since then; X is the heading relative to the first one, rad
   double first_heading_rad = 0;
 
   bool operator==(const RestState&) const = default;
@@ -41,12 +41,12 @@ struct RestState {
 
 namespace rest {
 
-/// Adds a sample. True if it completes a window: call `end_window`.
+/// Adds a sample. Returns true if it completes a window: then call `end_window`.
 [[nodiscard]] bool add_sample(RestState& state, TimeNs time_ns, const Vector3d& rate_body_radps,
                               const Vector3d& force_body_mps2);
 
-/// Returns whether the window was still, and begins the next one. The mean rate and force of a still window
-/// are those of rest, if the body does not cruise smoothly.
+/// Begins the next window. Returns true if the last one was still. Its mean rate and force are then those of
+/// rest, unless the body cruises smoothly.
 bool end_window(RestState& state, TimeNs time_ns, const Vector3d& gyro_bias_body_radps,
                 double bias_std_radps);
 
@@ -56,21 +56,20 @@ void add_fix(RestState& state, TimeNs time_ns, const Vector3d& position_world_m)
 /// Adds a heading, used or not.
 void add_heading(RestState& state, TimeNs time_ns, double heading_rad);
 
-/// Ends the rest: a gap in the samples.
+/// Ends the rest after a gap in the samples.
 void restart(RestState& state);
 
-/// True if the body rests, and the latest fixes since the rest began, at least `least_fixes`, agree with
-/// that.
-[[nodiscard]] bool fixes_stand_still(const RestState& state, const Vector3d& fix_std_m, int least_fixes);
+/// Returns true if the body rests and the latest fixes since then, at least `min_fixes`, agree with that.
+[[nodiscard]] bool fixes_stand_still(const RestState& state, const Vector3d& fix_std_m, int min_fixes);
 
-/// Variance of the mean rate of the half second of rest that ends now as a measurement of the gyro bias,
-/// (rad/s)².
+/// Variance (rad/s)² of the mean rate over the half second of rest that ends now, as a measurement of the
+/// gyro bias.
 [[nodiscard]] double still_rate_variance(const RestState& state, TimeNs now_ns);
 
-/// Variance of a velocity of zero as a measurement at this moment of a rest, (m/s)².
+/// Variance (m/s)² of zero velocity as a measurement at this moment of a rest.
 [[nodiscard]] double still_velocity_variance(const RestState& state, TimeNs now_ns);
 
-/// True if the latest headings since the rest began contradict a body that does not turn.
+/// Returns true if the latest headings since the rest began contradict a body that does not turn.
 [[nodiscard]] bool headings_turn(const RestState& state, double heading_std_rad);
 
 }  // namespace rest

@@ -1,9 +1,9 @@
 #pragma once
 /// \file
 /// The state of the engine at one moment, computed from the events in the order of their measurement. It
-/// depends on nothing else, so that events that arrive in another order give the same state.
+/// depends on nothing else: events that arrive in another order give the same state.
 
-#include <sonopose/estimation/documented/default_position.hpp>
+#include <sonopose/estimation/aiding/default_position.hpp>
 #include <sonopose/estimation/kalman/fix_noise.hpp>
 #include <sonopose/estimation/kalman/frozen_track.hpp>
 #include <sonopose/estimation/kalman/heading_gate.hpp>
@@ -25,13 +25,13 @@ namespace sonopose::estimation::kalman {
 
 inline constexpr int proven_fixes = 8;  ///< used fixes after which the first one is believed
 
-// Knowledge before the first measurement: standard deviations per axis.
+// Standard deviations per axis before the first measurement.
 inline constexpr double start_gyro_bias_std_radps = 0.02;
 inline constexpr double start_accel_bias_std_mps2 = 0.1;
 inline constexpr double start_lever_arm_std_m = 0.05;
 
 enum class Phase : std::uint8_t {
-  waiting,        ///< for the first fix
+  waiting,        ///< no fix yet
   searching_yaw,  ///< one hypothesis per direction, and one that follows the fixes alone
   tracking        ///< one hypothesis per closed model of the IMU
 };
@@ -40,35 +40,35 @@ constexpr std::array<std::string_view, 3> choices_of(Phase /*phase*/) {
   return {"waiting", "searching_yaw", "tracking"};
 }
 
-/// The latest IMU sample, and what the filters have not yet applied.
+/// Latest IMU sample, and the steps that the filters have not yet applied.
 struct ImuInput {
-  TimeNs time_ns = 0;  ///< 0 before the first
+  TimeNs time_ns = 0;  ///< time of the sample; 0 before the first
   Vector3d rate_body_radps = Vector3d::Zero();
   Vector3d force_body_mps2 = Vector3d::Zero();
-  Vector3d mean_force_body_mps2 = Vector3d::Zero();  ///< low-passed until the first fix
-  double usual_step_s = 0;                           ///< between samples; 0: not known
-  bool in_gap = false;                               ///< the sample ended a silence
-  ShockDetector shocks;                              ///< of the accelerometer
-  ShockDetector turn_shocks;                         ///< of the gyroscope
-  JoinedSteps open_steps;                            ///< not yet applied to the filters; none in a checkpoint
+  Vector3d mean_force_body_mps2 = Vector3d::Zero();  ///< low-pass filtered until the first fix
+  double nominal_imu_period_s = 0;                   ///< usual interval between samples; 0: unknown
+  bool in_gap = false;                               ///< true if the sample ended a silence
+  ShockDetector shocks;                              ///< shocks of the accelerometer
+  ShockDetector turn_shocks;                         ///< shocks of the gyroscope
+  ImuPreintegrator open_steps;  ///< steps not yet applied to the filters; none in a checkpoint
 
   bool operator==(const ImuInput&) const = default;
 };
 
-/// The recent fixes as the followed track has judged them.
+/// Recent fixes, as judged by the followed track.
 struct FixGate {
-  TimeNs used_ns = 0;   ///< measurement of the last fix that was used; 0: none
-  int since_start = 0;  ///< fixes that were used; up to proven_fixes
+  TimeNs used_ns = 0;   ///< measurement time of the last fix used; 0: none
+  int since_start = 0;  ///< number of fixes used, up to proven_fixes
   int rejected_in_row = 0;
   double trust = 1;                              ///< share of recent fixes that were used
-  double quality_percent = -1;                   ///< of the last fix that was used; negative: unknown
-  Vector3d rejected_world_m = Vector3d::Zero();  ///< the latest fix that was rejected
-  TimeNs rejected_ns = 0;                        ///< its time
+  double quality_percent = -1;                   ///< quality of the last fix used; negative: unknown
+  Vector3d rejected_world_m = Vector3d::Zero();  ///< latest rejected fix
+  TimeNs rejected_ns = 0;                        ///< time of that fix
 
   bool operator==(const FixGate&) const = default;
 };
 
-/// Share of the other directions of an unknown yaw in the covariance of the best filter.
+/// Contribution of the other directions of an unknown yaw to the covariance of the best filter.
 struct Spread {
   double yaw_rad2 = 0;
   Matrix3d position_m2 = Matrix3d::Zero();
@@ -78,18 +78,18 @@ struct Spread {
 struct State {
   Phase phase = Phase::waiting;
   ImuInput imu;
-  TimeNs time_ns = 0;  ///< of the filters after the open steps: that of the latest sample, or of a later
+  TimeNs time_ns = 0;  ///< time of the filters after the open steps: that of the latest sample, or of a later
                        ///< measurement in a silence of the IMU
   HypothesisBank bank;
-  bool restart_pending = false;  ///< the next fix starts the estimate again
+  bool restart_pending = false;  ///< true if the next fix restarts the estimate
   TimeNs converging_until_ns = 0;
-  TimeNs slowed_ns = 0;  ///< last bound of dead reckoning
+  TimeNs last_zero_velocity_ns = 0;  ///< time of the last bound of dead reckoning
   FixGate fixes;
   HeadingGate headings;
   MeasurementNoise noise;
   RestState rest;
   FrozenTrackDetector frozen_track;
-  documented::DefaultPosition default_position;
+  aiding::DefaultPosition default_position;
   WrongTracks wrong_tracks;
   ImuDoubt doubt;
 
@@ -98,34 +98,34 @@ struct State {
   /// The best filter. Requires that the estimate has started.
   [[nodiscard]] const Filter& filter() const { return bank.best().filter; }
 
-  /// The mean square of the distance of all starts from the best one, weighted by their likelihood; zero
-  /// while tracking.
+  /// Mean square distance of all starts from the best one, weighted by likelihood; zero while tracking.
   [[nodiscard]] Spread spread() const;
 
   ImuOutcome on_imu(const settings::Settings& settings, const ImuMeasurement& sample);
   FixOutcome on_fix(const settings::Settings& settings, const FixMeasurement& fix);
   HeadingOutcome on_heading(const settings::Settings& settings, const HeadingMeasurement& heading);
 
-  /// The mount offset was changed by this angle: if headings have held the yaw until now, it is as uncertain.
+  /// Handles a change of the mount offset by this angle. If headings have held the yaw so far, it becomes as
+  /// uncertain.
   void on_mount_offset_change(double by_rad);
 
-  /// The nominal state of the best filter at the latest sample, after the open steps; while waiting, any.
+  /// Nominal state of the best filter at the latest sample, after the open steps; arbitrary while waiting.
   [[nodiscard]] NominalState nominal() const;
-  /// The same after one more step.
+  /// Nominal state after one more step.
   [[nodiscard]] NominalState nominal_after(const ImuStep& step) const;
 
   /// Applies the open steps to all filters.
   void close_steps();
-  /// Applies the open steps, and propagates the covariance of every filter to the time of the latest sample.
+  /// Applies the open steps and propagates the covariance of every filter to the time of the latest sample.
   void propagate();
-  /// True if no fix or heading has made that necessary for a while.
+  /// Returns true if no fix or heading has required a propagation for a while.
   [[nodiscard]] bool covariance_is_old() const;
 };
 
-/// Adds the variance of what an irregular step may miss.
+/// Adds the variance of the motion that an irregular step may miss.
 void add_missed_motion(Filter& filter, const ImuStep& step);
 
-/// The measurement of a calibrated sample.
+/// Measurement of a calibrated sample.
 [[nodiscard]] ImuMeasurement as_measurement(const ImuSample& calibrated);
 
 void for_each_field(IsFieldsOf<ImuInput> auto& imu, const auto& visit) {
@@ -133,7 +133,7 @@ void for_each_field(IsFieldsOf<ImuInput> auto& imu, const auto& visit) {
   visit("rate_body_radps", imu.rate_body_radps);
   visit("force_body_mps2", imu.force_body_mps2);
   visit("mean_force_body_mps2", imu.mean_force_body_mps2);
-  visit("usual_step_s", imu.usual_step_s);
+  visit("nominal_imu_period_s", imu.nominal_imu_period_s);
   visit("in_gap", imu.in_gap);
   visit("shocks", imu.shocks);
   visit("turn_shocks", imu.turn_shocks);
@@ -156,7 +156,7 @@ void for_each_field(IsFieldsOf<State> auto& state, const auto& visit) {
   visit("bank", state.bank);
   visit("restart_pending", state.restart_pending);
   visit("converging_until_ns", state.converging_until_ns);
-  visit("slowed_ns", state.slowed_ns);
+  visit("last_zero_velocity_ns", state.last_zero_velocity_ns);
   visit("fixes", state.fixes);
   visit("headings", state.headings);
   visit("noise", state.noise);

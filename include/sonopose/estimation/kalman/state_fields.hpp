@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Every field of a snapshot by name, to save, restore and hash it. The order is the order of the hash.
+/// Every field of a snapshot by name, to save, restore and hash it, in the order of the hash.
 
 #include <sonopose/estimation/kalman/engine.hpp>
 #include <sonopose/samples/field_fault.hpp>
@@ -11,7 +11,7 @@
 
 namespace sonopose::estimation::kalman {
 
-/// The counters are listed elsewhere (samples/estimator_counters.hpp).
+/// Visits the fields of a snapshot except the counters (samples/estimator_counters.hpp).
 void for_each_field(IsFieldsOf<Snapshot> auto& snapshot, const auto& visit) {
   visit("state", snapshot.history.base);
   visit("imu", snapshot.history.imu);
@@ -25,7 +25,7 @@ void for_each_field(IsFieldsOf<Snapshot> auto& snapshot, const auto& visit) {
   visit("last_position_world_m", snapshot.last_position_world_m);
 }
 
-/// The first field whose value no engine can have although its type allows it.
+/// First field with a value that its type allows but no engine can have.
 [[nodiscard]] std::optional<FieldFault> find_fault(const Snapshot& snapshot);
 
 }  // namespace sonopose::estimation::kalman

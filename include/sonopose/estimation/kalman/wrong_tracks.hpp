@@ -1,16 +1,16 @@
 #pragma once
 /// \file
-/// The memory of how long wrong tracks last here.
+/// Memory of how long wrong tracks last.
 
 #include <sonopose/samples/field_fault.hpp>
 #include <sonopose/samples/samples.hpp>
 
 namespace sonopose::estimation::kalman {
 
-/// The longest duration decays exponentially; the wait of others is proportional to it and bounded, so a long
-/// track keeps it at its maximum for longer.
+/// Longest duration of a wrong track, which decays exponentially. The wait for another track is proportional
+/// to it and bounded, so that a long track keeps the wait at its maximum for longer.
 struct WrongTracks {
-  double longest_s = 0;  ///< as it was at `seen_ns`
+  double longest_s = 0;  ///< longest duration, as of `seen_ns`
   TimeNs seen_ns = 0;
 
   void add(double duration_s, TimeNs now_ns);

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The trajectory that all measurements of a recording support, those before and those after each moment.
+/// The trajectory supported by all measurements of a recording, before and after each moment.
 
 #include <sonopose/estimation/kalman/filter.hpp>
 #include <sonopose/estimation/offline/judgement.hpp>
@@ -12,21 +12,21 @@
 
 namespace sonopose::estimation::offline {
 
-/// The noise with which a segment is smoothed.
+/// Noise with which a segment is smoothed.
 struct Noise {
   kalman::ProcessNoise process;
-  double fix_scale = 1;  ///< standard deviations of the fixes over those of the engine
+  double fix_scale = 1;  ///< standard deviations of the fixes relative to those of the engine
 };
 
-/// The noise that makes the innovations of the fixes most likely, common to all segments: densities of the
-/// accelerometer and the gyroscope, the walk of the gyro bias, and the scale of the fixes. It looks at the
-/// first three minutes of the longest segment.
+/// Noise that makes the innovations of the fixes most likely, common to all segments: densities of
+/// accelerometer and gyroscope, walk of the gyro bias, and scale of the fixes. It is fitted to the first
+/// three minutes of the longest segment.
 [[nodiscard]] Noise fitted_noise(const settings::Settings& settings, std::span<const Segment> segments);
 
-/// The pose at one IMU sample, from all measurements.
+/// Pose at one IMU sample, from all measurements.
 struct SmoothedPose {
   TimeNs time_ns = 0;
-  Vector3d position_world_m = Vector3d::Zero();  ///< of the tracked point
+  Vector3d position_world_m = Vector3d::Zero();  ///< position of the tracked point
   Vector3d velocity_world_mps = Vector3d::Zero();
   Quaterniond q_body_to_world = Quaterniond::Identity();
   Vector3d gyro_bias_body_radps = Vector3d::Zero();
@@ -35,8 +35,8 @@ struct SmoothedPose {
   Covariance<3> velocity_covariance;  ///< (m/s)², world
 };
 
-/// The pose at every IMU sample of a segment, in ascending time; empty if the segment has no sample or no
-/// fix that was used. The equations are those of docs/smoother.md.
+/// Poses at all IMU samples of a segment, in ascending time; empty if it has no sample or no used fix.
+/// docs/smoother.md has the equations.
 [[nodiscard]] std::vector<SmoothedPose> smoothed(const settings::Settings& settings, const Segment& segment,
                                                  const Noise& noise);
 

@@ -1,8 +1,8 @@
 #pragma once
 /// \file
 /// The strapdown document ("State Estimation Using IMU Data"): position, velocity and orientation from the
-/// IMU alone, integrated from a known start. The error grows without bound: a baseline that shows what an IMU
-/// is worth without fixes.
+/// IMU alone, integrated from a known start. The error grows without bound. It is a baseline that shows the
+/// worth of an IMU without fixes.
 
 #include <sonopose/samples/estimator_counters.hpp>
 #include <sonopose/samples/field_fault.hpp>
@@ -21,7 +21,7 @@ namespace sonopose::estimation::strapdown {
 
 /// Position, velocity and orientation at one moment: the document's p, v and q.
 struct State {
-  TimeNs time_ns = 0;  ///< 0: the time of the first IMU sample
+  TimeNs time_ns = 0;  ///< time of the state; 0: that of the first IMU sample
   Vector3d position_world_m = Vector3d::Zero();
   Vector3d velocity_world_mps = Vector3d::Zero();
   Quaterniond q_body_to_world = Quaterniond::Identity();
@@ -29,7 +29,7 @@ struct State {
   bool operator==(const State&) const = default;
 };
 
-/// What is constant over a step from sample k−1 to sample k.
+/// Values that are constant over a step from sample k−1 to sample k.
 enum class Rule : std::uint8_t {
   previous,  ///< rate and specific force of sample k−1, as in the document: first order in the step
   mean       ///< the mean of both samples, each force rotated by its own attitude: second order
@@ -39,12 +39,12 @@ constexpr std::array<std::string_view, 2> choices_of(Rule /*rule*/) {
   return {"previous", "mean"};
 }
 
-/// Everything that an engine has besides its settings.
+/// Everything in an engine except its settings.
 struct Snapshot {
   State start;
   Rule rule = Rule::previous;
   State state;
-  bool has_previous = false;  ///< a sample has been processed: its rate and force follow
+  bool has_previous = false;  ///< true once a sample was processed; its rate and force follow
   Vector3d previous_angular_velocity_body_radps = Vector3d::Zero();
   Vector3d previous_specific_force_body_mps2 = Vector3d::Zero();
   TimeNs last_imu_ns = 0;  ///< stamp of that sample
@@ -54,13 +54,13 @@ struct Snapshot {
   bool operator==(const Snapshot&) const = default;
 };
 
-/// Integrates IMU samples and ignores fixes and headings. Satisfies estimation::Estimator. Of the settings it
-/// uses the groups admission and outage.
+/// Integrates IMU samples and ignores fixes and headings. Satisfies estimation::Estimator. Uses the settings
+/// groups admission and outage.
 class Engine {
 public:
   using Snapshot = strapdown::Snapshot;
 
-  /// Starts from a known state (section 2), whose quaternion is normalised here.
+  /// Starts from a known state (section 2) and normalises its quaternion.
   explicit Engine(const settings::Settings& settings, const State& start = {}, Rule rule = Rule::previous);
 
   void configure(const settings::Settings& settings) noexcept;
@@ -69,7 +69,7 @@ public:
   ///   p ← p + Δt·v + ½Δt²·(R(q)·a + g)   (1)
   ///   v ← v + Δt·(R(q)·a + g)            (2)
   ///   q ← q ⊗ exp(ω·Δt)                  (3, 4)
-  /// with the values of step k−1. The document writes the increment on the left of q; body rates and a
+  /// The values are those of step k−1. The document writes the increment on the left of q; body rates and a
   /// body-to-world quaternion require the right. g is standard gravity, which the document rounds to 9.81.
   /// Returns nothing for a sample before the start, which only serves as sample k−1 of the first step.
   /// Without one, the first step uses the first sample for both.
@@ -79,7 +79,7 @@ public:
   FixReport correct(const UltrasonicFix& fix) noexcept;
   void correct(const PairHeading& /*heading*/) noexcept {}
 
-  static void catch_up() noexcept {}  // a correction is complete at once
+  static void finish_pending_work() noexcept {}  // a correction leaves no work
   /// Returns to the start.
   void reset() noexcept;
   void restore(const Snapshot& snapshot) noexcept { now_ = snapshot; }
@@ -118,7 +118,7 @@ void for_each_field(AnySnapshot& snapshot, const Visit& visit) {
   visit("last_imu_ns", snapshot.last_imu_ns);
 }
 
-/// Any value that the types allow is possible.
+/// Returns no fault: any value that the types allow is possible.
 inline std::optional<FieldFault> find_fault(const Snapshot& /*snapshot*/) {
   return std::nullopt;
 }

@@ -10,21 +10,20 @@
 
 namespace sonopose::ros2 {
 
-/// The topics of a beacon: "odom", "imu/data", … The path is not one of them: it has an option of its own.
+/// Topics of a beacon: "odom", "imu/data", … The path is not among them; it has its own option.
 const std::vector<std::string>& beacon_topics();
 
-/// The prefix of the names of a beacon's topics: "hedge_{address}" → "hedge_7/". Empty for an empty pattern:
-/// the topics are then in the node's namespace.
+/// Prefix of the names of a beacon's topics: "hedge_{address}" → "hedge_7/". Empty for an empty pattern: the
+/// topics are then in the node's namespace.
 std::string topic_prefix(const std::string& pattern, BeaconAddress address);
 
-/// Whether each beacon has topics with different names.
+/// Returns true if each beacon has topics with different names.
 bool has_topics_per_beacon(const std::string& pattern);
 
-/// Throws std::invalid_argument, with topic and reason, if ROS 2 does not allow the names of the topics of
-/// any beacon.
+/// Throws std::invalid_argument, with topic and reason, if ROS 2 does not allow a topic name of any beacon.
 void check_beacon_namespace(const NameResolver& names, const std::string& pattern);
 
-/// Throws std::invalid_argument, with both topics, if the remap rules give the same name to two topics of one
+/// Throws std::invalid_argument, with both topics, if the remap rules give the same name to two topics of a
 /// beacon, or to one of them and a topic of the node, such as /tf.
 void check_outputs_differ(const NameResolver& names, const std::string& pattern);
 

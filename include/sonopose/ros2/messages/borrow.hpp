@@ -9,7 +9,7 @@
 
 namespace sonopose::ros2 {
 
-/// A view of `text`. The strings of idlc's types are not const, because a reader owns them; writing does not
+/// A view of `text`. The strings of idlc's types are not const because a reader owns them; writing does not
 /// modify them.
 inline char* borrow_string(const std::string& text) {
   return const_cast<char*>(text.c_str());  // NOLINT(*-const-cast)

@@ -12,7 +12,7 @@
 
 namespace sonopose::ros2 {
 
-/// The values of diagnostic_msgs/DiagnosticStatus.
+/// Levels of diagnostic_msgs/DiagnosticStatus.
 enum class Level : std::uint8_t { ok, warning, error, stale };
 
 struct Diagnostic {
@@ -23,7 +23,7 @@ struct Diagnostic {
   std::vector<std::pair<std::string, std::string>> values;
 };
 
-/// A message for writing. Borrows the strings of `diagnostics`, which must outlive it.
+/// A message for writing. It borrows the strings of `diagnostics`, which must outlive it.
 class DiagnosticMessage {
 public:
   DiagnosticMessage(const std::vector<Diagnostic>& diagnostics, TimeNs stamp_ns);

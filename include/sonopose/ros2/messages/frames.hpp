@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The frames of one beacon in the transform tree of ROS 2 (REP-105), and the state of the base in them.
+/// The frames of one beacon in ROS 2's transform tree (REP-105), and the state of the base in them.
 ///
 /// map ─(odom)─ base_link ─ imu_link: `map` is the world of the beacons, `imu_link` the body axes of the IMU
 /// (right-handed, Z up, as in REP-103), `base_link` the robot on which the IMU is mounted.
@@ -22,11 +22,11 @@ struct FrameNames {
   std::string imu = "imu_link";
 };
 
-/// `pattern` with `{address}` replaced.
+/// Replaces `{address}` in `pattern`.
 std::string for_beacon(const std::string& pattern, BeaconAddress address);
 FrameNames for_beacon(const FrameNames& patterns, BeaconAddress address);
 
-/// An invalid name of a frame.
+/// An invalid frame name.
 class FrameError : public std::invalid_argument {
 public:
   FrameError(std::string frame, const std::string& name, const std::string& why);
@@ -38,26 +38,26 @@ private:
   std::string frame_;
 };
 
-/// Throws FrameError for a name that is empty or begins with a slash, and for two frames with the same name,
-/// even if only for one address.
+/// Throws FrameError for a name that is empty or begins with a slash, and for two frames with the same name
+/// for any address.
 void check(const FrameNames& patterns);
 
-/// Whether each beacon has different frames for base and IMU, and for `odom` if the relay publishes its
-/// transform. The tree requires this because a frame has one parent.
+/// Returns true if each beacon has different frames for base and IMU, and for `odom` if the relay publishes
+/// its transform. The tree requires this because a frame has one parent.
 bool has_frames_per_beacon(const FrameNames& patterns, bool moves_odom);
 
-/// The pose of the IMU on the robot.
+/// Pose of the IMU on the robot.
 struct Mount {
   Vector3d imu_in_base_m = Vector3d::Zero();
   Quaterniond q_imu_to_base = Quaterniond::Identity();
 };
 
-/// x, y, z (m), then roll, pitch, yaw (deg): rotations about the fixed axes X, Y, Z of the base, in this
-/// order (REP-103). Throws std::invalid_argument, with the element, its value and the limit, beyond 1000 m or
-/// 360 degrees, and for NaN.
+/// Mount from x, y, z (m), then roll, pitch, yaw (deg): rotations about the fixed axes X, Y, Z of the base,
+/// in this order (REP-103). Throws std::invalid_argument beyond 1000 m or 360 degrees and for NaN, with the
+/// element, its value and the limit.
 Mount mount_at(const std::array<double, 6>& pose);
 
-/// The pose of a child frame in its parent frame.
+/// Pose of a child frame in its parent frame.
 struct Transform {
   Vector3d translation_m = Vector3d::Zero();
   Quaterniond rotation = Quaterniond::Identity();  ///< child axes → parent axes
@@ -67,7 +67,7 @@ struct Transform {
 Transform operator*(const Transform& outer, const Transform& inner);
 Transform inverse_of(const Transform& transform);
 
-/// The motion of the base: the fused pose is that of the IMU.
+/// Motion of the base; the fused pose is that of the IMU.
 struct BaseState {
   Vector3d position_map_m = Vector3d::Zero();
   Quaterniond q_base_to_map = Quaterniond::Identity();
@@ -75,7 +75,7 @@ struct BaseState {
   Vector3d angular_velocity_base_radps = Vector3d::Zero();
 };
 
-/// Rigid body: v_base = v_imu − ω × r.
+/// Motion of the base as a rigid body: v_base = v_imu − ω × r.
 BaseState base_state(const FusedPose& pose, const Mount& mount);
 
 }  // namespace sonopose::ros2

@@ -94,7 +94,7 @@ struct TopicTraits<ros2::ParticipantEntitiesInfo> {
   }
 };
 
-/// Two layouts have one name on the wire.
+/// Both layouts have the same name on the wire.
 template <>
 struct TopicTraits<ros2::HumbleParticipantEntitiesInfo> {
   static const dds_topic_descriptor_t& descriptor() {

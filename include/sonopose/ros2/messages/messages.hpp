@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// Native types → ROS 2 messages. Pure functions that do not allocate memory: a message borrows the frame
-/// names, which must outlive it.
+/// Conversions from native types to ROS 2 messages: pure functions that do not allocate. A message borrows
+/// the frame names, which must outlive it.
 
 #include <sonopose/ros2/messages/covariance.hpp>
 #include <sonopose/ros2/messages/frames.hpp>
@@ -25,15 +25,15 @@ Imu raw_imu(const ImuSample& sample, TimeNs stamp_ns, const FrameNames& frames, 
 Imu fused_imu(const ImuSample& sample, const FusedPose& pose, TimeNs stamp_ns, const FrameNames& frames,
               const Noise& noise);
 
-/// Empty if the sample has no magnetic field.
+/// Magnetic field of the sample; empty if it has none.
 std::optional<MagneticField> magnetic_field(const ImuSample& sample, TimeNs stamp_ns,
                                             const FrameNames& frames, const Noise& noise);
 
-/// The pose of the base in the map, and its twist in the axes of the base (child_frame_id).
+/// Pose of the base in the map, and its twist in the axes of the base (child_frame_id).
 Odometry odometry(const FusedPose& pose, TimeNs stamp_ns, const FrameNames& frames, const Mount& mount,
                   const Noise& noise);
 
-/// Only the pose of an odometry message.
+/// The pose of an odometry message.
 PoseWithCovarianceStamped pose_of(const Odometry& odometry);
 
 /// A position without orientation.
@@ -44,7 +44,7 @@ PointStamped position_as_point(const Vector3d& position_map_m, TimeNs stamp_ns, 
 TransformStamped transform(const Transform& child_in_parent, TimeNs stamp_ns, const std::string& parent,
                            const std::string& child);
 
-/// The pose of the base in the map, from an odometry message.
+/// Pose of the base in the map, from an odometry message.
 Transform base_in_map(const Odometry& odometry);
 
 }  // namespace sonopose::ros2

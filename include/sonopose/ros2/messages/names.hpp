@@ -14,23 +14,24 @@ struct NodeName {
   bool operator==(const NodeName&) const = default;
 };
 
-/// The node's full name: "/a/b/sonopose".
+/// Full name of the node: "/a/b/sonopose".
 std::string full_name(const NodeName& node);
 
-/// The name of the node's logger: "a.b.sonopose".
+/// Name of the node's logger: "a.b.sonopose".
 std::string logger_name(const NodeName& node);
 
-/// Each throws std::invalid_argument, with name and reason, for a name that ROS 2 does not allow.
+/// Throws std::invalid_argument, with name and reason, for a name that ROS 2 does not allow, like all these
+/// checks.
 void check_node_name(const std::string& name);
 void check_namespace(const std::string& name_space);
-/// An enclave has the syntax of a namespace: "/" or "/a/b".
+/// Checks an enclave, which has the syntax of a namespace: "/" or "/a/b".
 void check_enclave(const std::string& enclave);
 
-/// A rule `from:=to`. `__node` (or `__name`) and `__ns` are the name and the namespace of the node.
+/// A rule `from:=to`. `__node` (or `__name`) and `__ns` stand for the name and the namespace of the node.
 struct RemapRule {
   std::string from;
   std::string to;
-  std::string node = {};  ///< name of the node that it applies to; empty: all nodes
+  std::string node = {};  ///< node to which it applies; empty: all nodes
   bool operator==(const RemapRule&) const = default;
 };
 
@@ -38,19 +39,19 @@ struct RemapRule {
 RemapRule parse_remap_rule(const std::string& text);
 
 /// Resolves names of a node. Throws std::invalid_argument, with name, reason and rule, for names that ROS 2
-/// does not allow; the constructor also for the name of the node and for the rules.
+/// does not allow. The constructor also checks the name of the node and the rules.
 class NameResolver {
 public:
   explicit NameResolver(NodeName node, std::vector<RemapRule> rules = {});
 
-  /// The name of the node, after remapping.
+  /// Name of the node, after remapping.
   const NodeName& node() const noexcept { return node_; }
 
-  /// The rules for topics of this node, with absolute names.
+  /// Rules for topics of this node, with absolute names.
   const std::vector<RemapRule>& rules() const noexcept { return rules_; }
 
-  /// The absolute name: relative to the namespace, or `~/x` relative to the node, then remapped by the first
-  /// matching rule. "imu/data" → "/robot/imu/data".
+  /// Absolute name of a topic: relative to the namespace, or `~/x` relative to the node, then remapped by the
+  /// first matching rule. "imu/data" → "/robot/imu/data".
   std::string topic(const std::string& name) const;
 
 private:
@@ -60,11 +61,11 @@ private:
   std::vector<RemapRule> rules_;
 };
 
-/// The name of a topic in DDS: "/imu" → "rt/imu".
+/// Name of a topic in DDS: "/imu" → "rt/imu".
 std::string name_in_dds(const std::string& topic);
 
-/// The name of a type in ROS 2: "sensor_msgs::msg::dds_::Imu_" → "sensor_msgs/msg/Imu". A name that is not
-/// one of ROS 2 is returned as it is.
+/// Name of a type in ROS 2: "sensor_msgs::msg::dds_::Imu_" → "sensor_msgs/msg/Imu". Other names are returned
+/// unchanged.
 std::string type_name_in_ros(const std::string& dds_type_name);
 
 }  // namespace sonopose::ros2

@@ -1,7 +1,6 @@
 #pragma once
 /// \file
-/// The message types of ROS 2 that this project has, for programs that record their topics without a
-/// decoding.
+/// The project's ROS 2 message types, for programs that record topics without decoding.
 
 #include <sonopose/dds/binding/serialized.hpp>
 #include <sonopose/dds/qos/provider.hpp>
@@ -14,29 +13,27 @@
 namespace sonopose::ros2 {
 
 struct SerializedType {
-  std::string_view dds_name;  ///< "nav_msgs::msg::dds_::Odometry_"
-  /// A reader of a topic by its name in DDS. `listener` must outlive it.
+  std::string_view dds_name;  ///< such as "nav_msgs::msg::dds_::Odometry_"
+  /// Makes a reader of a topic, given by its name in DDS. `listener` must outlive it.
   dds::SerializedReader (*make_reader)(const dds::DomainParticipant& participant,
                                        const std::string& topic_in_dds, const dds::Qos& qos,
                                        dds::DataReaderListener<dds::Serialized>* listener);
 };
 
-/// Those of topics; parts of messages are not listed.
+/// Types of topics; parts of messages are not listed.
 std::span<const SerializedType> serialized_types();
 
-/// The definition as .msg files write it: the type, then each one that it consists of after a line of 80 "="
-/// and "MSG: pkg/Name". Generated from `idl/ros2` at build time. Throws std::invalid_argument for a type that
-/// is not there.
+/// Definition in the syntax of .msg files: the type, then each of its parts after a line of 80 "=" and "MSG:
+/// pkg/Name". Generated from `idl/ros2` at build time. Throws std::invalid_argument for an unknown type.
 std::string_view message_definition(std::string_view dds_type_name);
 
-/// The name in ROS 2 of a topic in DDS: "rt/imu" → "/imu". Empty if it is none of ROS 2.
+/// ROS 2 name of a topic in DDS: "rt/imu" → "/imu". Empty if it is not one of ROS 2.
 std::optional<std::string> name_in_ros(const std::string& topic_in_dds);
 
-/// The policies of a reader that matches a writer and gets all that it offers: as reliable and as durable as
-/// it.
+/// Policies of a reader that matches a writer and gets all that it offers: as reliable and as durable.
 dds::Qos matching_reader_qos(const dds::qos::Provider& qos, const dds::Qos& writer_qos);
 
-/// The QoS of a writer as ROS 2's recorder notes it, a list of one in YAML.
+/// QoS of a writer as ROS 2's recorder notes it, a list of one in YAML.
 std::string qos_in_yaml(const dds::Qos& writer_qos);
 
 }  // namespace sonopose::ros2

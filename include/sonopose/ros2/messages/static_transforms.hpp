@@ -12,19 +12,20 @@
 
 namespace sonopose::ros2 {
 
-/// Empty unless the numbers are finite and the quaternion has the norm 1, apart from rounding.
+/// Converts a message; empty unless the numbers are finite and the quaternion has the norm 1, apart from
+/// rounding.
 std::optional<Transform> transform_of(const TransformStamped& message);
 
 class StaticTransforms {
 public:
-  static constexpr std::size_t most_frames = 4096;
+  static constexpr std::size_t max_frames = 4096;
   static constexpr std::size_t longest_name = 1024;
 
-  /// Adds valid transforms. The latest one of a child frame counts. Returns whether all of them fitted: new
-  /// child frames beyond `most_frames` and names beyond `longest_name` do not.
+  /// Adds valid transforms; the latest one of a child frame counts. Returns false if some did not fit: new
+  /// child frames beyond `max_frames` and names beyond `longest_name`.
   bool add(const TFMessage& message);
 
-  /// The pose of `child` in `parent`, over any number of frames in between; empty if they are not connected.
+  /// Pose of `child` in `parent`, over any number of frames in between; empty if they are not connected.
   std::optional<Transform> find(const std::string& parent, const std::string& child) const;
 
 private:
@@ -32,7 +33,7 @@ private:
     std::string parent;
     Transform child_in_parent;
   };
-  std::map<std::string, Edge> edges_;  ///< by child frame
+  std::map<std::string, Edge> edges_;  ///< edges by child frame
 };
 
 }  // namespace sonopose::ros2

@@ -7,8 +7,8 @@
 
 namespace sonopose::ros2 {
 
-/// "RIHS01_<64 hexadecimal digits>" of a type by its name in DDS ("sensor_msgs::msg::dds_::Imu_"). Throws
-/// std::invalid_argument for a type that is not in `idl/ros2`.
+/// Hash "RIHS01_<64 hexadecimal digits>" of a type, given by its name in DDS
+/// ("sensor_msgs::msg::dds_::Imu_"). Throws std::invalid_argument for a type that is not in `idl/ros2`.
 std::string type_hash(const std::string& dds_type_name);
 
 }  // namespace sonopose::ros2

@@ -1,0 +1,14 @@
+#pragma once
+/// \file
+/// Item 6: the time at which a fix or heading was measured.
+
+#include <sonopose/samples/samples.hpp>
+#include <sonopose/settings/settings.hpp>
+
+namespace sonopose::estimation::aiding {
+
+/// Time of the measurement, by its own delay or the fixed one (delay.source).
+[[nodiscard]] TimeNs measured_at(const settings::DelaySettings& settings, const UltrasonicFix& fix);
+[[nodiscard]] TimeNs measured_at(const settings::DelaySettings& settings, const PairHeading& heading);
+
+}  // namespace sonopose::estimation::aiding

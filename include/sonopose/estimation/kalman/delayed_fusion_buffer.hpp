@@ -1,0 +1,129 @@
+#pragma once
+/// \file
+/// Events of about the last 1.2 s in the order of their measurement, with earlier states to return to.
+
+#include <sonopose/estimation/kalman/checkpoints.hpp>
+
+#include <limits>
+#include <variant>
+#include <vector>
+
+namespace sonopose::estimation::kalman {
+
+inline constexpr std::size_t imu_capacity = 2048;
+inline constexpr std::size_t aiding_capacity = 512;  ///< fixes and headings
+
+/// A fix or a heading.
+using AidingMeasurement = std::variant<FixMeasurement, HeadingMeasurement>;
+
+/// True if both are the same measurement, which may have arrived at different times.
+inline bool is_copy(const AidingMeasurement& a, const AidingMeasurement& b) {
+  if (a == b) return true;
+  if (const auto* fix = std::get_if<FixMeasurement>(&a)) {
+    const auto* other = std::get_if<FixMeasurement>(&b);
+    return other != nullptr && fix->stamp_ns != 0 && fix->stamp_ns == other->stamp_ns &&
+           fix->position_world_m == other->position_world_m;
+  }
+  const auto& heading = std::get<HeadingMeasurement>(a);
+  const auto* other = std::get_if<HeadingMeasurement>(&b);
+  return other != nullptr && heading.stamp_ns != 0 && heading.stamp_ns == other->stamp_ns &&
+         heading.heading_world_rad == other->heading_world_rad;
+}
+
+/// Sort key in time. A heading follows the fix of the same emission, even if their stamps differ a little.
+inline TimeNs order_key(const AidingMeasurement& aiding) {
+  constexpr TimeNs after_fix_ns = 500'000;
+  const auto* fix = std::get_if<FixMeasurement>(&aiding);
+  return fix != nullptr ? fix->time_ns : std::get<HeadingMeasurement>(aiding).time_ns + after_fix_ns;
+}
+
+/// The oldest state that is kept and the events since then: enough to compute everything again.
+struct History {
+  State base;
+  std::vector<ImuMeasurement> imu;
+  std::vector<FixMeasurement> fixes;
+  std::vector<HeadingMeasurement> headings;
+  bool stamps_are_ahead = false;  ///< true if the last fix or heading was removed as one from the future
+
+  bool operator==(const History&) const = default;
+};
+
+/// Processes events in the order of their measurement. Its memory is allocated at construction.
+class DelayedFusionBuffer {
+public:
+  DelayedFusionBuffer();
+
+  /// Removes all events and states.
+  void clear();
+
+  /// The current state. After `add` of a fix or heading it includes this event; after `add` of a sample it
+  /// excludes it; after `finish_pending_work` it includes all events.
+  [[nodiscard]] const State& now() const { return now_; }
+
+  /// Returns true if `finish_pending_work` has work left.
+  [[nodiscard]] bool is_behind() const { return is_behind_; }
+  /// Returns true if that work is the sample that was added last.
+  [[nodiscard]] bool is_behind_sample() const { return is_behind_ && until_ns_ != forever_ns; }
+
+  /// Time of the latest sample; 0 before the first.
+  [[nodiscard]] TimeNs time_ns() const { return time_ns_; }
+
+  /// Adds a sample that is not older than the latest one and advances the state to just before it. Call
+  /// `finish_pending_work` before, and afterwards to process the sample. Returns true if it follows all other
+  /// events and the state is still that of the last `finish_pending_work`.
+  bool add(const settings::Settings& settings, const ImuMeasurement& imu);
+
+  /// Time by which a measurement may be ahead of the latest sample. A silent IMU explains seconds, unless
+  /// samples have shown that the stamps of fixes and headings are wrong.
+  [[nodiscard]] double ahead_s() const;
+
+  /// Returns true if a measurement of this time can still be inserted: it is not too old, and there is room.
+  [[nodiscard]] bool reaches(TimeNs time_ns) const;
+
+  /// Returns true if the same measurement is already stored.
+  [[nodiscard]] bool contains(const AidingMeasurement& aiding) const;
+
+  /// Inserts a measurement at its time; `finish_pending_work` repeats the later events. Returns the outcome
+  /// of a fix. After a sample, call `finish_pending_work` first: it decides which measurements are too old.
+  FixOutcome add(const settings::Settings& settings, const AidingMeasurement& aiding);
+
+  /// Handles a change of the mount offset by this angle. Earlier measurements are no longer inserted, because
+  /// their headings have another offset. Requires `finish_pending_work` before.
+  void on_mount_offset_change(double by_rad);
+
+  /// Advances to the latest sample, or repeats the events after the last measurement.
+  void finish_pending_work(const settings::Settings& settings);
+
+  [[nodiscard]] History history() const;
+  void restore(const settings::Settings& settings, const History& history);
+
+private:
+  static constexpr TimeNs forever_ns = std::numeric_limits<TimeNs>::max();
+  [[nodiscard]] ImuMeasurement& imu_at(std::uint64_t number) { return imu_[number % imu_.size()]; }
+  void make_place_for_imu();
+  std::size_t insert(const AidingMeasurement& aiding);
+  void rewind(TimeNs time_ns);
+  void fold_imu(const settings::Settings& settings, const ImuMeasurement& imu);
+  void drop_future(TimeNs now_ns);
+  FixOutcome replay(const settings::Settings& settings, const AidingMeasurement* last,
+                    TimeNs until_ns = forever_ns);
+  void save_checkpoint();
+  void begin_again();
+  void drop_oldest_checkpoint();
+  void forget_before_oldest();
+
+  State now_;
+  TimeNs time_ns_ = 0;
+  std::uint64_t next_imu_ = 0;       // next sample to fold into now_
+  std::size_t next_aiding_ = 0;      // index into aiding_
+  std::vector<ImuMeasurement> imu_;  // ring buffer, as large as needed so far
+  std::uint64_t first_imu_ = 0;
+  std::uint64_t end_imu_ = 0;
+  std::vector<AidingMeasurement> aiding_;  // sorted by time
+  Checkpoints checkpoints_;
+  bool stamps_are_ahead_ = false;
+  bool is_behind_ = false;
+  TimeNs until_ns_ = 0;  // time up to which finish_pending_work folds fixes and headings
+};
+
+}  // namespace sonopose::estimation::kalman

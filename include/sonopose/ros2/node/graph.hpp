@@ -1,0 +1,45 @@
+#pragma once
+/// \file
+/// The other ROS 2 processes of a domain, as shown by discovery.
+
+#include <sonopose/dds/binding/discovery.hpp>
+#include <sonopose/ros2/node/node.hpp>
+#include <sonopose/samples/samples.hpp>
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+
+namespace sonopose::ros2 {
+
+/// Kinds of other processes. A ROS 2 process is a participant that announces its enclave.
+struct Graph {
+  bool has_humble = false;    ///< true with a process of Humble or earlier
+  bool has_jazzy = false;     ///< true with a process of Iron or later
+  bool is_undecided = false;  ///< true with a process not known for long enough to be one of them
+  bool has_fast_dds = false;  ///< true with any participant of Fast DDS, by its vendor id
+};
+
+/// Layout of `ros_discovery_info` that harms no process of `graph`; empty without a ROS 2 process. A process
+/// of Iron or later reads Humble's layout as a participant without nodes. A process of Humble that reads the
+/// later layout cannot list any node.
+std::optional<Distro> layout_for(const Graph& graph);
+inline constexpr Distro layout_without_others = Distro::humble;
+
+/// Observes the other ROS 2 processes of a domain. Not thread-safe.
+class GraphObserver {
+public:
+  /// `participant` must outlive it. `on_change`: see dds::Discovery.
+  explicit GraphObserver(const dds::DomainParticipant& participant, std::function<void()> on_change = {});
+
+  /// Reads the processes other than the own participant. Call it after every change, and later while
+  /// `is_undecided`. Throws dds::Error.
+  Graph look(SteadyTime now);
+
+private:
+  dds::Discovery discovery_;
+  std::map<std::string, SteadyTime> first_seen_;  ///< first sighting of each ROS 2 participant, by key
+};
+
+}  // namespace sonopose::ros2

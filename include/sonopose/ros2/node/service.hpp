@@ -1,0 +1,90 @@
+#pragma once
+/// \file
+/// A service for clients with rmw_cyclonedds. They put client id and sequence number into a header of the
+/// request and expect them in the header of the reply. (Clients of other middlewares use RTPS fields that the
+/// C API of Cyclone DDS does not set.)
+
+#include <sonopose/dds/binding/data_reader.hpp>
+#include <sonopose/dds/binding/data_writer.hpp>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace sonopose::ros2 {
+
+/// Client of a service's endpoint: the client id in its user data, otherwise its participant.
+std::string client_of(const std::vector<std::uint8_t>& user_data, const dds_guid_t& participant);
+
+/// A service; `S` has the types Request and Response. Not thread-safe; do not call it from a listener.
+template <class S>
+class Service {
+public:
+  using Request = typename S::Request;
+  using Response = typename S::Response;
+
+  /// Calls `on_request` when a request arrives, under the rules of a listener.
+  class RequestListener final : public dds::DataReaderListener<Request> {
+  public:
+    explicit RequestListener(std::function<void()> on_request) : on_request_(std::move(on_request)) {}
+    void on_data_available(dds::DataReader<Request>& /*requests*/) noexcept override { on_request_(); }
+
+  private:
+    std::function<void()> on_request_;
+  };
+
+  /// `listener` is that of `requests`; may be null.
+  Service(std::unique_ptr<RequestListener> listener, dds::DataReader<Request> requests,
+          dds::DataWriter<Response> replies)
+      : listener_(std::move(listener)), requests_(std::move(requests)), replies_(std::move(replies)) {}
+
+  /// Calls `handle(const Request&, reply)` for every pending request. `handle` calls `reply(Response)` once;
+  /// the header is filled in here. If the reply reader of a client is not discovered yet, requests wait for
+  /// at most `max_waits` later calls. A client without a reader therefore does not block others. Returns true
+  /// if requests wait.
+  template <class Handle>
+  bool serve(const Handle& handle) {
+    for (const auto sample : requests_.read(max_pending)) {
+      const bool waits = sample.info().valid() && !has_reply_reader(sample.info().publication_handle());
+      if (waits && ++waits_ < max_waits) return true;
+    }
+    waits_ = 0;
+    requests_.take_each([&](const Request& request, const dds::SampleInfo&) {
+      handle(request, [&](Response response) {
+        response.header = request.header;
+        replies_.try_write(response);
+      });
+    });
+    return false;
+  }
+
+  const dds::DataReader<Request>& requests() const { return requests_; }
+  const dds::DataWriter<Response>& replies() const { return replies_; }
+
+private:
+  static constexpr std::size_t max_pending = 32;
+  static constexpr int max_waits = 25;
+
+  bool has_reply_reader(dds::InstanceHandle request_writer) const {
+    try {
+      const auto request_endpoint = requests_.matched_publication_data(request_writer);
+      const std::string client = client_of(request_endpoint.user_data, request_endpoint.participant_key);
+      for (const dds::InstanceHandle reader : replies_.matched_subscriptions()) {
+        const auto reply_endpoint = replies_.matched_subscription_data(reader);
+        if (client_of(reply_endpoint.user_data, reply_endpoint.participant_key) == client) return true;
+      }
+      return false;
+    } catch (const dds::Error&) {
+      return true;  // the client has gone: remove its request
+    }
+  }
+
+  std::unique_ptr<RequestListener> listener_;
+  dds::DataReader<Request> requests_;
+  dds::DataWriter<Response> replies_;
+  int waits_ = 0;
+};
+
+}  // namespace sonopose::ros2

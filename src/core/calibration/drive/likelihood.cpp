@@ -1,0 +1,198 @@
+#include "calibration/drive/likelihood.hpp"
+
+#include <sonopose/geometry/rotation.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace sonopose::calibration::drive::detail {
+namespace {
+
+using namespace estimation::kalman;
+
+constexpr double square(double x) {
+  return x * x;
+}
+
+/// Distance of measurements to the ends of the samples, as the delay may move them.
+constexpr double margin_s = 0.4;
+/// Time after which the filter has found velocity and tilt.
+constexpr double settling_s = 2.5;
+/// Deviation before any measurement: mobile beacons and their IMU are near each other on one vehicle.
+constexpr double lever_arm_std_m = 0.2;
+
+/// One filter on its way through a log.
+class Walk {
+public:
+  Walk(const Measurements& log, const Parameters& parameters, const PassOptions& options)
+      : log_(log),
+        parameters_(parameters),
+        options_(options),
+        noise_{.accel_mps2_rthz = parameters.accel_mps2_rthz, .gyro_radps_rthz = parameters.gyro_radps_rthz} {
+    fix_covariance_m2_ = Vector3d(square(parameters.fix_horizontal_m), square(parameters.fix_horizontal_m),
+                                  square(parameters.fix_vertical_m))
+                             .asDiagonal();
+  }
+
+  Pass run() {
+    start();
+    const TimeNs begin_ns = log_.imu.front().time_ns + to_ns(margin_s);
+    const TimeNs end_ns = log_.imu.back().time_ns - to_ns(margin_s);
+    counted_from_ns_ = begin_ns + to_ns(settling_s);
+    auto fix = log_.fixes.begin();
+    auto heading = log_.headings.begin();
+    const auto is_counted = [&](const auto& measurement) {
+      return measurement.used && measurement.time_ns >= begin_ns && measurement.time_ns <= end_ns;
+    };
+    while (fix != log_.fixes.end() || heading != log_.headings.end()) {
+      const bool is_fix =
+          heading == log_.headings.end() || (fix != log_.fixes.end() && fix->time_ns <= heading->time_ns);
+      if (is_fix) {
+        if (is_counted(*fix)) add(*fix);
+        ++fix;
+      } else {
+        if (is_counted(*heading)) add(*heading);
+        ++heading;
+      }
+    }
+    pass_.lever_arm = {filter_.lever_arm_body_m, filter_.covariance.block<3, 3>(at_lever_arm, at_lever_arm)};
+    return std::move(pass_);
+  }
+
+private:
+  /// Starts level by the accelerometer, at the first fix, in the direction of the first heading.
+  void start() {
+    constexpr double levelling_s = 0.5;
+    const TimeNs first_ns = log_.imu.front().time_ns;
+    Vector3d force = Vector3d::Zero();
+    for (const ImuMeasurement& imu : log_.imu) {
+      if (seconds_between(first_ns, imu.time_ns) > levelling_s) break;
+      force += imu.force_body_mps2;
+    }
+    double yaw_rad = parameters_.start_yaw_rad;
+    double yaw_std_rad = 1e-3;
+    if (const auto* heading = first_used(log_.headings)) {
+      yaw_rad = heading->heading_world_rad - parameters_.mount_rad;
+      yaw_std_rad = 3.0 * parameters_.heading_rad + 0.05;
+    }
+    filter_.q_body_to_world = geometry::level_with(force, yaw_rad);
+    filter_.lever_arm_body_m = options_.lever_arm_m;
+    if (const auto* fix = first_used(log_.fixes)) {
+      filter_.position_world_m = fix->position_world_m + filter_.q_body_to_world * filter_.lever_arm_body_m;
+    }
+    auto variances = filter_.covariance.diagonal();
+    variances.segment<3>(at_position).setConstant(square(0.5));
+    variances.segment<3>(at_velocity).setConstant(square(3.0));
+    variances.segment<3>(at_attitude).setConstant(square(0.05));
+    variances.segment<3>(at_gyro_bias).setConstant(square(start_gyro_bias_std_radps));
+    variances.segment<3>(at_accel_bias).setConstant(square(start_accel_bias_std_mps2));
+    variances.segment<3>(at_lever_arm).setConstant(square(lever_arm_std_m));
+    filter_.add_yaw_variance(square(yaw_std_rad));
+    time_ns_ = first_ns;
+  }
+
+  template <class Measurement>
+  const Measurement* first_used(const std::vector<Measurement>& all) const {
+    const auto first = std::find_if(all.begin(), all.end(), [this](const Measurement& each) {
+      return each.used && seconds_between(log_.imu.front().time_ns, each.time_ns) > margin_s;
+    });
+    return first == all.end() ? nullptr : &*first;
+  }
+
+  /// Integrates to a time between two samples, so that the likelihood is a smooth function of the delay.
+  void go_to(TimeNs until_ns) {
+    constexpr double gap_s = 0.25;
+    while (time_ns_ < until_ns && next_ < log_.imu.size()) {
+      const ImuMeasurement& before = log_.imu[next_ - 1];
+      const ImuMeasurement& after = log_.imu[next_];
+      const TimeNs end_ns = std::min(after.time_ns, until_ns);
+      const double dt_s = seconds_between(time_ns_, end_ns);
+      const double span_s = seconds_between(before.time_ns, after.time_ns);
+      if (span_s > gap_s) {
+        filter_.propagate(noise_);
+        filter_.predict_without_imu(dt_s, UnknownMotion{});
+      } else if (after.is_mean) {
+        filter_.predict(after.rate_body_radps, after.force_body_mps2, dt_s);
+      } else {
+        const double share = (seconds_between(before.time_ns, time_ns_) + 0.5 * dt_s) / span_s;
+        filter_.predict(before.rate_body_radps + share * (after.rate_body_radps - before.rate_body_radps),
+                        before.force_body_mps2 + share * (after.force_body_mps2 - before.force_body_mps2),
+                        dt_s);
+      }
+      time_ns_ = end_ns;
+      if (end_ns == after.time_ns) ++next_;
+    }
+    filter_.propagate(noise_);
+  }
+
+  void add(const Fix& fix) {
+    go_to(fix.time_ns - to_ns(parameters_.delay_s));
+    Innovation innovation = filter_.fix_innovation(fix.position_world_m, fix_covariance_m2_, 0.0);
+    Eigen::Matrix3d more_m2 = Eigen::Matrix3d::Zero();
+    if (options_.soft_gate > 0.0 && innovation.squared_norm > options_.soft_gate) {
+      more_m2 = (innovation.squared_norm / options_.soft_gate - 1.0) * innovation.covariance_m2;
+    }
+    Residual residual{.value = innovation.value_world_m,
+                      .covariance = innovation.covariance_m2 + more_m2,
+                      .index = static_cast<std::size_t>(&fix - log_.fixes.data()),
+                      .squared_norm = innovation.squared_norm};
+    filter_.correct_fix(innovation, more_m2);
+    const Eigen::LLT<Eigen::Matrix3d> factor(residual.covariance);
+    residual.minus_2_log_l = 2.0 * factor.matrixLLT().diagonal().array().log().sum() +
+                             factor.matrixL().solve(residual.value).squaredNorm();
+    keep(residual, fix.time_ns);
+  }
+
+  void add(const Heading& heading) {
+    go_to(heading.time_ns - to_ns(parameters_.delay_s));
+    const double variance = square(parameters_.heading_rad);
+    const auto innovation =
+        filter_.heading_innovation(heading.heading_world_rad, parameters_.mount_rad, variance, 0.0);
+    const double squared = square(innovation.value_rad) / innovation.variance_rad2;
+    double more = 0.0;
+    if (options_.soft_gate > 0.0 && squared > options_.soft_gate) {
+      more = (squared / options_.soft_gate - 1.0) * innovation.variance_rad2;
+    }
+    Residual residual{.value = Vector3d(innovation.value_rad, 0.0, 0.0),
+                      .covariance = Eigen::Matrix3d::Identity(),
+                      .is_heading = true,
+                      .index = static_cast<std::size_t>(&heading - log_.headings.data()),
+                      .squared_norm = squared};
+    residual.covariance(0, 0) = innovation.variance_rad2 + more;
+    residual.minus_2_log_l =
+        std::log(residual.covariance(0, 0)) + square(innovation.value_rad) / residual.covariance(0, 0);
+    if (innovation.observable) {
+      filter_.correct_heading(heading.heading_world_rad, parameters_.mount_rad, variance + more, 0.0);
+    }
+    keep(residual, heading.time_ns);
+  }
+
+  void keep(const Residual& residual, TimeNs stamp_ns) {
+    if (stamp_ns < counted_from_ns_) return;
+    pass_.residuals.push_back(residual);
+    pass_.minus_2_log_l += residual.minus_2_log_l;
+  }
+
+  const Measurements& log_;
+  const Parameters& parameters_;
+  const PassOptions& options_;
+  ProcessNoise noise_;
+  Eigen::Matrix3d fix_covariance_m2_;
+  Filter filter_;
+  TimeNs time_ns_ = 0;
+  std::size_t next_ = 1;
+  TimeNs counted_from_ns_ = 0;
+  Pass pass_;
+};
+
+}  // namespace
+
+bool Measurements::has_heading() const {
+  return std::any_of(headings.begin(), headings.end(), [](const Heading& heading) { return heading.used; });
+}
+
+Pass forward_pass(const Measurements& log, const Parameters& parameters, const PassOptions& options) {
+  return Walk(log, parameters, options).run();
+}
+
+}  // namespace sonopose::calibration::drive::detail

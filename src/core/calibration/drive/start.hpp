@@ -1,0 +1,31 @@
+#pragma once
+/// \file
+/// The start of the search for the maximum: mount and delay from a grid. Private to this folder.
+
+#include "calibration/drive/likelihood.hpp"
+
+#include <vector>
+
+namespace sonopose::calibration::drive::detail {
+
+struct Start {
+  Parameters parameters;
+  std::vector<double> start_yaw_rad;  ///< per log; 0 with headings
+};
+
+/// Most probable yaw, of several in all directions, at the start of a log without headings.
+struct StartYaw {
+  double yaw_rad = 0;
+  double minus_2_log_l = 0;
+};
+
+StartYaw best_start_yaw(const Measurements& log, double delay_s);
+
+/// Most probable point of a grid over all mounts and delays of up to 150 ms. Its noise is so large that the
+/// neighbours of the right point explain the logs.
+Start grid_search(const std::vector<Measurements>& logs);
+
+/// Removes fixes and headings that contradict the others at this start.
+void leave_out_outliers(std::vector<Measurements>& logs, const Start& start);
+
+}  // namespace sonopose::calibration::drive::detail

@@ -1,0 +1,88 @@
+#include <sonopose/estimation/aiding/admission.hpp>
+#include <sonopose/samples/pose.hpp>
+
+#include <cmath>
+
+namespace sonopose::estimation::aiding::admission {
+namespace {
+
+bool within(const Vector3d& value, double limit) {
+  return value.allFinite() && value.cwiseAbs().maxCoeff() <= limit;
+}
+
+/// True if a measurement is neither older than the limit nor from the future. Before the first IMU sample the
+/// state's time is 0 and no measurement is recent.
+bool is_recent(const AdmissionSettings& settings, TimeNs now_ns, TimeNs measured_ns, TimeNs received_ns,
+               double ahead_s) {
+  if (!is_time(measured_ns) || !is_time(received_ns)) return false;
+  const double age_s = seconds_between(measured_ns, now_ns);
+  const double delay_s = seconds_between(measured_ns, received_ns);
+  return age_s <= settings.max_fix_age_s && age_s >= -ahead_s && delay_s >= -future_tolerance_s &&
+         delay_s <= settings.max_fix_age_s;
+}
+
+/// True if a measurement is possible but older than the limit.
+bool is_too_late(const AdmissionSettings& settings, TimeNs now_ns, TimeNs measured_ns, TimeNs received_ns) {
+  return is_time(measured_ns) && is_time(received_ns) && received_ns >= measured_ns &&
+         seconds_between(measured_ns, now_ns) > settings.max_fix_age_s;
+}
+
+}  // namespace
+
+bool is_time(TimeNs stamp_ns) {
+  constexpr TimeNs end_of_time_ns = TimeNs{1} << 62;
+  return stamp_ns > 0 && stamp_ns < end_of_time_ns;
+}
+
+bool admits(const AdmissionSettings& settings, TimeNs now_ns, const ImuSample& imu) {
+  // No accelerometer reads exactly zero on all axes.
+  return is_time(imu.sensor_time_ns) && imu.sensor_time_ns >= now_ns &&
+         !imu.specific_force_body_mps2.isZero(0.0) &&
+         within(imu.angular_velocity_body_radps, settings.max_angular_rate_radps) &&
+         within(imu.specific_force_body_mps2, settings.max_specific_force_mps2);
+}
+
+bool is_time_jump(AdmissionState& state, TimeNs now_ns, const ImuSample& imu) {
+  constexpr double longest_step_s = 2.0;
+  const TimeNs announced_ns = state.announced_ns;
+  state.announced_ns = 0;
+  if (now_ns == 0 || seconds_between(now_ns, imu.sensor_time_ns) <= longest_step_s) return false;
+  const bool confirmed = announced_ns != 0 && imu.sensor_time_ns >= announced_ns &&
+                         seconds_between(announced_ns, imu.sensor_time_ns) <= longest_step_s;
+  if (confirmed) return false;
+  state.announced_ns = imu.sensor_time_ns;
+  return true;
+}
+
+bool needs_time_reset(AdmissionState& state, TimeNs now_ns, const ImuSample& imu) {
+  constexpr int max_backward_samples = 50;  // half a second of a beacon's samples
+  const bool backward = imu.sensor_time_ns > 0 && imu.sensor_time_ns < now_ns;
+  state.backward_in_row = backward ? state.backward_in_row + 1 : 0;
+  return state.backward_in_row >= max_backward_samples;
+}
+
+bool admits(const AdmissionSettings& settings, TimeNs now_ns, const PairHeading& heading, TimeNs measured_ns,
+            double ahead_s) {
+  return std::isfinite(heading.heading_world_rad) &&
+         is_recent(settings, now_ns, measured_ns, heading.received_time_ns, ahead_s);
+}
+
+std::uint32_t fix_rejection_flags(const AdmissionSettings& settings, TimeNs now_ns, const UltrasonicFix& fix,
+                                  TimeNs measured_ns, double ahead_s) {
+  if (!within(fix.position_world_m, settings.max_position_m)) return fix_invalid;
+  if (is_too_late(settings, now_ns, measured_ns, fix.received_time_ns)) return fix_too_late;
+  if (!is_recent(settings, now_ns, measured_ns, fix.received_time_ns, ahead_s)) return fix_invalid;
+  const bool poor = fix.quality_percent && !(*fix.quality_percent >= settings.min_quality_percent);
+  return poor ? std::uint32_t{fix_low_quality} : 0U;
+}
+
+std::uint32_t rejection_flags(const AdmissionSettings& settings, AdmissionState& state, TimeNs now_ns,
+                              const UltrasonicFix& fix, TimeNs measured_ns) {
+  const std::uint32_t flags = fix_rejection_flags(settings, now_ns, fix, measured_ns);
+  // A late fix usually comes after newer ones: its age says more than its order.
+  if (measured_ns <= state.last_fix_measured_ns && flags != fix_too_late) return fix_invalid;
+  if (flags == 0) state.last_fix_measured_ns = measured_ns;
+  return flags;
+}
+
+}  // namespace sonopose::estimation::aiding::admission

@@ -1,0 +1,26 @@
+#include <sonopose/estimation/aiding/delay.hpp>
+
+namespace sonopose::estimation::aiding {
+namespace {
+
+/// An earlier time; 0, which is no valid time, if there is none.
+TimeNs before(TimeNs time_ns, double seconds) {
+  return time_ns > to_ns(seconds) ? saturated_sum(time_ns, -to_ns(seconds)) : 0;
+}
+
+}  // namespace
+
+TimeNs measured_at(const settings::DelaySettings& settings, const UltrasonicFix& fix) {
+  const bool own =
+      settings.source == sonopose::settings::DelaySource::measured && fix.measured_delay_s.has_value();
+  return own ? before(fix.emission_time_ns, settings.correction_s)
+             : before(fix.received_time_ns, settings.processing_s);
+}
+
+TimeNs measured_at(const settings::DelaySettings& settings, const PairHeading& heading) {
+  const bool own = settings.source == sonopose::settings::DelaySource::measured;
+  return own ? before(heading.emission_time_ns, settings.correction_s)
+             : before(heading.received_time_ns, settings.processing_s);
+}
+
+}  // namespace sonopose::estimation::aiding

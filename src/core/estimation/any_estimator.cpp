@@ -1,0 +1,93 @@
+#include <sonopose/estimation/any_estimator.hpp>
+#include <sonopose/estimation/snapshot_fields.hpp>
+
+namespace sonopose::estimation {
+namespace {
+
+std::variant<documented::Engine, strapdown::Engine, kalman::Engine> make(const settings::Settings& settings,
+                                                                         const EstimatorOptions& options) {
+  switch (options.kind.value_or(kind_of(settings.engine.engine))) {
+    case EstimatorKind::documented:
+      break;
+    case EstimatorKind::strapdown:
+      return strapdown::Engine(settings, options.strapdown_start, options.strapdown_rule);
+    case EstimatorKind::kalman:
+      return kalman::Engine(settings);
+  }
+  return documented::Engine(settings);
+}
+
+}  // namespace
+
+AnyEstimator::AnyEstimator(const settings::Settings& settings, const EstimatorOptions& options)
+    : estimator_(make(settings, options)) {}
+
+std::optional<FusedPose> AnyEstimator::predict(const ImuSample& imu) noexcept {
+  return std::visit([&](auto& estimator) { return estimator.predict(imu); }, estimator_);
+}
+
+FixReport AnyEstimator::correct(const UltrasonicFix& fix) noexcept {
+  return std::visit([&](auto& estimator) { return estimator.correct(fix); }, estimator_);
+}
+
+void AnyEstimator::correct(const PairHeading& heading) noexcept {
+  std::visit([&](auto& estimator) { estimator.correct(heading); }, estimator_);
+}
+
+void AnyEstimator::finish_pending_work() noexcept {
+  std::visit([](auto& estimator) { estimator.finish_pending_work(); }, estimator_);
+}
+
+void AnyEstimator::configure(const settings::Settings& settings) noexcept {
+  if (settings.engine.engine != this->settings().engine.engine) {
+    Snapshot fresh = initial_snapshot(kind_of(settings.engine.engine));
+    counters_of(fresh) = counters();
+    reset_counter_of(fresh) = reset_counter() + 1;
+    restore(fresh);
+  }
+  std::visit([&](auto& estimator) { estimator.configure(settings); }, estimator_);
+}
+
+void AnyEstimator::reset() noexcept {
+  std::visit([](auto& estimator) { estimator.reset(); }, estimator_);
+}
+
+void AnyEstimator::restore(const Snapshot& snapshot) noexcept {
+  if (snapshot.index() != estimator_.index()) {
+    estimator_ = make(settings::Settings(settings()), {.kind = static_cast<EstimatorKind>(snapshot.index())});
+  }
+  std::visit(
+      [&](auto& estimator) {
+        using Kind = typename std::remove_cvref_t<decltype(estimator)>::Snapshot;
+        estimator.restore(*std::get_if<Kind>(&snapshot));
+      },
+      estimator_);
+}
+
+AnyEstimator::Snapshot AnyEstimator::snapshot() const {
+  return std::visit([](const auto& estimator) { return Snapshot(estimator.snapshot()); }, estimator_);
+}
+
+const settings::Settings& AnyEstimator::settings() const {
+  return std::visit(
+      [](const auto& estimator) -> const auto& { return estimator.settings(); }, estimator_);
+}
+
+const EstimatorCounters& AnyEstimator::counters() const {
+  return std::visit(
+      [](const auto& estimator) -> const auto& { return estimator.counters(); }, estimator_);
+}
+
+std::uint32_t AnyEstimator::reset_counter() const {
+  return std::visit([](const auto& estimator) { return estimator.reset_counter(); }, estimator_);
+}
+
+Estimate AnyEstimator::estimate() const {
+  return std::visit([](const auto& estimator) { return estimator.estimate(); }, estimator_);
+}
+
+TimeNs AnyEstimator::time_ns() const {
+  return std::visit([](const auto& estimator) { return estimator.time_ns(); }, estimator_);
+}
+
+}  // namespace sonopose::estimation

@@ -1,0 +1,334 @@
+#include <sonopose/estimation/aiding/delay.hpp>
+#include <sonopose/estimation/kalman/engine.hpp>
+#include <sonopose/geometry/rotation.hpp>
+#include <sonopose/samples/outputs.hpp>
+#include <sonopose/settings/preset.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace sonopose::estimation::kalman {
+
+namespace {
+
+/// True if a fix's own covariance is positive definite.
+bool is_usable(const Covariance<3>& covariance) {
+  const Matrix3d matrix = covariance.matrix();
+  const Eigen::LLT<Matrix3d> factor(matrix);
+  return matrix.allFinite() && factor.info() == Eigen::Success;
+}
+
+/// 0 means unknown.
+TimeNs stamp_or_none(TimeNs stamp_ns) {
+  return aiding::admission::is_time(stamp_ns) ? stamp_ns : 0;
+}
+
+}  // namespace
+
+ImuMeasurement as_measurement(const ImuSample& calibrated) {
+  return {.time_ns = calibrated.sensor_time_ns,
+          .rate_body_radps = calibrated.angular_velocity_body_radps,
+          .force_body_mps2 = calibrated.specific_force_body_mps2,
+          .is_mean = calibrated.meaning == ImuMeaning::mean_since_last};
+}
+
+Engine::Engine(const settings::Settings& settings)
+    : settings_(settings::resolved(settings)), calibration_(settings.calibration) {}
+
+void Engine::configure(const settings::Settings& settings) noexcept {
+  finish_pending_work();  // earlier events must not depend on the new settings
+  const double mount_before_deg = settings_.heading.mount_offset_deg;
+  settings_ = settings::resolved(settings);
+  calibration_ = calibration::Calibration(settings.calibration);
+  const double change_rad = geometry::wrap_angle((settings_.heading.mount_offset_deg - mount_before_deg) *
+                                                 geometry::radians_per_degree);
+  if (change_rad != 0.0) timeline_.on_mount_offset_change(change_rad);
+}
+
+void Engine::finish_pending_work() noexcept {
+  if (!timeline_.is_behind()) return;
+  timeline_.finish_pending_work(settings_);
+  update_uncertainty();
+}
+
+/// Updates what needs nearly the whole covariance, for which a pose need not wait.
+void Engine::update_uncertainty() {
+  constexpr double unlearned_bias_radps = 0.01;
+  constexpr double wrong_gain_mps2 = 0.5;  // a bias of five initial deviations: a wrong unit, gain or sign
+  constexpr double other_clock_s = 0.04;
+  constexpr double unknown_yaw_rad = 5.0 * geometry::radians_per_degree;
+  if (state().phase == Phase::waiting) return;
+  const Filter& filter = state().filter();
+  const double bias_std = std::sqrt(filter.covariance.diagonal().segment<3>(at_gyro_bias).maxCoeff());
+  uncertainty_ = {.pose_covariance = filter.pose_covariance(),
+                  .velocity_covariance = filter.velocity_covariance(),
+                  .gyro_bias_is_unknown = bias_std > unlearned_bias_radps,
+                  .clocks_differ = state().bank.best().imu == ImuModel::other_clock &&
+                                   std::abs(filter.delay_error_s) > other_clock_s,
+                  .accel_bias_is_large = filter.accel_bias_body_mps2.norm() > wrong_gain_mps2,
+                  .yaw_is_unknown = state().phase == Phase::searching_yaw ||
+                                    filter.yaw_variance_rad2() > unknown_yaw_rad * unknown_yaw_rad};
+  if (state().phase != Phase::searching_yaw) return;
+  const Spread spread = state().spread();
+  Covariance<6>::Matrix pose = uncertainty_.pose_covariance.matrix();
+  pose.topLeftCorner<3, 3>() += spread.position_m2;
+  pose(5, 5) += spread.yaw_rad2;
+  uncertainty_.pose_covariance = Covariance<6>::from_matrix(pose);
+  uncertainty_.velocity_covariance =
+      Covariance<3>::from_matrix(uncertainty_.velocity_covariance.matrix() + spread.velocity_m2ps2);
+}
+
+void Engine::reset() noexcept {
+  timeline_.clear();
+  admission_ = {};
+  last_used_received_ns_ = 0;
+  last_delay_s_ = 0;
+  last_position_world_m_.setZero();
+  ++reset_counter_;
+}
+
+void Engine::restore(const Snapshot& snapshot) noexcept {
+  timeline_.restore(settings_, snapshot.history);
+  update_uncertainty();
+  admission_ = snapshot.admission;
+  last_used_received_ns_ = snapshot.last_used_received_ns;
+  last_delay_s_ = snapshot.last_delay_s;
+  last_position_world_m_ = snapshot.last_position_world_m;
+  counters_ = snapshot.counters;
+  reset_counter_ = snapshot.reset_counter;
+}
+
+Snapshot Engine::snapshot() const {
+  if (timeline_.is_behind()) {
+    Engine whole = *this;
+    whole.finish_pending_work();
+    return whole.snapshot();
+  }
+  return {.history = timeline_.history(),
+          .admission = admission_,
+          .last_used_received_ns = last_used_received_ns_,
+          .last_delay_s = last_delay_s_,
+          .last_position_world_m = last_position_world_m_,
+          .counters = counters_,
+          .reset_counter = reset_counter_};
+}
+
+std::optional<FusedPose> Engine::predict(const ImuSample& raw) noexcept {
+  finish_pending_work();
+  const ImuSample imu = calibration_.corrected(raw);
+  if (!admit(imu)) return std::nullopt;
+  const ImuMeasurement measured = as_measurement(imu);
+  const bool comes_last = timeline_.add(settings_, measured);
+  const FusedPose pose = comes_last && is_step(measured) ? pose_after_step(imu, measured) : whole_pose(imu);
+  last_position_world_m_ = pose.position_world_m;
+  return pose;
+}
+
+/// True if the pose needs only the nominal state.
+bool Engine::is_step(const ImuMeasurement& imu) const {
+  const double dt_s = seconds_between(state().imu.time_ns, imu.time_ns);
+  return state().phase != Phase::waiting && dt_s > 0.0 && dt_s <= settings_.outage.imu_gap_s;
+}
+
+FusedPose Engine::pose_after_step(const ImuSample& imu, const ImuMeasurement& measured) const {
+  const State& before = state();
+  const ImuStep step = step_between({.time_ns = before.imu.time_ns,
+                                     .rate_body_radps = before.imu.rate_body_radps,
+                                     .force_body_mps2 = before.imu.force_body_mps2},
+                                    measured, before.imu.nominal_imu_period_s);
+  return pose_at(imu, before.nominal_after(step));
+}
+
+/// Pose after all consequences of the sample.
+FusedPose Engine::whole_pose(const ImuSample& imu) {
+  finish_pending_work();
+  FusedPose pose = pose_at(imu, state().nominal());
+  if (state().imu.in_gap) {
+    ++counters_.imu_gaps;
+    if (state().phase != Phase::waiting) pose.status |= status_imu_gap;
+  }
+  return pose;
+}
+
+bool Engine::admit(const ImuSample& imu) {
+  const TimeNs now_ns = time_ns();
+  if (!aiding::admission::admits(settings_.admission, now_ns, imu) ||
+      aiding::admission::is_time_jump(admission_, now_ns, imu)) {
+    ++counters_.samples_invalid;
+    if (aiding::admission::needs_time_reset(admission_, now_ns, imu)) reset();
+    return false;
+  }
+  admission_.backward_in_row = 0;
+  ++counters_.imu_samples;
+  return true;
+}
+
+FixReport Engine::correct(const UltrasonicFix& fix) noexcept {
+  if (timeline_.is_behind_sample()) finish_pending_work();
+  FixReport report = report_on(fix, time_ns());
+  report.shifted_position_world_m = fix.position_world_m;
+  const FixMeasurement measured = measurement_in(fix);
+  report.flags = rejection_flags(fix, measured);
+  if (report.flags != 0) {
+    ++counters_.fixes_rejected;
+    finish_pending_work();  // a late fix leaves the state in the past
+    report.trust = state().fixes.trust;
+    return report;
+  }
+  const FixOutcome outcome = timeline_.add(settings_, measured);
+  report.flags = outcome.flags;
+  report.weight = outcome.weight;
+  report.trust = state().fixes.trust;
+  report.hypothesis = outcome.hypothesis;
+  report.model = state().phase == Phase::tracking ? static_cast<std::uint32_t>(state().bank.best().imu) : 0U;
+  if (outcome.has_innovation) {
+    report.innovation_world_m = outcome.innovation.value_world_m;
+    report.innovation_covariance_m2 = Covariance<3>::from_matrix(outcome.innovation.covariance_m2);
+    report.test_ratio = outcome.test_ratio;
+    report.shifted_position_world_m = last_position_world_m_ + outcome.innovation.value_world_m;
+  }
+  report.jump_world_m = outcome.jump_world_m;
+  report.velocity_change_world_mps = outcome.velocity_change_world_mps;
+  report.yaw_change_rad = outcome.yaw_change_rad;
+  if ((outcome.flags & fix_used) != 0) {
+    ++counters_.fixes_used;
+    last_used_received_ns_ = std::max(last_used_received_ns_, fix.received_time_ns);
+    last_delay_s_ = seconds_between(measured.time_ns, fix.received_time_ns);
+  } else {
+    ++counters_.fixes_rejected;
+  }
+  return report;
+}
+
+ImuMeasurement Engine::measurement_in(const ImuSample& raw) const {
+  return as_measurement(calibration_.corrected(raw));
+}
+
+FixMeasurement Engine::measurement_in(const UltrasonicFix& fix) const {
+  FixMeasurement measured{.time_ns = measured_at(fix),
+                          .stamp_ns = stamp_or_none(fix.emission_time_ns),
+                          .position_world_m = fix.position_world_m,
+                          .quality_percent = fix.quality_percent.value_or(-1.0)};
+  if (fix.covariance_world_m2 && is_usable(*fix.covariance_world_m2)) {
+    measured.has_covariance = true;
+    constexpr double min_m2 = 1e-8;  // 0.1 mm: smaller numbers would no longer be positive
+    measured.covariance_world_m2 = fix.covariance_world_m2->matrix() + min_m2 * Matrix3d::Identity();
+  }
+  return measured;
+}
+
+HeadingMeasurement Engine::measurement_in(const PairHeading& heading) const {
+  return {.time_ns = measured_at(heading),
+          .stamp_ns = stamp_or_none(heading.emission_time_ns),
+          .heading_world_rad = heading.heading_world_rad};
+}
+
+template <class Sample>
+TimeNs Engine::measured_at(const Sample& sample) const {
+  return settings_.delay.extrapolate ? aiding::measured_at(settings_.delay, sample) : time_ns();
+}
+
+std::uint32_t Engine::rejection_flags(const UltrasonicFix& fix, const FixMeasurement& measured) const {
+  const std::uint32_t flags = aiding::admission::fix_rejection_flags(settings_.admission, time_ns(), fix,
+                                                                     measured.time_ns, timeline_.ahead_s());
+  if (flags != 0) return flags;
+  if (timeline_.contains(measured)) return fix_invalid;
+  if (timeline_.reaches(measured.time_ns)) return 0U;
+  // Unless the timeline is empty or full, it reaches the present, and the fix is older than all of it.
+  return timeline_.reaches(time_ns()) ? fix_too_late : fix_invalid;
+}
+
+void Engine::correct(const PairHeading& heading) noexcept {
+  if (timeline_.is_behind_sample()) finish_pending_work();
+  const HeadingMeasurement measured = measurement_in(heading);
+  if (!aiding::admission::admits(settings_.admission, time_ns(), heading, measured.time_ns,
+                                 timeline_.ahead_s())) {
+    ++counters_.samples_invalid;
+    return;
+  }
+  if (heading.valid && !timeline_.contains(measured) && !timeline_.reaches(measured.time_ns)) {
+    ++counters_.samples_invalid;  // too late
+    return;
+  }
+  ++counters_.headings;
+  if (!heading.valid || timeline_.contains(measured)) return;
+  timeline_.add(settings_, measured);
+}
+
+FusedPose Engine::pose_at(const ImuSample& imu, const NominalState& nominal) const {
+  const State& now = state();
+  FusedPose pose;
+  pose.address = imu.address;
+  pose.sequence = imu.sequence;
+  pose.time_ns = imu.sensor_time_ns;
+  if (now.phase == Phase::waiting) {
+    pose.q_body_to_world = geometry::level_with(now.imu.mean_force_body_mps2, 0.0);
+    pose.angular_velocity_body_radps = imu.angular_velocity_body_radps;
+  } else {
+    const Filter& filter = now.filter();
+    pose.position_world_m = filter.tracked_position_world_m(nominal);
+    pose.q_body_to_world = nominal.q_body_to_world;
+    pose.velocity_world_mps = filter.tracked_velocity_world_mps(nominal);
+    pose.angular_velocity_body_radps = imu.angular_velocity_body_radps - filter.gyro_bias_body_radps;
+    pose.acceleration_world_mps2 = nominal.acceleration_world_mps2;
+    pose.gyro_bias_body_radps = filter.gyro_bias_body_radps;
+    pose.pose_covariance = uncertainty_.pose_covariance;
+    pose.velocity_covariance = uncertainty_.velocity_covariance;
+  }
+  pose.trust = now.fixes.trust;
+  pose.since_valid_fix_s = last_used_received_ns_ == 0
+                               ? std::numeric_limits<double>::infinity()
+                               : std::max(0.0, seconds_between(last_used_received_ns_, pose.time_ns));
+  pose.reset_counter = reset_counter_;
+  pose.status = status(pose.time_ns);
+  pose.imu_sensor_time_ns = imu.sensor_time_ns;
+  pose.imu_bridge_time_ns = imu.bridge_time_ns;
+  return pose;
+}
+
+std::uint32_t Engine::status(TimeNs time_ns) const {
+  constexpr double low_trust = 0.6;
+  constexpr int contradicted_by = 3;  // consecutive headings
+  const auto bit = [](bool applies, PoseStatus status) { return applies ? std::uint32_t{status} : 0U; };
+  const State& now = state();
+  if (now.phase == Phase::waiting) return status_initialising | status_heading_unknown;
+  const double since_fix_s = seconds_between(last_used_received_ns_, time_ns);
+  return bit(uncertainty_.gyro_bias_is_unknown, status_uncalibrated) |
+         bit(since_fix_s > settings_.outage.stale_after_s, status_stale) |
+         bit(time_ns < now.converging_until_ns, status_converging) |
+         bit(uncertainty_.yaw_is_unknown || now.headings.rejected_in_row >= contradicted_by,
+             status_heading_unknown) |
+         bit(is_open(now.bank.best().imu) || time_ns < now.doubt.doubted_until_ns ||
+                 uncertainty_.accel_bias_is_large,
+             status_imu_inconsistent) |
+         bit(now.default_position.is_active(time_ns) || uncertainty_.clocks_differ,
+             status_fixes_inconsistent) |
+         bit(now.frozen_track.frozen, status_frozen_track) |
+         bit(now.fixes.trust < low_trust, status_low_trust);
+}
+
+Estimate Engine::estimate() const {
+  Estimate estimate;
+  const State& now = state();
+  estimate.time_ns = now.imu.time_ns;
+  if (now.phase == Phase::waiting) return estimate;
+  const Filter& filter = now.filter();
+  const auto with_std = [&filter](const Vector3d& value, StateIndex index) {
+    return VectorEstimate{.value = value, .std = filter.covariance.diagonal().segment<3>(index).cwiseSqrt()};
+  };
+  estimate.gyro_bias_body_radps = with_std(filter.gyro_bias_body_radps, at_gyro_bias);
+  estimate.accelerometer_bias_body_mps2 = with_std(filter.accel_bias_body_mps2, at_accel_bias);
+  estimate.lever_arm_body_m = with_std(filter.lever_arm_body_m, at_lever_arm);
+  if (filter.estimates_delay()) {
+    estimate.delay_s = ScalarEstimate{.value = last_delay_s_ + filter.delay_error_s,
+                                      .std = std::sqrt(filter.delay_variance_s2)};
+  }
+  const double fix_std_m = std::sqrt(now.noise.fix_covariance_m2(now.fixes.quality_percent)(0, 0));
+  estimate.fix_noise_m = ScalarEstimate{.value = fix_std_m, .std = -1.0};
+  estimate.heading_noise_rad =
+      ScalarEstimate{.value = std::sqrt(now.noise.heading_rad2.variance), .std = -1.0};
+  return estimate;
+}
+
+}  // namespace sonopose::estimation::kalman

@@ -1,0 +1,214 @@
+// Judgement of a fix.
+
+#include "estimation/kalman/state_parts.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sonopose::estimation::kalman {
+namespace {
+
+/// Begins or ends the estimation of the delay, as the settings demand. Models that do not rely on the clock
+/// or the IMU keep their estimate.
+void estimate_delay(State& state, const settings::DelaySettings& settings) {
+  constexpr double initial_std_s = 0.02;
+  for (Hypothesis& each : state.bank) {
+    if (each.imu >= ImuModel::other_clock || each.filter.estimates_delay() == settings.estimate) continue;
+    each.filter.estimate_delay(settings.estimate ? square(initial_std_s) : 0.0);
+  }
+}
+
+/// Start that explains a fix best.
+int nearest_start(const HypothesisBank& bank, const Innovations& innovations) {
+  int nearest = bank.best_index;
+  const auto distance = [&](int i) { return innovations[static_cast<std::size_t>(i)].squared_norm; };
+  for (int i = 0; i < bank.size(); ++i) {
+    if (bank[i].track == Track::followed && distance(i) < distance(nearest)) nearest = i;
+  }
+  return nearest;
+}
+
+/// Corrects the hypotheses on the followed track.
+void correct_followed(State& state, const JudgedFix& judged, const Matrix3d& more_covariance_m2) {
+  constexpr double forgetting = 1.0 / 60.0;
+  for (Hypothesis& each : state.bank) {
+    if (each.track != Track::followed) continue;
+    const Innovation& innovation = judged.innovation_of(state.bank, each);
+    if (state.phase == Phase::tracking) each.score *= 1.0 - forgetting;
+    each.score += log_likelihood(innovation);
+    const bool missed = innovation.squared_norm > 2.0 * chi2_reject_threshold;
+    each.missed_in_row = missed ? each.missed_in_row + 1 : 0;
+    each.explained_in_row =
+        innovation.squared_norm <= explained_below ? std::min(each.explained_in_row + 1, 10000) : 0;
+    if (!missed) each.filter.correct_fix(innovation, more_covariance_m2);
+  }
+  if (state.phase == Phase::searching_yaw) {
+    prune_starts(state);
+  } else {
+    choose_model(state);
+  }
+}
+
+/// Corrects the open models by a fix that the best hypothesis rejects.
+void correct_open(State& state, const JudgedFix& judged) {
+  for (Hypothesis& each : state.bank) {
+    if (each.track != Track::followed || !is_open(each.imu) || &each == &state.bank.best()) continue;
+    const Innovation& innovation = judged.innovation_of(state.bank, each);
+    if (!(innovation.squared_norm <= chi2_reject_threshold)) continue;
+    correct_scaled(each.filter, innovation, judged.covariance_m2);
+  }
+}
+
+/// Learns the noise of fixes from the residual of one that was used.
+void learn_noise(State& state, const JudgedFix& judged) {
+  // An error of the motion would count as noise.
+  if (judged.fix.has_covariance || is_open(state.bank.best().imu)) return;
+  const Innovation& before = judged.innovation_of(state.bank, state.bank.best());
+  state.noise.correlation.add(before.value_world_m, before.covariance_m2);
+  const Innovation after =
+      state.filter().fix_innovation(judged.fix.position_world_m, judged.covariance_m2, judged.ahead_s);
+  state.noise.add_fix(
+      judged.fix.quality_percent, std::sqrt(state.noise.correlation.white_share()) * after.value_world_m,
+      (after.covariance_m2 - judged.covariance_m2).diagonal(), stands_still(state, few_fixes));
+}
+
+/// Ends the comparison of the hypotheses, because the fixes returned to the best one.
+void settle(State& state) {
+  const double evidence = state.bank.best().evidence;
+  for (Hypothesis& each : state.bank) each.evidence = std::min(each.evidence, evidence);
+  state.doubt.shifted.evidence = std::min(state.doubt.shifted.evidence, evidence);
+  state.doubt.is_undecided = false;
+}
+
+FixOutcome judge(State& state, const settings::Settings& settings, const FixMeasurement& fix) {
+  JudgedFix judged{.settings = settings,
+                   .fix = fix,
+                   .covariance_m2 = covariance_of(state, fix),
+                   .ahead_s = seconds_between(state.time_ns, fix.time_ns),
+                   .innovations = {}};
+  for (int i = 0; i < state.bank.size(); ++i) {
+    judged.innovations[static_cast<std::size_t>(i)] =
+        state.bank[i].filter.fix_innovation(fix.position_world_m, judged.covariance_m2, judged.ahead_s);
+  }
+  const int judge = state.phase == Phase::searching_yaw ? nearest_start(state.bank, judged.innovations)
+                                                        : state.bank.best_index;
+  const Innovation& innovation = judged.innovations[static_cast<std::size_t>(judge)];
+  FixOutcome outcome{.innovation = innovation,
+                     .has_innovation = true,
+                     .covariance_world_m2 = judged.covariance_m2,
+                     .test_ratio = innovation.squared_norm / chi2_reject_threshold};
+  const bool is_used = innovation.squared_norm <= chi2_reject_threshold;
+  constexpr int few_rejected = 3;
+  constexpr double trust_memory = 8.0;
+  state.fixes.trust += ((is_used ? 1.0 : 0.0) - state.fixes.trust) / trust_memory;
+  if (state.phase == Phase::tracking) explain(state, judged);
+  if (is_used) {
+    const double scale = scale_of(innovation);
+    // After rejected fixes the estimate is uncertain too.
+    const Matrix3d more_covariance_m2 =
+        (scale - 1.0) * (state.fixes.rejected_in_row > 0 ? innovation.covariance_m2 : judged.covariance_m2);
+    outcome.weight = 1.0 / scale;
+    outcome.covariance_world_m2 += more_covariance_m2;
+    outcome.flags = fix_used;
+    if (state.doubt.is_undecided && innovation.squared_norm <= chi2_huber_threshold) settle(state);
+    const bool is_tracking = state.phase == Phase::tracking;
+    correct_followed(state, judged, more_covariance_m2);
+    if (is_tracking) learn_noise(state, judged);
+    note_used(state, fix);
+  } else {
+    ++state.fixes.rejected_in_row;
+    if (state.fixes.rejected_in_row >= few_rejected) state.doubt.is_undecided = true;
+    correct_open(state, judged);
+    if (doubt_imu(state)) {
+      note_used(state, fix);
+      outcome.flags = fix_used;
+      outcome.weight = 1.0;
+    } else {
+      judge_rejected(state, judged, outcome);
+    }
+  }
+  suspect_imu(state, outcome.innovation.squared_norm > explained_below);
+  return outcome;
+}
+
+}  // namespace
+
+/// Covariance of the source, or the learned one.
+Matrix3d covariance_of(const State& state, const FixMeasurement& fix) {
+  if (fix.has_covariance) return fix.covariance_world_m2;
+  Matrix3d covariance_m2 = state.noise.fix_covariance_m2(fix.quality_percent);
+  // Residuals say nothing about the noise while the motion is that of the fixes.
+  if (state.phase == Phase::tracking && is_open(state.bank.best().imu)) {
+    covariance_m2.diagonal() = covariance_m2.diagonal().cwiseMax(state.noise.scatter.noise_m2());
+  }
+  return covariance_m2;
+}
+
+void note_used(State& state, const FixMeasurement& fix) {
+  FixGate& gate = state.fixes;
+  gate.since_start = std::min(gate.since_start + 1, proven_fixes);
+  gate.rejected_in_row = 0;
+  gate.used_ns = fix.time_ns;
+  gate.quality_percent = fix.quality_percent;
+  state.last_zero_velocity_ns = std::max(state.last_zero_velocity_ns, fix.time_ns);
+  rest::add_fix(state.rest, fix.time_ns, fix.position_world_m);
+  if (Hypothesis* const former = state.bank.find(Track::former)) former->explained_in_row = 0;
+  // The other track lives on rejected fixes alone.
+  constexpr TimeNs idle_ns = 1'500'000'000;
+  const Hypothesis* const other = other_track(state);
+  if (other != nullptr && fix.time_ns - other->explained_ns > idle_ns) end_other_track(state, fix.time_ns);
+}
+
+FixOutcome State::on_fix(const settings::Settings& settings, const FixMeasurement& fix) {
+  FixOutcome outcome;
+  if (imu.time_ns == 0) return outcome;
+  propagate();
+  coast_if_silent(*this, settings, fix.time_ns);
+  const bool has_started = phase != Phase::waiting;
+  if (default_position.add(fix.time_ns, fix.position_world_m)) {
+    // The estimate may have started at it.
+    constexpr double near_m = 0.5;
+    const bool is_there =
+        has_started && (filter().tracked_position_world_m() - fix.position_world_m).norm() < near_m;
+    if (fixes.since_start < proven_fixes && is_there) restart_pending = true;
+    outcome.flags = fix_outlier;
+    return outcome;
+  }
+  noise.scatter.add(fix.time_ns, fix.position_world_m);
+  if (frozen_track.add(settings.frozen, imu.time_ns, fix.position_world_m,
+                       has_started ? filter().tracked_velocity_world_mps() : Vector3d::Zero())) {
+    bank.remove(Track::other);
+    bank.remove(Track::turned);
+    outcome.flags = fix_frozen;
+    return outcome;
+  }
+  if (!has_started || restart_pending) {
+    const Vector3d before_m = has_started ? filter().tracked_position_world_m() : Vector3d::Zero();
+    outcome = {.covariance_world_m2 = covariance_of(*this, fix),
+               .weight = 1.0,
+               .flags = fix_used | (has_started ? fix_stale_recovered : fix_first),
+               .starts = true};
+    start_at(*this, fix, settings);
+    recover_if_not_finite(*this);
+    if (phase == Phase::waiting) return {.flags = fix_outlier};  // no direction of gravity in absurd samples
+    if (has_started && before_m.allFinite()) {
+      outcome.jump_world_m = filter().tracked_position_world_m() - before_m;
+    }
+    return outcome;
+  }
+  estimate_delay(*this, settings.delay);
+  const Vector3d position_before = filter().tracked_position_world_m();
+  const Vector3d velocity_before = filter().tracked_velocity_world_mps();
+  const double yaw_before = geometry::yaw_of(filter().q_body_to_world);
+  const bool is_stale = seconds_between(fixes.used_ns, fix.time_ns) > settings.outage.stale_after_s;
+  outcome = judge(*this, settings, fix);
+  recover_if_not_finite(*this);
+  if (phase == Phase::waiting) return outcome;
+  outcome.jump_world_m = filter().tracked_position_world_m() - position_before;
+  outcome.velocity_change_world_mps = filter().tracked_velocity_world_mps() - velocity_before;
+  outcome.yaw_change_rad = geometry::wrap_angle(geometry::yaw_of(filter().q_body_to_world) - yaw_before);
+  if (is_stale && (outcome.flags & fix_used) != 0) outcome.flags |= fix_stale_recovered;
+  return outcome;
+}
+
+}  // namespace sonopose::estimation::kalman

@@ -1,0 +1,179 @@
+// Judgement of a heading of the pair.
+
+#include "estimation/kalman/state_parts.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sonopose::estimation::kalman {
+namespace {
+
+constexpr double full_below = 6.6;  // χ², 1 degree of freedom: 1 % is above
+
+/// Factor by which the variance of a heading grows with its innovation.
+double scale_of(const Filter::HeadingInnovation& innovation) {
+  return std::max(1.0, squared_norm(innovation) / full_below);
+}
+
+/// Student's t with six degrees of freedom, up to a constant.
+double log_likelihood(const Filter::HeadingInnovation& innovation) {
+  return -3.5 * std::log1p(squared_norm(innovation) / 6.0) - 0.5 * std::log(innovation.variance_rad2);
+}
+
+/// Evidence of a heading. Iron may turn it by a limited angle; one further off speaks against the gyroscope.
+double evidence_of(const Filter::HeadingInnovation& innovation) {
+  constexpr double turned_std_rad = radians(20.0);
+  constexpr double wrong = -4.8;  // a heading that is anywhere
+  const double turned = 3.0 - 0.5 * square(innovation.value_rad / turned_std_rad);
+  return std::max({log_likelihood(innovation), turned, wrong});
+}
+
+/// Keeps a heading for a start, turned to the time of the latest sample.
+void keep_heading(State& state, const settings::Settings& settings, const HeadingMeasurement& heading) {
+  const double since_sample_s = seconds_between(state.imu.time_ns, heading.time_ns);
+  const bool in_motion = state.imu.time_ns != 0 && since_sample_s < settings.outage.imu_gap_s;
+  state.headings.used_ns = heading.time_ns;
+  state.headings.heading_world_rad =
+      heading.heading_world_rad - (in_motion ? since_sample_s * up_rate_radps(state) : 0.0);
+  state.headings.is_current = true;
+}
+
+/// Scores and corrects each start by a heading, and removes those that it contradicts.
+HeadingOutcome score_starts(State& state, const settings::Settings& settings,
+                            const HeadingMeasurement& heading) {
+  const double variance = state.noise.heading_rad2.variance;
+  HeadingOutcome outcome{.variance_rad2 = variance};
+  for (Hypothesis& each : state.bank) {
+    const auto innovation = heading_innovation(state, each.filter, settings, heading);
+    if (each.track != Track::followed || !innovation.observable) continue;
+    const double own_variance = scale_of(innovation) * variance;
+    if (state.bank.index_of(each) == state.bank.best_index) {
+      outcome = {.used = true, .variance_rad2 = own_variance};
+    }
+    each.score += log_likelihood(innovation);
+    correct_by_heading(state, each.filter, settings, heading, own_variance);
+  }
+  prune_starts(state);
+  return outcome;
+}
+
+/// Uses or rejects a heading while tracking.
+HeadingOutcome judge(State& state, const settings::Settings& settings, const HeadingMeasurement& heading) {
+  const double variance = state.noise.heading_rad2.variance;
+  HeadingOutcome outcome{.variance_rad2 = variance};
+  const auto innovation = heading_innovation(state, state.filter(), settings, heading);
+  if (!innovation.observable) return outcome;
+  const bool rejected = squared_norm(innovation) > heading_rejected_above;
+  suspect_imu(state, squared_norm(innovation) > explained_below);
+  state.doubt.shifted.evidence += evidence_of(innovation);
+  for (Hypothesis& each : state.bank) {
+    const auto own = heading_innovation(state, each.filter, settings, heading);
+    if (own.observable) each.evidence += evidence_of(own);
+    const bool explains = squared_norm(own) <= heading_rejected_above;
+    if (!explains && each.track == Track::followed) each.explained_in_row = 0;
+    // A wrong gyroscope is corrected by the headings that it makes the others reject.
+    if (rejected && explains && each.imu == ImuModel::open_gyro && each.track == Track::followed)
+      correct_by_heading(state, each.filter, settings, heading, scale_of(own) * variance);
+  }
+  if (rejected && doubt_imu(state)) {
+    outcome.used = true;
+    keep_heading(state, settings, heading);
+    return outcome;
+  }
+  if (rejected && !state.headings.reject(heading.time_ns)) {
+    turn_map(state, settings, heading, innovation.value_rad);
+    return outcome;
+  }
+  outcome.used = true;
+  if (rejected) {
+    outcome.added_variance_rad2 = square(innovation.value_rad);
+  } else {
+    outcome.variance_rad2 *= scale_of(innovation);
+  }
+  state.headings.accept();
+  keep_heading(state, settings, heading);
+  for (Hypothesis& each : state.bank) {
+    if (rejected) each.filter.add_yaw_variance(outcome.added_variance_rad2);
+    const auto own = heading_innovation(state, each.filter, settings, heading);
+    correct_by_heading(state, each.filter, settings, heading, scale_of(own) * variance);
+  }
+  const auto after = heading_innovation(state, state.filter(), settings, heading);
+  state.noise.add_heading(after.value_rad, after.variance_rad2 - variance, stands_still(state, few_fixes));
+  return outcome;
+}
+
+}  // namespace
+
+Filter::HeadingInnovation heading_innovation(const State& state, const Filter& filter,
+                                             const settings::Settings& settings,
+                                             const HeadingMeasurement& heading) {
+  return filter.heading_innovation(heading.heading_world_rad, radians(settings.heading.mount_offset_deg),
+                                   state.noise.heading_rad2.variance,
+                                   seconds_between(state.time_ns, heading.time_ns));
+}
+
+void correct_by_heading(const State& state, Filter& filter, const settings::Settings& settings,
+                        const HeadingMeasurement& heading, double variance_rad2) {
+  filter.correct_heading(heading.heading_world_rad, radians(settings.heading.mount_offset_deg), variance_rad2,
+                         seconds_between(state.time_ns, heading.time_ns));
+}
+
+HeadingOutcome State::on_heading(const settings::Settings& settings, const HeadingMeasurement& heading) {
+  headings.see(heading.time_ns);
+  rest::add_heading(rest, heading.time_ns, heading.heading_world_rad);
+  if (phase == Phase::waiting || frozen_track.frozen || restart_pending) {
+    keep_heading(*this, settings, heading);
+    return {};
+  }
+  propagate();
+  coast_if_silent(*this, settings, heading.time_ns);
+  HeadingOutcome outcome;
+  if (phase == Phase::searching_yaw) {
+    keep_heading(*this, settings, heading);
+    outcome = score_starts(*this, settings, heading);
+  } else {
+    outcome = judge(*this, settings, heading);
+  }
+  recover_if_not_finite(*this);
+  return outcome;
+}
+
+void State::on_mount_offset_change(double by_rad) {
+  if (phase == Phase::waiting || seconds_between(headings.used_ns, imu.time_ns) > headings.run_ends_s())
+    return;
+  for (Hypothesis& each : bank) each.filter.add_yaw_variance(square(by_rad));
+  headings.accept();
+}
+
+void HeadingGate::see(TimeNs time_ns) {
+  constexpr double share = 1.0 / 8.0;
+  if (seen_ns != 0) {
+    const double last_s = std::clamp(seconds_between(seen_ns, time_ns), 0.0, longest_heading_interval_s);
+    interval_s += (interval_s > 0.0 ? share : 1.0) * (last_s - interval_s);
+  }
+  seen_ns = time_ns;
+}
+
+bool HeadingGate::reject(TimeNs time_ns) {
+  constexpr double believed_after_s = 4.0;
+  constexpr int min_rejected_headings = 3;
+  if (rejected_since_ns == 0 || seconds_between(rejected_ns, time_ns) > run_ends_s()) {
+    rejected_since_ns = time_ns;
+    rejected_in_row = 0;
+  }
+  rejected_ns = time_ns;
+  ++rejected_in_row;
+  return rejected_in_row >= min_rejected_headings &&
+         seconds_between(rejected_since_ns, time_ns) >= believed_after_s;
+}
+
+void HeadingGate::accept() {
+  rejected_since_ns = 0;
+  rejected_in_row = 0;
+}
+
+double HeadingGate::run_ends_s() const {
+  return std::max(1.0, 3.0 * interval_s);
+}
+
+}  // namespace sonopose::estimation::kalman

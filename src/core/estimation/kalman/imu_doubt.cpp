@@ -1,0 +1,207 @@
+// Choice among the models of the IMU, and the doubt in it when fixes and headings contradict it.
+
+#include "estimation/kalman/state_parts.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sonopose::estimation::kalman {
+namespace {
+
+constexpr TimeNs doubt_ns = 3'000'000'000;  // an IMU that was wrong a moment ago may be wrong again
+
+/// Restarts a hypothesis from the best one. If that is open, the new one trusts the IMU as before the doubt.
+void begin_again(Hypothesis& hypothesis, const Hypothesis& best, const ImuDoubt& doubt) {
+  constexpr double handicap = 2.0;
+  const ImuModel model = hypothesis.imu;
+  hypothesis = best;
+  assume(hypothesis, model);
+  hypothesis.score -= handicap;
+  hypothesis.missed_in_row = hypothesis.explained_in_row = 0;
+  if (!is_open(best.imu) || is_open(model)) return;
+  Filter& f = hypothesis.filter;
+  f.gyro_bias_body_radps = doubt.trusted_gyro_bias_body_radps;
+  f.accel_bias_body_mps2 = doubt.trusted_accel_bias_body_mps2;
+  f.decorrelate(at_gyro_bias, Vector3d::Constant(square(start_gyro_bias_std_radps)));
+  f.decorrelate(at_accel_bias, Vector3d::Constant(square(start_accel_bias_std_mps2)));
+}
+
+/// True if it has explained enough fixes in a row to trust the IMU again; each doubt doubles their number.
+bool trusts_imu_again(const Hypothesis& hypothesis, const State& state) {
+  constexpr int least = 20;
+  return hypothesis.explained_in_row >= least << std::min(state.doubt.doubts, 4) &&
+         hypothesis.score > state.bank.best().score;
+}
+
+/// True if the clocks of IMU and fixes certainly differ.
+bool has_other_clock(const Filter& filter) {
+  constexpr double sigmas = 6.0;
+  return square(filter.delay_error_s) > square(sigmas) * filter.delay_variance_s2;
+}
+
+/// Continues with this open model.
+void continue_with(State& state, Hypothesis& open) {
+  constexpr double memory_s = 60.0;
+  constexpr int max_doubts = 100;
+  ImuDoubt& doubt = state.doubt;
+  const bool again = doubt.doubted_ns != 0 && seconds_between(doubt.doubted_ns, state.time_ns) < memory_s;
+  doubt.doubts = again ? std::min(doubt.doubts + 1, max_doubts) : 1;
+  doubt.doubted_ns = state.time_ns;
+  doubt.doubted_until_ns = state.time_ns + doubt_ns;
+  if (!is_open(state.bank.best().imu)) {
+    doubt.trusted_gyro_bias_body_radps = state.filter().gyro_bias_body_radps;
+    doubt.trusted_accel_bias_body_mps2 = state.filter().accel_bias_body_mps2;
+  }
+  open.score = state.bank.best().score;
+  const ImuModel model = open.imu;
+  if (state.bank.find(Track::former) == nullptr) keep_former(state, state.time_ns, state.time_ns);
+  if (const Hypothesis* const other = other_track(state)) state.bank.remove(other);
+  Hypothesis& best = *state.bank.find(model);
+  state.bank.best_index = state.bank.index_of(best);
+  for (Hypothesis& each : state.bank) {
+    if (each.track == Track::followed && &each != &best) begin_again(each, best, doubt);
+  }
+  state.headings.accept();
+  rest::restart(state.rest);
+}
+
+}  // namespace
+
+void choose_model(State& state) {
+  constexpr double noisier = 1.0;
+  constexpr double quieter = 3.0;     // too much trust in an IMU costs more than too little
+  constexpr double max_behind = 8.0;  // the noise may change at any time
+  constexpr int lost_after = 6;
+  HypothesisBank& bank = state.bank;
+  for (Hypothesis& each : bank) {
+    if (each.track != Track::followed || &each == &bank.best()) continue;
+    if (each.missed_in_row >= lost_after) begin_again(each, bank.best(), state.doubt);
+    const bool best_is_open = is_open(bank.best().imu);
+    if (is_open(each.imu) && !best_is_open) continue;
+    if (each.imu == ImuModel::other_clock && !has_other_clock(each.filter)) continue;
+    const double lead = each.imu > bank.best().imu ? noisier : quieter;
+    const bool is_better = best_is_open && !is_open(each.imu) ? trusts_imu_again(each, state)
+                                                              : each.score > bank.best().score + lead;
+    if (is_better) bank.best_index = bank.index_of(each);
+  }
+  const Hypothesis& best = bank.best();
+  for (Hypothesis& each : bank) {
+    if (each.track == Track::followed && each.imu > best.imu) {
+      each.score = std::max(each.score, best.score - max_behind);
+    }
+  }
+  if (is_open(best.imu)) state.doubt.doubted_until_ns = state.time_ns + doubt_ns;
+}
+
+void explain(State& state, const JudgedFix& judged) {
+  const Hypothesis& best = state.bank.best();
+  const Innovation& of_best = judged.innovation_of(state.bank, best);
+  ShiftedTrack& shifted = state.doubt.shifted;
+  if (other_track(state) == nullptr)
+    shifted.evidence = best.evidence;  // otherwise it would start as the best one
+  const double best_likelihood = std::max(log_likelihood(of_best), state.doubt.add_scatter(of_best));
+  for (Hypothesis& each : state.bank) {
+    add_evidence(each.evidence,
+                 &each == &best ? best_likelihood : log_likelihood(judged.innovation_of(state.bank, each)));
+  }
+  add_evidence(shifted.evidence,
+               shifted.add(judged.fix.time_ns, of_best.value_world_m, judged.covariance_m2));
+}
+
+/// Starts the open models when fixes or headings fit badly, and ends them after a while without such.
+void suspect_imu(State& state, bool is_suspicious) {
+  constexpr TimeNs kept_ns = 2'000'000'000;
+  ImuDoubt& doubt = state.doubt;
+  if (is_suspicious) doubt.suspicious_until_ns = state.time_ns + kept_ns;
+  if (state.phase != Phase::tracking || is_open(state.bank.best().imu)) return;
+  const bool is_wanted = state.time_ns <= doubt.suspicious_until_ns;
+  for (const ImuModel model : {ImuModel::open_gyro, ImuModel::open_accel, ImuModel::open}) {
+    const Hypothesis* const open = state.bank.find(model);
+    if (is_wanted && open == nullptr) {
+      Hypothesis& added = state.bank.spawn(state.bank.best());
+      assume(added, model);
+    } else if (!is_wanted && open != nullptr) {
+      state.bank.remove(open);
+    }
+  }
+}
+
+bool doubt_imu(State& state) {
+  constexpr double lead = 14.0;            // prior odds: most IMUs are right
+  constexpr double lead_of_tracks = 11.0;  // once the best is refuted
+  constexpr int min_rejected = 4;
+  // A start that is not proven is more likely to be wrong than the IMU, unless nothing else explains the
+  // fixes.
+  if (state.phase != Phase::tracking ||
+      std::max(state.fixes.since_start, state.fixes.rejected_in_row / 2) < proven_fixes ||
+      std::max(state.fixes.rejected_in_row, state.headings.rejected_in_row) < min_rejected)
+    return false;
+  Hypothesis* open = nullptr;
+  for (Hypothesis& each : state.bank) {
+    const bool is_candidate =
+        each.track == Track::followed && is_open(each.imu) && &each != &state.bank.best();
+    if (is_candidate && (open == nullptr || each.evidence > open->evidence)) open = &each;
+  }
+  if (open == nullptr) return false;
+  double most = state.doubt.shifted.evidence;
+  if (const Hypothesis* const other = other_track(state)) most = std::max(most, other->evidence);
+  if (!(open->evidence > std::max(state.bank.best().evidence + lead, most + lead_of_tracks))) return false;
+  continue_with(state, *open);
+  return true;
+}
+
+namespace {
+
+/// Log-likelihood of this innovation with another covariance.
+double log_likelihood(const Vector3d& value_m, const Matrix3d& covariance_m2) {
+  Innovation innovation;
+  const Eigen::LLT<Matrix3d> factor(covariance_m2);
+  innovation.squared_norm = factor.matrixL().solve(value_m).squaredNorm();
+  innovation.log_determinant = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
+  return log_likelihood(innovation);
+}
+
+}  // namespace
+
+double ImuDoubt::add_scatter(const Innovation& innovation) {
+  constexpr double share = 1.0 / 6.0;
+  const bool is_known = scatter_m2.x() > 0.0;
+  const Vector3d variances_m2 = scatter_m2.cwiseMax(innovation.covariance_m2.diagonal());
+  scatter_m2 += (is_known ? share : 1.0) * (innovation.value_world_m.cwiseAbs2() - scatter_m2);
+  return is_known ? log_likelihood(innovation.value_world_m, variances_m2.asDiagonal())
+                  : wrong_fix_likelihood;
+}
+
+double ShiftedTrack::add(TimeNs time_ns, const Vector3d& offset_m, const Matrix3d& covariance_m2) {
+  constexpr double other_above = 16.0;
+  constexpr double drift_std_mps = 0.2;
+  constexpr double drift_change_mps_rts = 0.05;
+  const double noise_m2 = covariance_m2.diagonal().maxCoeff();
+  const double dt_s = seconds_between(seen_ns, time_ns);
+  seen_ns = time_ns;
+  const double predicted_drift_variance_m2ps2 = drift_variance_m2ps2 + square(drift_change_mps_rts) * dt_s;
+  const double both = covariance_m2ps + dt_s * drift_variance_m2ps2;
+  const double variance = variance_m2 + dt_s * (covariance_m2ps + both);
+  const Vector3d predicted_m = offset_world_m + dt_s * drift_world_mps;
+  const Matrix3d innovation_m2 = covariance_m2 + variance * Matrix3d::Identity();
+  const double distance =
+      Eigen::LLT<Matrix3d>(innovation_m2).matrixL().solve(offset_m - predicted_m).squaredNorm();
+  if (variance_m2 == 0.0 || distance > other_above) {
+    offset_world_m = offset_m;
+    drift_world_mps.setZero();
+    variance_m2 = noise_m2;
+    covariance_m2ps = 0.0;
+    drift_variance_m2ps2 = square(drift_std_mps);
+    return wrong_fix_likelihood;
+  }
+  const double gain = variance / (variance + noise_m2);
+  const double rate_gain = both / (variance + noise_m2);
+  offset_world_m = predicted_m + gain * (offset_m - predicted_m);
+  drift_world_mps += rate_gain * (offset_m - predicted_m);
+  variance_m2 = (1.0 - gain) * variance;
+  covariance_m2ps = (1.0 - gain) * both;
+  drift_variance_m2ps2 = predicted_drift_variance_m2ps2 - rate_gain * both;
+  return log_likelihood(offset_m - predicted_m, innovation_m2);
+}
+
+}  // namespace sonopose::estimation::kalman

@@ -1,0 +1,82 @@
+#include <sonopose/estimation/kalman/imu_steps.hpp>
+
+#include <algorithm>
+
+namespace sonopose::estimation::kalman {
+
+double nominal_imu_period_s(double before_s, double step_s) {
+  constexpr double share = 1.0 / 32.0;
+  constexpr double max_growth = 1.1;  // a gap counts little
+  if (!(before_s > 0.0)) return step_s;
+  return before_s + share * (std::min(step_s, max_growth * before_s) - before_s);
+}
+
+double ShockDetector::add(const Vector3d& step_reading_body, double duration_s, double smooth) {
+  constexpr double interval_s = 0.0075;       // one sample at 100 Hz, several of a faster IMU
+  constexpr double smooth_interval_s = 0.01;  // a slower IMU sees more of a smooth motion
+  constexpr double share_of_shock = 2.0;
+  constexpr double rough_factor = 2.5;
+  constexpr double memory_s = 1.0;
+  open_s += duration_s;
+  open_integral_body += duration_s * step_reading_body;
+  if (open_s < interval_s) return 0.0;
+  const Vector3d latest = open_integral_body / open_s;
+  const double difference = intervals < 2 ? 0.0 : (latest - 2.0 * reading_body[1] + reading_body[0]).norm();
+  const double smooth_here =
+      smooth * std::max(1.0, open_s * open_s / (smooth_interval_s * smooth_interval_s));
+  const double usual = std::max(smooth_here, rough_factor * roughness);
+  const double std = share_of_shock * std::max(0.0, difference - usual) * open_s;
+  // A shock counts little; the limit grows slowly under constant vibration.
+  roughness += std::min(1.0, open_s / memory_s) * (std::min(difference, usual) - roughness);
+  reading_body = {reading_body[1], latest};
+  intervals = std::min(intervals + 1, 2);
+  open_s = 0.0;
+  open_integral_body.setZero();
+  return std * std;
+}
+
+double ShockDetector::density_rthz() const {
+  constexpr double of_white_noise = 3.9;  // mean second difference of three axes, in standard deviations
+  constexpr double usual_interval_rts = 0.1;
+  return roughness / of_white_noise * usual_interval_rts;
+}
+
+ImuStep step_between(const ImuMeasurement& last, const ImuMeasurement& next, double usual_s) {
+  constexpr double short_s = 0.0275;
+  constexpr double regular_steps = 1.5;
+  const double regular_step_s = std::max(short_s, regular_steps * usual_s);
+  const double dt_s = seconds_between(last.time_ns, next.time_ns);
+  if (next.is_mean) return {dt_s, next.rate_body_radps, next.force_body_mps2};
+  ImuStep step{dt_s, 0.5 * (last.rate_body_radps + next.rate_body_radps),
+               0.5 * (last.force_body_mps2 + next.force_body_mps2)};
+  if (!(dt_s > regular_step_s)) return step;
+  // The mean of the two ends differs from that between them.
+  step.irregular = true;
+  step.velocity_std_mps = dt_s * (0.3 * (next.force_body_mps2 - last.force_body_mps2).norm() + 0.3);
+  step.position_std_m = 0.5 * step.velocity_std_mps * dt_s;
+  step.attitude_std_rad = dt_s * (0.3 * (next.rate_body_radps - last.rate_body_radps).norm() + 0.03);
+  return step;
+}
+
+void ImuPreintegrator::add(const ImuStep& step) {
+  const Vector3d turn_rad = step.duration_s * step.rate_body_radps;
+  const Vector3d impulse_mps = step.duration_s * step.force_body_mps2;
+  coning_rad_ += 0.5 * turn_rad_.cross(turn_rad);
+  sculling_mps_ += 0.5 * (turn_rad_.cross(impulse_mps) + impulse_mps_.cross(turn_rad));
+  turn_rad_ += turn_rad;
+  impulse_mps_ += impulse_mps;
+  duration_s_ += step.duration_s;
+  shock_variance_m2ps2_ += step.shock_variance_m2ps2;
+  latest_ = step;
+}
+
+ImuStep ImuPreintegrator::joined() const {
+  if (!has_several()) return latest_;
+  const double per_s = 1.0 / duration_s_;
+  return {.duration_s = duration_s_,
+          .rate_body_radps = per_s * (turn_rad_ + coning_rad_),
+          .force_body_mps2 = per_s * (impulse_mps_ + sculling_mps_),
+          .shock_variance_m2ps2 = shock_variance_m2ps2_};
+}
+
+}  // namespace sonopose::estimation::kalman

@@ -1,0 +1,236 @@
+// State after an IMU sample.
+
+#include "estimation/kalman/filter_parts.hpp"
+#include "estimation/kalman/state_parts.hpp"
+#include <sonopose/geometry/rotation.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace sonopose::estimation::kalman {
+namespace {
+
+constexpr int still_fixes = 4;    // enough to measure that the velocity is zero
+constexpr double former_s = 8.0;  // time for which an abandoned track is kept
+
+/// Sets rate and acceleration of the latest step, since those of joined steps are means.
+void set_latest(NominalState& state, const Filter& filter, const ImuStep& latest) {
+  const Vector3d rate_body_radps = latest.rate_body_radps - filter.gyro_bias_body_radps;
+  const Quaterniond q_middle =
+      state.q_body_to_world * geometry::rotation_by((-0.5 * latest.duration_s * rate_body_radps).eval());
+  state.angular_velocity_body_radps = rate_body_radps;
+  state.acceleration_world_mps2 =
+      q_middle * (latest.force_body_mps2 - filter.accel_bias_body_mps2) + gravity_world_mps2;
+}
+
+/// Nominal state of this filter after these steps.
+NominalState moved(const Filter& filter, const ImuPreintegrator& steps) {
+  const ImuStep step = steps.joined();
+  NominalState after = filter.step(filter, step.rate_body_radps, step.force_body_mps2, step.duration_s).after;
+  if (steps.has_several()) set_latest(after, filter, steps.latest());
+  return after;
+}
+
+/// True if another step of this duration can join the open ones: up to 10 ms while tracking, and up to 20 ms
+/// while there are many filters, with a margin for the jitter of the stamps.
+bool can_join(const State& state, double duration_s) {
+  const double longest_s = state.phase == Phase::searching_yaw ? 0.0205 : 0.0105;
+  return state.imu.open_steps.duration_s() + duration_s <= longest_s;
+}
+
+/// Joins the steps of a fast IMU for the filters. Code that changes them, or needs their state at the latest
+/// sample, calls `close_steps`, `propagate` or `nominal` first. `up_rate_radps` need not: a turn hardly
+/// changes the component of its own rate about the vertical.
+void predict(State& state, const ImuStep& step) {
+  if (!can_join(state, step.duration_s)) state.close_steps();
+  state.imu.open_steps.add(step);
+  if (!can_join(state, step.duration_s)) state.close_steps();  // the next one is probably as long
+}
+
+/// Keeps the last pair heading up to date while a start may use it.
+void turn_last_heading(State& state, const ImuMeasurement& sample) {
+  HeadingGate& gate = state.headings;
+  if (!gate.is_current) return;
+  if (sample.time_ns - gate.used_ns >= heading_kept_ns) {
+    gate.is_current = false;
+    return;
+  }
+  const double before_radps = up_rate_radps(state);
+  const double dt_s = seconds_between(state.imu.time_ns, sample.time_ns);
+  state.imu.rate_body_radps = sample.rate_body_radps;
+  gate.heading_world_rad += 0.5 * (before_radps + up_rate_radps(state)) * dt_s;
+}
+
+void update_rest(State& state, const ImuMeasurement& sample, ImuOutcome& outcome) {
+  RestState& rest = state.rest;
+  if (!rest::add_sample(rest, sample.time_ns, sample.rate_body_radps, sample.force_body_mps2)) return;
+  const bool started = state.phase != Phase::waiting;
+  const Vector3d bias = started ? state.filter().gyro_bias_body_radps : Vector3d::Zero();
+  const double bias_std_radps =
+      started ? std::sqrt(state.filter().covariance.diagonal().segment<3>(at_gyro_bias).maxCoeff()) : 0.02;
+  const bool still = rest::end_window(rest, sample.time_ns, bias, bias_std_radps);
+  if (!still || !started || rest.still_windows < 2) return;
+  // If the bias is hardly known, this may be a slow, smooth turn.
+  constexpr double known_bias_radps = 0.005;
+  if (bias_std_radps > known_bias_radps &&
+      (!stands_still(state, few_fixes) ||
+       rest::headings_turn(rest, std::sqrt(state.noise.heading_rad2.variance))))
+    return;
+  state.propagate();
+  outcome.still = true;
+  outcome.still_rate_variance = rest::still_rate_variance(rest, sample.time_ns);
+  for (Hypothesis& each : state.bank) {
+    each.filter.update_direct(at_gyro_bias, rest.still_gyro_mean - each.filter.gyro_bias_body_radps,
+                              outcome.still_rate_variance);
+  }
+  if (!stands_still(state, still_fixes) || state.filter().velocity_world_mps.norm() > 0.1) return;
+  outcome.no_velocity_variance = rest::still_velocity_variance(rest, sample.time_ns);
+}
+
+/// Noise of a model. A rough IMU is at least as noisy as its samples show.
+ProcessNoise process_noise(const ImuInput& imu, ImuModel model) {
+  ProcessNoise noise = parameters_of(model).noise;
+  if (model == ImuModel::rough) {
+    noise.accel_mps2_rthz = std::max(noise.accel_mps2_rthz, imu.shocks.density_rthz());
+  }
+  if (model == ImuModel::rough || model == ImuModel::rough_gyro) {
+    noise.gyro_radps_rthz = std::max(noise.gyro_radps_rthz, imu.turn_shocks.density_rthz());
+  }
+  return noise;
+}
+
+/// Adds a weak measurement of zero velocity while there are no fixes.
+void bound_dead_reckoning(State& state, ImuOutcome& outcome) {
+  constexpr TimeNs after_ns = 1'000'000'000;
+  constexpr TimeNs period_ns = 97'500'000;  // no multiple of a usual sample interval
+  const TimeNs now_ns = state.imu.time_ns;
+  if (state.phase == Phase::waiting || now_ns - state.fixes.used_ns < after_ns ||
+      now_ns - state.last_zero_velocity_ns < period_ns || outcome.no_velocity_variance > 0.0)
+    return;
+  state.last_zero_velocity_ns = now_ns;
+  outcome.no_velocity_variance = square(parameters_of(state.bank.best().imu).dead_reckoning_mps_rts) /
+                                 (1e-9 * static_cast<double>(period_ns));
+}
+
+void slow_down(State& state, double variance_m2ps2) {
+  if (variance_m2ps2 == 0.0) return;
+  state.propagate();
+  for (Hypothesis& each : state.bank) {
+    if (each.track != Track::followed) continue;
+    each.filter.update_direct(at_velocity, -each.filter.velocity_world_mps, variance_m2ps2);
+  }
+}
+
+}  // namespace
+
+bool stands_still(const State& state, int min_fixes) {
+  const Vector3d fix_std_m =
+      state.noise.fix_covariance_m2(state.fixes.quality_percent).diagonal().cwiseSqrt();
+  return rest::fixes_stand_still(state.rest, fix_std_m, min_fixes);
+}
+
+double up_rate_radps(const State& state) {
+  const Vector3d& rate = state.imu.rate_body_radps;
+  if (state.phase == Phase::waiting) return state.imu.mean_force_body_mps2.normalized().dot(rate);
+  const Filter& filter = state.filter();
+  return geometry::up_in_body(filter.q_body_to_world).dot(rate - filter.gyro_bias_body_radps);
+}
+
+void add_missed_motion(Filter& filter, const ImuStep& step) {
+  filter.add_variance(at_velocity, Vector3d::Constant(square(step.velocity_std_mps)));
+  filter.add_variance(at_position, Vector3d::Constant(square(step.position_std_m)));
+  filter.add_variance(at_attitude, Vector3d::Constant(square(step.attitude_std_rad)));
+}
+
+ImuOutcome State::on_imu(const settings::Settings& settings, const ImuMeasurement& sample) {
+  const bool is_first = imu.time_ns == 0;
+  const double dt_s = is_first ? 0.0 : seconds_between(imu.time_ns, sample.time_ns);
+  imu.in_gap = dt_s > settings.outage.imu_gap_s;
+  if (imu.in_gap) headings.is_current = false;  // no rate shows how the body turned meanwhile
+  if (phase == Phase::waiting) {
+    constexpr double time_constant_s = 0.5;
+    const double share = is_first ? 1.0 : std::min(1.0, std::max(dt_s, 0.005) / time_constant_s);
+    imu.mean_force_body_mps2 += share * (sample.force_body_mps2 - imu.mean_force_body_mps2);
+  } else if (imu.in_gap) {
+    end_imu_gap(*this, sample.time_ns);
+  } else if (dt_s > 0.0) {
+    ImuStep step = step_between({.time_ns = imu.time_ns,
+                                 .rate_body_radps = imu.rate_body_radps,
+                                 .force_body_mps2 = imu.force_body_mps2},
+                                sample, imu.nominal_imu_period_s);
+    constexpr double smooth_mps2 = 2.5;
+    constexpr double smooth_radps = 1.0;
+    step.shock_variance_m2ps2 = imu.shocks.add(sample.force_body_mps2, dt_s, smooth_mps2);
+    const double turn_variance_rad2 = imu.turn_shocks.add(sample.rate_body_radps, dt_s, smooth_radps);
+    step.attitude_std_rad = std::sqrt(square(step.attitude_std_rad) + turn_variance_rad2);
+    predict(*this, step);
+    if (step.attitude_std_rad > 0.0) {
+      propagate();
+      for (Hypothesis& each : bank) add_missed_motion(each.filter, step);
+    }
+  }
+  if (!is_first && !imu.in_gap) {
+    imu.nominal_imu_period_s = kalman::nominal_imu_period_s(imu.nominal_imu_period_s, dt_s);
+    turn_last_heading(*this, sample);
+  }
+  imu.time_ns = time_ns = sample.time_ns;
+  imu.rate_body_radps = sample.rate_body_radps;
+  imu.force_body_mps2 = sample.force_body_mps2;
+  ImuOutcome outcome;
+  update_rest(*this, sample, outcome);
+  bound_dead_reckoning(*this, outcome);
+  slow_down(*this, outcome.no_velocity_variance);
+  const Hypothesis* const former = bank.find(Track::former);
+  if (former != nullptr && seconds_between(former->explained_ns, time_ns) > former_s) bank.remove(former);
+  return outcome;
+}
+
+void State::close_steps() {
+  if (imu.open_steps.empty()) return;
+  const ImuStep step = imu.open_steps.joined();
+  for (Hypothesis& each : bank) {
+    each.filter.predict(step.rate_body_radps, step.force_body_mps2, step.duration_s,
+                        step.shock_variance_m2ps2);
+  }
+  Filter& best = bank.best().filter;
+  frozen_track.move(step.duration_s, best.acceleration_world_mps2);
+  if (imu.open_steps.has_several()) set_latest(best, best, imu.open_steps.latest());  // for the pose
+  imu.open_steps = ImuPreintegrator{};
+}
+
+void State::propagate() {
+  close_steps();
+  for (Hypothesis& each : bank) each.filter.propagate(process_noise(imu, each.imu));
+}
+
+bool State::covariance_is_old() const {
+  constexpr double longest_s = 0.2;
+  return phase != Phase::waiting && filter().pending.duration_s > longest_s;
+}
+
+NominalState State::nominal() const {
+  if (phase == Phase::waiting) return {};
+  if (imu.open_steps.empty()) return static_cast<const NominalState&>(filter());
+  return moved(filter(), imu.open_steps);
+}
+
+NominalState State::nominal_after(const ImuStep& step) const {
+  if (!can_join(*this, step.duration_s)) {
+    return filter().step(nominal(), step.rate_body_radps, step.force_body_mps2, step.duration_s).after;
+  }
+  ImuPreintegrator steps = imu.open_steps;
+  steps.add(step);
+  return moved(filter(), steps);
+}
+
+void recover_if_not_finite(State& state) {
+  if (state.phase == Phase::waiting || state.filter().is_finite()) return;
+  state.bank.clear();
+  state.headings = {.seen_ns = state.headings.seen_ns, .interval_s = state.headings.interval_s};
+  state.imu.mean_force_body_mps2 = state.imu.force_body_mps2;
+  state.frozen_track = {};
+  state.doubt = {};
+  state.phase = Phase::waiting;
+}
+
+}  // namespace sonopose::estimation::kalman

@@ -1,0 +1,113 @@
+#pragma once
+// Shared by the sources of State: parameters of the judgement, likelihoods, and the steps of a judgement.
+
+#include <sonopose/estimation/kalman/state.hpp>
+#include <sonopose/geometry/rotation.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace sonopose::estimation::kalman {
+
+// Thresholds on the χ² of an innovation with 3 degrees of freedom:
+inline constexpr double chi2_huber_threshold = 7.8;  // 5 % are above
+inline constexpr double explained_below = 16.0;      // 0.1 % are above
+inline constexpr double chi2_reject_threshold = 30.0;
+inline constexpr double heading_rejected_above = 25.0;  // 1 degree of freedom: five standard deviations
+
+inline constexpr double wrong_fix_likelihood = -4.5;    // logarithm; the fix lies anywhere within metres
+inline constexpr TimeNs heading_kept_ns = 500'000'000;  // age at which a start may still use a heading
+inline constexpr int few_fixes = 2;                     // enough to distinguish a rest from a smooth cruise
+
+constexpr double square(double x) {
+  return x * x;
+}
+
+constexpr double radians(double degrees) {
+  return degrees * geometry::radians_per_degree;
+}
+
+/// Factor by which the covariance of a fix grows with its innovation.
+inline double scale_of(const Innovation& innovation) {
+  return std::max(1.0, innovation.squared_norm / chi2_huber_threshold);
+}
+
+/// Corrects a filter by a fix whose covariance, `covariance_m2`, grows with its innovation.
+inline void correct_scaled(Filter& filter, const Innovation& innovation, const Matrix3d& covariance_m2) {
+  filter.correct_fix(innovation, (scale_of(innovation) - 1.0) * covariance_m2);
+}
+
+/// Student's t with six degrees of freedom over three dimensions, up to a constant.
+inline double log_likelihood(const Innovation& innovation) {
+  return -4.5 * std::log1p(innovation.squared_norm / 6.0) - 0.5 * innovation.log_determinant;
+}
+
+/// Adds the log-likelihood of a fix that may also be wrong.
+inline void add_evidence(double& evidence, double log_likelihood) {
+  constexpr double kept = 0.85;
+  evidence = kept * evidence + std::max(log_likelihood, wrong_fix_likelihood);
+}
+
+inline double squared_norm(const Filter::HeadingInnovation& innovation) {
+  return square(innovation.value_rad) / innovation.variance_rad2;
+}
+
+/// Innovation of each hypothesis, in the order of the bank.
+using Innovations = std::array<Innovation, HypothesisBank::capacity>;
+
+/// A fix under judgement.
+struct JudgedFix {
+  const settings::Settings& settings;
+  const FixMeasurement& fix;
+  Matrix3d covariance_m2;
+  double ahead_s;  ///< lead of the fix over the filters
+  Innovations innovations;
+
+  [[nodiscard]] const Innovation& innovation_of(const HypothesisBank& bank,
+                                                const Hypothesis& hypothesis) const {
+    return innovations[static_cast<std::size_t>(bank.index_of(hypothesis))];
+  }
+};
+
+[[nodiscard]] Matrix3d covariance_of(const State& state, const FixMeasurement& fix);
+[[nodiscard]] bool stands_still(const State& state, int min_fixes);
+/// Rate of the body about the vertical.
+[[nodiscard]] double up_rate_radps(const State& state);
+/// Registers that the followed track jumped to this fix.
+void note_jump(State& state, TimeNs fix_ns);
+/// Registers a fix that the followed track has used.
+void note_used(State& state, const FixMeasurement& fix);
+
+// Yaw: the first fix, and the search for an unknown yaw.
+void start_at(State& state, const FixMeasurement& fix, const settings::Settings& settings);
+void prune_starts(State& state);
+void search_yaw_again(State& state);
+
+// Headings.
+[[nodiscard]] Filter::HeadingInnovation heading_innovation(const State& state, const Filter& filter,
+                                                           const settings::Settings& settings,
+                                                           const HeadingMeasurement& heading);
+void correct_by_heading(const State& state, Filter& filter, const settings::Settings& settings,
+                        const HeadingMeasurement& heading, double variance_rad2);
+
+// Other tracks.
+[[nodiscard]] Hypothesis* other_track(State& state);
+void end_other_track(State& state, TimeNs now_ns);
+void keep_former(State& state, TimeNs left_ns, TimeNs left_for_ns);
+void judge_rejected(State& state, const JudgedFix& judged, FixOutcome& outcome);
+void turn_map(State& state, const settings::Settings& settings, const HeadingMeasurement& heading,
+              double innovation_rad);
+
+// The IMU.
+void choose_model(State& state);
+void explain(State& state, const JudgedFix& judged);
+void suspect_imu(State& state, bool is_suspicious);
+/// Makes an open model the best if it explains the rejected fixes or headings best.
+bool doubt_imu(State& state);
+void coast_if_silent(State& state, const settings::Settings& settings, TimeNs measured_ns);
+void end_imu_gap(State& state, TimeNs to_ns);
+/// Discards filters that are not finite; the next fix then starts the estimate.
+void recover_if_not_finite(State& state);
+
+}  // namespace sonopose::estimation::kalman

@@ -1,0 +1,193 @@
+// The first fix, and the search for an unknown yaw: one hypothesis per direction, and one on the fixes alone.
+
+#include "estimation/kalman/state_parts.hpp"
+#include <sonopose/geometry/rotation.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace sonopose::estimation::kalman {
+namespace {
+
+/// Filter with the biases, lever arm and delay known so far, and the variances of a start except for yaw.
+Filter initial_filter(const State& state, bool at_rest) {
+  // The attitude of an abandoned estimate is less certain than that from the mean force.
+  const double attitude_std_rad = radians(at_rest ? 1.7 : state.phase == Phase::waiting ? 5.0 : 15.0);
+  const double speed_std_mps = at_rest ? 0.1 : 2.0;
+  Filter start;
+  auto variances = start.covariance.diagonal();
+  variances.segment<3>(at_position).setConstant(square(0.05));
+  variances.segment<3>(at_velocity).setConstant(square(speed_std_mps));
+  variances.segment<3>(at_attitude).setConstant(square(attitude_std_rad));
+  variances.segment<3>(at_gyro_bias).setConstant(square(start_gyro_bias_std_radps));
+  variances.segment<3>(at_accel_bias).setConstant(square(start_accel_bias_std_mps2));
+  variances.segment<3>(at_lever_arm).setConstant(square(start_lever_arm_std_m));
+  if (state.phase == Phase::waiting) return start;
+  const Filter& before = state.filter();
+  start.gyro_bias_body_radps = before.gyro_bias_body_radps;
+  start.accel_bias_body_mps2 = before.accel_bias_body_mps2;
+  start.lever_arm_body_m = before.lever_arm_body_m;
+  start.delay_error_s = before.delay_error_s;
+  start.delay_variance_s2 = before.delay_variance_s2;
+  for (const StateIndex index : {at_gyro_bias, at_accel_bias, at_lever_arm}) {
+    start.covariance.block<3, 3>(index, index) = before.covariance.block<3, 3>(index, index);
+  }
+  return start;
+}
+
+/// Starts one hypothesis per direction of the body about `up_body`, from this yaw on, with the tracked point
+/// in place. With several directions, another one follows the fixes alone.
+void search(State& state, const Filter& from, const Vector3d& up_body, double first_yaw_rad, int directions) {
+  const Vector3d tracked_world_m = from.tracked_position_world_m();
+  state.phase = Phase::searching_yaw;
+  state.bank.clear();
+  for (int i = 0; i <= directions; ++i) {
+    const bool is_fixes_alone = i == directions;
+    if (is_fixes_alone && directions == 1) break;
+    Hypothesis& start = state.bank.spawn({.filter = from});
+    if (is_fixes_alone) start.imu = ImuModel::open;
+    start.filter.q_body_to_world =
+        geometry::level_with(up_body, first_yaw_rad + i * 2.0 * std::numbers::pi / start_count);
+    start.filter.position_world_m = tracked_world_m + start.filter.q_body_to_world * from.lever_arm_body_m;
+  }
+  state.bank.best_index = 0;
+}
+
+/// Yaw from the last heading, turned by the gyroscope to the time of a fix.
+double yaw_of_last_heading_rad(const State& state, TimeNs fix_ns, const settings::Settings& settings) {
+  const double since_sample_s = seconds_between(state.imu.time_ns, fix_ns);
+  const double turned_rad =
+      since_sample_s < settings.outage.imu_gap_s ? since_sample_s * up_rate_radps(state) : 0.0;
+  return state.headings.heading_world_rad + turned_rad - radians(settings.heading.mount_offset_deg);
+}
+
+}  // namespace
+
+void search_yaw_again(State& state) {
+  Filter from = state.filter();
+  const Vector3d up_body = geometry::up_in_body(from.q_body_to_world);
+  const double yaw_rad = geometry::yaw_of(from.q_body_to_world);
+  from.decorrelate(at_attitude, Vector3d::Constant(square(radians(5.0))));
+  from.add_yaw_variance(square(radians(15.0)));
+  search(state, from, up_body, yaw_rad, start_count);
+}
+
+void start_at(State& state, const FixMeasurement& fix, const settings::Settings& settings) {
+  const bool at_rest = state.rest.still_windows >= 1;
+  const Vector3d up_body = at_rest ? state.rest.still_accel_mean
+                           : state.phase != Phase::waiting
+                               ? geometry::up_in_body(state.filter().q_body_to_world)
+                               : state.imu.mean_force_body_mps2;
+  const bool has_heading =
+      state.headings.is_current && fix.time_ns - state.headings.used_ns < heading_kept_ns;
+  const double yaw_rad = has_heading ? yaw_of_last_heading_rad(state, fix.time_ns, settings) : 0.0;
+  Filter start = initial_filter(state, at_rest);
+  // Noise of a usual fix, or of this one if larger.
+  start.decorrelate(
+      at_position,
+      covariance_of(state, fix).diagonal().cwiseMax(start.covariance.diagonal().segment<3>(at_position)));
+  start.position_world_m = fix.position_world_m + start.q_body_to_world * start.lever_arm_body_m;
+  start.angular_velocity_body_radps = state.imu.rate_body_radps;
+  search(state, start, up_body, yaw_rad, has_heading ? 1 : start_count);
+  for (Hypothesis& each : state.bank) {
+    each.filter.add_yaw_variance(square(has_heading ? radians(4.0) : radians(15.0)));
+  }
+  state.restart_pending = false;
+  state.last_zero_velocity_ns = fix.time_ns;
+  state.fixes = {.used_ns = fix.time_ns, .since_start = 1, .quality_percent = fix.quality_percent};
+  state.headings.accept();
+  if (!has_heading) return;
+  state.phase = Phase::tracking;
+  state.bank.follow(state.filter());
+}
+
+/// Removes starts that fixes and headings contradict, and those that became equal to another one. The best
+/// one changes only if another is much more likely: the yaw must not jump while nothing is learned.
+void prune_starts(State& state) {
+  constexpr double contradicted = 14.0;
+  constexpr double merged_rad = radians(4.0);
+  constexpr double much_better = 2.0;
+  HypothesisBank& bank = state.bank;
+  const auto is_start = [&](const Hypothesis& each) {
+    return each.track == Track::followed && each.imu != ImuModel::open;
+  };
+  const auto yaw_of = [](const Hypothesis& each) { return geometry::yaw_of(each.filter.q_body_to_world); };
+  double most = -std::numeric_limits<double>::infinity();
+  for (const Hypothesis& each : bank) {
+    if (is_start(each)) most = std::max(most, each.score);
+  }
+  bool has_best = true;
+  const auto end = [&](int i) {
+    has_best = has_best && i != bank.best_index;
+    bank.remove(&bank[i]);
+  };
+  for (int i = bank.size() - 1; i >= 0; --i) {
+    if (!is_start(bank[i])) continue;
+    if (!(bank[i].score > most - contradicted && bank[i].filter.is_finite())) {
+      end(i);
+      continue;
+    }
+    for (int j = 0; j < i; ++j) {
+      const double apart_rad = std::abs(geometry::wrap_angle(yaw_of(bank[i]) - yaw_of(bank[j])));
+      if (!is_start(bank[j]) || !(apart_rad < merged_rad)) continue;
+      if (bank[i].score > bank[j].score) std::swap(bank[i], bank[j]);
+      if (bank.best_index == i) bank.best_index = j;
+      bank.remove(&bank[i]);
+      break;
+    }
+  }
+  const int starts = static_cast<int>(std::count_if(bank.begin(), bank.end(), is_start));
+  double least = has_best ? bank.best().score + much_better : -std::numeric_limits<double>::infinity();
+  for (int i = 0; i < bank.size(); ++i) {
+    if (bank[i].track != Track::followed || !(bank[i].score > least)) continue;
+    bank.best_index = i;
+    least = bank[i].score;
+  }
+  if (starts > 1) return;
+  if (bank.best().imu == ImuModel::open) {
+    search_yaw_again(state);
+    bank.best_index = start_count;
+  } else {
+    bank.remove(Track::other);  // its yaw is arbitrary
+    state.phase = Phase::tracking;
+    bank.follow(state.filter());
+  }
+}
+
+Spread State::spread() const {
+  Spread spread;
+  if (phase != Phase::searching_yaw) return spread;
+  const auto is_searched = [](const Hypothesis& each) { return each.track == Track::followed; };
+  double most = -std::numeric_limits<double>::infinity();
+  for (const Hypothesis& each : bank) {
+    if (is_searched(each)) most = std::max(most, each.score);
+  }
+  const double yaw_rad = geometry::yaw_of(filter().q_body_to_world);
+  constexpr double no_yaw_rad2 = std::numbers::pi * std::numbers::pi / 3.0;  // variance of a uniform angle
+  double weights = 0.0;
+  double yaw_rad2 = 0.0;
+  for (const Hypothesis& each : bank) {
+    if (!is_searched(each)) continue;
+    const double weight = std::exp(each.score - most);
+    weights += weight;
+    if (each.imu == ImuModel::open) {
+      yaw_rad2 += weight * no_yaw_rad2;
+      continue;
+    }
+    const double by_rad = geometry::wrap_angle(geometry::yaw_of(each.filter.q_body_to_world) - yaw_rad);
+    const Vector3d by_m = each.filter.tracked_position_world_m() - filter().tracked_position_world_m();
+    const Vector3d by_mps = each.filter.tracked_velocity_world_mps() - filter().tracked_velocity_world_mps();
+    yaw_rad2 += weight * (square(by_rad) + each.filter.yaw_variance_rad2());
+    spread.position_m2 += weight * by_m * by_m.transpose();
+    spread.velocity_m2ps2 += weight * by_mps * by_mps.transpose();
+  }
+  spread.yaw_rad2 = std::max(0.0, std::min(yaw_rad2 / weights, no_yaw_rad2) - filter().yaw_variance_rad2());
+  spread.position_m2 /= weights;
+  spread.velocity_m2ps2 /= weights;
+  return spread;
+}
+
+}  // namespace sonopose::estimation::kalman

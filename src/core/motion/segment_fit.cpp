@@ -1,0 +1,317 @@
+#include "motion/segment_fit.hpp"
+
+#include "motion/integral.hpp"
+#include <sonopose/geometry/cross_matrix.hpp>
+#include <sonopose/geometry/rotation.hpp>
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+namespace sonopose::motion::detail {
+namespace {
+
+constexpr int at_position = 0;
+constexpr int at_velocity = 3;
+constexpr int at_attitude = 6;  // a rotation about world axes
+constexpr int at_gyro_bias = 9;
+constexpr int at_accel_bias = 12;
+constexpr int at_lever_arm = 15;
+constexpr int at_delay = 18;
+constexpr int at_mount = 19;
+constexpr int unknowns = 20;
+using Unknowns = Eigen::Matrix<double, unknowns, 1>;
+using Normal = Eigen::Matrix<double, unknowns, unknowns>;
+using Row = Eigen::Matrix<double, 3, unknowns>;
+using Stacked = Eigen::Matrix<double, Eigen::Dynamic, unknowns>;
+
+// Standard deviations before any measurement, for an uncalibrated MEMS sensor and a usual installation.
+constexpr double gyro_bias_std_radps = 0.015;
+constexpr double accel_bias_std_mps2 = 0.1;
+constexpr double lever_arm_std_m = 0.1;
+constexpr double delay_std_s = 0.1;
+/// Least noise of good fixes; it also covers the noise of the integrated IMU.
+constexpr double min_noise_m = 0.02;
+/// Least noise of a heading of a pair.
+constexpr double heading_noise_rad = 1.5 * geometry::radians_per_degree;
+/// Cauchy weight: a residual of this many standard deviations has half the weight.
+constexpr double tuning = 2.4;
+constexpr double normal_median = 0.6745;  // median of |x| for a standard normal x
+
+struct Estimate {
+  Vector3d position_world_m = Vector3d::Zero();
+  Vector3d velocity_world_mps = Vector3d::Zero();
+  Eigen::Quaterniond q_start_to_world = Eigen::Quaterniond::Identity();
+  Vector3d gyro_bias_radps = Vector3d::Zero();
+  Vector3d accel_bias_mps2 = Vector3d::Zero();
+  Vector3d lever_arm_body_m = Vector3d::Zero();
+  double delay_s = 0;
+  double mount_rad = 0;
+};
+
+/// Negative logarithm of a Cauchy distribution of a residual in standard deviations; near zero that of a
+/// normal one.
+double cost_of(double squared) {
+  return 0.5 * tuning * tuning * std::log1p(squared / (tuning * tuning));
+}
+
+double cauchy_weight(double squared) {
+  return 1.0 / (1.0 + squared / (tuning * tuning));
+}
+
+class Solver {
+public:
+  Solver(const Segment& segment, Vector3d signs) : segment_(segment), signs_(std::move(signs)) {}
+
+  /// Estimate after some steps from a level start with this yaw, with its cost.
+  std::optional<std::pair<double, Estimate>> begin(double yaw_rad, int steps) {
+    start(yaw_rad);
+    if (!iterate(steps)) return std::nullopt;
+    return std::pair(cost(), estimate_);
+  }
+
+  /// Iterates from an estimate until it no longer changes.
+  std::optional<SegmentFit> finish(const Estimate& from) {
+    constexpr int max_steps = 40;
+    estimate_ = from;
+    integrate();
+    evaluate();
+    if (!iterate(max_steps)) return std::nullopt;
+    return result();
+  }
+
+private:
+  /// Returns false if it fails.
+  bool iterate(int max_steps) {
+    constexpr double small = 1e-5;  // m, m/s, rad …
+    double change = 1.0;
+    for (int step = 0; step < max_steps && change > small; ++step) {
+      change = improve();
+      if (!std::isfinite(change)) return false;
+    }
+    return true;
+  }
+
+  void start(double yaw_rad) {
+    estimate_ = {};
+    integrate();
+    const IntegralState& end = states_.back();
+    estimate_.q_start_to_world = geometry::level_with(end.velocity_mps, yaw_rad);
+    estimate_.position_world_m = segment_.fixes.front().position_world_m;
+    // The mean velocity of the fixes is that of the middle.
+    const Position& last = segment_.fixes.back();
+    const Position& first = segment_.fixes.front();
+    estimate_.velocity_world_mps =
+        (last.position_world_m - first.position_world_m) / seconds_between(first.time_ns, last.time_ns);
+    evaluate();
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    for (const double angle_rad : heading_residuals_) {
+      sum += Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad));
+    }
+    estimate_.mount_rad = std::atan2(sum.y(), sum.x());
+    evaluate();
+  }
+
+  [[nodiscard]] double time_of(TimeNs measured_ns) const {
+    return seconds_between(segment_.imu.front().time_ns, measured_ns) - estimate_.delay_s;
+  }
+
+  void evaluate() {
+    evaluate_fixes();
+    evaluate_headings();
+  }
+
+  void integrate() {
+    states_ = integral_of(segment_.imu, signs_, estimate_.gyro_bias_radps, estimate_.accel_bias_mps2);
+  }
+
+  /// Evaluates residuals, derivatives and the noise of the fixes at the estimate.
+  void evaluate_fixes() {
+    const Vector3d gravity(0, 0, -standard_gravity_mps2);
+    const Eigen::Matrix3d to_world = estimate_.q_start_to_world.toRotationMatrix();
+    rows_.clear();
+    residuals_.clear();
+    for (const Position& fix : segment_.fixes) {
+      const double time_s = time_of(fix.time_ns);
+      const IntegralState state = state_at(states_, time_s);
+      const Eigen::Matrix3d body_to_world = to_world * state.q_body_to_start.toRotationMatrix();
+      const Vector3d moved = to_world * state.position_m;
+      const Vector3d arm = body_to_world * estimate_.lever_arm_body_m;
+      const Vector3d velocity = estimate_.velocity_world_mps + time_s * gravity +
+                                to_world * state.velocity_mps -
+                                body_to_world * state.rate_body_radps.cross(estimate_.lever_arm_body_m);
+      residuals_.emplace_back(fix.position_world_m - estimate_.position_world_m -
+                              time_s * estimate_.velocity_world_mps - 0.5 * time_s * time_s * gravity -
+                              moved + arm);
+      Row row = Row::Zero();
+      row.block<3, 3>(0, at_position).setIdentity();
+      row.block<3, 3>(0, at_velocity) = time_s * Eigen::Matrix3d::Identity();
+      row.block<3, 3>(0, at_attitude) = geometry::cross_matrix(arm - moved);
+      row.block<3, 3>(0, at_gyro_bias) = to_world * state.position_by_gyro;
+      row.block<3, 3>(0, at_accel_bias) = to_world * state.position_by_accel;
+      row.block<3, 3>(0, at_lever_arm) = -body_to_world;
+      row.col(at_delay) = -velocity;
+      rows_.push_back(row);
+    }
+    std::vector<double> sizes;
+    for (const Vector3d& residual : residuals_) {
+      for (const double component : residual) sizes.push_back(std::abs(component));
+    }
+    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+    std::nth_element(sizes.begin(), middle, sizes.end());
+    noise_m_ = std::max(min_noise_m, *middle / normal_median);
+  }
+
+  /// Evaluates residuals and derivatives of the headings at the estimate.
+  void evaluate_headings() {
+    heading_rows_.clear();
+    heading_residuals_.clear();
+    for (const Direction& heading : segment_.headings) {
+      const IntegralState state = state_at(states_, time_of(heading.time_ns));
+      const Eigen::Quaterniond q_body_to_world = estimate_.q_start_to_world * state.q_body_to_start;
+      const double predicted_rad =
+          geometry::yaw_of(q_body_to_world * geometry::rotation_about_z(estimate_.mount_rad));
+      heading_residuals_.push_back(geometry::wrap_angle(heading.heading_world_rad - predicted_rad));
+      const Eigen::Matrix3d body_to_world = q_body_to_world.toRotationMatrix();
+      Eigen::Matrix<double, 1, unknowns> row = Eigen::Matrix<double, 1, unknowns>::Zero();
+      row(at_attitude + 2) = 1.0;
+      row.segment<3>(at_gyro_bias) = body_to_world.row(2) * state.attitude_by_gyro;
+      row(at_delay) = -body_to_world.row(2).dot(state.rate_body_radps);
+      row(at_mount) = 1.0;
+      heading_rows_.push_back(row);
+    }
+  }
+
+  [[nodiscard]] double squared(const Vector3d& residual) const {
+    return residual.squaredNorm() / (noise_m_ * noise_m_);
+  }
+  static double squared(double heading_residual_rad) {
+    return heading_residual_rad * heading_residual_rad / (heading_noise_rad * heading_noise_rad);
+  }
+
+  /// Makes a Gauss–Newton step. Returns its largest change; not finite if it fails.
+  double improve() {
+    Stacked rows(static_cast<Eigen::Index>(3 * rows_.size() + heading_rows_.size()), unknowns);
+    Eigen::VectorXd residuals(rows.rows());
+    Eigen::Index next = 0;
+    for (std::size_t i = 0; i < rows_.size(); ++i, next += 3) {
+      const double w = std::sqrt(cauchy_weight(squared(residuals_[i]))) / noise_m_;
+      rows.middleRows<3>(next) = w * rows_[i];
+      residuals.segment<3>(next) = w * residuals_[i];
+    }
+    for (std::size_t i = 0; i < heading_rows_.size(); ++i, ++next) {
+      const double w = std::sqrt(cauchy_weight(squared(heading_residuals_[i]))) / heading_noise_rad;
+      rows.row(next) = w * heading_rows_[i];
+      residuals(next) = w * heading_residuals_[i];
+    }
+    Normal normal = Normal::Zero();
+    normal.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
+    Unknowns right = rows.transpose() * residuals;
+    const auto expect = [&](int at, const auto& value, double std) {
+      for (Eigen::Index i = 0; i < value.size(); ++i) {
+        normal(at + i, at + i) += 1.0 / (std * std);
+        right(at + i) -= value(i) / (std * std);
+      }
+    };
+    expect(at_gyro_bias, estimate_.gyro_bias_radps, gyro_bias_std_radps);
+    expect(at_accel_bias, estimate_.accel_bias_mps2, accel_bias_std_mps2);
+    expect(at_lever_arm, estimate_.lever_arm_body_m, lever_arm_std_m);
+    expect(at_delay, Eigen::Matrix<double, 1, 1>(estimate_.delay_s), delay_std_s);
+    normal.diagonal().array() += 1e-9;
+    factor_.compute(normal);
+    Unknowns change = factor_.solve(right);
+    if (!change.allFinite()) return std::numeric_limits<double>::quiet_NaN();
+    constexpr double largest_turn_rad = 0.5;  // the model is not linear in the attitude
+    const double turn_rad = change.segment<3>(at_attitude).norm();
+    if (turn_rad > largest_turn_rad) change *= largest_turn_rad / turn_rad;
+    apply(change);
+    return change.cwiseAbs().maxCoeff();
+  }
+
+  void apply(const Unknowns& change) {
+    constexpr double largest_delay_s = 0.3;
+    estimate_.position_world_m += change.segment<3>(at_position);
+    estimate_.velocity_world_mps += change.segment<3>(at_velocity);
+    const Vector3d turn = change.segment<3>(at_attitude);
+    estimate_.q_start_to_world = (geometry::rotation_by(turn) * estimate_.q_start_to_world).normalized();
+    estimate_.gyro_bias_radps += change.segment<3>(at_gyro_bias);
+    estimate_.accel_bias_mps2 += change.segment<3>(at_accel_bias);
+    estimate_.lever_arm_body_m += change.segment<3>(at_lever_arm);
+    estimate_.delay_s = std::clamp(estimate_.delay_s + change(at_delay), -largest_delay_s, largest_delay_s);
+    estimate_.mount_rad = geometry::wrap_angle(estimate_.mount_rad + change(at_mount));
+    integrate();
+    evaluate();
+  }
+
+  [[nodiscard]] double cost() const {
+    double cost = 0;
+    for (const Vector3d& residual : residuals_) {
+      cost += cost_of(residual.squaredNorm() / (min_noise_m * min_noise_m));
+    }
+    for (const double residual : heading_residuals_) cost += cost_of(squared(residual));
+    return cost + 0.5 * ((estimate_.gyro_bias_radps / gyro_bias_std_radps).squaredNorm() +
+                         (estimate_.accel_bias_mps2 / accel_bias_std_mps2).squaredNorm() +
+                         (estimate_.lever_arm_body_m / lever_arm_std_m).squaredNorm() +
+                         estimate_.delay_s * estimate_.delay_s / (delay_std_s * delay_std_s));
+  }
+
+  [[nodiscard]] SegmentFit result() const {
+    SegmentFit fit;
+    fit.cost = cost();
+    double squares = 0;
+    for (const double residual : heading_residuals_) squares += residual * residual;
+    const Normal covariance = factor_.solve(Normal::Identity());
+    fit.residual_m = noise_m_;
+    fit.delay_s = estimate_.delay_s;
+    fit.delay_std_s = std::sqrt(covariance(at_delay, at_delay));
+    fit.mount_rad = estimate_.mount_rad;
+    fit.mount_std_rad = std::sqrt(covariance(at_mount, at_mount));
+    if (!heading_residuals_.empty()) {
+      fit.heading_spread_rad = std::sqrt(squares / static_cast<double>(heading_residuals_.size()));
+    }
+    fit.upright = geometry::up_in_body(estimate_.q_start_to_world).z() > 0.5;
+    fit.deviations_m = residuals_;
+    return fit;
+  }
+
+  const Segment& segment_;
+  Vector3d signs_;
+  Estimate estimate_;
+  std::vector<IntegralState> states_;
+  std::vector<Row> rows_;
+  std::vector<Vector3d> residuals_;
+  std::vector<Eigen::Matrix<double, 1, unknowns>> heading_rows_;
+  std::vector<double> heading_residuals_;
+  double noise_m_ = min_noise_m;
+  Eigen::LDLT<Normal> factor_;  ///< factorisation of the latest step
+};
+
+}  // namespace
+
+std::optional<SegmentFit> fit_segment(const Segment& segment, const Vector3d& signs) {
+  // All starts begin; the best ones continue.
+  constexpr int starts = 12;
+  constexpr int first_steps = 8;
+  constexpr std::size_t finalists = 4;
+  Solver solver(segment, signs);
+  std::vector<std::pair<double, Estimate>> begun;
+  for (int start = 0; start < starts; ++start) {
+    if (auto each = solver.begin(2.0 * std::numbers::pi * start / starts, first_steps)) {
+      begun.push_back(*std::move(each));
+    }
+  }
+  std::sort(begun.begin(), begun.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  begun.resize(std::min(begun.size(), finalists));
+  std::optional<SegmentFit> best;
+  for (const auto& [cost, estimate] : begun) {
+    auto fit = solver.finish(estimate);
+    if (fit && (!best || fit->cost < best->cost)) best = std::move(fit);
+  }
+  return best;
+}
+
+}  // namespace sonopose::motion::detail

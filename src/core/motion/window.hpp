@@ -1,0 +1,36 @@
+#pragma once
+/// \file
+/// The measurements of one beacon over a window, for the fit of its motion.
+
+#include <sonopose/samples/samples.hpp>
+
+#include <vector>
+
+namespace sonopose::motion {
+
+/// One IMU sample, with the calibration of the fusion applied.
+struct Reading {
+  TimeNs time_ns = 0;
+  Vector3d rate_body_radps = Vector3d::Zero();
+  Vector3d force_body_mps2 = Vector3d::Zero();
+};
+
+/// One fix, with the time at which the fusion takes it for measured.
+struct Position {
+  TimeNs time_ns = 0;
+  Vector3d position_world_m = Vector3d::Zero();
+};
+
+/// One valid heading of the pair, before the mount offset.
+struct Direction {
+  TimeNs time_ns = 0;
+  double heading_world_rad = 0;
+};
+
+struct Window {
+  std::vector<Reading> imu;
+  std::vector<Position> fixes;
+  std::vector<Direction> headings;
+};
+
+}  // namespace sonopose::motion

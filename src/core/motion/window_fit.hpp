@@ -1,0 +1,49 @@
+#pragma once
+/// \file
+/// The installation of a beacon as shown by the samples of a window: mount, delay, signs of the
+/// accelerometer's axes. Independent of the fusion and its engine.
+
+#include "motion/window.hpp"
+
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <vector>
+
+namespace sonopose::motion {
+
+/// An estimate and its standard deviation.
+struct Measured {
+  double value = 0;
+  double std = 0;
+};
+
+/// The same motion with the sign of one axis of the accelerometer changed.
+struct Inverted {
+  double log_likelihood = 0;  ///< log-likelihood minus that without the change
+  double residual_m = 0;
+  std::size_t outliers = 0;  ///< fixes that are far from this motion
+  std::optional<Measured> mount_rad;
+};
+
+/// One piece of the window, some seconds long.
+struct Piece {
+  std::size_t fixes = 0;
+  double length_s = 0;
+  double span_m = 0;  ///< diagonal of the box around the fixes
+  /// Distance of the fixes from the motion that the IMU measures: standard deviation per axis, without
+  /// outliers.
+  double residual_m = 0;
+  Measured delay_s;                   ///< age of fixes and headings beyond what the fusion assumes
+  std::optional<Measured> mount_rad;  ///< angle from body X to the axis of the pair; empty without headings
+  double heading_spread_rad = 0;      ///< RMS of the headings around the motion; 0 without headings
+  std::array<Inverted, 3> inverted;   ///< axes x, y, z
+  std::vector<Vector3d> outliers_m;   ///< deviations of the fixes that are far from the motion, world
+};
+
+/// Pieces of the window with enough samples: about 8 s each, or the whole of a shorter window; of a long
+/// window 15 of them, evenly spread. Stops early, with the pieces so far, when `is_stopped` returns true.
+std::vector<Piece> pieces_of(Window window, const std::function<bool()>& is_stopped = {});
+
+}  // namespace sonopose::motion

@@ -1,0 +1,165 @@
+#include "bus_log/copy.hpp"
+
+#include "files/error.hpp"
+#include "logging/log.hpp"
+#include "mcap/file_sink.hpp"
+#include "mcap/verify.hpp"
+#include "mcap/writer.hpp"
+#include "recording/part_file.hpp"
+#include <sonopose/text/count_text.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <deque>
+#include <map>
+#include <system_error>
+
+namespace sonopose::bus_log {
+
+namespace {
+
+/// An input file and its next message.
+struct Input {
+  Input(const std::filesystem::path& file, const CopyRequest& request)
+      : reader{file},
+        messages{
+            reader, request.choice, request.damaged,
+            request.inputs.size() == 1 ? mcap::Selection::Order::file : mcap::Selection::Order::log_time} {}
+
+  mcap::Reader reader;
+  ChosenMessages messages;
+  std::optional<ChosenMessages::Chosen> next{};
+  std::map<std::uint16_t, std::uint16_t> channels{};  ///< output channel by input channel
+};
+
+class Copy {
+public:
+  explicit Copy(const CopyRequest& request) : damaged_{request.damaged}, on_progress_{request.on_progress} {
+    for (const auto& file : request.inputs) {
+      Input& input = inputs_.emplace_back(file, request);
+      total_ += input.reader.statistics().message_count;
+      result_.attachments += input.reader.statistics().attachment_count;
+      const std::string& profile = input.reader.contents().profile;
+      const std::string& first = inputs_.front().reader.contents().profile;
+      if (profile != first) {
+        throw files::IoError(fmt::format(R"({}: has profile "{}", but {} has "{}"; a file has one profile)",
+                                         file.string(), profile, request.inputs.front().string(), first));
+      }
+    }
+  }
+
+  CopyResult run(mcap::Writer& writer) {
+    for (Input& input : inputs_) {
+      for (const mcap::Metadata& metadata : metadata_of(input.reader)) {
+        writer.write_metadata(metadata);
+        ++result_.metadata;
+      }
+      for (const auto& [id, channel] : input.reader.channels()) {
+        if (input.messages.has(channel)) channel_of(input, channel, writer);
+      }
+      input.next = input.messages.next();
+    }
+    while (Input* input = earliest()) {
+      mcap::Message message = input->next->message;
+      message.channel_id = channel_of(*input, *input->next->channel, writer);
+      writer.write(message);
+      ++result_.messages;
+      report_progress();
+      input->next = input->messages.next();
+    }
+    writer.close();
+    if (result_.attachments > 0) {
+      logging::warning("not copied: " + text::count_text(result_.attachments, "attachment"));
+    }
+    for (const Input& input : inputs_) {
+      const auto& damages = input.reader.damages();
+      const auto& skipped = input.messages.skipped();
+      result_.damages.insert(result_.damages.end(), damages.begin(), damages.end());
+      result_.damages.insert(result_.damages.end(), skipped.begin(), skipped.end());
+      // Known damage already explains a wrong checksum of the whole file.
+      if (damaged_ != mcap::Selection::Damaged::skip || !damages.empty() || !skipped.empty()) continue;
+      const auto sums = mcap::verify(input.reader);
+      result_.damages.insert(result_.damages.end(), sums.begin(), sums.end());
+    }
+    return std::move(result_);
+  }
+
+  [[nodiscard]] const std::string& profile() const { return inputs_.front().reader.contents().profile; }
+  [[nodiscard]] const std::string& library() const { return inputs_.front().reader.contents().library; }
+
+private:
+  std::vector<mcap::Metadata> metadata_of(const mcap::Reader& reader) {
+    const bool is_skipping = damaged_ == mcap::Selection::Damaged::skip;
+    return is_skipping ? reader.metadata(result_.damages) : reader.metadata();
+  }
+
+  void report_progress() const {
+    constexpr std::uint64_t period = 10'000;
+    if (!on_progress_ || result_.messages % period != 0) return;
+    on_progress_(static_cast<double>(result_.messages) /
+                 static_cast<double>(std::max(total_, result_.messages)));
+  }
+
+  Input* earliest() {
+    Input* found = nullptr;
+    for (Input& input : inputs_) {
+      if (!input.next) continue;
+      if (found == nullptr || input.next->message.log_time_ns < found->next->message.log_time_ns)
+        found = &input;
+    }
+    return found;
+  }
+
+  static std::uint16_t channel_of(Input& input, const mcap::Channel& channel, mcap::Writer& writer) {
+    const auto known = input.channels.find(channel.id);
+    if (known != input.channels.end()) return known->second;
+    std::uint16_t schema_id = 0;
+    const auto schema = input.reader.schemas().find(channel.schema_id);
+    if (schema != input.reader.schemas().end()) {
+      schema_id = writer.add_schema(schema->second.name, schema->second.encoding, schema->second.data);
+    }
+    const auto id = writer.add_channel(schema_id, channel.topic, channel.message_encoding, channel.metadata);
+    input.channels.emplace(channel.id, id);
+    return id;
+  }
+
+  mcap::Selection::Damaged damaged_;
+  const std::function<void(double)>& on_progress_;
+  std::deque<Input> inputs_;
+  std::uint64_t total_ = 0;  ///< messages in all inputs
+  CopyResult result_;
+};
+
+/// Throws if an input is the output's temporary file: `run.mcap.part` cannot be repaired to `run.mcap`.
+void refuse_own_part(const CopyRequest& request) {
+  for (const std::filesystem::path& input : request.inputs) {
+    std::error_code error;
+    if (!std::filesystem::equivalent(input, recording::part_of(request.output), error)) continue;
+    throw files::IoError(input.string() + ": is where " + request.output.string() +
+                         " would be written first; choose another --out");
+  }
+}
+
+}  // namespace
+
+CopyResult copy(const CopyRequest& request) {
+  Copy copying(request);
+  refuse_own_part(request);
+  const recording::PartFile name(request.output);
+  mcap::FileSink sink(name.part());
+  try {
+    mcap::Writer writer(
+        sink,
+        {.profile = copying.profile(), .library = copying.library(), .compression = request.compression});
+    const CopyResult result = copying.run(writer);
+    name.commit();
+    return result;
+  } catch (...) {
+    std::error_code ignored;
+    std::filesystem::remove(name.part(), ignored);
+    throw;
+  }
+}
+
+}  // namespace sonopose::bus_log

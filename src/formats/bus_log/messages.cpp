@@ -1,0 +1,165 @@
+#include "bus_log/messages.hpp"
+
+#include "json/json.hpp"
+#include <sonopose/dds/binding/cdr.hpp>
+#include <sonopose/dds/topics/serialized_topics.hpp>
+#include <sonopose/dds/topics/topics.hpp>
+#include <sonopose/text/hexadecimal.hpp>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <string_view>
+#include <tuple>
+
+namespace sonopose::bus_log {
+
+namespace {
+
+namespace topics = dds::topics;
+
+constexpr std::string_view prefix = "sonopose/";
+constexpr std::string_view instance_ends = "sonopose/instance_ends";
+
+/// Operations on the messages of one topic.
+struct TopicReader {
+  bool has_beacon = false;
+  /// Returns an empty text if the bytes are not a sample.
+  std::string (*json)(std::span<const std::byte> cdr) = nullptr;
+};
+
+template <class T>
+std::string json_of_sample(std::span<const std::byte> cdr) {
+  const dds::CdrSample<T> sample(cdr);
+  return sample.get() == nullptr ? std::string() : json::json_of(*sample.get());
+}
+
+template <class T>
+constexpr bool has_address = requires(const T& sample) {
+  sample.address;
+};
+
+const TopicReader* find_topic(const mcap::Channel& channel) {
+  static const auto readers = std::apply(
+      []<class... T>(const topics::Entry<T>&... entries) {
+        return std::map<std::string_view, TopicReader>{
+            {entries.name, TopicReader{has_address<T>, json_of_sample<T>}}...};
+      },
+      topics::all);
+  const auto found = readers.find(channel.topic);
+  return found == readers.end() || channel.message_encoding != "cdr" ? nullptr : &found->second;
+}
+
+std::string_view text_of(const mcap::Message& message) {
+  return {reinterpret_cast<const char*>(message.data.data()), message.data.size()};
+}
+
+/// Returns empty if the text is not JSON, or so deep that writing it, which recurses, could overflow the
+/// stack.
+std::optional<nlohmann::ordered_json> parse_json(std::string_view text) {
+  using Ordered = nlohmann::ordered_json;
+  constexpr int max_depth = 256;
+  bool is_too_deep = false;
+  const auto keep = [&is_too_deep](int depth, Ordered::parse_event_t, const Ordered&) {
+    is_too_deep = is_too_deep || depth > max_depth;
+    return !is_too_deep;
+  };
+  Ordered parsed = Ordered::parse(text, keep, false);
+  if (is_too_deep || parsed.is_discarded()) return std::nullopt;
+  return parsed;
+}
+
+/// Writes `"message": …` or `"data": "…"`.
+std::string content_of(const mcap::Channel& channel, const mcap::Message& message) {
+  std::string json;
+  if (channel.message_encoding == "json") {
+    if (const auto parsed = parse_json(text_of(message))) {
+      json = parsed->dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    }
+  } else if (const TopicReader* topic = find_topic(channel)) {
+    json = topic->json(message.data);
+  }
+  if (!json.empty()) return R"("message":)" + json;
+  return fmt::format(R"("data":"{}")", text::hexadecimal(message.data));
+}
+
+/// Returns the address in the key of an ended instance.
+std::optional<BeaconAddress> beacon_of_end(const mcap::Message& message) {
+  const auto parsed = parse_json(text_of(message));
+  if (!parsed || !parsed->is_object() || !parsed->contains("key")) return std::nullopt;
+  const auto& key = parsed->at("key");
+  if (!key.is_object() || !key.contains("address") || !key["address"].is_number_unsigned())
+    return std::nullopt;
+  const auto address = key["address"].get<std::uint64_t>();
+  if (address > std::numeric_limits<BeaconAddress>::max()) return std::nullopt;
+  return static_cast<BeaconAddress>(address);
+}
+
+std::string full_name(const std::string& topic) {
+  return topic.find('/') == std::string::npos ? std::string(prefix) + topic : topic;
+}
+
+mcap::Selection selection_of(const mcap::Reader& reader, const Choice& choice,
+                             mcap::Selection::Damaged damaged, mcap::Selection::Order order) {
+  mcap::Selection selection;
+  selection.order = order;
+  selection.damaged = damaged;
+  std::vector<std::string> wanted;
+  for (const std::string& topic : choice.topics) {
+    wanted.push_back(full_name(topic));
+    const auto has_name = [&](const auto& entry) { return entry.second.topic == wanted.back(); };
+    if (std::ranges::any_of(reader.channels(), has_name)) continue;
+    std::vector<std::string_view> known;
+    for (const auto& [id, channel] : reader.channels()) known.push_back(channel.topic);
+    throw files::IoError(
+        fmt::format("{}: has no topic {}; it has {}", reader.name(), topic, fmt::join(known, ", ")));
+  }
+  if (!wanted.empty()) {
+    selection.channel = [wanted](const mcap::Channel& channel) {
+      return std::ranges::find(wanted, channel.topic) != wanted.end();
+    };
+  }
+  const mcap::TimeSpan& times = reader.statistics().log_times;
+  if (times.is_empty()) return selection;
+  if (choice.start_s > 0) selection.start_ns = times.after_start(choice.start_s);
+  if (choice.end_s) selection.end_ns = times.after_start(*choice.end_s);
+  return selection;
+}
+
+}  // namespace
+
+std::optional<BeaconAddress> beacon_of(const mcap::Channel& channel, const mcap::Message& message) {
+  if (channel.topic == instance_ends) return beacon_of_end(message);
+  const TopicReader* topic = find_topic(channel);
+  if (topic == nullptr || !topic->has_beacon) return std::nullopt;
+  return topics::beacon_of(message.data);
+}
+
+std::string json_of(const mcap::Channel& channel, const mcap::Message& message) {
+  const nlohmann::json topic(channel.topic);
+  return fmt::format(R"({{"topic":{},"sequence":{},"log_time_ns":{},"publish_time_ns":{},{}}})",
+                     topic.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), message.sequence,
+                     message.log_time_ns, message.publish_time_ns, content_of(channel, message));
+}
+
+ChosenMessages::ChosenMessages(const mcap::Reader& reader, const Choice& choice,
+                               mcap::Selection::Damaged damaged, mcap::Selection::Order order)
+    : reader_{reader},
+      beacon_{choice.beacon},
+      selection_{selection_of(reader, choice, damaged, order)},
+      messages_{reader, selection_} {}
+
+std::optional<ChosenMessages::Chosen> ChosenMessages::next() {
+  while (const auto message = messages_.next()) {
+    const mcap::Channel& channel = reader_.channels().at(message->channel_id);
+    if (!beacon_) return Chosen{&channel, *message};
+    const auto beacon = beacon_of(channel, *message);
+    if (beacon == beacon_ || beacon == all_beacons) return Chosen{&channel, *message};
+  }
+  return std::nullopt;
+}
+
+}  // namespace sonopose::bus_log

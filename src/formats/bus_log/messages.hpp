@@ -1,0 +1,59 @@
+#pragma once
+/// \file
+/// Selects messages of a recording, finds their beacon, and writes them as JSON.
+
+#include "mcap/reader.hpp"
+#include <sonopose/samples/samples.hpp>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sonopose::bus_log {
+
+/// Returns the beacon of a message; empty if its topic has none or is not native.
+std::optional<BeaconAddress> beacon_of(const mcap::Channel& channel, const mcap::Message& message);
+
+/// Writes one line without a newline: `topic`, `sequence`, `log_time_ns`, `publish_time_ns`, and `message`
+/// with the fields of the IDL. A message of a foreign topic, or an unreadable one, has `data` in hexadecimal
+/// digits instead.
+std::string json_of(const mcap::Channel& channel, const mcap::Message& message);
+
+/// A selection of messages of a recording.
+struct Choice {
+  std::vector<std::string> topics{};      ///< names with or without "sonopose/"; empty: all
+  std::optional<BeaconAddress> beacon{};  ///< only messages of this beacon
+  double start_s = 0;                     ///< time after the first message of the file
+  std::optional<double> end_s{};          ///< time after the first message of the file
+};
+
+/// The chosen messages of a recording, by time or in file order. Throws files::IoError that lists the file's
+/// topics if it lacks a topic of the choice.
+class ChosenMessages {
+public:
+  ChosenMessages(const mcap::Reader& reader, const Choice& choice,
+                 mcap::Selection::Damaged damaged = mcap::Selection::Damaged::refuse,
+                 mcap::Selection::Order order = mcap::Selection::Order::log_time);
+
+  /// Returns true if messages of a channel of the file can be chosen.
+  [[nodiscard]] bool has(const mcap::Channel& channel) const {
+    return !selection_.channel || selection_.channel(channel);
+  }
+
+  struct Chosen {
+    const mcap::Channel* channel = nullptr;
+    mcap::Message message;
+  };
+  /// The next message, valid until the next call; empty at the end.
+  std::optional<Chosen> next();
+
+  [[nodiscard]] const std::vector<std::string>& skipped() const { return messages_.skipped(); }
+
+private:
+  const mcap::Reader& reader_;
+  std::optional<BeaconAddress> beacon_;
+  mcap::Selection selection_;
+  mcap::Messages messages_;
+};
+
+}  // namespace sonopose::bus_log

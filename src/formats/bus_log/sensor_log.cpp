@@ -1,0 +1,239 @@
+#include "bus_log/sensor_log.hpp"
+
+#include "bus_log/dashboard_log.hpp"
+#include "bus_log/decoded.hpp"
+#include "logging/log.hpp"
+#include "mcap/reader.hpp"
+#include "recording/log_columns.hpp"
+#include <sonopose/collation/collator.hpp>
+#include <sonopose/dds/topics/serialized_topics.hpp>
+#include <sonopose/dds/topics/topics.hpp>
+#include <sonopose/text/count_text.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <limits>
+#include <map>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace sonopose::bus_log {
+
+namespace {
+
+namespace topics = dds::topics;
+
+/// Time that an event waits for an earlier one that the recorder received later. The live fusion waits less;
+/// a replay can wait longer.
+constexpr TimeNs collation_timeout_ns = 1'000'000'000;
+
+bool is_input(const mcap::Channel& channel) {
+  return channel.topic == topics::imu.name || channel.topic == topics::fix.name ||
+         channel.topic == topics::heading.name;
+}
+
+bool is_command(const std::string& topic) {
+  return topic == topics::reset.name || topic == topics::settings.name;
+}
+
+bool is_read(const mcap::Channel& channel) {
+  return is_input(channel) || is_command(channel.topic) || channel.topic == topics::truth.name;
+}
+
+std::string listed(const std::set<BeaconAddress>& addresses) {
+  std::string text;
+  for (const BeaconAddress address : addresses) text += (text.empty() ? "" : ", ") + std::to_string(address);
+  return text;
+}
+
+/// One beacon of one file.
+class FileLog {
+public:
+  FileLog(const std::filesystem::path& file, std::optional<BeaconAddress> address) : reader_{file} {
+    require_our_types(reader_, is_known_);
+    address_ = chosen(address);
+  }
+
+  recording::SensorLog read() {
+    log_.address = address_;
+    log_.warnings = reader_.damages();
+    // File order, since the host's clock may have been set back meanwhile.
+    mcap::Messages messages(reader_, {.channel = is_known_, .order = mcap::Selection::Order::file});
+    while (const auto message = messages.next()) add(*message);
+    std::ranges::stable_sort(log_.truth, {}, &TruthSample::time_ns);
+    warn();
+    return std::move(log_);
+  }
+
+private:
+  /// Commands of unknown type are tolerable: a replay only counts commands.
+  [[nodiscard]] bool is_unknown_command(const mcap::Channel& channel) const {
+    return is_command(channel.topic) && !has_our_type(reader_, channel);
+  }
+
+  [[nodiscard]] BeaconAddress chosen(std::optional<BeaconAddress> address) const {
+    const std::set<BeaconAddress> found = addresses();
+    if (found.empty()) {
+      throw files::IoError(reader_.name() + ": has no message of the topics " + topics::imu.name + ", " +
+                           topics::fix.name + " or " + topics::heading.name);
+    }
+    if (address && !found.contains(*address)) {
+      throw files::IoError(reader_.name() + ": has no beacon " + std::to_string(*address) + "; it has " +
+                           listed(found));
+    }
+    if (!address && found.size() > 1) {
+      throw files::IoError(reader_.name() + ": has " + std::to_string(found.size()) +
+                           " beacons; choose one with --beacon: " + listed(found));
+    }
+    return address.value_or(*found.begin());
+  }
+
+  [[nodiscard]] std::set<BeaconAddress> addresses() const {
+    std::set<BeaconAddress> found;
+    mcap::Messages messages(reader_, {.channel = is_input, .order = mcap::Selection::Order::file});
+    while (const auto message = messages.next()) {
+      if (const auto address = topics::beacon_of(message->data)) found.insert(*address);
+    }
+    return found;
+  }
+
+  void add(const mcap::Message& message) {
+    const auto address = topics::beacon_of(message.data);
+    const std::string& topic = reader_.channels().at(message.channel_id).topic;
+    if (is_command(topic) && (address == address_ || address == all_beacons))
+      return add_command(topic, message);
+    if (address != address_) return;
+    if (topic == topics::imu.name) {
+      collate(decoded(topics::imu, reader_, message), message);
+    } else if (topic == topics::fix.name) {
+      collate(decoded(topics::fix, reader_, message), message);
+    } else if (topic == topics::heading.name) {
+      collate(decoded(topics::heading, reader_, message), message);
+    } else if (topic == topics::truth.name) {
+      const TruthSample truth = decoded(topics::truth, reader_, message);
+      require_time(truth.time_ns, message);
+      log_.truth.push_back(truth);
+    }
+  }
+
+  /// Counts resets and changes of settings, which a replay does not repeat.
+  void add_command(const std::string& topic, const mcap::Message& message) {
+    if (topic == topics::reset.name) {
+      ++reset_count_;
+      return;
+    }
+    const EffectiveSettings settings = decoded(topics::settings, reader_, message);
+    const auto [known, is_new] = settings_.try_emplace(settings.address, settings.values);
+    if (is_new || known->second == settings.values) return;
+    known->second = settings.values;
+    ++settings_change_count_;
+  }
+
+  void require_time(TimeNs time_ns, const mcap::Message& message) const {
+    // The same limit as in a log folder: the difference of any two times then fits into 64 bits.
+    constexpr TimeNs too_late = TimeNs{1} << 62U;
+    if (time_ns > 0 && time_ns < too_late) return;
+    fail(reader_, message,
+         "has the time " + std::to_string(time_ns) + ", which is not between 1 and 2^62 - 1 ns");
+  }
+
+  void collate(const Event& event, const mcap::Message& message) {
+    require_time(available_at_ns(event), message);
+    if (input_count_++ == 0) first_sequence_ = sequence_of(event);
+    constexpr auto latest = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max() / 2);
+    const auto log_time_ns = static_cast<std::int64_t>(std::min(message.log_time_ns, latest));
+    arrival_ = std::max(arrival_, SteadyTime{log_time_ns});
+    for (const collation::CollatedEvent& next : collator_.push(event, arrival_)) {
+      Event numbered = next.event;
+      std::visit([this](auto& sample) { sample.sequence = log_.events.size() + 1; }, numbered);
+      log_.events.push_back(std::move(numbered));
+    }
+  }
+
+  void warn() {
+    const auto warn_of = [this](std::string_view before, std::uint64_t count, std::string_view noun,
+                                std::string_view after) {
+      if (count == 0) return;
+      log_.warnings.push_back(
+          fmt::format("{}: {} {}{}", reader_.name(), before, text::count_text(count, noun), after));
+    };
+    const collation::CollatorCounters& counters = collator_.counters();
+    if (first_sequence_ > 1) {
+      log_.warnings.push_back(reader_.name() + ": begins with event " + std::to_string(first_sequence_) +
+                              " of beacon " + std::to_string(address_) +
+                              "; the state differs from that of a fusion that received the earlier ones");
+    }
+    warn_of("lacks", counters.lost, "event", " of the bridge");
+    warn_of("leaves out", counters.duplicated, "event",
+            " with numbers that came before: of two bridges, or too late");
+    warn_of("the event numbers restarted", counters.restarts, "time", "");
+    for (const auto& [id, channel] : reader_.channels()) {
+      if (!is_unknown_command(channel)) continue;
+      log_.warnings.push_back(other_type_text(reader_, channel) +
+                              ", so it is not known whether they changed");
+    }
+    constexpr std::string_view not_repeated = ", which a replay does not repeat";
+    warn_of("has", reset_count_, "reset", " of the beacon" + std::string(not_repeated));
+    warn_of("has", settings_change_count_, "change", " of its settings" + std::string(not_repeated));
+    warn_of("leaves out", input_count_ - log_.events.size() - counters.duplicated, "event",
+            " at the end, because an earlier one is missing");
+  }
+
+  mcap::Reader reader_;
+  std::function<bool(const mcap::Channel&)> is_known_ = [this](const mcap::Channel& channel) {
+    return is_read(channel) && !is_unknown_command(channel);
+  };
+  BeaconAddress address_ = 0;
+  collation::Collator collator_{collation_timeout_ns};
+  std::uint64_t input_count_ = 0;
+  std::uint64_t first_sequence_ = 0;
+  SteadyTime arrival_;
+  std::uint64_t reset_count_ = 0;
+  std::uint64_t settings_change_count_ = 0;
+  std::map<BeaconAddress, std::vector<SettingAssignment>> settings_;
+  recording::SensorLog log_;
+};
+
+}  // namespace
+
+bool is_file(const std::filesystem::path& log) {
+  std::error_code unknown;  // ignored: reading an inaccessible file gives the reason
+  return std::filesystem::is_regular_file(log, unknown);
+}
+
+bool is_mcap(const std::filesystem::path& log) {
+  if (!is_file(log)) return false;
+  const mcap::FileSource source(log);
+  std::array<std::byte, 4> begin{};
+  if (source.size() < begin.size()) return false;
+  source.read(0, begin);
+  return std::ranges::equal(begin, std::as_bytes(std::span(mcap::magic)).first(begin.size()));
+}
+
+std::filesystem::path imu_source(const std::filesystem::path& log) {
+  return is_file(log) ? log : log / recording::imu_file;
+}
+
+recording::SensorLog read_sensor_log(const std::filesystem::path& log, std::optional<BeaconAddress> address) {
+  if (!is_file(log)) return recording::read_sensor_log(log, address);
+  auto read = is_mcap(log) ? FileLog(log, address).read() : read_dashboard_log(log, address);
+  for (const std::string& warning : read.warnings) logging::warning(warning);
+  return read;
+}
+
+std::vector<ImuSample> read_imu_log(const std::filesystem::path& log, std::optional<BeaconAddress> address) {
+  if (!is_file(log)) return recording::read_imu_log(log, address);
+  std::vector<ImuSample> samples;
+  for (const Event& event : read_sensor_log(log, address).events) {
+    if (const auto* imu = std::get_if<ImuSample>(&event)) samples.push_back(*imu);
+  }
+  return samples;
+}
+
+}  // namespace sonopose::bus_log

@@ -1,0 +1,161 @@
+#include "marvelmind/beacon_clock.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace sonopose::marvelmind {
+
+// Unwrapper
+
+std::int64_t Unwrapper::unwrapped(const Stamp& stamp) const {
+  if (stamp.base == TimeBase::unix_ms || !newest_ticks_) return stamp.ticks;
+  // Prevents overflow by garbage that jumps ahead by weeks in each stamp: a century in the coarser unit.
+  constexpr std::int64_t max_ticks = 200'000'000'000;
+  const auto ahead = static_cast<std::uint32_t>(stamp.ticks) - static_cast<std::uint32_t>(*newest_ticks_);
+  return std::min(*newest_ticks_ + static_cast<std::int32_t>(ahead), max_ticks);
+}
+
+std::int64_t Unwrapper::beacon_ns(const Stamp& stamp) const {
+  return unwrapped(stamp) * (stamp.base == TimeBase::uptime_64ths ? ns_per_64th : ns_per_ms);
+}
+
+// SlewedLine
+
+void SlewedLine::begin(std::int64_t beacon_ns, TimeNs host_ns) {
+  *this = SlewedLine{};
+  points_[0] = {beacon_ns, host_ns};
+  size_ = 1;
+}
+
+void SlewedLine::advance(std::int64_t beacon_ns, TimeNs target_ns, double rate) {
+  const Point& newest = point(size_ - 1);
+  const auto interval_ns = static_cast<double>(beacon_ns - newest.beacon_ns);
+  const TimeNs unslewed_ns =
+      newest.host_ns + (beacon_ns - newest.beacon_ns) + std::llround(rate * interval_ns);
+  const auto error_ns = static_cast<double>(target_ns - unslewed_ns);
+  const double share = std::min(1.0, interval_ns / time_constant_ns);
+  const double slew_ns = std::clamp(error_ns * share, -max_slew * interval_ns, max_slew * interval_ns);
+  const Point next{beacon_ns, unslewed_ns + std::llround(slew_ns)};
+
+  if (size_ == capacity) {
+    first_ = (first_ + 1) % capacity;
+    --size_;
+  }
+  points_[(first_ + size_) % capacity] = next;
+  ++size_;
+  rate_ = rate;
+}
+
+TimeNs SlewedLine::host_ns(std::int64_t beacon_ns) const {
+  std::size_t i = size_ - 1;
+  while (i > 0 && point(i).beacon_ns > beacon_ns) --i;
+  const Point& from = point(i);
+  const std::int64_t send_delay_ns = beacon_ns - from.beacon_ns;
+  if (i + 1 == size_ || send_delay_ns < 0) {  // before the first or after the last point
+    return from.host_ns + send_delay_ns + std::llround(rate_ * static_cast<double>(send_delay_ns));
+  }
+  const Point& to = point(i + 1);
+  const double share =
+      static_cast<double>(send_delay_ns) / static_cast<double>(to.beacon_ns - from.beacon_ns);
+  return from.host_ns + std::llround(share * static_cast<double>(to.host_ns - from.host_ns));
+}
+
+// BeaconClock
+
+void BeaconClock::observe(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs arrival_ns) {
+  if (!begun_) {
+    begin(stamp, send_delay_ns, arrival_ns);
+    return;
+  }
+  const std::int64_t sent_ns = unwrapper_.beacon_ns(stamp) + send_delay_ns;
+  if (sent_ns < newest_ns_ - overtaken_ns) {
+    restart(stamp, send_delay_ns, arrival_ns);
+    return;
+  }
+  if (sent_ns <= newest_ns_) return;  // overtaken, or a repeated stamp: no information
+  envelope_.add(sent_ns, arrival_ns);
+  const TimeNs target_ns = sent_ns + envelope_.delay_ns(sent_ns);
+  const TimeNs behind_ns = settled_ ? target_ns - line_.host_ns(sent_ns) : 0;
+  if (behind_ns > max_behind_ns || behind_ns < -max_ahead_ns) {
+    restart(stamp, send_delay_ns, arrival_ns);
+    return;
+  }
+  newest_ns_ = sent_ns;
+  unwrapper_.set_newest(stamp);
+  if (settled_) line_.advance(sent_ns, target_ns, envelope_.rate());
+  measure_jitter(sent_ns, arrival_ns);
+  advance_to(arrival_ns);
+}
+
+void BeaconClock::begin(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs arrival_ns) {
+  unwrapper_.restart();
+  unwrapper_.set_newest(stamp);
+  newest_ns_ = unwrapper_.beacon_ns(stamp) + send_delay_ns;
+  envelope_.clear();
+  envelope_.add(newest_ns_, arrival_ns);
+  first_arrival_ns_ = arrival_ns;
+  begun_ = true;
+  settled_ = false;
+}
+
+void BeaconClock::restart(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs arrival_ns) {
+  ++resets_;
+  begin(stamp, send_delay_ns, arrival_ns);
+}
+
+void BeaconClock::advance_to(TimeNs now_ns) {
+  const auto due_ns = settles_at_ns();
+  if (due_ns && (now_ns >= *due_ns || now_ns < first_arrival_ns_)) settle();
+}
+
+void BeaconClock::settle() {
+  line_.begin(newest_ns_, newest_ns_ + envelope_.delay_ns(newest_ns_));
+  settled_ = true;
+}
+
+std::optional<TimeNs> BeaconClock::settles_at_ns() const {
+  if (!begun_ || settled_) return std::nullopt;
+  return first_arrival_ns_ + settling_ns;
+}
+
+double BeaconClock::offset_s() const {
+  const std::int64_t offset_ns = settled_ ? line_.newest_offset_ns() : envelope_.delay_ns(newest_ns_);
+  return static_cast<double>(offset_ns) * 1e-9;
+}
+
+void BeaconClock::measure_jitter(std::int64_t beacon_ns, TimeNs arrival_ns) {
+  constexpr double share_of_the_new = 0.01;
+  constexpr double longest_s = 0.25;  // one pause of the host must not dominate
+  const double lateness_s =
+      static_cast<double>(arrival_ns - beacon_ns - envelope_.delay_ns(beacon_ns)) * 1e-9;
+  jitter_s_ += share_of_the_new * (std::clamp(lateness_s, 0.0, longest_s) - jitter_s_);
+}
+
+// FixedClock
+
+void FixedClock::observe(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs arrival_ns) {
+  if (!begun_) {
+    begin(stamp, send_delay_ns, arrival_ns);
+  } else if (unwrapper_.beacon_ns(stamp) + send_delay_ns < newest_ns_ - overtaken_ns) {
+    ++resets_;
+    begin(stamp, send_delay_ns, saturated_sum(origin_ns_, newest_ns_ - first_ns_));
+  }
+  const std::int64_t sent_ns = unwrapper_.beacon_ns(stamp) + send_delay_ns;
+  if (sent_ns < newest_ns_) return;
+  newest_ns_ = sent_ns;
+  unwrapper_.set_newest(stamp);
+}
+
+void FixedClock::begin(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs host_ns) {
+  unwrapper_.restart();
+  unwrapper_.set_newest(stamp);
+  // Keeps times in range for a file whose beacons jump again and again.
+  constexpr TimeNs latest_origin_ns = 5'000'000'000'000'000'000;  // in 2128
+  origin_ns_ = std::min(host_ns, latest_origin_ns);
+  first_ns_ = unwrapper_.beacon_ns(stamp) + send_delay_ns;
+  newest_ns_ = first_ns_;
+  begun_ = true;
+}
+
+}  // namespace sonopose::marvelmind

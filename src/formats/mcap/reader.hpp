@@ -1,0 +1,93 @@
+#pragma once
+/// \file
+/// Reads MCAP files of any origin.
+
+#include "mcap/byte_source.hpp"
+#include "mcap/contents.hpp"
+#include "mcap/format_error.hpp"
+#include "mcap/records.hpp"
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace sonopose::mcap {
+
+class RecordFile;
+
+/// Uses the index if the file has one. A file without index, or a cut one, is read from start to end once.
+/// Damaged parts are left out and named in `damages()`.
+class Reader {
+public:
+  /// Throws files::IoError if the file cannot be read, and FormatError if it is not an MCAP file.
+  explicit Reader(const std::filesystem::path& file);
+  explicit Reader(std::unique_ptr<ByteSource> source);
+  ~Reader();
+  Reader(Reader&&) noexcept;
+  Reader& operator=(Reader&&) noexcept;
+  Reader(const Reader&) = delete;
+  Reader& operator=(const Reader&) = delete;
+
+  [[nodiscard]] const std::string& name() const;
+  [[nodiscard]] std::uint64_t size_bytes() const;
+  [[nodiscard]] const Contents& contents() const { return contents_; }
+  [[nodiscard]] const std::map<std::uint16_t, Schema>& schemas() const { return contents_.schemas; }
+  [[nodiscard]] const std::map<std::uint16_t, Channel>& channels() const { return contents_.channels; }
+  [[nodiscard]] const Statistics& statistics() const { return contents_.statistics; }
+  /// Descriptions of damage in the file; empty for a sound one.
+  [[nodiscard]] const std::vector<std::string>& damages() const { return contents_.damages; }
+
+  /// Reads all metadata records, in file order. Throws FormatError.
+  [[nodiscard]] std::vector<Metadata> metadata() const;
+  /// The same, but leaves out damaged records and describes them in `damages`.
+  [[nodiscard]] std::vector<Metadata> metadata(std::vector<std::string>& damages) const;
+
+  [[nodiscard]] const RecordFile& file() const { return *file_; }
+
+private:
+  std::unique_ptr<RecordFile> file_;
+  Contents contents_;
+};
+
+/// A choice of messages, and their order.
+struct Selection {
+  enum class Order {
+    log_time,  ///< log time, then file order
+    file,
+  };
+  enum class Damaged { refuse, skip };
+
+  std::function<bool(const Channel&)> channel = {};                  ///< filter of channels; empty: all
+  std::uint64_t start_ns = 0;                                        ///< first log time
+  std::uint64_t end_ns = std::numeric_limits<std::uint64_t>::max();  ///< last log time, inclusive
+  Order order = Order::log_time;
+  Damaged damaged = Damaged::refuse;    ///< treatment of a chunk that turns out to be damaged
+  std::uint64_t max_bytes = 1U << 30U;  ///< limit of chunks in memory, with the places of their messages
+};
+
+/// The messages of a selection, one at a time. Holds chunks that overlap in time in memory, up to a limit.
+class Messages {
+public:
+  /// The reader must outlive the messages.
+  explicit Messages(const Reader& reader, Selection selection = {});
+  ~Messages();
+  Messages(const Messages&) = delete;
+  Messages& operator=(const Messages&) = delete;
+  Messages(Messages&&) = delete;
+  Messages& operator=(Messages&&) = delete;
+
+  /// The next message; its data are valid until the next call. Empty at the end. Throws FormatError if a
+  /// chunk is damaged, or if overlapping chunks exceed the limit of memory.
+  std::optional<Message> next();
+
+  /// Descriptions of the damaged chunks that were skipped.
+  [[nodiscard]] const std::vector<std::string>& skipped() const;
+
+private:
+  class Merge;
+  std::unique_ptr<Merge> merge_;
+};
+
+}  // namespace sonopose::mcap

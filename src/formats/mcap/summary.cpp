@@ -1,0 +1,158 @@
+#include "mcap/summary.hpp"
+
+#include "mcap/compression.hpp"
+#include "mcap/scan.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace sonopose::mcap {
+
+namespace {
+
+/// The sections after the data.
+class Summary {
+public:
+  explicit Summary(const RecordFile& file) : file_{file} {}
+
+  std::optional<Contents> read() {
+    const Header header = read_header(file_);
+    contents_.profile = header.profile;
+    contents_.library = header.library;
+    contents_.is_indexed = true;
+    const Footer footer = read_footer();
+    if (footer.summary_start == 0) return std::nullopt;
+    read_records(footer);
+    if (!is_sufficient()) return std::nullopt;
+    std::ranges::sort(contents_.blocks, {}, &Block::offset);
+    std::ranges::sort(contents_.metadata, {}, &Extent::offset);
+    require_separate();
+    check_channels();
+    return std::move(contents_);
+  }
+
+private:
+  Footer read_footer() {
+    const std::uint64_t size = file_.size();
+    const std::uint64_t end = magic.size() + footer_bytes;
+    if (size < magic.size() + end) file_.place(size).fail("the file ends without a Footer: it was cut");
+    if (!std::ranges::equal(file_.bytes(size - magic.size(), magic.size()),
+                            std::as_bytes(std::span(magic)))) {
+      file_.place(size - magic.size()).fail("the file does not end with the magic bytes: it was cut");
+    }
+    footer_at_ = size - end;
+    const Bytes content = file_.content(footer_at_, Opcode::footer);
+    const Footer footer = decode_footer(Fields(content, Opcode::footer, file_.place(footer_at_)));
+    if (footer.summary_start > footer_at_) {
+      file_.place(footer_at_)
+          .fail("Footer summary_start is " + std::to_string(footer.summary_start) + ", the limit is " +
+                std::to_string(footer_at_));
+    }
+    return footer;
+  }
+
+  void read_records(const Footer& footer) {
+    summary_start_ = footer.summary_start;
+    const Bytes section = file_.bytes(summary_start_, footer_at_ - summary_start_);
+    if (footer.summary_crc != 0) {
+      const Bytes start_of_footer = file_.bytes(footer_at_, footer_bytes - sizeof(std::uint32_t));
+      if (crc32(start_of_footer, crc32(section)) != footer.summary_crc) {
+        file_.place(footer_at_).fail("Footer summary_crc does not match the summary");
+      }
+    }
+    std::size_t at = 0;
+    while (at < section.size()) {
+      const Place place = file_.place(summary_start_ + at);
+      if (section.size() - at < record_prefix_bytes) place.fail("a record needs 9 bytes");
+      const Prefix prefix = decode_prefix(section.data() + at, section.size() - at, place);
+      at += record_prefix_bytes;
+      const auto length = static_cast<std::size_t>(prefix.length);
+      visit(prefix.opcode, Fields(std::span(section).subspan(at, length), prefix.opcode, place), place);
+      at += length;
+    }
+  }
+
+  void visit(Opcode opcode, Fields fields, const Place& place) {
+    if (opcode == Opcode::schema) {
+      Schema schema = decode_schema(fields);
+      memory_.reserve(memory_of(schema), "the schemas and channels take", place);
+      if (schema.id != no_schema) contents_.schemas.emplace(schema.id, std::move(schema));
+    } else if (opcode == Opcode::channel) {
+      Channel channel = decode_channel(fields);
+      memory_.reserve(memory_of(channel), "the schemas and channels take", place);
+      contents_.channels.emplace(channel.id, std::move(channel));
+      if (auto damage = fields.repeated_key()) contents_.add_damage(std::move(*damage));
+    } else if (opcode == Opcode::statistics) {
+      contents_.statistics = decode_statistics(fields);
+      has_statistics_ = true;
+    } else if (opcode == Opcode::chunk_index) {
+      add_chunk(decode_chunk_index(fields), fields);
+    } else if (opcode == Opcode::metadata_index) {
+      const MetadataIndex index = decode_metadata_index(fields);
+      require_in_data(index.offset, index.length, "offset", fields);
+      contents_.metadata.push_back({index.offset, index.length});
+    }
+  }
+
+  void require_in_data(std::uint64_t offset, std::uint64_t length, std::string_view field,
+                       const Fields& fields) const {
+    if (offset >= magic.size() && offset < summary_start_ && length <= summary_start_ - offset) return;
+    fields.fail(field, "is " + std::to_string(offset) + " with length " + std::to_string(length) +
+                           ", but the data end at byte " + std::to_string(summary_start_));
+  }
+
+  void add_chunk(const ChunkIndex& index, const Fields& fields) {
+    require_in_data(index.chunk_start_offset, index.chunk_length, "chunk_start_offset", fields);
+    Block block{Block::Kind::chunk, index.chunk_start_offset, index.chunk_length, index.log_times, {}};
+    for (const auto& [channel_id, offset] : index.message_index_offsets) block.channels.push_back(channel_id);
+    contents_.blocks.push_back(std::move(block));
+  }
+
+  /// Refuses overlapping entries, which would be read twice: a small file could take any time and memory.
+  void require_separate() const {
+    std::vector<Extent> extents = contents_.metadata;
+    for (const Block& block : contents_.blocks) extents.push_back({block.offset, block.length});
+    std::ranges::sort(extents, {}, &Extent::offset);
+    const auto overlap = std::ranges::adjacent_find(extents, [](const Extent& a, const Extent& b) {
+      return b.offset - a.offset < std::max<std::uint64_t>(a.length, record_prefix_bytes);
+    });
+    if (overlap == extents.end()) return;
+    const Extent& next = *std::next(overlap);
+    file_.place(summary_start_)
+        .fail("the summary has a record at byte " + std::to_string(overlap->offset) + " with length " +
+              std::to_string(overlap->length) + ", but another one at byte " + std::to_string(next.offset));
+  }
+
+  /// Returns false if the file must be read from start to end instead.
+  [[nodiscard]] bool is_sufficient() const {
+    return has_statistics_ && contents_.statistics.chunk_count == contents_.blocks.size() &&
+           contents_.statistics.metadata_count == contents_.metadata.size() &&
+           (contents_.statistics.message_count == 0 || !contents_.blocks.empty());
+  }
+
+  void check_channels() const {
+    const auto require = [this](std::uint16_t channel_id) {
+      if (contents_.channels.contains(channel_id)) return;
+      file_.place(summary_start_).fail("the summary has no channel " + std::to_string(channel_id));
+    };
+    for (const Block& block : contents_.blocks) {
+      for (const std::uint16_t channel_id : block.channels) require(channel_id);
+    }
+    for (const auto& [channel_id, count] : contents_.statistics.channel_message_counts) require(channel_id);
+  }
+
+  const RecordFile& file_;
+  Contents contents_;
+  std::uint64_t footer_at_ = 0;
+  std::uint64_t summary_start_ = 0;
+  bool has_statistics_ = false;
+  MemoryLimit memory_;
+};
+
+}  // namespace
+
+std::optional<Contents> read_summary(const RecordFile& file) {
+  return Summary(file).read();
+}
+
+}  // namespace sonopose::mcap

@@ -1,0 +1,42 @@
+#pragma once
+/// \file
+/// The columns of a sensor log, shared by reader and writer.
+
+#include <array>
+#include <cstddef>
+#include <string_view>
+
+namespace sonopose::recording {
+
+inline constexpr std::string_view imu_file = "imu.csv";
+inline constexpr std::string_view ultrasonic_file = "ultrasonic.csv";
+inline constexpr std::string_view heading_file = "heading.csv";
+inline constexpr std::string_view truth_file = "truth.csv";
+inline constexpr std::string_view wheel_speed_file = "wheel_speed.csv";
+inline constexpr std::string_view movement_file = "movement.csv";
+inline constexpr std::string_view meta_file = "meta.toml";
+
+inline constexpr std::array<std::string_view, 10> imu_columns{
+    "timestamp [ns]", "w_x [rad s^-1]", "w_y [rad s^-1]", "w_z [rad s^-1]", "a_x [m s^-2]",
+    "a_y [m s^-2]",   "a_z [m s^-2]",   "m_x [uT]",       "m_y [uT]",       "m_z [uT]"};
+inline constexpr std::size_t imu_columns_without_magnetometer = 7;
+
+inline constexpr std::array<std::string_view, 6> ultrasonic_columns{
+    "timestamp [ns]", "received [ns]", "x [m]", "y [m]", "z [m]", "quality [%]"};
+
+inline constexpr std::array<std::string_view, 3> heading_columns{"timestamp [ns]", "received [ns]",
+                                                                 "heading [deg]"};
+
+inline constexpr std::array<std::string_view, 17> truth_columns{
+    "timestamp [ns]", "p_x [m]",          "p_y [m]",          "p_z [m]",          "q_w []",
+    "q_x []",         "q_y []",           "q_z []",           "v_x [m s^-1]",     "v_y [m s^-1]",
+    "v_z [m s^-1]",   "b_w_x [rad s^-1]", "b_w_y [rad s^-1]", "b_w_z [rad s^-1]", "b_a_x [m s^-2]",
+    "b_a_y [m s^-2]", "b_a_z [m s^-2]"};
+inline constexpr std::size_t truth_columns_least = 8;     ///< columns up to the attitude
+inline constexpr std::size_t truth_columns_written = 11;  ///< columns up to the velocity
+
+inline constexpr std::array<std::string_view, 2> wheel_speed_columns{"timestamp [ns]", "speed [m s^-1]"};
+
+inline constexpr std::array<std::string_view, 2> movement_columns{"start [ns]", "end [ns]"};
+
+}  // namespace sonopose::recording

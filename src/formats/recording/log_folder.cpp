@@ -1,0 +1,281 @@
+#include "recording/log_folder.hpp"
+
+#include "files/csv_reader.hpp"
+#include "files/missing.hpp"
+#include "files/units.hpp"
+#include "recording/log_columns.hpp"
+#include "recording/log_meta.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace sonopose::recording {
+
+namespace {
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+/// The rows of imu.csv, one at a time.
+class ImuRows {
+public:
+  ImuRows(const std::filesystem::path& file, BeaconAddress address, ImuMeaning meaning)
+      : rows_{file, {imu_columns, imu_columns_without_magnetometer}} {
+    sample_.address = address;
+    sample_.meaning = meaning;
+    step();
+  }
+
+  /// The current sample; null after the last.
+  [[nodiscard]] const ImuSample* current() const { return at_end_ ? nullptr : &sample_; }
+
+  void step() {
+    at_end_ = !rows_.next_row();
+    if (at_end_) return;
+    sample_.sensor_time_ns = rows_.time_ns(0);
+    sample_.angular_velocity_body_radps = rows_.vector(1);
+    sample_.specific_force_body_mps2 = rows_.vector(4);
+    sample_.magnetic_field_body_t.reset();
+    if (!rows_.all_filled(7, 3)) return;
+    sample_.magnetic_field_body_t.emplace(rows_.number_in(files::microtesla, 7),
+                                          rows_.number_in(files::microtesla, 8),
+                                          rows_.number_in(files::microtesla, 9));
+  }
+
+  [[nodiscard]] std::size_t expected_count() const { return at_end_ ? 0 : rows_.rows_like_this(); }
+
+private:
+  files::CsvReader rows_;
+  ImuSample sample_;
+  bool at_end_ = false;
+};
+
+/// Samples in memory, one at a time.
+template <class Sample>
+class Samples {
+public:
+  explicit Samples(const std::vector<Sample>& samples) : samples_(samples) {}
+  [[nodiscard]] const Sample* current() const { return next_ < samples_.size() ? &samples_[next_] : nullptr; }
+  void step() { ++next_; }
+  [[nodiscard]] std::size_t expected_count() const { return samples_.size(); }
+
+private:
+  const std::vector<Sample>& samples_;
+  std::size_t next_ = 0;
+};
+
+/// Compares correctly even if the difference does not fit into a TimeNs.
+bool is_later_by_more(TimeNs later, TimeNs earlier, std::uint64_t by_ns) {
+  return later > earlier && static_cast<std::uint64_t>(later) - static_cast<std::uint64_t>(earlier) > by_ns;
+}
+
+/// IMU samples from any source, with a look-ahead.
+template <class ImuSamples>
+class LookAhead {
+public:
+  explicit LookAhead(ImuSamples samples) : samples_(std::move(samples)) { look_ahead(); }
+
+  [[nodiscard]] const ImuSample* current() const { return in_view_.empty() ? nullptr : &in_view_.front(); }
+  /// Time at which the current sample is merged: its stamp, unless that is far ahead of its neighbours.
+  [[nodiscard]] TimeNs merge_time_ns() const { return comes_at_ns_; }
+
+  void step() {
+    before_ns_ = comes_at_ns_;
+    in_view_.pop_front();
+    look_ahead();
+  }
+
+  [[nodiscard]] std::size_t expected_count() const { return in_view_.size() + samples_.expected_count(); }
+
+private:
+  static constexpr std::size_t max_after = 64;
+  static constexpr std::uint64_t far_ns = 1'000'000'000;
+
+  void look_ahead() {
+    for (; in_view_.size() <= max_after && samples_.current() != nullptr; samples_.step()) {
+      in_view_.push_back(*samples_.current());
+    }
+    if (in_view_.empty()) return;
+    const TimeNs stamp_ns = in_view_.front().sensor_time_ns;
+    comes_at_ns_ = stamp_ns;
+    if (in_view_.size() == 1) return;
+    // The first sample is compared with its successor.
+    const TimeNs before_ns = before_ns_.value_or(in_view_[1].sensor_time_ns);
+    if (!is_later_by_more(stamp_ns, before_ns, far_ns)) return;
+    for (std::size_t i = 1; i < in_view_.size(); ++i) {
+      const TimeNs after_ns = in_view_[i].sensor_time_ns;
+      const bool went_back = is_later_by_more(before_ns, after_ns, far_ns);
+      if (!went_back && is_later_by_more(stamp_ns, after_ns, far_ns)) {
+        comes_at_ns_ = std::min(comes_at_ns_, after_ns);
+      }
+    }
+  }
+
+  ImuSamples samples_;
+  std::deque<ImuSample> in_view_;
+  std::optional<TimeNs> before_ns_;  ///< merge time of the previous sample
+  TimeNs comes_at_ns_ = 0;
+};
+
+/// merge_by_availability with IMU samples from any source.
+template <class ImuSamples>
+std::vector<Event> merged(ImuSamples imu_samples, Samples<UltrasonicFix> fixes,
+                          Samples<PairHeading> headings) {
+  LookAhead imu(std::move(imu_samples));
+  std::vector<Event> events;
+  events.reserve(imu.expected_count() + fixes.expected_count() + headings.expected_count());
+  const auto append = [&events](auto& samples) {
+    auto sample = *samples.current();
+    sample.sequence = events.size() + 1;
+    events.emplace_back(std::move(sample));
+    samples.step();
+  };
+  constexpr TimeNs never = std::numeric_limits<TimeNs>::max();
+  while (imu.current() != nullptr || fixes.current() != nullptr || headings.current() != nullptr) {
+    const TimeNs imu_ns = imu.current() != nullptr ? imu.merge_time_ns() : never;
+    const TimeNs fix_ns = fixes.current() != nullptr ? fixes.current()->received_time_ns : never;
+    const TimeNs heading_ns = headings.current() != nullptr ? headings.current()->received_time_ns : never;
+    if (imu.current() != nullptr && imu_ns <= fix_ns && imu_ns <= heading_ns) {
+      append(imu);
+    } else if (fixes.current() != nullptr && fix_ns <= heading_ns) {
+      append(fixes);
+    } else {
+      append(headings);
+    }
+  }
+  return events;
+}
+
+/// Throws if the folder is no log but contains logs of several beacons.
+void check_single(const std::filesystem::path& folder) {
+  if (files::is_present(folder / imu_file)) return;
+  std::vector<std::string> beacons;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    std::error_code not_accessible;
+    if (exists(entry.path() / imu_file, not_accessible)) beacons.push_back(entry.path().filename().string());
+  }
+  if (beacons.empty()) return;
+  std::sort(beacons.begin(), beacons.end());
+  std::string names;
+  for (const std::string& name : beacons) names += (names.empty() ? "" : ", ") + name;
+  throw files::IoError(folder.string() + ": has the logs of several beacons: " + names +
+                       "; name one of them");
+}
+
+/// Reads the metadata and sets the address that the samples get.
+LogMeta meta_of(const std::filesystem::path& folder, std::optional<BeaconAddress> given_address) {
+  files::require_folder(folder);
+  check_single(folder);
+  LogMeta meta = read_log_meta(folder);
+  if (!meta.beacon_address) meta.beacon_address = default_log_address;
+  if (given_address) meta.beacon_address = given_address;
+  return meta;
+}
+
+}  // namespace
+
+SensorLog read_sensor_log(const std::filesystem::path& folder, std::optional<BeaconAddress> address) {
+  const LogMeta meta = meta_of(folder, address);
+  SensorLog log;
+  log.address = *meta.beacon_address;
+  // Most events are IMU samples: merge each as soon as it is read instead of storing it twice.
+  ImuRows imu(folder / imu_file, log.address, meta.imu_meaning);
+  const auto fixes = read_ultrasonic_csv(folder / ultrasonic_file, log.address);
+  std::vector<PairHeading> headings;
+  if (files::is_present(folder / heading_file))
+    headings = read_heading_csv(folder / heading_file, log.address);
+  log.events = merged(std::move(imu), Samples(fixes), Samples(headings));
+  if (files::is_present(folder / truth_file)) log.truth = read_truth_csv(folder / truth_file, log.address);
+  if (files::is_present(folder / wheel_speed_file))
+    log.wheel_speeds = read_wheel_speed_csv(folder / wheel_speed_file);
+  return log;
+}
+
+std::vector<ImuSample> read_imu_log(const std::filesystem::path& folder,
+                                    std::optional<BeaconAddress> address) {
+  const LogMeta meta = meta_of(folder, address);
+  return read_imu_csv(folder / imu_file, *meta.beacon_address, meta.imu_meaning);
+}
+
+std::vector<Event> merge_by_availability(const std::vector<ImuSample>& imu,
+                                         const std::vector<UltrasonicFix>& fixes,
+                                         const std::vector<PairHeading>& headings) {
+  return merged(Samples(imu), Samples(fixes), Samples(headings));
+}
+
+std::vector<ImuSample> read_imu_csv(const std::filesystem::path& file, BeaconAddress address,
+                                    ImuMeaning meaning) {
+  std::vector<ImuSample> samples;
+  for (ImuRows rows(file, address, meaning); rows.current() != nullptr; rows.step())
+    samples.push_back(*rows.current());
+  return samples;
+}
+
+std::vector<UltrasonicFix> read_ultrasonic_csv(const std::filesystem::path& file, BeaconAddress address) {
+  files::CsvReader rows(file, {ultrasonic_columns, ultrasonic_columns.size()});
+  std::vector<UltrasonicFix> fixes;
+  while (rows.next_row()) {
+    UltrasonicFix& fix = fixes.emplace_back();
+    fix.address = address;
+    fix.emission_time_ns = rows.time_ns(0);
+    fix.received_time_ns = rows.time_ns(1);
+    fix.position_world_m = rows.vector(2);
+    fix.quality_percent = rows.optional_number(5);
+    fix.measured_delay_s = seconds_between(fix.emission_time_ns, fix.received_time_ns);
+  }
+  return fixes;
+}
+
+std::vector<PairHeading> read_heading_csv(const std::filesystem::path& file, BeaconAddress address) {
+  files::CsvReader rows(file, {heading_columns, heading_columns.size()});
+  std::vector<PairHeading> headings;
+  while (rows.next_row()) {
+    PairHeading& heading = headings.emplace_back();
+    heading.address = address;
+    heading.emission_time_ns = rows.time_ns(0);
+    heading.received_time_ns = rows.time_ns(1);
+    heading.valid = !rows.is_empty(2);
+    if (heading.valid) heading.heading_world_rad = rows.number_in(files::degree, 2);
+  }
+  return headings;
+}
+
+std::vector<TruthSample> read_truth_csv(const std::filesystem::path& file, BeaconAddress address) {
+  files::CsvReader rows(file, {truth_columns, truth_columns_least, true});
+  std::vector<TruthSample> samples;
+  while (rows.next_row()) {
+    if (samples.empty()) samples.reserve(rows.rows_like_this());
+    TruthSample& sample = samples.emplace_back();
+    sample.address = address;
+    sample.time_ns = rows.time_ns(0);
+    const auto vector_or_unknown = [&rows](std::size_t column) -> Vector3d {
+      return rows.all_filled(column, 3) ? rows.vector(column) : Vector3d::Constant(unknown);
+    };
+    sample.position_world_m = vector_or_unknown(1);
+    sample.q_body_to_world = {unknown, unknown, unknown, unknown};
+    if (rows.all_filled(4, 4)) {
+      sample.q_body_to_world = {rows.number(4), rows.number(5), rows.number(6), rows.number(7)};
+    }
+    sample.velocity_world_mps = vector_or_unknown(8);
+  }
+  return samples;
+}
+
+std::vector<WheelSpeed> read_wheel_speed_csv(const std::filesystem::path& file) {
+  files::CsvReader rows(file, {wheel_speed_columns, wheel_speed_columns.size()});
+  std::vector<WheelSpeed> speeds;
+  while (rows.next_row()) {
+    const auto speed_mps = rows.optional_number(1);
+    if (speed_mps && std::isfinite(*speed_mps)) speeds.push_back({rows.time_ns(0), *speed_mps});
+  }
+  std::stable_sort(speeds.begin(), speeds.end(),
+                   [](const WheelSpeed& a, const WheelSpeed& b) { return a.time_ns < b.time_ns; });
+  return speeds;
+}
+
+}  // namespace sonopose::recording

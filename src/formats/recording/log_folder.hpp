@@ -1,0 +1,83 @@
+#pragma once
+/// \file
+/// Reads a sensor-log folder: plain CSV files with a `#` header line, times in integer ns since the Unix
+/// epoch.
+///
+/// | File             | Columns |
+/// |------------------|---------|
+/// | `imu.csv`        | timestamp, w_x, w_y, w_z [rad/s], a_x, a_y, a_z [m/s²], optional m_x, m_y, m_z [µT] |
+/// | `ultrasonic.csv` | timestamp (emission), received, x, y, z [m], quality [%] |
+/// | `heading.csv`    | timestamp (emission), received, heading [deg]; optional file |
+/// | `truth.csv`      | timestamp, p(3) [m], q_w, q_x, q_y, q_z, v(3) [m/s], …; optional file |
+/// | `wheel_speed.csv` | timestamp, speed [m/s]; optional file, only used for scores |
+/// | `meta.toml`      | what these files do not say (log_meta.hpp); optional file |
+///
+/// A time is at least 1 and below 2^62. An empty cell is an unknown value. Columns are identified by
+/// position, as in EuRoC's files; the header's text is ignored. Errors are files::IoError that name file,
+/// line, column and value.
+
+#include "files/error.hpp"
+#include <sonopose/samples/samples.hpp>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sonopose::recording {
+
+/// The beacon address if neither meta.toml nor the user gives one.
+inline constexpr BeaconAddress default_log_address = 7;
+
+/// A measurement of the vehicle's odometer.
+struct WheelSpeed {
+  TimeNs time_ns = 0;
+  double speed_mps = 0;  ///< speed; negative: backwards
+};
+
+/// A complete recording.
+struct SensorLog {
+  std::vector<Event> events;       ///< events in the order in which a causal consumer receives them
+  std::vector<TruthSample> truth;  ///< truth in file order; NaN for unknown values; empty without a file
+  BeaconAddress address = default_log_address;  ///< address of all samples
+  std::vector<WheelSpeed> wheel_speeds{};       ///< speeds in ascending time; empty without a file
+  std::vector<std::string> warnings{};          ///< descriptions of missing or damaged parts
+};
+
+/// Reads a folder. Bridge and replay share this function, so both deliver the same events. `address` replaces
+/// that of meta.toml. Throws files::IoError.
+SensorLog read_sensor_log(const std::filesystem::path& folder, std::optional<BeaconAddress> address = {});
+
+/// Reads only the IMU samples of a folder, in file order and without sequence numbers. Throws files::IoError.
+std::vector<ImuSample> read_imu_log(const std::filesystem::path& folder,
+                                    std::optional<BeaconAddress> address = {});
+
+/// Merges the three streams and numbers the events from 1. An IMU sample comes at its stamp, a fix or heading
+/// at its receipt; at equal times IMU, fix, heading. Each stream keeps its order: a row that is earlier than
+/// its predecessor follows directly after it.
+///
+/// A wrong IMU stamp far in the future does not delay other events. A stamp counts as wrong if it is more
+/// than 1 s later than two others: the stamp before it, and one of the next 64 that is not itself more than 1
+/// s earlier than the stamp before. The sample is then merged at the earliest such stamp, and keeps its own.
+/// Smaller delays, as over a bad line, are merged by stamp.
+std::vector<Event> merge_by_availability(const std::vector<ImuSample>& imu,
+                                         const std::vector<UltrasonicFix>& fixes,
+                                         const std::vector<PairHeading>& headings);
+
+/// Read single files, in file order and without sequence numbers. Each throws files::IoError.
+std::vector<ImuSample> read_imu_csv(const std::filesystem::path& file, BeaconAddress address,
+                                    ImuMeaning meaning = ImuMeaning::unknown);
+
+/// Sets `measured_delay_s` to received − timestamp.
+std::vector<UltrasonicFix> read_ultrasonic_csv(const std::filesystem::path& file, BeaconAddress address);
+
+/// Reads a row with an empty heading as an invalid sample.
+std::vector<PairHeading> read_heading_csv(const std::filesystem::path& file, BeaconAddress address);
+
+/// Reads position, attitude and velocity, each NaN if unknown. Ignores further columns.
+std::vector<TruthSample> read_truth_csv(const std::filesystem::path& file, BeaconAddress address);
+
+/// Sorts by time, and leaves out rows without a speed.
+std::vector<WheelSpeed> read_wheel_speed_csv(const std::filesystem::path& file);
+
+}  // namespace sonopose::recording

@@ -1,0 +1,40 @@
+#pragma once
+/// \file
+/// Captures raw beacon bytes to a file while they are published.
+
+#include "publication/background_writer.hpp"
+#include "transport/byte_file.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+
+namespace sonopose::bridge {
+
+class Capture {
+public:
+  /// Throws files::IoError if the file cannot be opened. Later errors end the capture and are logged.
+  Capture(const std::filesystem::path& file, publication::WhenFull when_full)
+      : writer_({"the capture", "byte"}, capacity, when_full,
+                [to = std::make_shared<transport::CaptureFile>(file)](std::span<const std::uint8_t> bytes) {
+                  to->append(bytes);
+                }) {}
+
+  /// Limits waits of `append` for a slow disk after the stop. `stop` must outlive this.
+  void obey(const process::StopSignal& stop) { writer_.obey(stop); }
+
+  void append(std::span<const std::uint8_t> bytes) { writer_.push(bytes); }
+
+  /// Waits until everything has been written (BackgroundWriter::finish). Throws files::IoError if bytes were
+  /// lost.
+  void finish() { writer_.finish(); }
+
+private:
+  static constexpr std::size_t capacity = 1U << 20U;  ///< many seconds of the fastest serial line
+
+  publication::BackgroundWriter<std::uint8_t> writer_;
+};
+
+}  // namespace sonopose::bridge

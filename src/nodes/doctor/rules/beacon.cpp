@@ -1,0 +1,314 @@
+#include "doctor/rules/checks.hpp"
+#include "observation/beacon_observer.hpp"
+#include <sonopose/text/count_text.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace sonopose::doctor::rules {
+namespace {
+
+using text::count_text;
+
+/// Low battery. A Li-Po cell has about 10 % of its charge left at 3.5 V, and must stay above 3.0 V.
+constexpr double low_battery_v = 3.5;
+/// A few IMU periods. More jitter comes from a shared radio or a busy host.
+constexpr double large_jitter_s = 0.030;
+/// Limit above the latency on one host, and far above the error of synchronised clocks.
+constexpr double large_clock_difference_s = 0.050;
+
+class BeaconCheck {
+public:
+  BeaconCheck(const Observations& observations, const BeaconObservation& beacon, Findings& findings)
+      : observations_(observations),
+        beacon_(beacon),
+        findings_(findings),
+        fusion_lacks_imu_(no_fusion_receives_imu(observations)) {}
+
+  void report_rates() const {
+    std::string text =
+        fmt::format("IMU {:.1f} Hz, fixes {:.1f} Hz, headings {:.1f} Hz, poses {:.1f} Hz",
+                    beacon_.imu.rate_hz, beacon_.fix.rate_hz, beacon_.heading.rate_hz, beacon_.pose.rate_hz);
+    if (beacon_.status && beacon_.status->battery_v) {
+      text += fmt::format(", battery {:.2f} V", *beacon_.status->battery_v);
+    }
+    if (beacon_.status) {
+      text += fmt::format(", clock offset {:.3f} s, jitter {:.1f} ms", beacon_.status->clock_offset_s,
+                          beacon_.status->clock_jitter_s * 1e3);
+    }
+    add(Severity::ok, text, "");
+  }
+
+  void imu() const {
+    if (beacon_.imu.samples == 0) {
+      add(Severity::error, "no IMU samples received",
+          "enable the stream of raw inertial data on the beacon, and check the output of sonopose-bridge");
+    } else {
+      check_silence(beacon_.imu, "IMU samples",
+                    "check the line to the beacon; the lowest supported rate is 25 Hz");
+    }
+  }
+
+  void fixes() const {
+    if (beacon_.fix.samples > 0) {
+      check_silence(beacon_.fix, "fixes", "check that the beacon receives its stationary beacons everywhere");
+    } else if (increase_of(&BeaconStatus::fixes_unavailable) > 0) {
+      add(Severity::warning, "no fixes received: the hardware flags its positions as not available",
+          "check that the stationary beacons are awake, in line of sight, and in the same map as this "
+          "beacon");
+    } else {
+      add(Severity::warning, "no fixes received",
+          "wake the beacon up in the positioning system, and enable the stream of positions");
+    }
+  }
+
+  void refused_fixes() const {
+    constexpr double refused_share = 0.5;
+    constexpr double notable = 0.1;
+    const FixOutcomes& fixes = beacon_.fix_outcomes;
+    const auto refused = static_cast<double>(fixes.refused);
+    if (fixes.refused < 2 || refused < notable * static_cast<double>(fixes.reports) || fusion_lacks_imu_) {
+      return;
+    }
+    add(refused > refused_share * static_cast<double>(fixes.reports) ? Severity::warning : Severity::note,
+        fmt::format("its fusion refuses {} of its {}; {} too old", fixes.refused,
+                    count_text(fixes.reports, "fix", "fixes"), count_text(fixes.late, "is", "are")),
+        "the output of sonopose-fusion has the reason; the stamps of fixes and IMU samples must come from "
+        "one clock");
+  }
+
+  void headings() const {
+    const double mount_offset_deg = beacon_.fusion_settings.heading.mount_offset_deg;
+    const std::uint64_t invalid_headings = beacon_.heading.samples - beacon_.valid_headings;
+    if (beacon_.heading.samples == 0 && beacon_.pair_fixes > 0) {
+      add(Severity::warning, "no pair headings received, although its fixes are those of a pair",
+          "switch the second beacon of the pair on, and enable the stream of positions with angle");
+    } else if (beacon_.heading.samples == 0 && beacon_.fix.samples > 0 && mount_offset_deg != 0.0) {
+      add(Severity::warning,
+          fmt::format("no pair headings received, although heading.mount_offset_deg={} configures a pair",
+                      mount_offset_deg),
+          fmt::format(
+              "pair the beacon and switch the second one on; for a single beacon, set mount_offset_deg = 0 "
+              "in [beacon.{}.heading]",
+              beacon_.address));
+    } else if (beacon_.heading.samples == 0) {
+      add(Severity::note, "no pair headings received: a single beacon estimates its heading from motion", "");
+    } else if (2 * beacon_.valid_headings < beacon_.heading.samples) {
+      add(Severity::warning,
+          fmt::format("{} of {} of the hardware {} invalid", invalid_headings,
+                      count_text(beacon_.heading.samples, "pair heading"),
+                      invalid_headings == 1 ? "is" : "are"),
+          "check that both beacons of the pair have fixes, and that the pair's baseline is configured");
+    } else {
+      lost_headings();
+    }
+  }
+
+  void poses(bool fusion_runs) const {
+    if (!fusion_runs || beacon_.imu.samples == 0 || fusion_lacks_imu_) return;  // reported already
+    if (beacon_.pose.samples == 0) {
+      add(Severity::error, "a fusion runs, but no poses of this beacon were received",
+          "keep it still for a second, check that fixes arrive, and check the output of sonopose-fusion");
+    } else if (!follows(beacon_.pose, beacon_.imu)) {
+      check_silence(beacon_.pose, "poses", "check whether the machine of the fusion is overloaded");
+    }
+  }
+
+  void two_bridges() const {
+    if (beacon_.bridges.size() > 1) {
+      std::string names;
+      for (const ProcessObservation& bridge : beacon_.bridges)
+        names += (names.empty() ? "" : ", ") + text_of(bridge);
+      add(Severity::error,
+          fmt::format("{} bridges publish it: {}; its poses are wrong", beacon_.bridges.size(), names),
+          "stop all but one, or use different addresses");
+    } else if (beacon_.status && beacon_.status->other_bridges > 0) {
+      add(Severity::error,
+          fmt::format("its bridge detects {}",
+                      beacon_.status->other_bridges == 1
+                          ? "another bridge that publishes it"
+                          : fmt::format("{} other bridges that publish it", beacon_.status->other_bridges)),
+          "stop all but one, or use different addresses");
+    }
+  }
+
+  void standbys() const {
+    if (beacon_.fusions.size() < 2 || !beacon_.fusion || !observation::serves(*beacon_.fusion)) return;
+    add(Severity::ok,
+        fmt::format("served by the fusion with strength {}, {} on standby", beacon_.fusion->strength,
+                    beacon_.fusions.size() - 1),
+        "");
+  }
+
+  void numbering() const {
+    if (beacon_.events_missing > 0 && beacon_.bridges.size() < 2) {
+      add(by_share(beacon_.events_missing, beacon_.events_expected),
+          fmt::format("{} of its {} not received", beacon_.events_missing,
+                      count_text(beacon_.events_expected, "event was", "events were")),
+          "check whether the network loses packets, or this machine is overloaded");
+    }
+    if (fusion_lacks_imu_) return;  // the counters below are a consequence
+    if (const auto lost = increase_of(&FusionStatus::events_lost); lost > 0) {
+      add(by_share(lost, beacon_.imu.samples), fmt::format("its fusion lost {}", count_text(lost, "event")),
+          "check whether the network loses packets, or the machine of the fusion is overloaded");
+    }
+    if (const auto invalid = increase_of(&FusionStatus::samples_invalid); invalid > 0) {
+      // A bad line delivers some samples late.
+      constexpr std::uint64_t one_in = 20;
+      const bool many = invalid * one_in > beacon_.imu.samples + beacon_.fix.samples;
+      add(many ? Severity::warning : Severity::note,
+          fmt::format("its fusion rejected {}: not finite, out of range, out of order, or too late",
+                      count_text(invalid, "sample")),
+          "check for a second bridge, a clock that was set, or a faulty sensor");
+    }
+  }
+
+  void clocks() const {
+    if (!beacon_.status) return;
+    if (beacon_.status->clock_jitter_s > large_jitter_s) {
+      add(Severity::warning,
+          fmt::format("its packets arrive with a jitter of {:.0f} ms", beacon_.status->clock_jitter_s * 1e3),
+          "prefer USB to radio, and check whether the machine of the bridge is overloaded");
+    }
+    if (const auto resets = increase_of(&BeaconStatus::clock_resets); resets > 0) {
+      add(Severity::warning,
+          fmt::format("its clock was reset {}: the beacon restarted, or a clock was set",
+                      count_text(resets, "time")),
+          "check its power supply, and configure NTP to slew the host's clock instead of stepping it");
+    }
+  }
+
+  void host_clock() const {
+    if (!beacon_.bridge_ahead_s || std::abs(*beacon_.bridge_ahead_s) <= large_clock_difference_s) return;
+    const double ahead_s = *beacon_.bridge_ahead_s;
+    const bool same_host =
+        beacon_.bridges.size() == 1 && beacon_.bridges.front().host == observations_.own_host;
+    if (same_host && ahead_s < 0) {
+      add(Severity::warning,
+          fmt::format("its samples take {:.0f} ms to arrive, on the same machine", -ahead_s * 1e3),
+          "check the load of this machine");
+    } else {
+      add(Severity::warning,
+          fmt::format(
+              "the clock of the bridge's machine is about {:.0f} ms {} the clock of this machine: latencies "
+              "between the two are wrong by that much",
+              std::abs(ahead_s) * 1e3, ahead_s > 0 ? "ahead of" : "behind"),
+          "synchronise the machines' clocks (chrony, NTP, PTP)");
+    }
+  }
+
+  void line() const {
+    const auto crc_errors = increase_of(&BeaconStatus::crc_errors);
+    const auto bytes_lost = increase_of(&BeaconStatus::bytes_lost);
+    if (crc_errors > 0 || bytes_lost > 0) {
+      add(Severity::warning,
+          fmt::format("{} and {} on its line", count_text(crc_errors, "checksum error"),
+                      count_text(bytes_lost, "lost byte")),
+          "check cable and radio, and check that no other process reads the device");
+    }
+    if (const auto rejected = increase_of(&BeaconStatus::samples_rejected); rejected > 0) {
+      add(Severity::warning,
+          fmt::format("{} impossible values",
+                      count_text(rejected, "of its samples has", "of its samples have")),
+          "update the beacon's firmware, or replace it");
+    }
+    if (beacon_.status && beacon_.status->battery_v && *beacon_.status->battery_v < low_battery_v) {
+      add(Severity::warning, fmt::format("its battery is at {:.2f} V", *beacon_.status->battery_v),
+          "charge it: below 3.5 V a Li-Po cell is nearly empty");
+    }
+  }
+
+private:
+  void add(Severity severity, const std::string& what, const std::string& remedy) const {
+    findings_.push_back({severity, name_of(beacon_), what, remedy});
+  }
+
+  /// Note for up to one lost event in a hundred, otherwise warning.
+  static Severity by_share(std::uint64_t lost, std::uint64_t events) {
+    return lost * 100 > events ? Severity::warning : Severity::note;
+  }
+
+  /// Reports a pair that was lost for a part of the window.
+  void lost_headings() const {
+    constexpr const char* remedy =
+        "check power and line of sight of the second beacon of the pair, and its distance to the first one";
+    if (beacon_.pair_lost_s > 0) {
+      add(Severity::warning,
+          fmt::format("for about {:.0f} s, less than half of its fixes had a pair heading",
+                      beacon_.pair_lost_s),
+          remedy);
+    } else if (!follows(beacon_.heading, beacon_.fix)) {
+      check_silence(beacon_.heading, "pair headings", remedy);
+    }
+  }
+
+  /// True if the silence of a stream is that of its source, which is reported already.
+  static bool follows(const StreamObservation& stream, const StreamObservation& source) {
+    constexpr double late_s = 0.05;
+    return source.longest_silence_s > source.deadline_s &&
+           stream.longest_silence_s < source.longest_silence_s + late_s && stream.silences <= source.silences;
+  }
+
+  void check_silence(const StreamObservation& stream, const char* what, const char* remedy) const {
+    if (stream.longest_silence_s <= stream.deadline_s) return;
+    // Single pauses occur on a busy machine and are a note.
+    constexpr std::uint64_t min_silences = 3;
+    constexpr double share = 0.05;
+    const bool are_many = stream.silences >= min_silences && stream.silent_s > share * observations_.window_s;
+    const bool is_warning = stream.longest_silence_s > 3 * stream.deadline_s || are_many ||
+                            stream.rate_hz * stream.deadline_s < 1;
+    std::string text = fmt::format("no {} for {:.2f} s, which is longer than the deadline of {:.1f} s", what,
+                                   stream.longest_silence_s, stream.deadline_s);
+    if (stream.silences > 1) {
+      text += fmt::format(" ({} such silences, {:.2f} s in total)", stream.silences, stream.silent_s);
+    }
+    add(is_warning ? Severity::warning : Severity::note, text, remedy);
+  }
+
+  /// Increase of a counter over the window; 0 if its process restarted.
+  template <class Status>
+  static std::uint64_t increase(const std::optional<Status>& before, const std::optional<Status>& after,
+                                std::uint64_t Status::*counter) {
+    if (!before || !after || (*after).*counter < (*before).*counter) return 0;
+    return (*after).*counter - (*before).*counter;
+  }
+  [[nodiscard]] std::uint64_t increase_of(std::uint64_t BeaconStatus::*counter) const {
+    return increase(beacon_.status_before, beacon_.status, counter);
+  }
+  [[nodiscard]] std::uint64_t increase_of(std::uint64_t FusionStatus::*counter) const {
+    std::uint64_t sum = increase(beacon_.fusion_before, beacon_.fusion, counter);
+    for (const FusionSpan& ended : beacon_.ended_fusions) {
+      sum += increase<FusionStatus>(ended.before, ended.latest, counter);
+    }
+    return sum;
+  }
+
+  const Observations& observations_;
+  const BeaconObservation& beacon_;
+  Findings& findings_;
+  bool fusion_lacks_imu_;  ///< reported already
+};
+
+}  // namespace
+
+void check_beacon(const Observations& observations, const BeaconObservation& beacon, Findings& findings) {
+  const BeaconCheck check(observations, beacon, findings);
+  check.report_rates();
+  if (!on_topic(observations.writers, "sonopose/imu").empty()) {  // else missing streams are a consequence
+    check.imu();
+    check.fixes();
+    check.refused_fixes();
+    check.headings();
+    check.poses(!on_topic(observations.writers, "sonopose/pose").empty());
+  }
+  check.two_bridges();
+  check.standbys();
+  check.numbering();
+  check.clocks();
+  check.host_clock();
+  check.line();
+}
+
+}  // namespace sonopose::doctor::rules

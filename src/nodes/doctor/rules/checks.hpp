@@ -1,0 +1,42 @@
+#pragma once
+// The checks of the doctor, one file per group. Each appends its findings.
+
+#include "doctor/rules/diagnosis.hpp"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace sonopose::doctor::rules {
+
+using Findings = std::vector<Finding>;
+
+/// Checks the network, and reports missing processes.
+void check_bus(const Observations& observations, Findings& findings);
+/// Checks readers and writers: types, QoS, partitions.
+void check_topics(const Observations& observations, Findings& findings);
+/// True if no fusion can receive from any bridge, because of types or QoS. A fusion is a process that reads
+/// IMU samples and writes poses.
+bool no_fusion_receives_imu(const Observations& observations);
+/// Checks the lines of the bridges.
+void check_lines(const Observations& observations, Findings& findings);
+/// Reports processes that should not write poses, or that write them with equal strength.
+void check_pose_writers(const Observations& observations, Findings& findings);
+/// Checks one beacon's streams, fusions, numbering, clock and line.
+void check_beacon(const Observations& observations, const BeaconObservation& beacon, Findings& findings);
+/// A reported problem that explains others; later values are stronger. Wrong fixes explain doubts about
+/// fixes. A wrong installation, or two bridges, also makes right fixes look wrong, up to their rejection.
+enum class Cause : std::uint8_t { none, fixes, installation };
+/// Reports lasting status bits of one beacon's poses, except those that `cause` explains.
+void check_pose(double window_s, const BeaconObservation& beacon, Cause cause, Findings& findings);
+/// Checks mount offset, delay and accelerometer signs of one beacon, if it moves.
+void check_installation(const BeaconObservation& beacon, Findings& findings);
+/// Reports fixes off the track of one beacon.
+void check_tracks(const BeaconObservation& beacon, Findings& findings);
+/// Checks mount and calibration of one beacon's IMU, if it is at rest.
+void check_mount(const BeaconObservation& beacon, Findings& findings);
+
+/// "beacon 7".
+std::string name_of(const BeaconObservation& beacon);
+
+}  // namespace sonopose::doctor::rules

@@ -1,0 +1,50 @@
+#include "doctor/rules/checks.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace sonopose::doctor::rules {
+
+std::string name_of(const BeaconObservation& beacon) {
+  return fmt::format("beacon {}", beacon.address);
+}
+
+std::vector<const EndpointObservation*> on_topic(const std::vector<EndpointObservation>& endpoints,
+                                                 const std::string& topic) {
+  std::vector<const EndpointObservation*> found;
+  for (const EndpointObservation& endpoint : endpoints) {
+    if (endpoint.topic == topic) found.push_back(&endpoint);
+  }
+  return found;
+}
+
+std::vector<Finding> diagnose(const Observations& observations) {
+  Findings findings;
+  check_bus(observations, findings);
+  check_topics(observations, findings);
+  check_lines(observations, findings);
+  check_pose_writers(observations, findings);
+  for (const BeaconObservation& beacon : observations.beacons) {
+    check_beacon(observations, beacon, findings);
+    check_mount(beacon, findings);
+    const std::size_t before = findings.size();
+    const auto cause = [&] {
+      if (beacon.bridges.size() > 1) return Cause::installation;  // two bridges mix their samples
+      check_installation(beacon, findings);
+      if (findings.size() > before) return Cause::installation;
+      // A wrong mount, delay or sign makes right fixes look wrong, and the fusion doubts them.
+      check_tracks(beacon, findings);
+      return findings.size() > before ? Cause::fixes : Cause::none;
+    }();
+    check_pose(observations.window_s, beacon, cause, findings);
+  }
+  return findings;
+}
+
+bool has_problems(const std::vector<Finding>& findings) {
+  return std::any_of(findings.begin(), findings.end(),
+                     [](const Finding& finding) { return finding.severity >= Severity::warning; });
+}
+
+}  // namespace sonopose::doctor::rules

@@ -1,0 +1,246 @@
+#include "doctor/rules/checks.hpp"
+#include <sonopose/geometry/rotation.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace sonopose::doctor::rules {
+namespace {
+
+using motion::Measured;
+using motion::Piece;
+
+constexpr double degrees = 1.0 / geometry::radians_per_degree;
+
+/// Largest residual, above the noise of any usable fix. Beyond it the IMU does not measure the motion of the
+/// fixes.
+constexpr double max_residual_m = 0.06;
+/// Smallest motion at which fixes say something about mount and signs.
+constexpr double min_span_m = 0.5;
+/// Shortest piece. In less time, tilt and biases explain an acceleration of the wrong sign.
+constexpr double min_length_s = 5.0;
+/// Accuracy of a useful piece.
+constexpr double useful_mount_std_rad = 15.0 * geometry::radians_per_degree;
+constexpr double useful_delay_std_s = 0.020;
+/// Largest response time of a beacon. A larger estimate comes from an IMU that does not fit the fixes, as on
+/// a slipping wheel.
+constexpr double credible_delay_s = 0.15;
+/// Harmless errors of mount and delay. The fit itself errs by some degrees and milliseconds if lever arm,
+/// gyroscope scale or slip are not as assumed.
+constexpr double wrong_mount_rad = 15.0 * geometry::radians_per_degree;
+constexpr double wrong_delay_s = 0.025;
+constexpr double mount_error_rad = 2.0 * geometry::radians_per_degree;
+constexpr double delay_error_s = 0.003;
+/// Largest share of fixes far from the motion. Beyond it the cause is a wrong track, not the installation.
+constexpr double max_outliers = 0.2;
+constexpr double max_outliers_of_sign = 0.1;
+/// Largest spread of headings. Worse ones, as near iron, shift the delay.
+constexpr double max_heading_spread_rad = 3.0 * geometry::radians_per_degree;
+/// Accuracy of the mount with the other sign. Fixes that drift away resemble a wrong sign, but no mount fits
+/// them well.
+constexpr double sign_mount_std_rad = 6.0 * geometry::radians_per_degree;
+/// Number of standard deviations for a finding.
+constexpr double significant = 3.5;
+/// Logarithm of the likelihood ratio, per piece, by which the other sign must win.
+constexpr double certain = 25.0;
+/// Range of the estimate of `kalman.delay.estimate`.
+constexpr double estimated_delay_s = 0.06;
+
+bool are_few(std::size_t outliers, const Piece& piece, double share) {
+  return static_cast<double>(outliers) < share * static_cast<double>(piece.fixes);
+}
+
+bool is_usable(const Piece& piece) {
+  return piece.residual_m < max_residual_m && piece.span_m > min_span_m &&
+         are_few(piece.outliers_m.size(), piece, max_outliers);
+}
+
+bool has_known_mount(const Piece& piece) {
+  return is_usable(piece) && piece.mount_rad && piece.mount_rad->std < useful_mount_std_rad;
+}
+
+bool has_known_delay(const Piece& piece) {
+  return is_usable(piece) && piece.delay_s.std < useful_delay_std_s &&
+         piece.heading_spread_rad < max_heading_spread_rad;
+}
+
+/// True if the IMU with this axis inverted explains the piece, and the other sign does not.
+bool shows_inverted(const Piece& piece, std::size_t axis) {
+  const motion::Inverted& inverted = piece.inverted.at(axis);
+  if (inverted.log_likelihood < certain || inverted.residual_m > max_residual_m) return false;
+  if (inverted.mount_rad && inverted.mount_rad->std > sign_mount_std_rad) return false;
+  return are_few(inverted.outliers, piece, max_outliers_of_sign);
+}
+
+/// Weighted mean of independent estimates around `origin`. Not more accurate than `min_std`, nor than their
+/// spread.
+Measured mean_of(const std::vector<Measured>& all, double min_std) {
+  double weights = 0;
+  double sum = 0;
+  for (const Measured& each : all) {
+    weights += 1.0 / (each.std * each.std);
+    sum += each.value / (each.std * each.std);
+  }
+  const double mean = sum / weights;
+  double squares = 0;
+  for (const Measured& each : all) squares += (each.value - mean) * (each.value - mean);
+  const double spread = std::sqrt(squares) / static_cast<double>(all.size());
+  return {mean, std::max(min_std, std::hypot(std::sqrt(1.0 / weights), spread))};
+}
+
+/// True if more than half of the pieces differ by more than `limit` on the mean's side.
+bool most_agree(const std::vector<Measured>& all, const Measured& mean, double limit) {
+  const auto agrees = [&](const Measured& each) { return each.value * (mean.value > 0 ? 1 : -1) > limit; };
+  return 2 * std::count_if(all.begin(), all.end(), agrees) > static_cast<std::ptrdiff_t>(all.size());
+}
+
+class InstallationCheck {
+public:
+  InstallationCheck(const BeaconObservation& beacon, Findings& findings)
+      : beacon_(beacon), findings_(findings) {}
+
+  /// Runs the checks. A wrong sign makes mount and delay wrong too, so it comes first.
+  void run() const {
+    if (signs()) return;
+    mount();
+    delay();
+  }
+
+private:
+  [[nodiscard]] double configured_mount_rad() const {
+    return beacon_.fusion_settings.heading.mount_offset_deg * geometry::radians_per_degree;
+  }
+
+  /// The accelerometer axes whose other sign explains most pieces.
+  [[nodiscard]] std::vector<std::size_t> inverted_axes() const {
+    std::array<double, 3> evidence{};
+    std::array<std::size_t, 3> pieces{};
+    std::size_t judged = 0;
+    for (const Piece& piece : beacon_.pieces) {
+      if (piece.span_m < min_span_m || piece.length_s < min_length_s) continue;
+      ++judged;
+      for (std::size_t axis = 0; axis < evidence.size(); ++axis) {
+        if (!shows_inverted(piece, axis)) continue;
+        evidence.at(axis) += piece.inverted.at(axis).log_likelihood;
+        ++pieces.at(axis);
+      }
+    }
+    constexpr double comparable = 0.6;
+    const double most = *std::max_element(evidence.begin(), evidence.end());
+    std::vector<std::size_t> axes;
+    for (std::size_t axis = 0; axis < evidence.size(); ++axis) {
+      if (2 * pieces.at(axis) > judged && evidence.at(axis) > comparable * most) axes.push_back(axis);
+    }
+    return axes;
+  }
+
+  /// Deviation of the mount from the configured one if this axis is inverted; large without headings.
+  [[nodiscard]] double mount_error_rad_with(std::size_t axis) const {
+    double least = 2.0 * std::numbers::pi;
+    for (const Piece& piece : beacon_.pieces) {
+      const auto& mount = piece.inverted.at(axis).mount_rad;
+      if (mount)
+        least = std::min(least, std::abs(geometry::wrap_angle(mount->value - configured_mount_rad())));
+    }
+    return least;
+  }
+
+  [[nodiscard]] bool signs() const {
+    auto axes = inverted_axes();
+    if (axes.empty()) return false;
+    // In the horizontal plane, inverting X equals inverting Y with a mount that is off by 180°.
+    const bool has_mount = std::any_of(beacon_.pieces.begin(), beacon_.pieces.end(), [&](const Piece& piece) {
+      return piece.inverted.at(axes.front()).mount_rad.has_value();
+    });
+    if (has_mount) {
+      axes = {*std::min_element(axes.begin(), axes.end(), [&](std::size_t a, std::size_t b) {
+        return mount_error_rad_with(a) < mount_error_rad_with(b);
+      })};
+    }
+    std::string names;
+    for (const std::size_t axis : axes) {
+      names += (names.empty() ? "" : " or ");
+      names += "xyz"[axis];
+    }
+    findings_.push_back(
+        {Severity::error, name_of(beacon_),
+         fmt::format(
+             "its accelerometer has the wrong sign on the body's axis {}: only then does the IMU agree "
+             "with the fixes",
+             names),
+         "correct the sign in the driver of the IMU, or replace the beacon; calibration.axes can only "
+         "rotate"});
+    return true;
+  }
+
+  void mount() const {
+    std::vector<Measured> errors;
+    bool credible = true;
+    for (const Piece& piece : beacon_.pieces) {
+      if (!has_known_mount(piece)) continue;
+      credible = credible && std::abs(piece.delay_s.value) < credible_delay_s;
+      errors.push_back(
+          {geometry::wrap_angle(piece.mount_rad->value - configured_mount_rad()), piece.mount_rad->std});
+    }
+    if (errors.empty()) return;
+    // Relative to the first one, since angles near ±180° have no mean.
+    const double origin_rad = errors.front().value;
+    std::vector<Measured> around = errors;
+    for (Measured& error : around) error.value = geometry::wrap_angle(error.value - origin_rad);
+    constexpr double poor_error_rad = 8.0 * geometry::radians_per_degree;
+    Measured error = mean_of(around, credible ? mount_error_rad : poor_error_rad);
+    error.value = geometry::wrap_angle(error.value + origin_rad);
+    const auto is_wrong = [](const Measured& each) { return std::abs(each.value) > wrong_mount_rad; };
+    if (2 * std::count_if(errors.begin(), errors.end(), is_wrong) <=
+        static_cast<std::ptrdiff_t>(errors.size()))
+      return;
+    if (std::abs(error.value) < std::max(wrong_mount_rad, significant * error.std)) return;
+    findings_.push_back(
+        {Severity::error, name_of(beacon_),
+         fmt::format(
+             "its mount offset is wrong by about {:.0f}° (±{:.0f}°): the IMU, the fixes and the heading "
+             "of the pair do not agree",
+             error.value * degrees, error.std * degrees),
+         fmt::format("try heading.mount_offset_deg={:.0f}; sonopose-calibrate mount finds it exactly "
+                     "(docs/calibration.md)",
+                     geometry::wrap_angle(configured_mount_rad() + error.value) * degrees)});
+  }
+
+  void delay() const {
+    std::vector<Measured> errors;
+    for (const Piece& piece : beacon_.pieces) {
+      if (has_known_delay(piece)) errors.push_back(piece.delay_s);
+    }
+    const settings::DelaySettings& settings = beacon_.fusion_settings.delay;
+    if (errors.empty() || !settings.extrapolate) return;
+    const Measured error = mean_of(errors, delay_error_s);
+    const bool is_estimated = settings.estimate && std::abs(error.value) < estimated_delay_s;
+    if (is_estimated || std::abs(error.value) > credible_delay_s) return;
+    if (std::abs(error.value) < std::max(wrong_delay_s, significant * error.std)) return;
+    if (!most_agree(errors, error, 0.5 * wrong_delay_s)) return;
+    const bool own =
+        settings.source == settings::DelaySource::measured && 2 * beacon_.timed_fixes > beacon_.fix.samples;
+    findings_.push_back(
+        {Severity::warning, name_of(beacon_),
+         fmt::format("its fixes are about {:.0f} ms (±{:.0f} ms) {} than the fusion assumes",
+                     std::abs(error.value) * 1e3, error.std * 1e3, error.value > 0 ? "older" : "younger"),
+         fmt::format("try delay.{}={:.3f}; sonopose-calibrate delay finds it exactly (docs/calibration.md)",
+                     own ? "correction_s" : "processing_s",
+                     (own ? settings.correction_s : settings.processing_s) + error.value)});
+  }
+
+  const BeaconObservation& beacon_;
+  Findings& findings_;
+};
+
+}  // namespace
+
+void check_installation(const BeaconObservation& beacon, Findings& findings) {
+  InstallationCheck(beacon, findings).run();
+}
+
+}  // namespace sonopose::doctor::rules

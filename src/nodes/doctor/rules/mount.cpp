@@ -1,0 +1,105 @@
+#include "doctor/rules/checks.hpp"
+#include <sonopose/calibration/model/axes.hpp>
+#include <sonopose/geometry/rotation.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+namespace sonopose::doctor::rules {
+namespace {
+
+/// Limit above the error of a typical uncalibrated MEMS accelerometer (a few per cent).
+constexpr double gravity_tolerance = 0.05;
+/// Limit of a good gyroscope. The initial calibration removes any bias.
+constexpr double large_rate_offset_radps = 3.0 * geometry::radians_per_degree;
+/// Tilt of a wrong axis. A vehicle may stand on a ramp.
+constexpr double wrong_axis_deg = 45.0;
+constexpr double notable_tilt_deg = 15.0;
+
+/// The axis closest to the vertical: "+z", "-x".
+std::string up_axis(const Vector3d& force) {
+  Eigen::Index axis = 0;
+  force.cwiseAbs().maxCoeff(&axis);
+  constexpr std::string_view names = "xyz";
+  return {force[axis] < 0 ? '-' : '+', names[static_cast<std::size_t>(axis)]};
+}
+
+/// The value of calibration.axes that maps the sensor's axis `up` to body Z and is closest to `now`.
+std::string axes_with(const std::string& up, const calibration::AxesSettings& now) {
+  const auto choices = calibration::choices_of(calibration::Axes{});
+  std::string_view best;
+  double best_trace = -4;  // below the trace of any rotation
+  for (std::size_t i = 0; i < choices.size(); ++i) {
+    if (!choices.at(i).ends_with(up)) continue;
+    calibration::AxesSettings candidate;
+    candidate.axes = static_cast<calibration::Axes>(i);
+    const double trace =
+        (calibration::sensor_to_body(candidate).transpose() * calibration::sensor_to_body(now)).trace();
+    if (trace > best_trace) {
+      best_trace = trace;
+      best = choices.at(i);
+    }
+  }
+  return std::string(best);
+}
+
+void check_direction(const BeaconObservation& beacon, const RestObservation& rest, Findings& findings) {
+  const Vector3d& force = rest.mean_force_body_mps2;
+  const double tilt_deg =
+      std::acos(std::clamp(force.normalized().z(), -1.0, 1.0)) / geometry::radians_per_degree;
+  if (tilt_deg > wrong_axis_deg) {
+    const Vector3d force_sensor = calibration::sensor_to_body(rest.axes).transpose() * force;
+    findings.push_back(
+        {Severity::warning, name_of(beacon),
+         fmt::format(
+             "at rest, specific force is along {} of the body instead of +z ({:.1f}, {:.1f}, {:.1f} m/s²): "
+             "the mount of the IMU differs from the fusion's settings",
+             up_axis(force), force.x(), force.y(), force.z()),
+         fmt::format("mount it upright, or set calibration.axes={}; if the rotation about the vertical "
+                     "differs, choose "
+                     "another value that ends in {}, and set heading.mount_offset_deg",
+                     axes_with(up_axis(force_sensor), rest.axes), up_axis(force_sensor))});
+  } else if (tilt_deg > notable_tilt_deg) {
+    findings.push_back(
+        {Severity::note, name_of(beacon),
+         fmt::format(
+             "it is tilted by {:.0f}° at rest; the fused attitude is that of the IMU, not of the vehicle",
+             tilt_deg),
+         "mount the IMU level if the attitude of the vehicle matters"});
+  }
+}
+
+}  // namespace
+
+void check_mount(const BeaconObservation& beacon, Findings& findings) {
+  if (!beacon.rest) return;
+  const RestObservation& rest = *beacon.rest;
+  const double force_mps2 = rest.mean_force_body_mps2.norm();
+  if (!(force_mps2 > 0.5 * standard_gravity_mps2)) {
+    findings.push_back(
+        {Severity::error, name_of(beacon),
+         fmt::format("at rest, its accelerometer reads {:.2f} m/s²: it does not measure gravity", force_mps2),
+         "check that the beacon streams raw data (gravity not removed), or replace it"});
+    return;
+  }
+  check_direction(beacon, rest, findings);
+  if (std::abs(force_mps2 / standard_gravity_mps2 - 1.0) > gravity_tolerance) {
+    findings.push_back({Severity::warning, name_of(beacon),
+                        fmt::format("at rest, its accelerometer reads {:.2f} m/s² instead of {:.2f}",
+                                    force_mps2, standard_gravity_mps2),
+                        "calibrate it: sonopose-calibrate imu (docs/calibration.md)"});
+  }
+  const double rate_radps = rest.mean_rate_body_radps.norm();
+  if (rate_radps > large_rate_offset_radps) {
+    findings.push_back(
+        {Severity::warning, name_of(beacon),
+         fmt::format("at rest, its gyroscope reads {:.1f} deg/s", rate_radps / geometry::radians_per_degree),
+         "unless it rotates at a constant rate, calibrate it: sonopose-calibrate gyroscope "
+         "(docs/calibration.md)"});
+  }
+}
+
+}  // namespace sonopose::doctor::rules

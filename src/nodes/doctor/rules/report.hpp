@@ -1,0 +1,22 @@
+#pragma once
+/// \file
+/// The doctor's report as text and as JSON.
+
+#include "doctor/rules/diagnosis.hpp"
+
+#include <string>
+#include <vector>
+
+namespace sonopose::doctor::rules {
+
+/// "ok", "note", "warning" or "error".
+const char* text_of(Severity severity);
+
+/// One line per finding with its remedy below it, the most severe last, and a line with the number of
+/// problems.
+std::string report_of(std::vector<Finding> findings);
+
+/// {"ok": …, "findings": [{"severity", "subject", "what", "remedy"}]}, on one line without a newline.
+std::string json_of(const std::vector<Finding>& findings);
+
+}  // namespace sonopose::doctor::rules

@@ -1,0 +1,141 @@
+#include "fusion/beacon_estimator.hpp"
+
+#include "presence/beacon_admission.hpp"
+#include <sonopose/estimation/prediction.hpp>
+
+#include <utility>
+
+namespace sonopose::fusion {
+
+using transitions::Kind;
+
+BeaconEstimator::BeaconEstimator(BeaconAddress address, SettingsTimeline timeline, bool lossless)
+    : timeline_(std::move(timeline)), estimator_(timeline_.settings()), watch_(address) {
+  counted_.address = address;
+  pending_.add({.address = address, .kind = Kind::found});
+  if (lossless) collator_.emplace<collation::LosslessCollator>();
+}
+
+std::span<const collation::CollatedEvent> BeaconEstimator::collate(const Event& event, std::uint64_t bridge,
+                                                                   SteadyTime now, SteadyTime unpaused) {
+  heard_.on_sample(now);
+  if (std::holds_alternative<ImuSample>(event)) {
+    bridge_ = bridge;
+    imu_silence_.on_sample(now);
+    if (const auto lost_at = std::exchange(bridge_lost_at_, std::nullopt)) {
+      pending_.add({.address = counted_.address,
+                    .kind = Kind::bridge_lost,
+                    .begins = false,
+                    .lasted_s = seconds_between(*lost_at, now)});
+    }
+  }
+  if (auto* live = std::get_if<collation::Collator>(&collator_)) return live->push(event, unpaused);
+  return std::get<collation::LosslessCollator>(collator_).push(event);
+}
+
+EventOutcome BeaconEstimator::process(const collation::CollatedEvent& collated) noexcept {
+  const auto& [event, restart] = collated;
+  // The restarted bridge plays an older recording.
+  if (restart && available_at_ns(event) < estimator_.time_ns()) estimator_.reset();
+
+  EventOutcome outcome;
+  const std::uint64_t sequence = sequence_of(event);
+  const bool first = !last_sequence_;
+  const bool changed = timeline_.advance(sequence);
+  last_sequence_ = sequence;
+  if (changed) estimator_.configure(timeline_.settings());
+  if (first || changed) {
+    settings_changed_at_ = sequence;
+    outcome.settings_changed = true;
+    outcome.prediction_period_ns = estimation::prediction_period_ns(estimator_.settings().output);
+  }
+  outcome.result = estimation::process(estimator_, event);
+  const auto* report = std::get_if<FixReport>(&outcome.result);
+  if (report != nullptr) {
+    if ((report->flags & fix_too_late) != 0) ++counted_.fixes_late;
+    if (is_down_weighted(*report)) ++counted_.fixes_down_weighted;
+    refusals_.on(*report);
+    watch_.on(*report, pending_);
+  } else if (const auto* pose = std::get_if<FusedPose>(&outcome.result)) {
+    watch_.on(*pose, pending_);
+    poses_.add(*pose);
+  }
+  return outcome;
+}
+
+void BeaconEstimator::on_bridge_lost(std::uint64_t bridge, SteadyTime now) noexcept {
+  if (bridge != bridge_) return;
+  ++counted_.bridge_losses;
+  if (bridge_lost_at_) return;
+  bridge_lost_at_ = now;
+  pending_.add({.address = counted_.address, .kind = Kind::bridge_lost});
+}
+
+bool BeaconEstimator::find_silence_change(SteadyTime now, TimeNs deadline_ns) {
+  const auto change = imu_silence_.find_change(now, deadline_ns);
+  if (!change) return false;
+  pending_.add({.address = counted_.address,
+                .kind = Kind::imu_silent,
+                .begins = change->silent,
+                .lasted_s = change->lasted_s});
+  return true;
+}
+
+void BeaconEstimator::reset(std::uint64_t request_id) {
+  if (request_id != 0 && request_id == last_reset_id_) return;
+  last_reset_id_ = request_id;
+  estimator_.reset();
+}
+
+std::optional<SettingsChange> BeaconEstimator::take_settings_change() {
+  const auto from = std::exchange(settings_changed_at_, std::nullopt);
+  if (!from) return std::nullopt;
+  return SettingsChange{counted_.address, *from, estimator_.settings()};
+}
+
+bool BeaconEstimator::is_gone(SteadyTime now) const {
+  return heard_.is_gone(now);
+}
+
+FusionStatus BeaconEstimator::status() const {
+  const EstimatorCounters& counted = estimator_.counters();
+  const collation::CollatorCounters& order = order_counters();
+  FusionStatus status = counted_;
+  status.imu_samples = counted.imu_samples;
+  status.fixes_used = counted.fixes_used;
+  status.fixes_rejected = counted.fixes_rejected;
+  status.headings = counted.headings;
+  status.events_lost = order.lost;
+  status.events_duplicated = order.duplicated;
+  status.samples_invalid = counted.samples_invalid;
+  status.imu_gaps = counted.imu_gaps;
+  status.reset_counter = estimator_.reset_counter();
+  status.imu_silent = imu_silence_.is_silent();
+  return status;
+}
+
+Estimate BeaconEstimator::estimate() {
+  estimator_.finish_pending_work();
+  Estimate estimate = estimator_.estimate();
+  estimate.address = counted_.address;
+  return estimate;
+}
+
+std::string BeaconEstimator::state_hash() {
+  estimator_.finish_pending_work();
+  estimation::Digest digest = poses_;
+  digest.add(estimator_.snapshot());
+  return digest.text();
+}
+
+std::optional<collation::LosslessCollator::Gap> BeaconEstimator::gap() const {
+  const auto* collator = std::get_if<collation::LosslessCollator>(&collator_);
+  return collator == nullptr ? std::nullopt : collator->gap();
+}
+
+const collation::CollatorCounters& BeaconEstimator::order_counters() const {
+  return std::visit(
+      [](const auto& of_kind) -> const auto& { return of_kind.counters(); }, collator_);
+}
+
+}  // namespace sonopose::fusion

@@ -1,0 +1,129 @@
+#pragma once
+/// \file
+/// One beacon in the fusion: its estimator, event order, changes of settings, and state of its inputs.
+
+#include "estimation/digest.hpp"
+#include "fusion/fix_refusals.hpp"
+#include "fusion/settings_timeline.hpp"
+#include "presence/beacon_presence.hpp"
+#include "presence/silence.hpp"
+#include "transitions/transition_detector.hpp"
+#include <sonopose/collation/collator.hpp>
+#include <sonopose/collation/lossless_collator.hpp>
+#include <sonopose/estimation/any_estimator.hpp>
+#include <sonopose/samples/pose.hpp>
+#include <sonopose/samples/status.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+
+namespace sonopose::fusion {
+
+/// Settings that apply from an event on.
+struct SettingsChange {
+  BeaconAddress address = 0;
+  std::uint64_t from_sequence = 0;
+  settings::Settings settings;  ///< effective, with the preset resolved
+};
+
+/// Results of one event.
+struct EventOutcome {
+  bool settings_changed = false;    ///< also at the beacon's first event
+  TimeNs prediction_period_ns = 0;  ///< by the new settings; 0: never
+  estimation::EventResult result;   ///< pose, report on a fix, or nothing
+};
+
+/// The fusion of one beacon. Not thread-safe.
+class BeaconEstimator {
+public:
+  /// `lossless`: wait for a missing event indefinitely instead of for a few milliseconds.
+  BeaconEstimator(BeaconAddress address, SettingsTimeline timeline, bool lossless);
+
+  /// Sorts in an event that arrived at `now` from the writer with the publication handle `bridge`. `unpaused`
+  /// is `now` by collation::PauseCompensatedClock. Returns the events that are next in order; pass each to
+  /// `process`. The span is valid until the next call.
+  std::span<const collation::CollatedEvent> collate(const Event& event, std::uint64_t bridge, SteadyTime now,
+                                                    SteadyTime unpaused);
+
+  /// Applies the settings that are due at this event and passes the event to the estimator. Does not
+  /// allocate.
+  EventOutcome process(const collation::CollatedEvent& collated) noexcept;
+
+  /// Does the work that a fix or heading leaves for after its result is written.
+  void finish_pending_work() noexcept { estimator_.finish_pending_work(); }
+
+  /// Resets the estimator but keeps the settings. Ignores a repeated request: same id as the last one, not 0.
+  void reset(std::uint64_t request_id);
+
+  [[nodiscard]] const SettingsTimeline& timeline() const { return timeline_; }
+
+  /// Replaces the settings from the next event on. Leaves the former ones in `timeline`.
+  void exchange_timeline(SettingsTimeline& timeline) { std::swap(timeline_, timeline); }
+
+  /// The settings that changed with an event since the last call; empty if none.
+  std::optional<SettingsChange> take_settings_change();
+
+  /// Number of the latest processed event; empty if there was none.
+  [[nodiscard]] std::optional<std::uint64_t> last_sequence() const { return last_sequence_; }
+
+  /// Adds deadline periods without a sample.
+  void on_deadline_missed(std::uint64_t FusionStatus::*counter, std::uint64_t more) {
+    counted_.*counter += more;
+  }
+
+  /// Reports that a bridge is no longer alive. Counts it if it sent the latest IMU sample.
+  void on_bridge_lost(std::uint64_t bridge, SteadyTime now) noexcept;
+
+  /// True if the IMU has fallen silent for `deadline_ns` or resumed since the last call.
+  bool find_silence_change(SteadyTime now, TimeNs deadline_ns);
+
+  /// True if `find_silence_change` or `transitions` has a change.
+  [[nodiscard]] bool has_unreported_change(SteadyTime now, TimeNs deadline_ns) const {
+    return !pending_.empty() || imu_silence_.has_changed(now, deadline_ns);
+  }
+
+  /// Changes of state since they were last cleared.
+  [[nodiscard]] transitions::TransitionQueue& transitions() { return pending_; }
+
+  /// True if nothing has arrived for so long that the estimate is worthless (presence::BeaconPresence).
+  [[nodiscard]] bool is_gone(SteadyTime now) const;
+
+  /// The beacon's counters, without those of the process.
+  [[nodiscard]] FusionStatus status() const;
+
+  /// The estimator's knowledge of the sensors.
+  [[nodiscard]] Estimate estimate();
+
+  /// Digest of every pose and of the present state. A replay of the same events gives the same digest.
+  [[nodiscard]] std::string state_hash();
+
+  /// A message about refused fixes (FixRefusals), if there is news. Call it once a second.
+  std::optional<std::string> fix_refusals(SteadyTime now) { return refusals_.update(now); }
+
+  /// The gap that events wait for; empty if none wait, and unless lossless.
+  [[nodiscard]] std::optional<collation::LosslessCollator::Gap> gap() const;
+
+private:
+  [[nodiscard]] const collation::CollatorCounters& order_counters() const;
+
+  FusionStatus counted_;  ///< counters that nothing else keeps
+  SettingsTimeline timeline_;
+  estimation::AnyEstimator estimator_;
+  std::variant<collation::Collator, collation::LosslessCollator> collator_;
+  std::optional<std::uint64_t> last_sequence_;
+  std::optional<std::uint64_t> settings_changed_at_;  ///< event number since the last take_settings_change()
+  std::uint64_t last_reset_id_ = 0;
+  presence::BeaconPresence heard_;
+  presence::Silence imu_silence_;
+  std::uint64_t bridge_ = 0;  ///< sender of the latest IMU sample
+  std::optional<SteadyTime> bridge_lost_at_;
+  FixRefusals refusals_;
+  estimation::Digest poses_;
+  transitions::TransitionDetector watch_;
+  transitions::TransitionQueue pending_;
+};
+
+}  // namespace sonopose::fusion

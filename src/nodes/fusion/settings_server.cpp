@@ -1,0 +1,131 @@
+#include "fusion/settings_server.hpp"
+
+#include "clocks/clocks.hpp"
+#include "config/beacon_settings.hpp"
+#include "logging/log.hpp"
+#include <sonopose/dds/topics/conversions.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <exception>
+#include <string>
+#include <utility>
+
+namespace sonopose::fusion {
+
+namespace topics = dds::topics;
+
+SettingsServer::SettingsServer(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+                               process::Guarded<BeaconEstimators>& estimators, presence::AddressSet addresses)
+    : estimators_(estimators),
+      addresses_(std::move(addresses)),
+      requests_(estimators),
+      settings_writer_(topics::make_writer(participant, qos, topics::settings)),
+      reply_writer_(topics::make_writer(participant, qos, topics::settings_reply)),
+      request_reader_(topics::make_reader(participant, qos, topics::settings_request)) {
+  publish(estimators_.with([](auto& all) { return all.settings_for_all(); }));
+  thread_ = std::thread([this] { serve(); });
+}
+
+SettingsServer::~SettingsServer() {
+  stopping_ = true;
+  wake_.trigger_value(true);
+  thread_.join();
+  publish_changes();
+  unregister(all_beacons);
+}
+
+void SettingsServer::unregister(BeaconAddress address) noexcept {
+  sonopose_EffectiveSettings settings{};
+  settings.address = address;
+  settings_writer_.try_unregister_instance(settings);
+}
+
+void SettingsServer::serve() {
+  const dds::ReadCondition has_requests(request_reader_);
+  dds::WaitSet waitset;
+  waitset += has_requests;
+  waitset += wake_;
+  while (!stopping_) {
+    constexpr std::chrono::seconds report_period{1};
+    waitset.wait(log_.has_pending() ? dds::Duration(report_period) : dds::infinite);
+    log_.update(clocks::steady_now());
+    wake_.trigger_value(false);
+    publish_changes();
+    request_reader_.try_take_each([this](const sonopose_SettingsRequest& request, const dds::SampleInfo&) {
+      if (stopping_) return;
+      const SteadyTime begin = clocks::steady_now();
+      try_answer(request);
+      std::this_thread::sleep_for(std::chrono::nanoseconds(clocks::steady_now() - begin));
+    });
+  }
+  log_.finish();
+}
+
+/// Answers a request and logs an error: one request must not end the poses of all beacons. Its sender repeats
+/// it.
+void SettingsServer::try_answer(const sonopose_SettingsRequest& request) {
+  try {
+    answer(request);
+  } catch (const std::exception& error) {
+    log_.write(logging::Level::error, fmt::format("a request for settings has no reply: {}", error.what()),
+               clocks::steady_now());
+  }
+}
+
+void SettingsServer::answer(const sonopose_SettingsRequest& request) {
+  if (request.address != all_beacons && !addresses_.contains(request.address)) return;
+  const SettingsRequest asked = topics::from_idl(request);
+  const SettingsReply reply = requests_.answer(asked);
+  log(asked, reply);
+  if (reply.accepted && reply.address == all_beacons) {  // before the reply, so that the client reads them
+    publish(estimators_.with([](auto& all) { return all.settings_for_all(); }));
+  }
+  const auto sample = topics::to_idl(reply);
+  write([&] { return reply_writer_.try_write(sample); });
+}
+
+/// Logs a request, rate-limited and bounded: any program can send requests.
+void SettingsServer::log(const SettingsRequest& request, const SettingsReply& reply) {
+  if (request.request_id != 0 && std::exchange(last_logged_id_, request.request_id) == request.request_id) {
+    return;
+  }
+  std::string text = request.address == all_beacons ? "settings of all beacons"
+                                                    : fmt::format("settings of beacon {}", request.address);
+  text += reply.accepted ? " changed" : " refused";
+  const char* separator = ": ";
+  for (const SettingAssignment& assignment : request.assignments) {
+    text += fmt::format("{}{} = {}", std::exchange(separator, ", "), assignment.key, assignment.value);
+  }
+  if (!reply.reason.empty()) text += "; " + reply.reason;
+  constexpr std::size_t longest = 1000;
+  if (text.size() > longest) text = text.substr(0, longest) + " ...";
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 0x7f; }, '?');
+  log_.write(reply.accepted ? logging::Level::info : logging::Level::warning, text, clocks::steady_now());
+}
+
+void SettingsServer::publish_changes() {
+  const auto changes = estimators_.with([](auto& all) { return all.take_settings_changes(); });
+  for (const SettingsChange& change : changes) publish(change);
+}
+
+void SettingsServer::publish(const SettingsChange& change) {
+  const EffectiveSettings settings{.address = change.address,
+                                   .time_ns = clocks::host_now(),
+                                   .from_sequence = change.from_sequence,
+                                   .values = config::texts_of(change.settings)};
+  const auto sample = topics::to_idl(settings);
+  write([&] { return settings_writer_.try_write(sample.sample()); });
+}
+
+/// Repeats `attempt` until a slow reader has space or the process ends.
+void SettingsServer::write(const auto& attempt) {
+  const auto give_up = [this] { return stopping_.load(); };
+  if (dds::retry_unless(give_up, attempt) < 0) unwritten_.fetch_add(1, std::memory_order_relaxed);
+}
+
+}  // namespace sonopose::fusion

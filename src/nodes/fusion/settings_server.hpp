@@ -1,0 +1,66 @@
+#pragma once
+/// \file
+/// The settings on the bus: answers requests and publishes the settings in effect.
+
+#include "fusion/beacon_estimators.hpp"
+#include "fusion/settings_requests.hpp"
+#include "presence/address_set.hpp"
+#include "process/guarded.hpp"
+#include "transitions/bounded_log.hpp"
+#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/dds/topics/topics.hpp>
+
+#include <atomic>
+#include <cstdint>
+#include <thread>
+
+namespace sonopose::fusion {
+
+/// Serves settings on a thread of its own, so that no pose waits for a request. After each answer it pauses
+/// for as long as the answer took, which leaves the processor to the poses during a flood of requests. The
+/// reader keeps the latest requests meanwhile.
+class SettingsServer {
+public:
+  /// Answers requests for `addresses` and for all beacons.
+  SettingsServer(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+                 process::Guarded<BeaconEstimators>& estimators, presence::AddressSet addresses);
+  SettingsServer(const SettingsServer&) = delete;
+  SettingsServer& operator=(const SettingsServer&) = delete;
+  /// Publishes the last changes.
+  ~SettingsServer();
+
+  /// Schedules the publication of settings that changed with an event.
+  void on_change() noexcept { wake_.trigger_value(true); }
+
+  /// Ends the publication of the settings of a beacon, or for all_beacons.
+  void unregister(BeaconAddress address) noexcept;
+
+  /// Number of settings and replies that a slow reader prevented from being written.
+  [[nodiscard]] std::uint64_t unwritten() const { return unwritten_; }
+
+private:
+  void serve();
+  void try_answer(const sonopose_SettingsRequest& request);
+  void answer(const sonopose_SettingsRequest& request);
+  void log(const SettingsRequest& request, const SettingsReply& reply);
+  void publish_changes();
+  void publish(const SettingsChange& change);
+  void write(const auto& attempt);
+
+  process::Guarded<BeaconEstimators>& estimators_;
+  presence::AddressSet addresses_;
+  SettingsRequests requests_;
+  static constexpr std::uint64_t max_logged_per_minute = 60;
+  transitions::BoundedLog log_{max_logged_per_minute};
+  std::uint64_t last_logged_id_ = 0;  ///< request id; a sender repeats its request until the reply arrives
+  dds::DataWriter<sonopose_EffectiveSettings> settings_writer_;
+  dds::DataWriter<sonopose_SettingsReply> reply_writer_;
+  dds::DataReader<sonopose_SettingsRequest> request_reader_;
+  dds::GuardCondition wake_;
+  std::atomic<bool> stopping_ = false;
+  std::atomic<std::uint64_t> unwritten_ = 0;
+  std::thread thread_;
+};
+
+}  // namespace sonopose::fusion

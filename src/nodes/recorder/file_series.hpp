@@ -1,0 +1,147 @@
+#pragma once
+/// \file
+/// Consecutive files of one recording.
+
+#include "mcap/file_sink.hpp"
+#include "mcap/writer.hpp"
+#include "recorder/arrival_span.hpp"
+#include "recorder/latched_samples.hpp"
+#include "recorder/settings_log.hpp"
+#include "recorder/topic_tap.hpp"
+#include "recording/part_file.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace sonopose::recorder {
+
+/// A channel of every file.
+struct ChannelSpec {
+  std::string topic;
+  std::string message_encoding;
+  std::string schema_name;
+  std::string schema_encoding;
+  std::string schema_data;
+  mcap::TextMap metadata = {};
+  bool is_latched = false;  ///< late readers receive its latest messages, so each file starts with them
+};
+
+struct SeriesOptions {
+  std::filesystem::path file;
+  mcap::WriterOptions writer;
+  std::vector<ChannelSpec> channels;  ///< their ids are 1, 2, …, in this order
+  mcap::TextMap about;                ///< metadata of the recording; each file adds its number
+  bool is_numbered = false;           ///< FILE_001, FILE_002, … instead of one file
+  std::uint64_t max_size_bytes = 0;   ///< limit of a file; 0: none
+  std::int64_t max_duration_ns = 0;   ///< limit of a file; 0: none
+};
+
+/// The files of a recording. All members may be called from any thread, and throw files::IoError.
+class FileSeries {
+public:
+  /// Checks that the first file can be created, which `open` or `write` does.
+  explicit FileSeries(SeriesOptions options);
+  FileSeries(const FileSeries&) = delete;
+  FileSeries& operator=(const FileSeries&) = delete;
+  FileSeries(FileSeries&&) = delete;
+  FileSeries& operator=(FileSeries&&) = delete;
+  ~FileSeries() = default;
+
+  /// Adds a channel to the current and all later files. Returns its id.
+  std::uint16_t add_channel(ChannelSpec channel);
+  /// Channels of imu, fix and heading; 0: not recorded. Call it before any thread writes.
+  [[nodiscard]] std::array<std::uint16_t, 3> input_channel_ids() const;
+  /// Channel of the ends of instances; 0: not recorded.
+  [[nodiscard]] std::uint16_t ends_channel_id() const;
+  /// Topic of a channel.
+  [[nodiscard]] std::string topic(std::uint16_t channel_id) const;
+  /// Creates a file, if none is open.
+  void open();
+  /// Writes the messages. Starts another file first if one would be larger or longer than allowed.
+  void write(const mcap::Chunk& chunk, const ArrivalSpan& taken, const TapCounts& counts);
+  /// Remembers latched samples among messages that are not written: the next file starts with them.
+  void remember(const mcap::Chunk& chunk);
+  /// Counts messages that are not written after an error.
+  void count_lost(std::uint64_t messages);
+  /// Excludes losses up to these counts from the next file: it starts with later messages.
+  void count_from(const TapCounts& counts);
+  /// Ends and closes the current file, and gives it its name. `reason` is written to it.
+  void finish(const std::string& reason, const TapCounts& counts, const mcap::TextMap& more = {});
+
+  /// Number of messages in all files, including open ones, without those that files repeat.
+  [[nodiscard]] std::uint64_t message_count() const;
+  [[nodiscard]] std::uint64_t byte_count() const;
+  [[nodiscard]] std::uint64_t lost_disk() const;
+  /// Names of the complete files.
+  [[nodiscard]] std::vector<std::filesystem::path> files() const;
+  /// Temporary name of the current file, or of the next one.
+  [[nodiscard]] std::filesystem::path part() const;
+
+private:
+  /// Removes a part without messages, so that the next recording can start.
+  struct Part {
+    explicit Part(std::filesystem::path of) : path(std::move(of)) {}
+    Part(const Part&) = delete;
+    Part& operator=(const Part&) = delete;
+    Part(Part&&) = delete;
+    Part& operator=(Part&&) = delete;
+    ~Part();
+
+    std::filesystem::path path;
+    bool is_kept = false;
+  };
+
+  /// A file that is being written.
+  struct File {
+    File(const std::filesystem::path& path, const mcap::WriterOptions& options)
+        : name(path), sink(name.part()), part(name.part()), writer(sink, options) {}
+
+    recording::PartFile name;
+    mcap::FileSink sink;
+    Part part;
+    mcap::Writer writer;
+  };
+
+  // Call these with the mutex held.
+  void begin_file();
+  void write_head();
+  std::uint16_t add_to_file(const ChannelSpec& channel);
+  void end_file(const std::string& reason, const TapCounts& counts, const mcap::TextMap& more);
+  [[nodiscard]] std::uint64_t lost_now() const;
+  [[nodiscard]] std::filesystem::path file_of(std::size_t number) const;
+  [[nodiscard]] std::size_t next_number() const;
+  void prepare_for(const mcap::Chunk& chunk, const ArrivalSpan& taken);
+  /// Limit that requires another file before the chunk; null if the chunk fits into this one.
+  [[nodiscard]] const char* limit_of(const mcap::Chunk& chunk, const ArrivalSpan& taken) const;
+  [[nodiscard]] std::uint64_t metadata_bytes(const mcap::Chunk& chunk) const;
+  void write_latched(const mcap::Chunk& before);
+  void count_repeated();
+  void write_chunk(const mcap::Chunk& chunk);
+  void write_losses(const TapCounts& counts);
+
+  mutable std::mutex mutex_;  // guards the members below
+  SeriesOptions options_;
+  std::optional<File> current_;
+  TapCounts counts_at_start_;  ///< counts at the start of the current file
+  TapCounts counts_reported_;  ///< counts last written to the current file
+  LatchedSamples latched_;
+  SettingsLog settings_;
+  std::optional<SteadyTime> began_;  ///< start of the current file, if it has a message
+  std::uint64_t repeated_ = 0;       ///< earlier messages that the current file repeats
+  std::uint64_t repeated_lost_ = 0;  ///< repeated messages that the disk lost: an earlier file has them
+  std::vector<std::filesystem::path> files_;
+  std::size_t last_number_ = 0;  ///< number of the current file, or of the previous one
+  std::uint64_t finished_messages_ = 0;
+  std::uint64_t finished_bytes_ = 0;
+  std::uint64_t lost_ = 0;           ///< lost by the disk; the current writer counts its own
+  std::uint64_t lost_at_start_ = 0;  ///< value at the start of the current file
+};
+
+}  // namespace sonopose::recorder

@@ -1,0 +1,317 @@
+#include "recorder/recorder_node.hpp"
+
+#include "bus_log/instance_end.hpp"
+#include "clocks/clocks.hpp"
+#include "files/error.hpp"
+#include "logging/log.hpp"
+#include "process/host_name.hpp"
+#include "recorder/foreign_topics.hpp"
+#include "recorder/pipeline.hpp"
+#include "recorder/ros2_topics.hpp"
+#include <sonopose/dds/binding/discovery.hpp>
+#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/qos/provider.hpp>
+#include <sonopose/idl/text.hpp>
+#include <sonopose/text/count_text.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <exception>
+#include <stdexcept>
+#include <utility>
+
+namespace sonopose::recorder {
+namespace {
+
+namespace topics = dds::topics;
+
+constexpr TimeNs poll_period_ns = 1'000'000'000;
+
+const topics::SerializedTopic& topic_named(const std::string& name) {
+  const auto* const topic = topics::find_topic(name);
+  if (topic == nullptr) throw std::invalid_argument(name + ": unknown topic");
+  return *topic;
+}
+
+std::vector<ChannelSpec> channels_of(const std::vector<const topics::SerializedTopic*>& selected,
+                                     const dds::qos::Provider& qos) {
+  std::vector<ChannelSpec> channels;
+  for (const auto* const topic : selected) {
+    channels.push_back({.topic = topic->name,
+                        .message_encoding = "cdr",
+                        .schema_name = topic->type_name,
+                        .schema_encoding = "omgidl",
+                        .schema_data = std::string(idl::text),
+                        .is_latched = topic->is_latched(qos)});
+  }
+  channels.push_back({.topic = std::string(bus_log::instance_ends_topic),
+                      .message_encoding = std::string(bus_log::instance_ends_encoding),
+                      .schema_name = std::string(bus_log::instance_end_schema_name),
+                      .schema_encoding = std::string(bus_log::instance_end_schema_encoding),
+                      .schema_data = std::string(bus_log::instance_end_schema)});
+  return channels;
+}
+
+SeriesOptions series_options(const RecorderOptions& options, std::uint32_t domain_id) {
+  const bool is_numbered =
+      options.max_size_bytes > 0 || options.max_duration_s > 0 || options.keep_last_s > 0;
+  return {
+      .file = options.file,
+      .writer = {.profile = {}, .library = "sonopose " + options.version, .compression = options.compression},
+      .channels = {},
+      .about = {{"host", process::host_name()},
+                {"version", options.version},
+                {"command", options.command},
+                {"domain", std::to_string(domain_id)}},
+      .is_numbered = is_numbered,
+      .max_size_bytes = options.max_size_bytes,
+      .max_duration_ns = to_ns(options.max_duration_s)};
+}
+
+Pipeline::Settings native_settings(const RecorderOptions& options, std::uint32_t domain_id,
+                                   std::vector<ChannelSpec> channels) {
+  Pipeline::Settings settings{.series = series_options(options, domain_id),
+                              .queue_bytes = options.queue_bytes,
+                              .ends_channel_id = static_cast<std::uint16_t>(channels.size()),
+                              .last = {}};
+  settings.series.channels = std::move(channels);
+  if (options.keep_last_s > 0) settings.last.emplace(to_ns(options.keep_last_s), options.keep_bytes);
+  return settings;
+}
+
+/// Settings for the file of ROS 2 topics. They need a file of their own: players of ROS 2 know no other
+/// encoding, and an MCAP file has one profile.
+Pipeline::Settings ros2_settings(const RecorderOptions& options, std::uint32_t domain_id) {
+  Pipeline::Settings settings{.series = series_options(options, domain_id),
+                              .queue_bytes = options.queue_bytes,
+                              .ends_channel_id = 0,
+                              .last = {}};
+  settings.series.file.replace_filename(options.file.stem().string() + "_ros2" +
+                                        options.file.extension().string());
+  settings.series.writer.profile = "ros2";
+  return settings;
+}
+
+std::string loss_words(const TapCounts& counts) {
+  return fmt::format("{} lost by a full queue, {} dropped by DDS, {} numbered inputs missing",
+                     counts.lost_queue, counts.lost_dds, counts.events_missing);
+}
+
+}  // namespace
+
+std::vector<const topics::SerializedTopic*> selected_topics(const RecorderOptions& options) {
+  std::vector<const topics::SerializedTopic*> selected;
+  for (const std::string& name : options.topics) selected.push_back(&topic_named(name));
+  // A recording of inputs is of little use without the settings.
+  if (!selected.empty()) selected.push_back(&topic_named("settings"));
+  if (options.topics.empty()) {
+    for (const auto& topic : topics::serialized_topics()) selected.push_back(&topic);
+  }
+  for (const std::string& name : options.exclude) std::erase(selected, &topic_named(name));
+  std::sort(selected.begin(), selected.end());
+  selected.erase(std::unique(selected.begin(), selected.end()), selected.end());
+  if (selected.empty()) throw std::invalid_argument("--exclude: no topic is left");
+  return selected;
+}
+
+namespace {
+
+/// Selects the topics. Also throws std::invalid_argument if a trigger could never fire.
+std::vector<const topics::SerializedTopic*> checked_topics(const RecorderOptions& options) {
+  auto selected = selected_topics(options);
+  const auto require = [&](const std::string& option, const std::string& topic) {
+    if (std::find(selected.begin(), selected.end(), &topic_named(topic)) != selected.end()) return;
+    throw std::invalid_argument(fmt::format("{}: the topic {} is not recorded", option, topic));
+  };
+  if (!options.trigger_topic.empty()) require("--trigger-topic", options.trigger_topic);
+  if (options.trigger_on_status) require("--trigger-status", "pose");
+  return selected;
+}
+
+}  // namespace
+
+class Recorder::Node {
+public:
+  explicit Node(const RecorderOptions& options);
+
+  void run(const process::StopSignal& stop);
+  Trigger& trigger() { return trigger_; }
+  RecorderReport finish();
+
+private:
+  [[nodiscard]] TapCounts counts() const;
+  [[nodiscard]] bool has_failed() const;
+  void report_begin() const;
+  void report_news();
+  void report_foreign(std::vector<dds::FoundEndpoint> writers);
+  [[nodiscard]] mcap::TextMap foreign_text() const;
+  TopicTrigger* trigger_of(const topics::SerializedTopic& topic);
+
+  RecorderOptions options_;
+  dds::qos::Provider qos_;
+  std::vector<const topics::SerializedTopic*> selected_;
+  process::Wakeup news_;  ///< the disk has failed, or a writer has appeared
+  dds::DomainParticipant participant_;
+  dds::Discovery discovery_;
+  ForeignTopics foreign_;
+  Trigger trigger_;
+  AnySampleTrigger any_sample_{trigger_};
+  BadStatusTrigger bad_status_{trigger_};
+  Pipeline native_;
+  std::optional<Pipeline> ros2_;
+  std::optional<Ros2Topics> ros2_topics_;
+  SteadyTime began_ = clocks::steady_now();
+  TapCounts reported_;
+  std::uint64_t incompatible_reported_ = 0;
+  std::exception_ptr failure_;  ///< error other than of the disk; null without one
+};
+
+Recorder::Node::Node(const RecorderOptions& options)
+    : options_(options),
+      qos_(options.qos_file),
+      selected_(checked_topics(options)),
+      participant_(options.domain),
+      discovery_(participant_, [this] { news_.wake(); }),
+      native_(native_settings(options, participant_.domain_id(), channels_of(selected_, qos_)), trigger_,
+              news_) {
+  if (options.ros2) {
+    ros2_.emplace(ros2_settings(options, participant_.domain_id()), trigger_, news_);
+    ros2_topics_.emplace(*ros2_, participant_, qos_);
+  }
+  for (std::size_t i = 0; i < selected_.size(); ++i) {
+    const topics::SerializedTopic& topic = *selected_[i];
+    native_.record({.name = topic.name,
+                    .has_beacon = topic.has_beacon,
+                    .beacons = &options_.beacons,
+                    .is_exclusive = topic.is_exclusive(qos_),
+                    .trigger = trigger_of(topic)},
+                   static_cast<std::uint16_t>(i + 1),
+                   [&](dds::DataReaderListener<dds::Serialized>* listener) {
+                     return topic.make_reader(participant_, qos_, listener);
+                   });
+  }
+  // Start last, since everything before may fail: the queue holds early messages.
+  native_.open();
+  if (ros2_) ros2_->open();
+  native_.start();
+  if (ros2_) ros2_->start();
+}
+
+TopicTrigger* Recorder::Node::trigger_of(const topics::SerializedTopic& topic) {
+  if (!options_.trigger_topic.empty() && &topic == &topic_named(options_.trigger_topic)) return &any_sample_;
+  if (options_.trigger_on_status && &topic == &topic_named("pose")) return &bad_status_;
+  return nullptr;
+}
+
+TapCounts Recorder::Node::counts() const {
+  TapCounts sum = native_.counts();
+  if (ros2_) sum += ros2_->counts();
+  return sum;
+}
+
+bool Recorder::Node::has_failed() const {
+  return native_.failure() || (ros2_ && ros2_->failure());
+}
+
+void Recorder::Node::run(const process::StopSignal& stop) {
+  const SteadyTime end = options_.duration_s > 0 ? began_ + to_ns(options_.duration_s) : SteadyTime::max();
+  report_begin();
+  try {
+    while (!stop.requested() && clocks::steady_now() < end && !has_failed()) {
+      const auto writers = discovery_.writers();
+      if (ros2_topics_) ros2_topics_->update(writers);
+      report_foreign(writers);
+      report_news();
+      stop.wait_until(std::min(end, clocks::steady_now() + poll_period_ns), news_);
+    }
+  } catch (const std::exception&) {
+    failure_ = std::current_exception();
+  }
+}
+
+void Recorder::Node::report_begin() const {
+  if (options_.keep_last_s > 0) {
+    logging::info(fmt::format("recording the last {} s of {} in memory", options_.keep_last_s,
+                              text::count_text(selected_.size(), "topic")));
+  } else {
+    logging::info(fmt::format("recording {} to {}", text::count_text(selected_.size(), "topic"),
+                              native_.series().part().string()));
+  }
+}
+
+void Recorder::Node::report_foreign(std::vector<dds::FoundEndpoint> writers) {
+  if (ros2_topics_) {
+    std::erase_if(writers, [this](const auto& writer) { return ros2_topics_->contains(writer.topic_name); });
+  }
+  for (const std::string& topic : foreign_.update(writers)) {
+    logging::info("not recorded: " + topic + " is not a topic of this program");
+  }
+}
+
+/// Reports news for the user: writers that do not match, and losses.
+void Recorder::Node::report_news() {
+  const std::uint64_t incompatible = native_.incompatible() + (ros2_ ? ros2_->incompatible() : 0);
+  if (std::exchange(incompatible_reported_, incompatible) != incompatible) {
+    logging::warning("a writer offers incompatible QoS and is not recorded; run sonopose-doctor for details");
+  }
+  const TapCounts now = counts();
+  const TapCounts before = std::exchange(reported_, now);
+  if (now.lost_queue != before.lost_queue || now.lost_dds != before.lost_dds ||
+      now.events_missing > before.events_missing) {
+    logging::warning("the recording lacks messages: " + loss_words(now));
+  }
+}
+
+mcap::TextMap Recorder::Node::foreign_text() const {
+  std::string text;
+  for (const auto& [topic, writers] : foreign_.writer_counts()) {
+    text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", topic, text::count_text(writers, "writer"));
+  }
+  if (foreign_.unnamed() > 0) text += fmt::format(", and {} more", foreign_.unnamed());
+  return text.empty() ? mcap::TextMap{} : mcap::TextMap{{"not_recorded", text}};
+}
+
+RecorderReport Recorder::Node::finish() {
+  const double duration_s = static_cast<double>(clocks::steady_now() - began_) * 1e-9;
+  try {
+    report_foreign(discovery_.writers());
+  } catch (const std::exception&) {
+    if (!failure_) failure_ = std::current_exception();
+  }
+  RecorderReport report;
+  report.duration_s = duration_s;
+  report.foreign_topics = foreign_.writer_counts();
+  report.unnamed_topics = foreign_.unnamed();
+  for (Pipeline* const pipeline : {&native_, ros2_ ? &*ros2_ : nullptr}) {
+    if (pipeline == nullptr) continue;
+    const auto failure = pipeline->finish(foreign_text(), failure_);
+    if (!report.failure) report.failure = failure;
+    report.counts += pipeline->counts();
+    report.recorded += pipeline->series().message_count();
+    report.bytes += pipeline->series().byte_count();
+    report.lost_disk += pipeline->series().lost_disk();
+    report.received.merge(pipeline->received());
+    for (const auto& file : pipeline->series().files()) report.files.push_back(file);
+  }
+  report_news();
+  return report;
+}
+
+Recorder::Recorder(const RecorderOptions& options) : node_(std::make_unique<Node>(options)) {}
+
+Recorder::~Recorder() = default;
+
+void Recorder::run(const process::StopSignal& stop) {
+  node_->run(stop);
+}
+
+Trigger& Recorder::trigger() {
+  return node_->trigger();
+}
+
+RecorderReport Recorder::finish() {
+  return node_->finish();
+}
+
+}  // namespace sonopose::recorder

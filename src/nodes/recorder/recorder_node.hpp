@@ -1,0 +1,91 @@
+#pragma once
+/// \file
+/// The recorder process: writes any set of native topics to MCAP files.
+
+#include "mcap/records.hpp"
+#include "presence/address_set.hpp"
+#include "process/stop_signal.hpp"
+#include "recorder/topic_tap.hpp"
+#include "recorder/trigger.hpp"
+#include <sonopose/dds/binding/domain.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sonopose::recorder {
+
+struct RecorderOptions {
+  dds::DomainOptions domain;
+  std::optional<std::filesystem::path> qos_file;
+  std::filesystem::path file;
+  std::vector<std::string> topics;   ///< short or full names; empty: all
+  std::vector<std::string> exclude;  ///< excluded topics
+  presence::AddressSet beacons;
+  mcap::Compression compression = mcap::Compression::lz4;
+  std::uint64_t max_size_bytes = 0;       ///< limit of a file; 0: none
+  double max_duration_s = 0;              ///< limit of a file; 0: none
+  double keep_last_s = 0;                 ///< length of the memory; 0: write everything immediately
+  std::size_t keep_bytes = 256UL << 20U;  ///< memory for the last seconds
+  std::string trigger_topic = {};         ///< short or full name; any sample of it writes the last seconds
+  bool trigger_on_status = false;         ///< a pose whose status turns bad writes the last seconds
+  double duration_s = 0;                  ///< length of the recording; 0: until stopped
+  std::size_t queue_bytes = 64UL << 20U;  ///< memory for messages that wait for the disk
+  bool ros2 = false;                      ///< also records topics of ROS 2, to FILE_ros2
+  std::string version = {};               ///< version of the program
+  std::string command = {};               ///< command line of the program
+};
+
+/// Result of a recording.
+struct RecorderReport {
+  TapCounts counts;
+  std::uint64_t recorded = 0;
+  std::uint64_t bytes = 0;
+  std::uint64_t lost_disk = 0;
+  double duration_s = 0;
+  std::vector<std::filesystem::path> files;
+  std::map<std::string, std::uint64_t> received;      ///< by topic
+  std::map<std::string, std::size_t> foreign_topics;  ///< number of writers by topic
+  std::size_t unnamed_topics = 0;                     ///< number of further foreign topics
+  std::exception_ptr failure;                         ///< cause of the end; null without one
+
+  /// True if everything received is in the files.
+  [[nodiscard]] bool is_complete() const { return counts.lost_queue == 0 && lost_disk == 0 && !failure; }
+};
+
+/// The topics that the options select. Throws std::invalid_argument for an unknown one, and if none is left.
+std::vector<const dds::topics::SerializedTopic*> selected_topics(const RecorderOptions& options);
+
+class Recorder {
+public:
+  /// Starts recording; leaves no file if it throws. Throws dds::Error, dds::qos::FileError, files::IoError,
+  /// std::invalid_argument.
+  explicit Recorder(const RecorderOptions& options);
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
+  Recorder(Recorder&&) = delete;
+  Recorder& operator=(Recorder&&) = delete;
+  ~Recorder();
+
+  /// Records until the stop, the end of the duration, or an error, which the report of `finish` contains.
+  /// Reports to the log.
+  void run(const process::StopSignal& stop);
+
+  /// Writes the last seconds when fired, from any thread.
+  Trigger& trigger();
+
+  /// Ends the recording. Call it once.
+  RecorderReport finish();
+
+private:
+  class Node;
+  std::unique_ptr<Node> node_;
+};
+
+}  // namespace sonopose::recorder

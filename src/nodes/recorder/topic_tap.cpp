@@ -1,0 +1,75 @@
+#include "recorder/topic_tap.hpp"
+
+#include "clocks/clocks.hpp"
+#include "recorder/raw_ends.hpp"
+
+namespace sonopose::recorder {
+namespace {
+
+std::uint64_t file_time(std::int64_t time_ns) {
+  return time_ns < 0 ? 0 : static_cast<std::uint64_t>(time_ns);
+}
+
+/// Publish time of a sample; the log time if its writer gave none.
+std::uint64_t publish_time(const dds::SampleInfo& info, std::int64_t log_time_ns) {
+  return file_time(info.source_timestamp_ns() > 0 ? info.source_timestamp_ns() : log_time_ns);
+}
+
+void add_change(std::atomic<std::uint64_t>& counter, std::int32_t change) {
+  if (change > 0) counter.fetch_add(static_cast<std::uint64_t>(change), std::memory_order_relaxed);
+}
+
+}  // namespace
+
+void TopicTap::on_data_available(dds::SerializedReader& reader) noexcept {
+  reader.try_take_each(
+      [this](const dds::SerializedSample& sample, const dds::SampleInfo& info) { on_sample(sample, info); },
+      [this](const dds::SerializedSample& key, const dds::SampleInfo& info) { on_end(key, info); });
+}
+
+void TopicTap::on_sample_lost(dds::SerializedReader& /*reader*/,
+                              const dds::SampleLostStatus& status) noexcept {
+  if (!topic_.is_exclusive) add_change(lost_dds_, status.total_count_change);
+}
+
+void TopicTap::on_requested_incompatible_qos(dds::SerializedReader& /*reader*/,
+                                             const dds::RequestedIncompatibleQosStatus& status) noexcept {
+  add_change(incompatible_, status.total_count_change);
+}
+
+bool TopicTap::accepts(std::span<const std::byte> sample) const noexcept {
+  if (!topic_.has_beacon) return true;
+  const auto address = dds::topics::beacon_of(sample);
+  return !address || *address == all_beacons || topic_.beacons->contains(*address);
+}
+
+void TopicTap::on_sample(const dds::SerializedSample& sample, const dds::SampleInfo& info) noexcept {
+  const auto bytes = sample.bytes();
+  if (!accepts(bytes)) return;
+  const std::int64_t now_ns = clocks::host_now();
+  // Lost samples are numbered too, so that the file shows the gap.
+  add({.channel_id = target_.channel_id,
+       .sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1,
+       .log_time_ns = file_time(now_ns),
+       .publish_time_ns = publish_time(info, now_ns),
+       .data = bytes});
+  if (topic_.trigger != nullptr) topic_.trigger->on_sample(bytes);
+}
+
+void TopicTap::on_end(const dds::SerializedSample& key, const dds::SampleInfo& info) noexcept {
+  if (target_.ends_channel_id == 0 || !accepts(key.bytes())) return;
+  const std::int64_t now_ns = clocks::host_now();
+  add({.channel_id = target_.ends_channel_id,
+       .sequence = 0,  // assigned later (raw_ends.hpp)
+       .log_time_ns = file_time(now_ns),
+       .publish_time_ns = publish_time(info, now_ns),
+       .data = key.bytes()},
+      raw_end_head(target_.channel_id, info.disposed()));
+}
+
+void TopicTap::add(const mcap::Message& message, std::span<const std::byte> head) noexcept {
+  received_.fetch_add(1, std::memory_order_relaxed);
+  if (!target_.queue.add(message, head)) lost_queue_.fetch_add(1, std::memory_order_relaxed);
+}
+
+}  // namespace sonopose::recorder

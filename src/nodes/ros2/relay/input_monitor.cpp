@@ -1,0 +1,127 @@
+#include "ros2/relay/input_monitor.hpp"
+
+#include <sonopose/text/count_text.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace sonopose::ros2::relay {
+namespace {
+
+using text::count_text;
+
+constexpr TimeNs loss_report_period_ns = 1'000'000'000;
+/// Bounds log lines about a sender that uses a new frame for each message.
+constexpr std::size_t max_unexpected_frames = 8;
+
+bool is_imu(const Input& input) {
+  return input.kind == Input::Kind::imu;
+}
+
+/// Removes a leading slash, which old tf2 versions accept and ignore.
+std::string_view without_slash(std::string_view frame) {
+  if (frame.starts_with('/')) frame.remove_prefix(1);
+  return frame;
+}
+
+}  // namespace
+
+InputMonitor::InputMonitor(Input input, std::string map_frame, TimeNs timeout_ns, SteadyTime now)
+    : input_(std::move(input)), timeout_ns_(timeout_ns), latest_(now) {
+  if (!is_imu(input_)) expected_frame_ = std::move(map_frame);
+}
+
+void InputMonitor::on_sample(std::string_view frame, SteadyTime now, Lines& lines) {
+  received_ = true;
+  latest_ = now;
+  frame = without_slash(frame);
+  if (!expected_frame_) expected_frame_ = frame;
+  if (frame != *expected_frame_) log_unexpected_frame(frame, lines);
+}
+
+void InputMonitor::update(const InputEndpoints& endpoints, SteadyTime now, Lines& lines) {
+  check_silence(endpoints, now, lines);
+  check_losses(endpoints, now, lines);
+}
+
+void InputMonitor::check_silence(const InputEndpoints& endpoints, SteadyTime now, Lines& lines) {
+  const bool was_silent = silence_.has_value();
+  if (now - latest_ > (received_ ? timeout_ns_ : std::max(timeout_ns_, first_sample_ns))) {
+    if (!was_silent) silence_ = Silence{latest_, !received_};
+    // A new incompatible publisher is the probable cause, so report again.
+    const bool has_new_cause =
+        endpoints.publishers == 0 && endpoints.publishers_incompatible > reported_incompatible_;
+    if (!was_silent || has_new_cause) log_silence(endpoints, now, lines);
+  } else if (was_silent) {
+    lines.push_back([this, silence = *silence_, end = latest_] {
+      return fmt::format("beacon {}: {} from ROS 2{}, after {:.1f} s", input_.address, samples_text(),
+                         silence.is_first ? "" : " again", seconds_between(silence.since, end));
+    });
+    silence_.reset();
+  }
+}
+
+void InputMonitor::log_silence(const InputEndpoints& endpoints, SteadyTime now, Lines& lines) {
+  lines.push_back([this, endpoints, now, silence = *silence_] {
+    const std::string lasted =
+        silence.is_first ? "yet" : fmt::format("for {:.1f} s", seconds_between(silence.since, now));
+    return fmt::format("beacon {}: no {} from ROS 2 {}: {}", input_.address, samples_text(), lasted,
+                       cause(endpoints));
+  });
+  reported_incompatible_ = endpoints.publishers_incompatible;
+}
+
+void InputMonitor::check_losses(const InputEndpoints& endpoints, SteadyTime now, Lines& lines) {
+  if (endpoints.samples_lost <= reported_lost_) return;
+  if (reported_lost_at_ && now - *reported_lost_at_ < loss_report_period_ns) return;
+  lines.push_back([this, lost = endpoints.samples_lost - reported_lost_] {
+    return fmt::format(
+        "beacon {}: {} from ROS 2 lost: messages arrived on {} faster than they were processed",
+        input_.address, is_imu(input_) ? count_text(lost, "IMU sample") : count_text(lost, "fix", "fixes"),
+        input_.topic);
+  });
+  reported_lost_ = endpoints.samples_lost;
+  reported_lost_at_ = now;
+}
+
+void InputMonitor::log_unexpected_frame(std::string_view frame, Lines& lines) {
+  if (unexpected_frames_.size() == max_unexpected_frames) return;
+  if (std::find(unexpected_frames_.begin(), unexpected_frames_.end(), frame) != unexpected_frames_.end())
+    return;
+  unexpected_frames_.emplace_back(frame);
+  lines.push_back([this, found = std::string(frame), expected = *expected_frame_] {
+    return is_imu(input_) ? fmt::format(
+                                "beacon {}: the frame of {} on {} has changed from '{}' to '{}': the same "
+                                "axes are assumed",
+                                input_.address, samples_text(), input_.topic, expected, found)
+                          : fmt::format("beacon {}: {} on {} are in frame '{}': they are used as if in '{}'",
+                                        input_.address, samples_text(), input_.topic, found, expected);
+  });
+}
+
+const char* InputMonitor::samples_text() const {
+  return is_imu(input_) ? "IMU samples" : "fixes";
+}
+
+std::string InputMonitor::cause(const InputEndpoints& endpoints) const {
+  if (endpoints.publishers > 0) {
+    return fmt::format("{} has {}, but no valid message has arrived", input_.topic,
+                       count_text(endpoints.publishers, "publisher"));
+  }
+  if (endpoints.publishers_incompatible > 0) {
+    return fmt::format("the QoS of {} of {} does not match",
+                       count_text(endpoints.publishers_incompatible, "publisher"), input_.topic);
+  }
+  return fmt::format("there is no publisher of {} on {}",
+                     is_imu(input_) ? "sensor_msgs/Imu" : "PointStamped or PoseWithCovarianceStamped",
+                     input_.topic);
+}
+
+void SmallestOffset::add(double offset_s, SteadyTime now) {
+  while (!rising_.empty() && rising_.back().second >= offset_s) rising_.pop_back();
+  rising_.emplace_back(now, offset_s);
+  while (now - rising_.front().first > loss_report_period_ns) rising_.pop_front();
+}
+
+}  // namespace sonopose::ros2::relay

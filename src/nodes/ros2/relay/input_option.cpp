@@ -1,0 +1,110 @@
+#include "ros2/relay/input_option.hpp"
+
+#include <sonopose/ros2/messages/idl_types.hpp>
+
+#include <fmt/format.h>
+
+#include <array>
+#include <charconv>
+#include <stdexcept>
+#include <utility>
+
+namespace sonopose::ros2::relay {
+namespace {
+
+const char* option_name(Input::Kind kind) {
+  return kind == Input::Kind::imu ? "--imu-in" : "--fix-in";
+}
+
+struct FixTypeName {
+  FixType type;
+  std::string_view name;  ///< name in geometry_msgs
+  const char* dds_name;
+};
+
+const std::array<FixTypeName, 2>& fix_type_names() {
+  static const std::array names{
+      FixTypeName{FixType::point, "PointStamped", dds::TopicTraits<PointStamped>::descriptor().m_typename},
+      FixTypeName{FixType::pose, "PoseWithCovarianceStamped",
+                  dds::TopicTraits<PoseWithCovarianceStamped>::descriptor().m_typename}};
+  return names;
+}
+
+/// Parses a name with or without the package: "PointStamped", "geometry_msgs/PointStamped" or
+/// "geometry_msgs/msg/PointStamped".
+std::optional<FixType> parse_fix_type(std::string_view text) {
+  for (const std::string_view package : {"geometry_msgs/", "msg/"}) {
+    if (text.starts_with(package)) text.remove_prefix(package.size());
+  }
+  for (const FixTypeName& known : fix_type_names()) {
+    if (text == known.name) return known.type;
+  }
+  return std::nullopt;
+}
+
+void check_pair(const Input& one, const Input& other) {
+  if (one.kind != other.kind || one.address != other.address) return;
+  throw std::invalid_argument(fmt::format("{} and {}: beacon {} can have only one source of {}", text_of(one),
+                                          text_of(other), one.address,
+                                          one.kind == Input::Kind::imu ? "IMU samples" : "fixes"));
+}
+
+}  // namespace
+
+std::string text_of(const Input& input) {
+  std::string type;
+  for (const FixTypeName& known : fix_type_names()) {
+    if (input.fix_type == known.type) type = fmt::format(":{}", known.name);
+  }
+  return fmt::format("{} {}{}={}", option_name(input.kind), input.topic, type, input.address);
+}
+
+std::string message_type_of(const Input& input) {
+  if (input.kind == Input::Kind::imu) return dds::TopicTraits<Imu>::descriptor().m_typename;
+  for (const FixTypeName& known : fix_type_names()) {
+    if (input.fix_type == known.type) return known.dds_name;
+  }
+  return {};
+}
+
+std::optional<FixType> fix_type_named(std::string_view dds_type_name) {
+  for (const FixTypeName& known : fix_type_names()) {
+    if (dds_type_name == known.dds_name) return known.type;
+  }
+  return std::nullopt;
+}
+
+Input Input::parse(Kind kind, std::string_view text) {
+  const std::size_t equals = text.rfind('=');
+  const auto fail = [&](const std::string& why) {
+    throw std::invalid_argument(fmt::format("{} {}: {}; example: /imu/data=7", option_name(kind), text, why));
+  };
+  if (equals == std::string_view::npos || equals == 0) fail("expected TOPIC=ADDRESS");
+  const std::string_view number = text.substr(equals + 1);
+  std::uint32_t address = 0;
+  const auto [rest, error] = std::from_chars(number.data(), number.data() + number.size(), address);
+  if (error != std::errc() || rest != number.data() + number.size() || address >= all_beacons) {
+    fail(fmt::format("'{}' is not an address from 0 to {}", number, all_beacons - 1));
+  }
+  Input input{.kind = kind,
+              .topic = std::string(text.substr(0, equals)),
+              .address = static_cast<BeaconAddress>(address)};
+  const std::size_t colon = input.topic.find(':');
+  if (kind == Kind::fix && colon != std::string::npos) {
+    input.fix_type = parse_fix_type(std::string_view(input.topic).substr(colon + 1));
+    if (!input.fix_type) {
+      fail(fmt::format("'{}' is not PointStamped or PoseWithCovarianceStamped",
+                       input.topic.substr(colon + 1)));
+    }
+    input.topic.resize(colon);
+  }
+  return input;
+}
+
+void check(const std::vector<Input>& inputs) {
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    for (std::size_t j = i + 1; j < inputs.size(); ++j) check_pair(inputs[i], inputs[j]);
+  }
+}
+
+}  // namespace sonopose::ros2::relay

@@ -1,0 +1,43 @@
+#pragma once
+/// \file
+/// ROS 2 topics that are inputs, and the beacons that they represent.
+
+#include <sonopose/samples/samples.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sonopose::ros2::relay {
+
+/// The type of a topic of fixes: PointStamped or PoseWithCovarianceStamped of geometry_msgs.
+enum class FixType : std::uint8_t { point, pose };
+
+/// One input topic, and the address of its beacon.
+struct Input {
+  enum class Kind : std::uint8_t { imu, fix };
+  Kind kind = Kind::imu;
+  std::string topic;
+  BeaconAddress address = 0;
+  ImuMeaning imu_meaning = ImuMeaning::unknown;  ///< not defined by sensor_msgs/Imu
+  std::optional<FixType> fix_type = {};          ///< empty: type of the topic's first publisher
+
+  /// Parses "/imu/data=7", or for a fix also "/tag/pose:PointStamped=7". Throws std::invalid_argument.
+  static Input parse(Kind kind, std::string_view text);
+};
+
+/// Text as on the command line: "--imu-in /imu/data=7".
+std::string text_of(const Input& input);
+
+/// DDS type of its messages; empty if not known yet.
+std::string message_type_of(const Input& input);
+
+/// Type of fixes with this DDS name; empty for any other type.
+std::optional<FixType> fix_type_named(std::string_view dds_type_name);
+
+/// Throws std::invalid_argument for two topics of one kind and one beacon: their samples would be mixed.
+void check(const std::vector<Input>& inputs);
+
+}  // namespace sonopose::ros2::relay

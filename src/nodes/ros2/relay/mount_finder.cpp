@@ -1,0 +1,47 @@
+#include "ros2/relay/mount_finder.hpp"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <utility>
+
+namespace sonopose::ros2::relay {
+
+MountFinder::MountFinder(ros2::Node& node, Log& log, std::function<void()> wake)
+    : log_(log),
+      wake_(std::move(wake)),
+      reader_(node.make_reader<ros2::TFMessage>("/tf_static", "ros2::TfStatic", &listener_)) {}
+
+void MountFinder::Listener::on_data_available(dds::DataReader<ros2::TFMessage>& reader) noexcept {
+  {
+    const std::lock_guard lock(finder_.mutex_);
+    reader.try_take_each([this](const ros2::TFMessage& message, const dds::SampleInfo&) {
+      if (!finder_.transforms_.add(message)) finder_.has_surplus_ = true;
+    });
+  }
+  finder_.wake_();
+}
+
+void MountFinder::assign_to(BeaconPublishers& publishers) {
+  const ros2::FrameNames& frames = publishers.frames();
+  std::optional<ros2::Transform> found;
+  bool has_surplus = false;
+  {
+    const std::lock_guard lock(mutex_);
+    found = transforms_.find(frames.base, frames.imu);
+    has_surplus = has_surplus_;
+  }
+  if (has_surplus && !std::exchange(reported_, true)) {
+    log_.warning(fmt::format(
+        "/tf_static: some transforms are ignored: at most {} frames, with names of at most {} characters",
+        ros2::StaticTransforms::max_frames, ros2::StaticTransforms::longest_name));
+  }
+  if (!found) return;
+  if (!publishers.set_mount({.imu_in_base_m = found->translation_m, .q_imu_to_base = found->rotation}))
+    return;
+  const Vector3d& p = found->translation_m;
+  log_.info(fmt::format("/tf_static has {} in {} at ({:.3f}, {:.3f}, {:.3f}) m", frames.imu, frames.base,
+                        p.x(), p.y(), p.z()));
+}
+
+}  // namespace sonopose::ros2::relay

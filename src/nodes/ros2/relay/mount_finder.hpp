@@ -1,0 +1,44 @@
+#pragma once
+/// \file
+/// Finds the mount of the IMU in the robot's own description, which another node publishes on /tf_static.
+
+#include "ros2/relay/beacon_publishers.hpp"
+#include "ros2/relay/log.hpp"
+#include <sonopose/ros2/messages/static_transforms.hpp>
+#include <sonopose/ros2/node/node.hpp>
+
+#include <functional>
+#include <mutex>
+
+namespace sonopose::ros2::relay {
+
+class MountFinder {
+public:
+  /// `wake` is called on new transforms, under the rules of a listener. `log` must outlive it. Throws
+  /// dds::Error.
+  MountFinder(ros2::Node& node, Log& log, std::function<void()> wake);
+
+  /// Gives a beacon the mount known for its frames, and logs a changed one. Main thread only.
+  void assign_to(BeaconPublishers& publishers);
+
+private:
+  class Listener final : public dds::DataReaderListener<ros2::TFMessage> {
+  public:
+    explicit Listener(MountFinder& finder) : finder_(finder) {}
+    void on_data_available(dds::DataReader<ros2::TFMessage>& reader) noexcept override;
+
+  private:
+    MountFinder& finder_;
+  };
+
+  Log& log_;
+  std::function<void()> wake_;
+  std::mutex mutex_;  ///< guards the transforms
+  ros2::StaticTransforms transforms_;
+  bool has_surplus_ = false;  ///< under the mutex
+  bool reported_ = false;     ///< main thread only
+  Listener listener_{*this};
+  dds::DataReader<ros2::TFMessage> reader_;  ///< last, because its listener uses the others
+};
+
+}  // namespace sonopose::ros2::relay

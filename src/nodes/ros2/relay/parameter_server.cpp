@@ -1,0 +1,270 @@
+#include "ros2/relay/parameter_server.hpp"
+
+#include "ros2/relay/parameter_messages.hpp"
+#include <sonopose/dds/topics/conversions.hpp>
+#include <sonopose/dds/topics/topics.hpp>
+#include <sonopose/ros2/messages/borrow.hpp>
+
+#include <fmt/format.h>
+
+#include <array>
+
+namespace sonopose::ros2::relay {
+namespace {
+
+constexpr double reply_timeout_s = 2.0;
+
+using ros2::borrow_sequence;
+using ros2::borrow_string;
+
+std::vector<char*> borrow_strings(const std::vector<std::string>& values) {
+  std::vector<char*> result;
+  for (const std::string& value : values) result.push_back(borrow_string(value));
+  return result;
+}
+
+template <class Sequence>
+auto values_of(const Sequence& sequence) {
+  return std::span(sequence._buffer, sequence._length);
+}
+
+template <class Sequence>
+std::vector<std::string> strings_of(const Sequence& sequence) {
+  const auto values = values_of(sequence);
+  return {values.begin(), values.end()};
+}
+
+/// Description of a parameter, and the strings and ranges that its message borrows.
+struct Description {
+  explicit Description(std::string parameter) : name(std::move(parameter)) {
+    message.name = borrow_string(name);
+    if (const auto setting = setting_named(name)) describe(settings::setting_info(setting->key));
+    message.description = borrow_string(sentence);
+    message.additional_constraints = borrow_string(allowed);
+    borrow_sequence(message.floating_point_range, reals);
+    borrow_sequence(message.integer_range, integers);
+  }
+  Description(const Description&) = delete;
+  Description& operator=(const Description&) = delete;
+  ~Description() = default;
+
+  void describe(const settings::SettingInfo& info) {
+    sentence = info.unit.empty() ? info.sentence : info.sentence + " [" + info.unit + "]";
+    allowed = info.allowed();
+    const ParameterType type = type_of(info.initial);
+    message.type = static_cast<std::uint8_t>(type);
+    if (type == ParameterType::integer) {
+      integers.push_back({std::get<int>(info.minimum), std::get<int>(info.maximum), 1});
+    }
+    if (type == ParameterType::real) {
+      reals.push_back({std::get<double>(info.minimum), std::get<double>(info.maximum), 0});
+    }
+  }
+
+  std::string name;
+  std::string sentence;
+  std::string allowed;
+  std::vector<ros2::FloatingPointRange> reals;
+  std::vector<ros2::IntegerRange> integers;
+  ros2::ParameterDescriptor message{};
+};
+
+}  // namespace
+
+ParameterServer::Services::Services(ros2::Node& node, const std::function<void()>& wake)
+    : list(node.make_service<ros2::ListParameters>("~/list_parameters", wake)),
+      get(node.make_service<ros2::GetParameters>("~/get_parameters", wake)),
+      get_types(node.make_service<ros2::GetParameterTypes>("~/get_parameter_types", wake)),
+      describe(node.make_service<ros2::DescribeParameters>("~/describe_parameters", wake)),
+      set(node.make_service<ros2::SetParameters>("~/set_parameters", wake)),
+      set_atomically(node.make_service<ros2::SetParametersAtomically>("~/set_parameters_atomically", wake)),
+      reset(node.make_service<ros2::Trigger>("~/reset", wake)) {}
+
+ParameterServer::ParameterServer(ros2::Node& node, const dds::DomainParticipant& participant,
+                                 const ParameterServerOptions& options, Log& log, std::function<void()> wake)
+    : log_(log),
+      wake_(std::move(wake)),
+      client_(options.domain, options.qos_file),
+      startup_requests_(requests_of(options.startup_settings)),
+      events_(node),
+      admission_({}, options.max_beacons + 1),  // including all_beacons
+      settings_listener_(wake_),
+      settings_(dds::topics::make_reader(participant, dds::qos::Provider(options.qos_file),
+                                         dds::topics::settings, wake_ ? &settings_listener_ : nullptr,
+                                         dds::topics::Delivery::live, &admission_)) {
+  admission_.accepts(all_beacons);
+}
+
+void ParameterServer::offer_services(ros2::Node& node, bool offered) {
+  const std::lock_guard lock(services_mutex_);
+  if (offered == services_.has_value()) return;
+  if (offered) {
+    services_.emplace(node, wake_);
+    return;
+  }
+  services_->for_each([&](const auto& service) { node.remove(service); });
+  services_.reset();
+}
+
+bool ParameterServer::serve() {
+  take_settings();
+  apply_startup_settings();
+  const std::lock_guard lock(services_mutex_);
+  if (!services_) return false;
+  Services& of = *services_;
+  bool waits = of.list.serve([this](const auto& request, const auto& reply) { list(request, reply); });
+  waits |= of.get.serve([this](const auto& request, const auto& reply) { get(request, reply); });
+  waits |= of.get_types.serve([this](const auto& request, const auto& reply) { get_types(request, reply); });
+  waits |= of.describe.serve([this](const auto& request, const auto& reply) { describe(request, reply); });
+  waits |= of.set.serve([this](const auto& request, const auto& reply) { set(request, reply); });
+  waits |= of.set_atomically.serve(
+      [this](const auto& request, const auto& reply) { set_atomically(request, reply); });
+  waits |= of.reset.serve([this](const auto& /*request*/, const auto& reply) { reset(reply); });
+  return waits;
+}
+
+void ParameterServer::take_settings() {
+  const auto replace = [this](const EffectiveSettings& settings) {
+    for (const SettingAssignment& setting : settings.values) {
+      if (!setting_named(parameter_name({settings.address, setting.key})) || valid_value(setting)) continue;
+      if (std::exchange(reported_invalid_, true)) break;
+      const std::string of =
+          settings.address == all_beacons ? "all beacons" : fmt::format("beacon {}", settings.address);
+      log_.warning(fmt::format("{}: {} = '{}' is not valid in this version, so it is not a parameter", of,
+                               setting.key, setting.value));
+    }
+    EffectiveSettings& known = effective_[settings.address];
+    events_.publish(known, settings);
+    known = settings;
+  };
+  const auto end = [&](BeaconAddress address) {
+    replace({.address = address, .values = {}});
+    effective_.erase(address);
+    if (address != all_beacons) admission_.forget(address);
+  };
+  settings_.take_each(
+      [&](const sonopose_EffectiveSettings& sample, const dds::SampleInfo& info) {
+        if (info.alive()) {
+          replace(dds::topics::from_idl(sample));
+        } else {
+          end(sample.address);
+        }
+      },
+      [&](const sonopose_EffectiveSettings& key, const dds::SampleInfo& info) {
+        if (!info.alive()) end(key.address);
+      });
+}
+
+/// Sends the startup settings once, when a fusion appears and no other is known.
+void ParameterServer::apply_startup_settings() {
+  if (effective_.empty()) applied_startup_ = false;
+  if (applied_startup_ || !effective_.contains(all_beacons)) return;
+  applied_startup_ = true;
+  for (const SettingsRequest& request : startup_requests_) {
+    const auto reply = client_.change(request, reply_timeout_s);
+    if (!reply) {
+      log_.error(fmt::format("no fusion replied within {} s to the parameters of the command line",
+                             reply_timeout_s));
+    } else if (!reply->accepted) {
+      log_.error("the fusion refused the parameters of the command line: " + reply->reason);
+    } else if (!reply->reason.empty()) {
+      log_.warning("parameters of the command line: " + reply->reason);
+    }
+  }
+}
+
+void ParameterServer::list(const ros2::ListParameters::Request& request, const auto& reply) {
+  const auto found = list_parameters(effective_, strings_of(request.prefixes), request.depth);
+  auto names = borrow_strings(found.names);
+  auto prefixes = borrow_strings(found.prefixes);
+  ros2::ListParameters::Response response{};
+  borrow_sequence(response.result.names, names);
+  borrow_sequence(response.result.prefixes, prefixes);
+  reply(response);
+}
+
+void ParameterServer::get(const ros2::GetParameters::Request& request, const auto& reply) {
+  std::vector<std::optional<settings::SettingValue>> values;
+  for (const std::string& name : strings_of(request.names)) {
+    values.push_back(parameter_value(effective_, name));
+  }
+  std::vector<ros2::ParameterValue> messages;
+  for (const auto& value : values) messages.push_back(value_message(value));
+  ros2::GetParameters::Response response{};
+  borrow_sequence(response.values, messages);
+  reply(response);
+}
+
+void ParameterServer::get_types(const ros2::GetParameterTypes::Request& request, const auto& reply) {
+  std::vector<std::uint8_t> types;
+  for (const std::string& name : strings_of(request.names)) {
+    const auto value = parameter_value(effective_, name);
+    types.push_back(static_cast<std::uint8_t>(value ? type_of(*value) : ParameterType::not_set));
+  }
+  ros2::GetParameterTypes::Response response{};
+  borrow_sequence(response.types, types);
+  reply(response);
+}
+
+void ParameterServer::describe(const ros2::DescribeParameters::Request& request, const auto& reply) {
+  std::vector<std::unique_ptr<Description>> descriptions;
+  std::vector<ros2::ParameterDescriptor> messages;
+  for (const std::string& name : strings_of(request.names)) {
+    messages.push_back(descriptions.emplace_back(std::make_unique<Description>(name))->message);
+  }
+  ros2::DescribeParameters::Response response{};
+  borrow_sequence(response.descriptors, messages);
+  reply(response);
+}
+
+void ParameterServer::set(const ros2::SetParameters::Request& request, const auto& reply) {
+  std::vector<std::string> errors;
+  for (const ros2::Parameter& parameter : values_of(request.parameters)) {
+    errors.push_back(change({&parameter, 1}));
+  }
+  std::vector<ros2::SetParametersResult> results;
+  for (const std::string& error : errors) results.push_back({error.empty(), borrow_string(error)});
+  ros2::SetParameters::Response response{};
+  borrow_sequence(response.results, results);
+  reply(response);
+}
+
+void ParameterServer::set_atomically(const ros2::SetParametersAtomically::Request& request,
+                                     const auto& reply) {
+  const std::string error = change(values_of(request.parameters));
+  ros2::SetParametersAtomically::Response response{};
+  response.result = {error.empty(), borrow_string(error)};
+  reply(response);
+}
+
+/// Changes all parameters or none. Returns the error, empty on success.
+std::string ParameterServer::change(std::span<const ros2::Parameter> parameters) {
+  if (parameters.empty()) return {};
+  SettingsRequest settings_request;
+  for (const ros2::Parameter& parameter : parameters) {
+    const auto setting = setting_named(parameter.name);
+    if (!setting) return fmt::format("unknown parameter '{}'", parameter.name);
+    const auto value = value_text(parameter.value);
+    if (!value) return fmt::format("{}: must be a bool, an integer, a double or a string", parameter.name);
+    if (!settings_request.assignments.empty() && settings_request.address != setting->address) {
+      return "parameters of several beacons cannot be set atomically";
+    }
+    settings_request.address = setting->address;
+    settings_request.assignments.push_back({setting->key, *value});
+  }
+  const auto settings_reply = client_.change(settings_request, reply_timeout_s);
+  if (!settings_reply) return fmt::format("no fusion replied within {} s", reply_timeout_s);
+  return settings_reply->accepted ? std::string() : settings_reply->reason;
+}
+
+void ParameterServer::reset(const auto& reply) {
+  const auto beacons = client_.reset(all_beacons, reply_timeout_s);
+  std::string message = beacons.empty() ? "no fusion has reset a beacon" : "reset";
+  for (const BeaconAddress address : beacons) message += fmt::format(" {}", address);
+  ros2::Trigger::Response response{};
+  response.success = !beacons.empty();
+  response.message = borrow_string(message);
+  reply(response);
+}
+
+}  // namespace sonopose::ros2::relay

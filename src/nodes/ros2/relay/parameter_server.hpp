@@ -1,0 +1,108 @@
+#pragma once
+/// \file
+/// The parameter services of the relay's node (`ros2 param`), and `~/reset`, for clients with rmw_cyclonedds.
+
+#include "presence/beacon_admission.hpp"
+#include "ros2/relay/log.hpp"
+#include "ros2/relay/parameter_events.hpp"
+#include "ros2/relay/parameters.hpp"
+#include "ros2/relay/startup_settings.hpp"
+#include "settings_client/settings_client.hpp"
+#include <sonopose/dds/qos/provider.hpp>
+#include <sonopose/dds/topics/topics.hpp>
+#include <sonopose/ros2/messages/service_types.hpp>
+#include <sonopose/ros2/node/node.hpp>
+
+#include <filesystem>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace sonopose::ros2::relay {
+
+struct ParameterServerOptions {
+  dds::DomainOptions domain;
+  std::optional<std::filesystem::path> qos_file;
+  std::vector<StartupSetting> startup_settings;  ///< sent when a fusion appears and no other is known
+  std::size_t max_beacons = presence::BeaconAdmission::default_max_beacons;  ///< most with settings at a time
+};
+
+/// Serves parameters through the settings topics of the fusion, like sonopose-settings. `serve` must run on a
+/// thread that may block; use all other members on the node's thread.
+class ParameterServer {
+public:
+  /// `wake`, if given, is called when there is something to serve, under the rules of a listener. Throws
+  /// dds::Error, dds::qos::FileError. `participant` and `log` must outlive it.
+  ParameterServer(ros2::Node& node, const dds::DomainParticipant& participant,
+                  const ParameterServerOptions& options, Log& log, std::function<void()> wake = {});
+
+  /// Creates or withdraws the services; there are none at first. The node announces the change. May wait for
+  /// `serve`.
+  void offer_services(ros2::Node& node, bool offered);
+
+  /// Replies to all pending requests, and publishes changes of parameters. Waits for the fusion at most two
+  /// seconds per change or reset. Returns true if a request could not be replied to yet: call it again after
+  /// 20 ms.
+  bool serve();
+
+private:
+  struct Services {
+    Services(ros2::Node& node, const std::function<void()>& wake);
+    template <class Action>
+    void for_each(const Action& action) const {
+      std::apply([&](const auto&... service) { (action(service), ...); },
+                 std::tie(list, get, get_types, describe, set, set_atomically, reset));
+    }
+
+    ros2::Service<ros2::ListParameters> list;
+    ros2::Service<ros2::GetParameters> get;
+    ros2::Service<ros2::GetParameterTypes> get_types;
+    ros2::Service<ros2::DescribeParameters> describe;
+    ros2::Service<ros2::SetParameters> set;
+    ros2::Service<ros2::SetParametersAtomically> set_atomically;
+    ros2::Service<ros2::Trigger> reset;
+  };
+
+  class SettingsListener final : public dds::DataReaderListener<sonopose_EffectiveSettings> {
+  public:
+    explicit SettingsListener(const std::function<void()>& wake) : wake_(wake) {}
+    void on_data_available(dds::DataReader<sonopose_EffectiveSettings>& /*reader*/) noexcept override {
+      wake_();
+    }
+
+  private:
+    const std::function<void()>& wake_;
+  };
+
+  void take_settings();
+  void apply_startup_settings();
+  void list(const ros2::ListParameters::Request& request, const auto& reply);
+  void get(const ros2::GetParameters::Request& request, const auto& reply);
+  void get_types(const ros2::GetParameterTypes::Request& request, const auto& reply);
+  void describe(const ros2::DescribeParameters::Request& request, const auto& reply);
+  void set(const ros2::SetParameters::Request& request, const auto& reply);
+  void set_atomically(const ros2::SetParametersAtomically::Request& request, const auto& reply);
+  void reset(const auto& reply);
+  std::string change(std::span<const ros2::Parameter> parameters);
+
+  Log& log_;
+  std::function<void()> wake_;
+  settings_client::SettingsClient client_;
+  std::vector<SettingsRequest> startup_requests_;
+  bool reported_invalid_ = false;  ///< a value of the settings
+  bool applied_startup_ = false;
+  SettingsByBeacon effective_;
+  ParameterEvents events_;
+  std::mutex services_mutex_;
+  std::optional<Services> services_;
+  // The reader is last, so that its listener is destroyed after it.
+  presence::BeaconAdmission admission_;
+  SettingsListener settings_listener_;
+  dds::DataReader<sonopose_EffectiveSettings> settings_;
+};
+
+}  // namespace sonopose::ros2::relay

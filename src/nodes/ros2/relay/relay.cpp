@@ -1,0 +1,465 @@
+#include "ros2/relay/relay.hpp"
+
+#include "observation/beacon_observers.hpp"
+#include "presence/beacon_admission.hpp"
+#include "presence/instance_limit.hpp"
+#include "process_log/log_publisher.hpp"
+#include "publication/sensor_publisher.hpp"
+#include "ros2/relay/diagnostics_publisher.hpp"
+#include "ros2/relay/log.hpp"
+#include "ros2/relay/mount_finder.hpp"
+#include "ros2/relay/open_topics.hpp"
+#include "ros2/relay/parameter_server.hpp"
+#include "ros2/relay/relayed_beacons.hpp"
+#include "ros2/relay/ros_clock.hpp"
+#include "ros2/relay/surroundings.hpp"
+#include "ros2/relay/transform_tree.hpp"
+#include "transitions/transition_log.hpp"
+#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/topics/conversions.hpp>
+#include <sonopose/dds/topics/topics.hpp>
+#include <sonopose/ros2/messages/static_transforms.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <stdexcept>
+#include <stop_token>
+#include <thread>
+
+namespace sonopose::ros2::relay {
+namespace {
+
+namespace topics = dds::topics;
+
+constexpr TimeNs status_period_ns = 1'000'000'000;
+
+/// Time after which a killed relay disappears from the graph.
+constexpr std::chrono::seconds lease{4};
+
+RelayOptions with_lease(RelayOptions options) {
+  options.domain.lease = lease;
+  return options;
+}
+
+/// Throws std::invalid_argument if an input is an output of the relay.
+void check_inputs(const RelayOptions& options) {
+  for (const Input& input : options.inputs) {
+    for (const Input& origin : options.inputs) {
+      const std::string prefix = ros2::topic_prefix(options.output.beacon_namespace, origin.address);
+      for (const char* const output : {"imu/data_raw", "imu/data", "pose", "fix"}) {
+        if (options.names.topic(input.topic) != options.names.topic(prefix + output)) continue;
+        throw std::invalid_argument(
+            fmt::format("{} is the relay's own output, made from {}", text_of(input), text_of(origin)));
+      }
+    }
+  }
+}
+
+}  // namespace
+
+class Relay::Impl {
+public:
+  explicit Impl(const RelayOptions& options);
+
+  void run(const process::StopSignal& stop);
+
+private:
+  /// Passes samples of one native topic to the publishers of their beacon.
+  template <class T>
+  class PublishingListener final : public process::CountingReaderListener<T> {
+  public:
+    explicit PublishingListener(Impl& relay)
+        : process::CountingReaderListener<T>(relay.endpoints_), relay_(relay) {}
+    void on_data_available(dds::DataReader<T>& reader) noexcept override {
+      reader.try_take_each(
+          [this](const T& sample, const dds::SampleInfo& info) {
+            relay_.on(dds::topics::from_idl(sample));
+            if (!info.alive()) relay_.on_gone(sample);
+          },
+          [this](const T& key, const dds::SampleInfo& info) {
+            if (!info.alive()) relay_.on_gone(key);
+          });
+    }
+
+  private:
+    Impl& relay_;
+  };
+
+  /// Publishes poses, and observes them for diagnostics.
+  class PoseListener final : public observation::ObservingListener<sonopose_FusedPose> {
+  public:
+    explicit PoseListener(Impl& relay)
+        : ObservingListener(relay.observers_, relay.endpoints_), relay_(relay) {}
+
+  private:
+    void on_sample(const FusedPose& pose) noexcept override { relay_.on(pose); }
+
+    Impl& relay_;
+  };
+
+  class TfListener final : public dds::DataReaderListener<ros2::TFMessage> {
+  public:
+    explicit TfListener(Impl& relay) : relay_(relay) {}
+    void on_data_available(dds::DataReader<ros2::TFMessage>& reader) noexcept override {
+      reader.try_take_each(
+          [this](const ros2::TFMessage& message, const dds::SampleInfo&) { relay_.on_transforms(message); });
+    }
+
+  private:
+    Impl& relay_;
+  };
+
+  /// A native topic: its listener and its reader.
+  template <class T, class Listener>
+  struct Subscription {
+    template <class... Arguments>
+    explicit Subscription(Arguments&... arguments) : listener(arguments...) {}
+    Listener listener;
+    dds::DataReader<T> reader;
+  };
+  template <class T>
+  using PublishedTopic = Subscription<T, PublishingListener<T>>;
+  template <class T>
+  using ObservedTopic = Subscription<T, observation::ObservingListener<T>>;
+
+  /// Observes the statuses of fusions, and bounds their number.
+  class FusionStatusListener final : public observation::ObservingListener<sonopose_FusionStatus> {
+  public:
+    explicit FusionStatusListener(Impl& relay)
+        : ObservingListener(relay.observers_, relay.endpoints_), limit_(relay.fusion_limit_) {}
+
+  private:
+    void on_gone(const sonopose_FusionStatus& key) noexcept override { limit_.forget(key); }
+
+    presence::InstanceLimit<sonopose_FusionStatus>& limit_;
+  };
+
+  template <class T, class Listener>
+  static bool has_writer(Subscription<T, Listener>& subscription) {
+    return subscription.reader.subscription_matched_status().current_count > 0;
+  }
+
+  /// Passes on samples, fixes, reports and poses.
+  template <class Sample>
+  void on(const Sample& sample) {
+    const auto publishers = beacons_.find_or_request(sample.address, clocks::steady_now());
+    if (publishers) publishers->on(sample);
+  }
+  void on_gone(const sonopose_Estimate& key) { estimate_limit_.forget(key); }
+  void on_gone(const auto& /*key*/) {}
+  void on(const Estimate& estimate);
+  void on(const EffectiveSettings& settings);
+  void on_transforms(const ros2::TFMessage& message);
+
+  template <class Action>
+  void for_each_beacon(const Action& action);
+  void open_topics(const process::StopSignal& stop);
+  void remove_gone();
+  void log_transitions();
+  void replace_tree_owner();
+  void publish_mounts();
+  void serve(const process::StopSignal& stop, const std::atomic<bool>& failed);
+  void bridge_while(const std::function<void()>& serve, std::atomic<bool>& failed);
+  void serve_parameters(const std::stop_token& end, const process::StopSignal& stop);
+
+  RelayOptions options_;
+  presence::BeaconAdmission admission_;
+  presence::AdmittedOnly admitted_only_{admission_};
+  presence::InstanceLimit<sonopose_FusionStatus> fusion_limit_{&admitted_only_};
+  presence::InstanceLimit<sonopose_Estimate> estimate_limit_{&admitted_only_};
+  presence::BeaconAdmission settings_admission_;  ///< settings may arrive before any sample, and only once
+  dds::DomainParticipant participant_;
+  dds::qos::Provider qos_;
+  process_log::LogPublisher log_publisher_{participant_, qos_};
+  ros2::Node node_;
+  Log log_;
+  transitions::TransitionLog transition_log_{
+      [this](const transitions::Line& line) { log_.write(line); }};  ///< main thread only
+  RosClock clock_;
+  process::Wakeup wakeup_;  ///< wakes the main thread
+  process::Wakeup parameters_wakeup_;
+  ParameterServer parameters_;
+  Surroundings surroundings_;
+  dds::DataWriter<ros2::TFMessage> tf_writer_;
+  TransformTree tree_;
+  std::unique_ptr<Source> source_;  ///< null without inputs
+  observation::BeaconObservers observers_;
+  process::EndpointCounters endpoints_;
+  DiagnosticsPublisher diagnostics_;
+
+  RelayedBeacons beacons_;
+  OpenTopics open_topics_{{.beacons = beacons_,
+                           .admission = admission_,
+                           .node = node_,
+                           .output = options_.output,
+                           .tf = tf_writer_,
+                           .tree = tree_,
+                           .wakeup = wakeup_,
+                           .log = log_}};
+  std::mutex mutex_;                            ///< guards the settings
+  std::map<BeaconAddress, double> fix_stds_m_;  ///< settings of the fusion
+
+  // Readers are last, so that they are destroyed first and no callback uses a destroyed member.
+  TfListener tf_listener_{*this};
+  dds::DataReader<ros2::TFMessage> tf_reader_;
+  std::unique_ptr<MountFinder> mount_finder_;  ///< null if the mount is known
+  PublishedTopic<sonopose_ImuSample> imu_{*this};
+  PublishedTopic<sonopose_UltrasonicFix> fix_{*this};
+  Subscription<sonopose_FusedPose, PoseListener> pose_{*this};
+  PublishedTopic<sonopose_FixReport> report_{*this};
+  PublishedTopic<sonopose_EffectiveSettings> settings_{*this};
+  PublishedTopic<sonopose_Estimate> estimate_{*this};
+  ObservedTopic<sonopose_BeaconStatus> beacon_status_{observers_, endpoints_};
+  Subscription<sonopose_FusionStatus, FusionStatusListener> fusion_status_{*this};
+};
+
+Relay::Relay(const RelayOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+Relay::~Relay() = default;
+
+void Relay::run(const process::StopSignal& stop) {
+  impl_->run(stop);
+}
+
+Relay::Impl::Impl(const RelayOptions& options)
+    : options_(with_lease(options)),
+      admission_(options.addresses, options.max_beacons),
+      settings_admission_(options.addresses,
+                          options.max_beacons * presence::BeaconAdmission::max_replacements),
+      participant_(options_.domain, ros2::participant_qos(options.enclave)),
+      qos_(options.qos_file),
+      node_(participant_, qos_, options.names, options.distro.value_or(ros2::layout_without_others)),
+      clock_(node_, options.use_sim_time),
+      parameters_(node_, participant_,
+                  {.domain = options_.domain,
+                   .qos_file = options.qos_file,
+                   .startup_settings = options.startup_settings,
+                   .max_beacons = options.max_beacons},
+                  log_, [this] { parameters_wakeup_.wake(); }),
+      surroundings_(options_, participant_, node_, parameters_, log_, [this] { wakeup_.wake(); }),
+      tree_(options_, node_, clock_, log_),
+      observers_(dds::deadline_of(qos_.datareader_qos(topics::pose.profile)).count()),
+      diagnostics_(options_, node_, clock_, observers_, endpoints_),
+      beacons_(wakeup_, options.max_beacons) {
+  check_inputs(options);
+  if (options.rosout) log_.publish_as(node_);
+  if (options.output.tf != TfMode::off) tf_writer_ = node_.make_writer<ros2::TFMessage>("/tf", "ros2::Tf");
+  if (options.output.tf == TfMode::map_odom) {
+    tf_reader_ = node_.make_reader<ros2::TFMessage>("/tf", "ros2::Tf", &tf_listener_);
+  }
+  if (options.output.mount_from_tf) {
+    mount_finder_ = std::make_unique<MountFinder>(node_, log_, [this] { wakeup_.wake(); });
+  }
+  node_.announce();
+  const auto subscribe = [this](auto& subscription, const auto& topic, auto& filter) {
+    subscription.reader = dds::topics::make_reader(participant_, qos_, topic, &subscription.listener,
+                                                   dds::topics::Delivery::live, &filter);
+  };
+  subscribe(imu_, topics::imu, admission_);
+  subscribe(fix_, topics::fix, admission_);
+  subscribe(pose_, topics::pose, admission_);
+  subscribe(report_, topics::report, admission_);
+  subscribe(settings_, topics::settings, settings_admission_);
+  subscribe(estimate_, topics::estimate, estimate_limit_);
+  subscribe(beacon_status_, topics::beacon_status, admitted_only_);
+  subscribe(fusion_status_, topics::fusion_status, fusion_limit_);
+}
+
+/// Calls `action` without the lock.
+template <class Action>
+void Relay::Impl::for_each_beacon(const Action& action) {
+  for (const auto& [address, publishers] : beacons_.all()) action(*publishers);
+}
+
+void Relay::Impl::on(const Estimate& estimate) {
+  if (const auto publishers = beacons_.find(estimate.address)) publishers->on(estimate);
+}
+
+void Relay::Impl::on(const EffectiveSettings& settings) {
+  const auto fix_std_m = fix_std_of(settings);
+  if (!fix_std_m) return;
+  {
+    const std::lock_guard lock(mutex_);
+    fix_stds_m_[settings.address] = *fix_std_m;
+  }
+  if (const auto publishers = beacons_.find(settings.address)) publishers->set_fix_std(*fix_std_m);
+}
+
+/// Takes transforms on the receive thread, from any program: nearly all belong to others.
+void Relay::Impl::on_transforms(const ros2::TFMessage& message) {
+  constexpr std::uint32_t max_transforms = 1024;
+  const auto beacons = beacons_.all();
+  for (std::uint32_t i = 0; i < std::min(message.transforms._length, max_transforms); ++i) {
+    const ros2::TransformStamped& transform = message.transforms._buffer[i];
+    for (const auto& [address, publishers] : beacons) {
+      const ros2::FrameNames& frames = publishers->frames();
+      if (frames.odom != transform.header.frame_id || frames.base != transform.child_frame_id) continue;
+      const auto time_ns = ros2::from_ros(transform.header.stamp);
+      const auto base_in_odom = ros2::transform_of(transform);
+      if (time_ns && base_in_odom) publishers->on_odometry(*time_ns, *base_in_odom);
+    }
+  }
+}
+
+void Relay::Impl::open_topics(const process::StopSignal& stop) {
+  const OpenTopics::Opened opened = open_topics_.open_requested(stop);
+  if (opened.empty()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [address, publishers] : opened) {
+      const auto known = fix_stds_m_.find(address);
+      if (known != fix_stds_m_.end()) publishers->set_fix_std(known->second);
+    }
+  }
+  publish_mounts();
+}
+
+void Relay::Impl::remove_gone() {
+  const SteadyTime now = clocks::steady_now();
+  for (const auto& text : {admission_.refusals(), fusion_limit_.refusals(), estimate_limit_.refusals()}) {
+    if (text) log_.warning(*text);
+  }
+  for (const BeaconAddress address : open_topics_.remove_gone(now)) transition_log_.forget(address);
+  for (const auto& view : observers_.remove_gone(now, clocks::host_now())) {
+    diagnostics_.forget(view.address);
+  }
+}
+
+void Relay::Impl::log_transitions() {
+  const SteadyTime now = clocks::steady_now();
+  for_each_beacon([&](BeaconPublishers& publishers) {
+    transitions::TransitionQueue pending = publishers.take_transitions();
+    transition_log_.take(pending, now);
+  });
+  for (const observation::PoseSilence& change : observers_.silence_changes()) {
+    transition_log_.on({.address = change.address,
+                        .kind = transitions::Kind::poses_silent,
+                        .begins = change.silent,
+                        .lasted_s = change.lasted_s},
+                       now);
+  }
+  transition_log_.update(now);
+}
+
+/// Hands the transforms of a gone or absent beacon to one with the same frames.
+void Relay::Impl::replace_tree_owner() {
+  const auto owner = tree_.owner();
+  if (!owner || !diagnostics_.is_gone(*owner)) return;
+  const auto known = beacons_.all();
+  const auto next = std::find_if(known.begin(), known.end(),
+                                 [&](const auto& entry) { return diagnostics_.is_present(entry.first); });
+  if (next == known.end()) return;
+  if (const auto before = beacons_.find(*owner)) before->set_in_tree(false);
+  tree_.hand_over(next->first);
+  next->second->set_in_tree(true);
+  publish_mounts();
+}
+
+void Relay::Impl::publish_mounts() {
+  std::vector<ros2::FrameNames> in_tree;
+  for_each_beacon([&](const BeaconPublishers& publishers) {
+    if (publishers.is_in_tree()) in_tree.push_back(publishers.frames());
+  });
+  tree_.publish_mounts(in_tree);
+}
+
+/// Runs until the stop, or until `failed`.
+void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>& failed) {
+  surroundings_.observe();
+  node_.announce();
+  SteadyTime next_status = clocks::steady_now() + status_period_ns;
+  SteadyTime readers_due = next_status;
+  while (!failed && !stop.wait_until(std::min(next_status, readers_due), wakeup_)) {
+    open_topics(stop);
+    if (source_) readers_due = source_->update_readers();
+    for_each_beacon([this](BeaconPublishers& publishers) {
+      publishers.create_magnetic_writer(node_);
+      if (mount_finder_) mount_finder_->assign_to(publishers);
+    });
+    surroundings_.observe();
+    node_.announce();
+    if (clocks::steady_now() < next_status) continue;
+    next_status = clocks::steady_now() + status_period_ns;
+    if (!source_) readers_due = next_status;
+    surroundings_.check_processes(has_writer(imu_), has_writer(pose_));
+    log_transitions();
+    if (source_) source_->log_changes();
+    remove_gone();
+    diagnostics_.publish(beacons_.all(), source_.get());
+    replace_tree_owner();
+    for_each_beacon([](BeaconPublishers& publishers) {
+      publishers.handle_overdue();
+      publishers.publish_path();
+    });
+  }
+}
+
+/// Serves parameters on a separate thread, because it waits for replies of the fusion.
+void Relay::Impl::serve_parameters(const std::stop_token& end, const process::StopSignal& stop) {
+  constexpr TimeNs retry_period_ns = 20'000'000;
+  constexpr TimeNs hour_ns = 3'600'000'000'000;
+  const std::stop_callback wake_to_end(end, [this] { parameters_wakeup_.wake(); });
+  bool waits = false;
+  do {
+    try {
+      waits = parameters_.serve();
+    } catch (const std::exception& error) {  // includes settings of a fusion of another version
+      log_.error(fmt::format("parameters: {}", error.what()));
+      waits = true;  // requests may be pending
+    }
+  } while (!stop.wait_until(clocks::steady_now() + (waits ? retry_period_ns : hour_ns), parameters_wakeup_) &&
+           !end.stop_requested());
+}
+
+void Relay::Impl::run(const process::StopSignal& stop) {
+  log_.info("relaying as " + ros2::full_name(options_.names.node()));
+  const std::jthread parameters([&](const std::stop_token& end) { serve_parameters(end, stop); });
+  std::atomic<bool> failed = false;
+  if (options_.inputs.empty()) {
+    serve(stop, failed);
+  } else {
+    bridge_while([&] { serve(stop, failed); }, failed);
+  }
+  log_transitions();
+  if (source_) source_->log_changes();
+  transition_log_.finish();
+}
+
+/// Runs a bridge for the inputs on a separate thread while `serve` runs. Rethrows an exception of the bridge.
+void Relay::Impl::bridge_while(const std::function<void()>& serve, std::atomic<bool>& failed) {
+  const auto timeout_ns = [this](const auto& entry) {
+    return std::min(status_period_ns * 10, dds::deadline_of(qos_.datareader_qos(entry.profile)).count());
+  };
+  source_ = make_source(
+      node_, options_.inputs, {timeout_ns(topics::imu), timeout_ns(topics::fix)}, options_.output.frames.map,
+      [this](const std::string& line) { log_.warning(line); }, [this] { return clock_.now_ns(); });
+  publication::SensorPublisher bridge({.domain = options_.domain,
+                                       .qos_file = options_.qos_file,
+                                       .record_folder = {},
+                                       .publishes_log = false});
+  process::StopSignal bridge_stop;
+  std::exception_ptr failure;
+  {
+    const std::jthread bridging([&] {
+      try {
+        bridge.run(*source_, bridge_stop);
+      } catch (...) {
+        failure = std::current_exception();
+        failed = true;
+        wakeup_.wake();
+      }
+    });
+    const std::unique_ptr<process::StopSignal, void (*)(process::StopSignal*)> stop_at_exit(
+        &bridge_stop, [](process::StopSignal* signal) { signal->request(); });
+    serve();
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace sonopose::ros2::relay

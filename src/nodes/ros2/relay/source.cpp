@@ -1,0 +1,329 @@
+#include "ros2/relay/source.hpp"
+
+#include "clocks/clocks.hpp"
+#include "logging/log.hpp"
+#include "process/endpoint_counters.hpp"
+#include "ros2/relay/input_monitor.hpp"
+#include "ros2/relay/stamp_clock.hpp"
+#include <sonopose/dds/binding/discovery.hpp>
+#include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/ros2/messages/frames.hpp>
+#include <sonopose/ros2/messages/input.hpp>
+#include <sonopose/ros2/messages/names.hpp>
+#include <sonopose/ros2/messages/time.hpp>
+#include <sonopose/text/count_text.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <iterator>
+#include <map>
+#include <mutex>
+#include <set>
+
+namespace sonopose::ros2::relay {
+namespace {
+
+/// Statuses for the listener. The wait set handles data availability, and matches are polled.
+constexpr dds::StatusMask counted_statuses = dds::StatusMask::requested_incompatible_qos() |
+                                             dds::StatusMask::sample_lost() |
+                                             dds::StatusMask::sample_rejected();
+
+/// One input topic.
+struct InputState {
+  InputState(const Input& input, const InputTimeouts& timeouts, const std::string& map_frame)
+      : option(input),
+        address(input.address),
+        is_imu(input.kind == Input::Kind::imu),
+        imu_meaning(input.imu_meaning),
+        monitor(input, ros2::for_beacon(map_frame, input.address), is_imu ? timeouts.imu_ns : timeouts.fix_ns,
+                clocks::steady_now()) {}
+
+  [[nodiscard]] std::uint64_t samples_lost() const noexcept {
+    return endpoints.samples_lost.load(std::memory_order_relaxed) +
+           endpoints.samples_rejected.load(std::memory_order_relaxed);
+  }
+
+  Input option;                       ///< type set by update_readers(), on its thread only
+  std::set<std::string> other_types;  ///< other types of publishers that were logged; likewise
+  BeaconAddress address;
+  bool is_imu;
+  ImuMeaning imu_meaning;
+  process::EndpointCounters endpoints;
+  InputMonitor monitor;
+};
+
+/// The reader of an input.
+template <class T>
+struct Stream {
+  Stream(ros2::Node& node, const std::string& topic, InputState& state)
+      : input(state),
+        listener(state.endpoints),
+        reader(node.make_reader<T>(topic, "ros2::Input", &listener, counted_statuses)),
+        has_data(reader) {}
+
+  InputState& input;
+  process::CountingReaderListener<T> listener;
+  dds::DataReader<T> reader;
+  dds::ReadCondition has_data;
+};
+
+std::optional<Event> event_of(const ros2::Imu& imu, const InputState& input, StampClock& clock,
+                              TimeNs received_ns) {
+  auto sample = ros2::imu_sample(imu, input.address, received_ns);
+  if (!sample) return std::nullopt;
+  sample->meaning = input.imu_meaning;
+  clock.on_imu(sample->sensor_time_ns, received_ns);
+  return sample;
+}
+template <class Position>
+std::optional<Event> event_of(const Position& position, const InputState& input, const StampClock& clock,
+                              TimeNs received_ns) {
+  return ros2::fix(position, input.address, clock.at(received_ns));
+}
+
+/// Time of measurement in the sender's clock.
+TimeNs measured_ns(const Event& event) {
+  if (const auto* imu = std::get_if<ImuSample>(&event)) return imu->sensor_time_ns;
+  if (const auto* fix = std::get_if<UltrasonicFix>(&event)) return fix->emission_time_ns;
+  return std::get<PairHeading>(event).emission_time_ns;
+}
+
+void log_warning(const std::string& line) {
+  logging::warning(line);
+}
+
+class TopicsSource final : public Source {
+public:
+  TopicsSource(ros2::Node& node, const std::vector<Input>& inputs, const InputTimeouts& timeouts,
+               const std::string& map_frame, LineLogger log, TimeSource now)
+      : log_(std::move(log)), now_(std::move(now)), node_(node), discovery_(node.participant()) {
+    for (const Input& option : inputs) {
+      InputState& input = *inputs_.emplace_back(std::make_unique<InputState>(option, timeouts, map_frame));
+      Beacon& beacon = beacons_[option.address];
+      beacon.status.address = option.address;
+      beacon.has_imu = beacon.has_imu || input.is_imu;
+      if (input.is_imu || option.fix_type) subscribe(input);
+    }
+  }
+
+  void log_changes() override {
+    InputMonitor::Lines lines;
+    std::uint64_t dropped = 0;
+    {
+      const std::lock_guard lock(mutex_);
+      lines.swap(new_lines_);
+      std::swap(dropped, lines_dropped_);
+    }
+    for (const InputMonitor::Line& line : lines) log_(line());
+    if (dropped == 0) return;
+    log_(fmt::format("{} not logged: too many at a time",
+                     text::count_text(dropped, "further line about the inputs was",
+                                      "further lines about the inputs were")));
+  }
+
+  SteadyTime update_readers() override {
+    const SteadyTime now = clocks::steady_now();
+    if (now < search_due_) return search_due_;
+    for (const dds::FoundEndpoint& writer : discovery_.writers()) {
+      for (const auto& input : inputs_) {
+        if (writer.topic_name == ros2::name_in_dds(node_.names().topic(input->option.topic))) {
+          on_writer(writer.type_name, *input);
+        }
+      }
+    }
+    const bool all_subscribed = std::all_of(inputs_.begin(), inputs_.end(), [](const auto& input) {
+      return input->is_imu || input->option.fix_type;
+    });
+    search_due_ = now + (all_subscribed ? TimeNs{1'000'000'000} : TimeNs{100'000'000});
+    return search_due_;
+  }
+
+  void run(publication::SampleSink& sink, const process::StopSignal& stop) override {
+    constexpr std::chrono::milliseconds poll_period{100};
+    while (!stop.requested()) {
+      waitset_.wait(poll_period);
+      add_new_streams();
+      for_all_streams([&](auto& stream) { take(stream, sink); });
+      check_inputs();
+      publish_statuses(sink);
+      sink.tick();
+    }
+  }
+
+  std::uint64_t samples_lost(BeaconAddress address) const noexcept override {
+    std::uint64_t lost = 0;
+    for (const auto& input : inputs_) {
+      if (input->address == address) lost += input->samples_lost();
+    }
+    return lost;
+  }
+
+private:
+  static constexpr std::size_t max_lines = 256;  ///< limit of the lines that wait for log_changes()
+
+  template <class T>
+  using Streams = std::vector<std::unique_ptr<Stream<T>>>;
+
+  struct Beacon {
+    BeaconStatus status;
+    bool has_imu = false;
+    StampClock stamp_clock;
+    SmallestOffset offset;  ///< IMU samples, or fixes without an IMU
+  };
+
+  struct AllStreams {
+    Streams<ros2::Imu> imus;
+    Streams<ros2::PointStamped> points;
+    Streams<ros2::PoseWithCovarianceStamped> poses;
+  };
+
+  void on_writer(const std::string& type, InputState& input) {
+    if (!input.is_imu && !input.option.fix_type) {
+      input.option.fix_type = fix_type_named(type);
+      if (input.option.fix_type) subscribe(input);
+    }
+    const std::string used = message_type_of(input.option);
+    if (type == used || !input.other_types.insert(type).second) return;
+    log_(fmt::format(
+        "beacon {}: a publisher of {} is ignored, because its type is {}, not {}", input.address,
+        input.option.topic, ros2::type_name_in_ros(type),
+        used.empty() ? "PointStamped or PoseWithCovarianceStamped" : ros2::type_name_in_ros(used)));
+  }
+
+  void subscribe(InputState& input) {
+    if (input.is_imu) {
+      subscribe(&AllStreams::imus, input);
+    } else if (input.option.fix_type == FixType::point) {
+      subscribe(&AllStreams::points, input);
+    } else {
+      subscribe(&AllStreams::poses, input);
+    }
+  }
+
+  template <class T>
+  void subscribe(Streams<T> AllStreams::*streams, InputState& input) {
+    auto created = std::make_unique<Stream<T>>(node_, input.option.topic, input);
+    waitset_ += created->has_data;
+    const std::lock_guard lock(mutex_);
+    (new_streams_.*streams).push_back(std::move(created));
+  }
+
+  void add_new_streams() {
+    const auto move = [](auto& from, auto& to) {
+      std::move(from.begin(), from.end(), std::back_inserter(to));
+      from.clear();
+    };
+    const std::lock_guard lock(mutex_);
+    move(new_streams_.imus, streams_.imus);
+    move(new_streams_.points, streams_.points);
+    move(new_streams_.poses, streams_.poses);
+  }
+
+  template <class Action>
+  void for_all_streams(const Action& action) {
+    for (const auto& stream : streams_.imus) action(*stream);
+    for (const auto& stream : streams_.points) action(*stream);
+    for (const auto& stream : streams_.poses) action(*stream);
+  }
+
+  template <class T>
+  void take(Stream<T>& stream, publication::SampleSink& sink) {
+    InputState& input = stream.input;
+    Beacon& beacon = beacons_.at(input.address);
+    stream.reader.try_take_each([&](const T& message, const dds::SampleInfo&) {
+      const TimeNs received_ns = next_reception_ns();
+      ++beacon.status.frames;
+      const auto event = event_of(message, input, beacon.stamp_clock, received_ns);
+      if (!event) {
+        ++beacon.status.samples_rejected;
+        return;
+      }
+      const SteadyTime now = clocks::steady_now();
+      if (input.is_imu == beacon.has_imu) {
+        beacon.offset.add(seconds_between(measured_ns(*event), received_ns), now);
+      }
+      input.monitor.on_sample(message.header.frame_id, now, lines_);
+      sink.on(*event);
+    });
+  }
+
+  /// Time of ROS 2, later than the previous one: the stamp of messages without a stamp.
+  TimeNs next_reception_ns() {
+    const TimeNs time_ns = now_();
+    return reception_.next(time_ns).value_or(time_ns);
+  }
+
+  void check_inputs() {
+    constexpr TimeNs period_ns = 20'000'000;
+    const SteadyTime now = clocks::steady_now();
+    if (now >= check_due_) {
+      check_due_ = now + period_ns;
+      for (const auto& input : inputs_) input->monitor.update(endpoints_of(*input), now, lines_);
+    }
+    if (lines_.empty()) return;
+    const std::lock_guard lock(mutex_);
+    for (InputMonitor::Line& line : lines_) {
+      if (new_lines_.size() < max_lines) {
+        new_lines_.push_back(std::move(line));
+      } else {
+        ++lines_dropped_;
+      }
+    }
+    lines_.clear();
+  }
+
+  InputEndpoints endpoints_of(const InputState& input) {
+    InputEndpoints endpoints;
+    for_all_streams([&](auto& stream) {
+      if (&stream.input == &input)
+        endpoints.publishers += stream.reader.subscription_matched_status().current_count;
+    });
+    endpoints.publishers_incompatible = input.endpoints.incompatible_qos.load(std::memory_order_relaxed);
+    endpoints.samples_lost = input.samples_lost();
+    return endpoints;
+  }
+
+  void publish_statuses(publication::SampleSink& sink) {
+    constexpr TimeNs period_ns = 250'000'000;
+    if (clocks::steady_now() < statuses_due_) return;
+    statuses_due_ = clocks::steady_now() + period_ns;
+    for (auto& [address, beacon] : beacons_) {
+      if (beacon.status.frames == 0) continue;
+      beacon.status.time_ns = clocks::host_now();
+      beacon.status.clock_offset_s = beacon.offset.value_s();
+      sink.on(beacon.status);
+    }
+  }
+
+  LineLogger log_;
+  TimeSource now_;
+  ros2::Node& node_;                                 ///< used on the thread of update_readers() only
+  dds::Discovery discovery_;                         ///< likewise
+  SteadyTime search_due_;                            ///< likewise
+  std::vector<std::unique_ptr<InputState>> inputs_;  ///< constant after construction
+  std::mutex mutex_;                                 ///< guards the next three
+  AllStreams new_streams_;                           ///< not yet used by run()
+  InputMonitor::Lines new_lines_;                    ///< not yet formatted
+  std::uint64_t lines_dropped_ = 0;                  ///< dropped since the last log_changes()
+  AllStreams streams_;                               ///< used by run() only
+  dds::WaitSet waitset_;
+  std::map<BeaconAddress, Beacon> beacons_;
+  ros2::RisingStamp reception_;
+  InputMonitor::Lines lines_;  ///< used by run() only, like the next ones
+  SteadyTime check_due_;
+  SteadyTime statuses_due_;
+};
+
+}  // namespace
+
+std::unique_ptr<Source> make_source(ros2::Node& node, const std::vector<Input>& inputs,
+                                    const InputTimeouts& timeouts, const std::string& map_frame,
+                                    LineLogger log, TimeSource now) {
+  check(inputs);
+  if (!log) log = log_warning;
+  return std::make_unique<TopicsSource>(node, inputs, timeouts, map_frame, std::move(log), std::move(now));
+}
+
+}  // namespace sonopose::ros2::relay

@@ -1,0 +1,49 @@
+#pragma once
+/// \file
+/// The other processes of the domain, and their requirements of the relay's node.
+
+#include "ros2/relay/log.hpp"
+#include "ros2/relay/parameter_server.hpp"
+#include "ros2/relay/relay.hpp"
+#include <sonopose/ros2/node/graph.hpp>
+
+#include <atomic>
+#include <functional>
+#include <string>
+
+namespace sonopose::ros2::relay {
+
+/// Main thread only.
+class Surroundings {
+public:
+  /// `wake` is called when observe() has work, under the rules of a listener. Everything else must outlive
+  /// it. Throws dds::Error.
+  Surroundings(const RelayOptions& options, const dds::DomainParticipant& participant, ros2::Node& node,
+               ParameterServer& parameters, Log& log, std::function<void()> wake);
+
+  /// Selects the layout of the node's announcement, offers or withdraws the services, and reports another
+  /// node of the same name. The node must then announce the changes.
+  void observe();
+
+  /// Logs missing processes, and their later appearance. Call it once per second.
+  void check_processes(bool has_bridge, bool has_fusion);
+
+private:
+  void select_layout(const ros2::Graph& graph);
+  void offer_services(const ros2::Graph& graph);
+  void report_namesake();
+
+  const RelayOptions& options_;
+  ros2::Node& node_;
+  ParameterServer& parameters_;
+  Log& log_;
+  std::uint32_t domain_id_;
+  std::atomic<bool> changed_ = true;
+  ros2::GraphObserver graph_;
+  bool services_withdrawn_ = false;
+  bool has_namesake_ = false;
+  int periods_ = 0;      ///< number of periods since the start
+  std::string missing_;  ///< processes, as last logged
+};
+
+}  // namespace sonopose::ros2::relay

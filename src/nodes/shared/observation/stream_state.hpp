@@ -1,0 +1,20 @@
+#pragma once
+/// \file
+/// State of a beacon's pose stream: words and severity.
+
+#include "observation/beacon_observer.hpp"
+
+#include <string>
+
+namespace sonopose::observation {
+
+/// "lost", "silent", or the words of the latest status, after "IMU silent" if that holds.
+std::string stream_words(const BeaconView& view);
+
+/// Severity of a beacon's worst fault: 0 is none; from `bad_severity` on, its pose is unreliable.
+int severity_of(const BeaconView& view);
+/// Severity of the status of one pose.
+int severity_of_status(std::uint32_t status);
+inline constexpr int bad_severity = 50;
+
+}  // namespace sonopose::observation

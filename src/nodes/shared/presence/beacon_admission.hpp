@@ -1,0 +1,70 @@
+#pragma once
+/// \file
+/// Bounds the number of beacons of a process.
+
+#include "presence/address_set.hpp"
+#include <sonopose/dds/topics/topics.hpp>
+
+#include <bitset>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <mutex>
+#include <optional>
+#include <string>
+
+namespace sonopose::presence {
+
+/// Admits the beacons heard first. Thread-safe.
+class BeaconAdmission final : public dds::topics::AddressFilter {
+public:
+  static constexpr std::size_t default_max_beacons = 256;
+  /// Largest number of replacements per place. Bounds a flood of forged addresses.
+  static constexpr std::size_t max_replacements = 16;
+
+  /// `addresses`: the only ones to admit.
+  BeaconAdmission(AddressSet addresses, std::size_t max_beacons);
+
+  /// True if the beacon is admitted, possibly by this call. Does not allocate.
+  bool accepts(BeaconAddress address) noexcept override;
+
+  /// True if the beacon is admitted.
+  [[nodiscard]] bool has(BeaconAddress address) noexcept;
+
+  /// Frees the place of a beacon that is gone.
+  void forget(BeaconAddress address) noexcept;
+
+  /// A message for the user when the first beacon is refused, and each time ten times as many are. Otherwise
+  /// empty. Call it once a second.
+  std::optional<std::string> refusals();
+
+  /// A message for the user if beacons were refused and not admitted since.
+  std::optional<std::string> warning();
+
+private:
+  [[nodiscard]] std::string refusal_text() const;
+
+  static constexpr std::size_t addresses_ever = std::size_t{std::numeric_limits<BeaconAddress>::max()} + 1;
+  using Flags = std::bitset<addresses_ever>;
+
+  AddressSet addresses_;
+  std::size_t max_beacons_;
+  std::mutex mutex_;  // guards the members below
+  Flags admitted_;
+  Flags known_;  ///< ever admitted: DDS keeps an instance of each until its writers have ended
+  Flags refused_;
+  std::size_t reported_count_ = 0;
+};
+
+/// Accepts the beacons that another topic has admitted, for topics without measurements.
+class AdmittedOnly final : public dds::topics::AddressFilter {
+public:
+  /// `admission` must outlive it.
+  explicit AdmittedOnly(BeaconAdmission& admission) : admission_(admission) {}
+  bool accepts(BeaconAddress address) noexcept override { return admission_.has(address); }
+
+private:
+  BeaconAdmission& admission_;
+};
+
+}  // namespace sonopose::presence

@@ -1,0 +1,432 @@
+#include "publication/sensor_publisher.hpp"
+
+#include "clocks/clocks.hpp"
+#include "logging/later.hpp"
+#include "logging/log.hpp"
+#include "presence/silence.hpp"
+#include "process/endpoint_counters.hpp"
+#include "process/random_id.hpp"
+#include "process_log/log_publisher.hpp"
+#include "publication/background_recording.hpp"
+#include "publication/deadline_count.hpp"
+#include "publication/other_bridges.hpp"
+#include "publication/stationary_map.hpp"
+#include "transitions/increase_log.hpp"
+#include "transitions/transition_log.hpp"
+#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/topics/conversions.hpp>
+#include <sonopose/dds/topics/topics.hpp>
+#include <sonopose/text/count_text.hpp>
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+
+namespace sonopose::publication {
+namespace {
+
+namespace topics = dds::topics;
+
+/// Options of the domain. A live bridge does not wait for a stalled fusion.
+dds::DomainOptions domain_options(const PublisherOptions& options) {
+  dds::DomainOptions domain = options.domain;
+  domain.wait_for_readers = options.lossless;
+  domain.batch_writes = options.batch;
+  return domain;
+}
+
+}  // namespace
+
+class SensorPublisher::Publisher final : public SampleSink {
+public:
+  explicit Publisher(const PublisherOptions& options);
+  ~Publisher() override;
+  Publisher(const Publisher&) = delete;
+  Publisher& operator=(const Publisher&) = delete;
+
+  void on(const Event& event) override;
+  void on(const TruthSample& truth) override;
+  void on(const BeaconStatus& status) override;
+  void on_stationary(const StationaryBeacon& beacon) override;
+  void on_gone(BeaconAddress address) override;
+  void on(const LineStatus& status) override;
+  void flush() override;
+  void tick() override;
+
+  /// Ends lossless writes and the waits below when `stop` is requested.
+  void obey(const process::StopSignal& stop) {
+    stop_ = &stop;
+    if (recording_) recording_->obey(stop);
+  }
+  void publish_statuses(SteadyTime now);
+  void finish_log() {
+    logging::later([log = transition_log_] { log->finish(); });
+    log_unwritten(true);
+  }
+  void wait_for_readers();
+  void wait_until_read();
+  /// Throws files::IoError if samples were not recorded.
+  void finish_recording() {
+    if (recording_) recording_->finish();
+  }
+
+private:
+  /// One stream of one beacon.
+  struct Stream {
+    explicit Stream(const dds::Entity& writer);
+    void count_sample();
+
+    std::uint64_t samples = 0;  ///< since the last status
+    DeadlineCount deadlines;
+    presence::Silence silence;
+  };
+
+  struct Beacon {
+    explicit Beacon(const Publisher& publisher)
+        : imu(publisher.imu_writer_), fix(publisher.fix_writer_), heading(publisher.heading_writer_) {}
+
+    std::uint64_t next_sequence = 1;
+    Stream imu;
+    Stream fix;
+    Stream heading;
+    BeaconStatus status;
+  };
+
+  Beacon& beacon_of(BeaconAddress address);
+  void unregister(BeaconAddress address);
+  template <class T>
+  void write(dds::DataWriter<T>& writer, const T& sample);
+  void publish(ImuSample imu, Beacon& beacon);
+  void publish(const UltrasonicFix& fix, Beacon& beacon);
+  void publish(const PairHeading& heading, Beacon& beacon);
+  void publish_status(Beacon& beacon, SteadyTime now);
+  void publish(LineStatus& line);
+  void log(const transitions::Transition& transition, SteadyTime now);
+  void log_unwritten(bool is_last = false);
+  void log_silence(BeaconAddress address, transitions::Kind kind, Stream& stream, SteadyTime now);
+  [[nodiscard]] bool stopped() const { return stop_ != nullptr && stop_->requested(); }
+
+  bool lossless_;
+  bool batch_;
+  const process::StopSignal* stop_ = nullptr;
+  dds::DomainParticipant participant_;
+  dds::qos::Provider qos_;
+  std::optional<process_log::LogPublisher> log_publisher_;
+  process::EndpointCounters endpoints_;
+  process::CountingWriterListener<sonopose_ImuSample> imu_listener_{endpoints_};
+  process::CountingWriterListener<sonopose_UltrasonicFix> fix_listener_{endpoints_};
+  process::CountingWriterListener<sonopose_PairHeading> heading_listener_{endpoints_};
+  dds::DataWriter<sonopose_ImuSample> imu_writer_;
+  dds::DataWriter<sonopose_UltrasonicFix> fix_writer_;
+  dds::DataWriter<sonopose_PairHeading> heading_writer_;
+  dds::DataWriter<sonopose_TruthSample> truth_writer_;
+  dds::DataWriter<sonopose_BeaconStatus> status_writer_;
+  dds::DataWriter<sonopose_LineStatus> line_writer_;
+  dds::DataWriter<sonopose_StationaryBeacon> stationary_writer_;
+  OtherBridges others_;
+  std::optional<BackgroundRecording> recording_;
+  std::map<BeaconAddress, Beacon> beacons_;
+  std::map<BeaconAddress, std::uint64_t> next_sequences_;  ///< numbers for returning beacons
+  std::uint64_t id_ = process::random_id();
+  std::map<std::string, LineStatus> lines_;
+  StationaryMap map_;
+  SteadyTime status_due_;
+  SteadyTime status_last_;
+  std::uint64_t unwritten_ = 0;
+  transitions::IncreaseLog unwritten_log_;
+  /// Used in logging::later() only: the sample thread formats no lines.
+  std::shared_ptr<transitions::TransitionLog> transition_log_ =
+      std::make_shared<transitions::TransitionLog>();
+};
+
+SensorPublisher::Publisher::Publisher(const PublisherOptions& options)
+    : lossless_(options.lossless),
+      batch_(options.batch),
+      participant_(domain_options(options)),
+      qos_(options.qos_file),
+      others_(participant_, qos_),
+      status_last_(clocks::steady_now()) {
+  if (options.publishes_log) log_publisher_.emplace(participant_, qos_);
+  const auto delivery = lossless_ ? dds::topics::Delivery::lossless : dds::topics::Delivery::live;
+  imu_writer_ = dds::topics::make_writer(participant_, qos_, topics::imu, &imu_listener_, delivery);
+  fix_writer_ = dds::topics::make_writer(participant_, qos_, topics::fix, &fix_listener_, delivery);
+  heading_writer_ =
+      dds::topics::make_writer(participant_, qos_, topics::heading, &heading_listener_, delivery);
+  truth_writer_ = dds::topics::make_writer(participant_, qos_, topics::truth);
+  status_writer_ = dds::topics::make_writer(participant_, qos_, topics::beacon_status);
+  line_writer_ = dds::topics::make_writer(participant_, qos_, topics::line_status);
+  stationary_writer_ = dds::topics::make_writer(participant_, qos_, topics::stationary_beacon);
+  if (options.record_folder) {
+    recording_.emplace(*options.record_folder, options.source_settings,
+                       lossless_ ? WhenFull::wait : WhenFull::lose);
+  }
+}
+
+SensorPublisher::Publisher::~Publisher() {
+  for (const auto& entry : beacons_) unregister(entry.first);
+  for (const auto& entry : lines_) line_writer_.try_unregister_instance(dds::topics::to_idl(entry.second));
+  for (const auto& entry : map_.beacons()) {
+    stationary_writer_.try_unregister_instance(dds::topics::to_idl(entry.second));
+  }
+}
+
+/// Unregisters a beacon, so that its instances miss no deadlines at the readers. A lossless writer would
+/// block here until its readers have received everything; its end has the same effect.
+void SensorPublisher::Publisher::unregister(BeaconAddress address) {
+  const auto unregister_at = [address]<class T>(dds::DataWriter<T>& writer) {
+    T key{};
+    key.address = address;
+    writer.try_unregister_instance(key);
+  };
+  if (!lossless_) {
+    unregister_at(imu_writer_);
+    unregister_at(fix_writer_);
+    unregister_at(heading_writer_);
+  }
+  unregister_at(truth_writer_);
+  unregister_at(status_writer_);
+}
+
+// Samples
+
+void SensorPublisher::Publisher::on(const Event& event) {
+  Beacon& beacon = beacon_of(address_of(event));
+  Event numbered = event;
+  std::visit(
+      [&beacon](auto& sample) {
+        if (sample.sequence == 0) sample.sequence = beacon.next_sequence;
+        beacon.next_sequence = sample.sequence + 1;
+      },
+      numbered);
+  std::visit([&](const auto& sample) { publish(sample, beacon); }, numbered);
+  if (recording_) recording_->push(numbered);
+}
+
+void SensorPublisher::Publisher::on(const TruthSample& truth) {
+  beacon_of(truth.address);
+  write(truth_writer_, dds::topics::to_idl(truth));
+  if (recording_) recording_->push(truth);
+}
+
+void SensorPublisher::Publisher::on_stationary(const StationaryBeacon& beacon) {
+  if (map_.update(beacon)) write(stationary_writer_, dds::topics::to_idl(beacon));
+}
+
+SensorPublisher::Publisher::Beacon& SensorPublisher::Publisher::beacon_of(BeaconAddress address) {
+  const auto [found, is_new] = beacons_.try_emplace(address, *this);
+  Beacon& beacon = found->second;
+  if (!is_new) return beacon;
+  beacon.status.address = address;
+  if (const auto known = next_sequences_.find(address); known != next_sequences_.end()) {
+    beacon.next_sequence = known->second;
+  }
+  others_.watch(address);
+  log({.address = address, .kind = transitions::Kind::found}, clocks::steady_now());
+  return beacon;
+}
+
+/// Ends a beacon but keeps its numbering for its return: a fusion that still knows the beacon would take
+/// lower numbers for late events.
+void SensorPublisher::Publisher::on_gone(BeaconAddress address) {
+  const auto found = beacons_.find(address);
+  if (found == beacons_.end()) return;
+  next_sequences_[address] = found->second.next_sequence;
+  unregister(address);
+  others_.forget(address);
+  beacons_.erase(found);
+  logging::later([address, log = transition_log_] {
+    log->forget(address);
+    logging::info(fmt::format("beacon {}: gone; its streams end until it returns", address));
+  });
+}
+
+void SensorPublisher::Publisher::publish(ImuSample imu, Beacon& beacon) {
+  beacon.imu.count_sample();
+  imu.bridge_time_ns = clocks::host_now();
+  write(imu_writer_, dds::topics::to_idl(imu));
+}
+
+void SensorPublisher::Publisher::publish(const UltrasonicFix& fix, Beacon& beacon) {
+  beacon.fix.count_sample();
+  write(fix_writer_, dds::topics::to_idl(fix));
+}
+
+void SensorPublisher::Publisher::publish(const PairHeading& heading, Beacon& beacon) {
+  beacon.heading.count_sample();
+  write(heading_writer_, dds::topics::to_idl(heading));
+}
+
+template <class T>
+void SensorPublisher::Publisher::write(dds::DataWriter<T>& writer, const T& sample) {
+  const auto give_up = [this] { return !lossless_ || stopped(); };
+  if (dds::retry_unless(give_up, [&] { return writer.try_write(sample); }) < 0) ++unwritten_;
+}
+
+void SensorPublisher::Publisher::flush() {
+  if (!batch_) return;
+  imu_writer_.flush();
+  fix_writer_.flush();
+  heading_writer_.flush();
+  truth_writer_.flush();
+  status_writer_.flush();
+  line_writer_.flush();
+  stationary_writer_.flush();
+}
+
+SensorPublisher::Publisher::Stream::Stream(const dds::Entity& writer)
+    : deadlines(dds::deadline_of(writer.qos()).count()) {}
+
+void SensorPublisher::Publisher::Stream::count_sample() {
+  const SteadyTime now = clocks::steady_now();
+  ++samples;
+  deadlines.on_sample(now);
+  silence.on_sample(now);
+}
+
+// Statuses
+
+void SensorPublisher::Publisher::on(const BeaconStatus& status) {
+  beacon_of(status.address).status = status;
+}
+
+void SensorPublisher::Publisher::on(const LineStatus& status) {
+  LineStatus& line = lines_[status.name];
+  const bool has_changed = line.state != status.state;
+  line = status;
+  line.bridge_id = id_;
+  if (has_changed) publish(line);
+}
+
+void SensorPublisher::Publisher::publish(LineStatus& line) {
+  line.time_ns = clocks::host_now();
+  write(line_writer_, dds::topics::to_idl(line));
+}
+
+void SensorPublisher::Publisher::tick() {
+  flush();
+  const SteadyTime now = clocks::steady_now();
+  if (now >= status_due_) publish_statuses(now);
+}
+
+void SensorPublisher::Publisher::publish_statuses(SteadyTime now) {
+  constexpr TimeNs period_ns = 1'000'000'000;
+  others_.update(status_writer_.instance_handle());
+  for (auto& [address, beacon] : beacons_) {
+    publish_status(beacon, now);
+    log_silence(address, transitions::Kind::imu_silent, beacon.imu, now);
+    log_silence(address, transitions::Kind::fixes_silent, beacon.fix, now);
+  }
+  logging::later([now, log = transition_log_] { log->update(now); });
+  for (auto& entry : lines_) publish(entry.second);
+  status_last_ = now;
+  status_due_ = now + period_ns;
+  log_unwritten();
+}
+
+void SensorPublisher::Publisher::publish_status(Beacon& beacon, SteadyTime now) {
+  const double elapsed_s = seconds_between(status_last_, now);
+  const auto rate_hz = [elapsed_s](Stream& stream) {
+    const auto samples = static_cast<double>(std::exchange(stream.samples, 0));
+    return elapsed_s > 0.0 ? samples / elapsed_s : 0.0;
+  };
+  BeaconStatus& status = beacon.status;
+  status.time_ns = clocks::host_now();
+  status.imu_rate_hz = rate_hz(beacon.imu);
+  status.fix_rate_hz = rate_hz(beacon.fix);
+  status.heading_rate_hz = rate_hz(beacon.heading);
+  status.other_bridges = others_.count(status.address);
+  status.imu_deadlines_missed = beacon.imu.deadlines.count(now);
+  status.fix_deadlines_missed = beacon.fix.deadlines.count(now);
+  status.heading_deadlines_missed = beacon.heading.deadlines.count(now);
+  status.liveliness_lost = endpoints_.liveliness_lost;
+  status.readers_incompatible = endpoints_.incompatible_qos;
+  status.samples_unwritten = unwritten_;
+  status.samples_unrecorded = recording_ ? recording_->lost() : 0;
+  write(status_writer_, dds::topics::to_idl(status));
+}
+
+void SensorPublisher::Publisher::log(const transitions::Transition& transition, SteadyTime now) {
+  logging::later([transition, now, log = transition_log_] { log->on(transition, now); });
+}
+
+void SensorPublisher::Publisher::log_unwritten(bool is_last) {
+  const auto more =
+      is_last ? unwritten_log_.finish(unwritten_) : unwritten_log_.update(unwritten_, clocks::steady_now());
+  if (!more) return;
+  logging::later([count = *more] {
+    logging::warning(
+        fmt::format("{} could not be written: a reader is too slow", text::count_text(count, "sample")));
+  });
+}
+
+/// Logs a silence, unless lossless: such streams wait for their readers.
+void SensorPublisher::Publisher::log_silence(BeaconAddress address, transitions::Kind kind, Stream& stream,
+                                             SteadyTime now) {
+  constexpr TimeNs silence_limit_ns = 3'000'000'000;  // as for a line without bytes
+  if (lossless_) return;
+  const auto change = stream.silence.find_change(now, silence_limit_ns);
+  if (!change) return;
+  log({.address = address, .kind = kind, .begins = change->silent, .lasted_s = change->lasted_s}, now);
+}
+
+// Start and end of a recording
+
+void SensorPublisher::Publisher::wait_for_readers() {
+  const auto all_matched = [this] {
+    return imu_writer_.publication_matched_status().current_count > 0 &&
+           fix_writer_.publication_matched_status().current_count > 0 &&
+           heading_writer_.publication_matched_status().current_count > 0;
+  };
+  constexpr TimeNs poll_period_ns = 20'000'000;
+  constexpr TimeNs report_after_ns = 3'000'000'000;
+  const SteadyTime began = clocks::steady_now();
+  bool reported = false;
+  while (!all_matched()) {
+    if (stop_->wait_until(clocks::steady_now() + poll_period_ns)) return;
+    if (!reported && clocks::steady_now() - began > report_after_ns) {
+      logging::warning("waiting for a reader (is sonopose-fusion running?)");
+      reported = true;
+    }
+  }
+}
+
+void SensorPublisher::Publisher::wait_until_read() {
+  const auto wait = [this](auto& writer) {
+    constexpr std::chrono::milliseconds step{200};
+    constexpr int max_steps = 150;
+    for (int i = 0; i < max_steps && !stopped(); ++i) {
+      if (writer.wait_for_acknowledgments(step)) return;
+    }
+  };
+  wait(imu_writer_);
+  wait(fix_writer_);
+  wait(heading_writer_);
+  wait(truth_writer_);
+}
+
+SensorPublisher::SensorPublisher(const PublisherOptions& options)
+    : publisher_(std::make_unique<Publisher>(options)) {}
+SensorPublisher::~SensorPublisher() = default;
+
+void SensorPublisher::run(Source& source, const process::StopSignal& stop) {
+  publisher_->obey(stop);
+  if (source.is_recording()) publisher_->wait_for_readers();
+  source.run(*publisher_, stop);
+  publisher_->publish_statuses(clocks::steady_now());
+  publisher_->finish_log();
+  publisher_->flush();
+  if (source.is_recording()) publisher_->wait_until_read();
+}
+
+void SensorPublisher::finish() {
+  publisher_->finish_recording();
+}
+
+}  // namespace sonopose::publication

@@ -1,0 +1,49 @@
+#pragma once
+/// \file
+/// The bridge process: converts, numbers, stamps and publishes the samples of one source.
+
+#include "process/stop_signal.hpp"
+#include "publication/source.hpp"
+#include "recording/log_meta.hpp"
+#include <sonopose/dds/binding/domain.hpp>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+namespace sonopose::publication {
+
+struct PublisherOptions {
+  dds::DomainOptions domain;
+  std::optional<std::filesystem::path> qos_file;
+  bool lossless = false;  ///< keeps all samples and waits for slow readers
+  bool batch = false;     ///< sends samples that are due together in one packet: for many beacons
+  /// Sensor-log folder for the published samples. An error ends the recording, not the publishing.
+  std::optional<std::filesystem::path> record_folder;
+  recording::LogSettings source_settings = {};  ///< for the recording's meta.toml
+  bool publishes_log = true;                    ///< false if another part of the process publishes its log
+};
+
+class SensorPublisher {
+public:
+  /// Joins the domain. Throws dds::Error, dds::qos::FileError, files::IoError.
+  explicit SensorPublisher(const PublisherOptions& options);
+  SensorPublisher(const SensorPublisher&) = delete;
+  SensorPublisher& operator=(const SensorPublisher&) = delete;
+  ~SensorPublisher();
+
+  /// Publishes the samples of `source` until it ends or the stop is requested. A recording waits at the start
+  /// until each stream has a reader, and at the end until the readers have received everything. Throws what
+  /// the source throws.
+  void run(Source& source, const process::StopSignal& stop);
+
+  /// Waits until a recording is written. Throws files::IoError if samples are missing from it. Call it at the
+  /// end.
+  void finish();
+
+private:
+  class Publisher;
+  std::unique_ptr<Publisher> publisher_;
+};
+
+}  // namespace sonopose::publication

@@ -1,0 +1,162 @@
+#include "settings_client/settings_client.hpp"
+
+#include "clocks/clocks.hpp"
+#include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/dds/topics/conversions.hpp>
+#include <sonopose/dds/topics/topics.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <set>
+#include <unistd.h>
+#include <utility>
+
+namespace sonopose::settings_client {
+namespace {
+
+namespace topics = dds::topics;
+
+/// Id that is unique among clients, and never 0.
+std::uint64_t new_request_id() {
+  return static_cast<std::uint64_t>(clocks::host_now()) ^ (static_cast<std::uint64_t>(::getpid()) << 40U);
+}
+
+SteadyTime deadline_after(double timeout_s) {
+  return clocks::steady_now() + to_ns(timeout_s);
+}
+
+/// Calls `on_sample(const T&, const SampleInfo&)` for each sample, until `done()` or the deadline. Returns
+/// `done()`, which is polled every 20 ms.
+template <class T, class OnSample, class Done>
+bool take_until(dds::DataReader<T>& reader, SteadyTime deadline, const OnSample& on_sample,
+                const Done& done) {
+  const dds::ReadCondition has_data(reader);
+  dds::WaitSet waitset;
+  waitset += has_data;
+  while (true) {
+    reader.take_each(on_sample);
+    if (done()) return true;
+    if (clocks::steady_now() >= deadline) return false;
+    waitset.wait(std::chrono::milliseconds(20));
+  }
+}
+
+/// Detects the end of the burst of historical samples that a new reader receives: no sample for 0.3 s.
+class BurstDetector {
+public:
+  void on_sample() { last_ = clocks::steady_now(); }
+  [[nodiscard]] bool has_ended() const {
+    constexpr TimeNs quiet_ns = 300'000'000;
+    return last_ != SteadyTime{} && clocks::steady_now() - last_ > quiet_ns;
+  }
+
+private:
+  SteadyTime last_;
+};
+
+/// Reset counters by beacon and fusion (its status writer).
+using ResetCounters = std::map<std::pair<BeaconAddress, std::uint64_t>, std::uint32_t>;
+
+}  // namespace
+
+SettingsClient::SettingsClient(const dds::DomainOptions& domain,
+                               const std::optional<std::filesystem::path>& qos_file)
+    : qos_(qos_file), participant_(domain) {}
+
+std::vector<EffectiveSettings> SettingsClient::effective(BeaconAddress address, double timeout_s) {
+  auto reader = dds::topics::make_reader(participant_, qos_, topics::settings);
+  std::map<BeaconAddress, EffectiveSettings> found;
+  BurstDetector burst;
+  take_until(
+      reader, deadline_after(timeout_s),
+      [&](const sonopose_EffectiveSettings& sample, const dds::SampleInfo&) {
+        burst.on_sample();
+        found[sample.address] = dds::topics::from_idl(sample);
+      },
+      [&] { return burst.has_ended() || (address != all_beacons && found.contains(address)); });
+  std::vector<EffectiveSettings> settings;
+  const auto move_out = [&](BeaconAddress key) {
+    if (auto entry = found.extract(key)) settings.push_back(std::move(entry.mapped()));
+  };
+  move_out(address);  // all_beacons comes first
+  if (settings.empty() && address != all_beacons) move_out(all_beacons);
+  if (address != all_beacons) return settings;
+  for (auto& entry : found) settings.push_back(std::move(entry.second));
+  return settings;
+}
+
+std::optional<SettingsReply> SettingsClient::change(SettingsRequest request, double timeout_s) {
+  constexpr TimeNs resend_period_ns = 250'000'000;
+  request.request_id = new_request_id();
+  auto reader = dds::topics::make_reader(participant_, qos_, topics::settings_reply);
+  auto writer = dds::topics::make_writer(participant_, qos_, topics::settings_request);
+  const auto sample = dds::topics::to_idl(request);  // throws for too long a text, before anything is sent
+  std::optional<SettingsReply> received;
+  SteadyTime next_send;
+  take_until(
+      reader, deadline_after(timeout_s),
+      [&](const sonopose_SettingsReply& reply, const dds::SampleInfo&) {
+        const bool is_ours = reply.address == request.address && reply.request_id == request.request_id;
+        if (is_ours && !received) received = dds::topics::from_idl(reply);
+      },
+      [&] {
+        // The fusion may discover the reader of replies after this match, and its first reply may be lost. It
+        // answers a repeated request again.
+        const bool matched = writer.publication_matched_status().current_count > 0;
+        if (!received && matched && clocks::steady_now() >= next_send) {
+          writer.write(sample.sample());
+          next_send = clocks::steady_now() + resend_period_ns;
+        }
+        return received.has_value();
+      });
+  return received;
+}
+
+void SettingsClient::observe(BeaconAddress address,
+                             const std::function<void(const EffectiveSettings&)>& on_settings,
+                             double duration_s, const process::StopSignal& stop) {
+  auto reader = dds::topics::make_reader(participant_, qos_, topics::settings);
+  take_until(
+      reader, duration_s > 0 ? deadline_after(duration_s) : SteadyTime::max(),
+      [&](const sonopose_EffectiveSettings& sample, const dds::SampleInfo&) {
+        if (address == all_beacons || sample.address == address) on_settings(dds::topics::from_idl(sample));
+      },
+      [&] { return stop.requested(); });
+}
+
+std::vector<BeaconAddress> SettingsClient::reset(BeaconAddress address, double timeout_s) {
+  const SteadyTime deadline = deadline_after(timeout_s);
+  auto reader = dds::topics::make_reader(participant_, qos_, topics::fusion_status);
+  auto writer = dds::topics::make_writer(participant_, qos_, topics::reset);
+  ResetCounters before;
+  std::set<BeaconAddress> done;
+  BurstDetector burst;
+  bool sent = false;
+  const auto on_status = [&](const sonopose_FusionStatus& status, const dds::SampleInfo& info) {
+    if (address != all_beacons && status.address != address) return;
+    const auto [known, first] =
+        before.try_emplace({status.address, info.publication_handle().value}, status.reset_counter);
+    if (!sent) {
+      known->second = status.reset_counter;
+      if (first) burst.on_sample();
+    } else if (status.reset_counter > known->second) {
+      done.insert(status.address);
+    }
+  };
+  const bool ready = take_until(reader, deadline, on_status, [&] {
+    return burst.has_ended() && writer.publication_matched_status().current_count > 0;
+  });
+  if (!ready) return {};
+  std::set<BeaconAddress> beacons;
+  for (const auto& entry : before) beacons.insert(entry.first.first);
+  sent = true;
+  writer.write({.address = address, .request_id = new_request_id()});
+  if (!take_until(reader, deadline, on_status,
+                  [&] { return std::includes(done.begin(), done.end(), beacons.begin(), beacons.end()); })) {
+    return {};
+  }
+  return {beacons.begin(), beacons.end()};
+}
+
+}  // namespace sonopose::settings_client

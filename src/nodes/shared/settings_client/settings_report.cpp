@@ -1,0 +1,150 @@
+#include "settings_client/settings_report.hpp"
+
+#include "config/beacon_settings.hpp"
+#include <sonopose/settings/settings_table.hpp>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace sonopose::settings_client {
+namespace {
+
+/// A number or a boolean if the text is one, else a string.
+nlohmann::json json_value(const std::string& text) {
+  auto value = nlohmann::json::parse(text, nullptr, false);
+  return value.is_number() || value.is_boolean() ? value : nlohmann::json(text);
+}
+
+/// A literal that is valid in both TOML and JSON.
+std::string literal(const std::string& text) {
+  return json_value(text).is_string() ? nlohmann::json(text).dump() : text;
+}
+
+const std::string* value_of(const EffectiveSettings& settings, const std::string& key) {
+  const auto found = std::find_if(settings.values.begin(), settings.values.end(),
+                                  [&key](const auto& entry) { return entry.key == key; });
+  return found == settings.values.end() ? nullptr : &found->value;
+}
+
+/// Values of one beacon under the key `name`.
+nlohmann::json object_of(const EffectiveSettings& settings, const char* name) {
+  nlohmann::json values = nlohmann::json::object();
+  for (const auto& [key, value] : settings.values) values[key] = json_value(value);
+  const bool all = settings.address == all_beacons;
+  return {{"beacon", all ? nlohmann::json("all") : nlohmann::json(settings.address)},
+          {"from_event", settings.from_sequence},
+          {"time_ns", settings.time_ns},
+          {name, std::move(values)}};
+}
+
+/// True if `name` is the key itself or a group that contains it.
+bool matches(const std::string& key, const std::string& name) {
+  return key == name || key.starts_with(name + ".");
+}
+
+/// Header of the values of one beacon, or of all_beacons.
+std::string toml_header(const EffectiveSettings& settings) {
+  if (settings.address != all_beacons) {
+    return fmt::format("[beacon.{}]  # from event {}\n", settings.address, settings.from_sequence);
+  }
+  const std::string from =
+      settings.from_sequence == 0 ? "" : fmt::format(", from event {}", settings.from_sequence);
+  return fmt::format("# Defaults of all beacons{}\n", from);
+}
+
+}  // namespace
+
+SettingAssignment parse_assignment(std::string_view text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string_view::npos || equals == 0) {
+    throw std::invalid_argument(fmt::format("{}: expected KEY=VALUE", text));
+  }
+  return {std::string(text.substr(0, equals)), std::string(text.substr(equals + 1))};
+}
+
+void check_names(const std::vector<std::string>& names) {
+  const auto& table = settings::setting_table();
+  for (const std::string& name : names) {
+    if (std::none_of(table.begin(), table.end(), [&](const auto& row) { return matches(row.key, name); })) {
+      settings::setting_info(name);  // throws
+    }
+  }
+}
+
+EffectiveSettings selected(EffectiveSettings settings, const std::vector<std::string>& names) {
+  if (names.empty()) return settings;
+  for (const std::string& name : names) {
+    if (std::none_of(settings.values.begin(), settings.values.end(),
+                     [&](const auto& entry) { return matches(entry.key, name); })) {
+      throw std::invalid_argument(fmt::format("there is no setting and no group '{}'", name));
+    }
+  }
+  std::erase_if(settings.values, [&](const auto& entry) {
+    return std::none_of(names.begin(), names.end(),
+                        [&](const std::string& name) { return matches(entry.key, name); });
+  });
+  return settings;
+}
+
+std::string toml_of(const std::vector<EffectiveSettings>& settings, const std::vector<std::string>& names) {
+  std::string text;
+  for (const EffectiveSettings& beacon : settings) {
+    const std::string* preset = value_of(beacon, "documented.imu_weight");
+    const bool has_preset = preset != nullptr && *preset != "user";
+    text += toml_header(beacon);
+    for (const auto& [key, value] : selected(beacon, names).values) {
+      const bool by_preset = has_preset && config::is_preset_key(key);
+      text += fmt::format("{}{} = {}\n", by_preset ? "# " : "", key, literal(value));
+    }
+  }
+  return text;
+}
+
+std::string json_of(const std::vector<EffectiveSettings>& settings) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const EffectiveSettings& beacon : settings) list.push_back(object_of(beacon, "settings"));
+  return list.dump() + "\n";
+}
+
+std::string SettingsObserver::on(const EffectiveSettings& settings) {
+  const auto [known, first] = latest_.try_emplace(settings.address, settings);
+  if (first) return {};
+  const EffectiveSettings before = std::exchange(known->second, settings);
+  EffectiveSettings changed = settings;
+  std::erase_if(changed.values, [&before](const SettingAssignment& entry) {
+    const std::string* old = value_of(before, entry.key);
+    return old != nullptr && *old == entry.value;
+  });
+  if (changed.values.empty()) return {};
+  if (json_) return object_of(changed, "changed").dump() + "\n";
+  const bool all = settings.address == all_beacons;
+  const std::string where = all ? "" : fmt::format("beacon.{}.", settings.address);
+  const std::string from =
+      settings.from_sequence == 0 ? "" : fmt::format(", from event {}", settings.from_sequence);
+  std::string text;
+  for (const auto& [key, value] : changed.values) {
+    const std::string* old = value_of(before, key);
+    text += fmt::format("{}{} = {}  # was {}{}\n", where, key, literal(value),
+                        old == nullptr ? "unset" : literal(*old), from);
+  }
+  return text;
+}
+
+std::string effective_time_text(const SettingsReply& reply) {
+  const std::uint64_t from = reply.from_sequence;
+  if (reply.address != all_beacons) {
+    return from == 0 ? fmt::format("from the first event of beacon {}, which has not been received yet",
+                                   reply.address)
+                     : fmt::format("from event {} of beacon {}", from, reply.address);
+  }
+  const std::string when =
+      from == 0 ? "from the next event of each beacon"
+                : fmt::format("from event {} of each beacon, or from its next event if that is later", from);
+  return reply.details.empty() ? when : fmt::format("{} ({})", when, reply.details);
+}
+
+}  // namespace sonopose::settings_client

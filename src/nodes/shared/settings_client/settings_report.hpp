@@ -1,0 +1,57 @@
+#pragma once
+/// \file
+/// The output of sonopose-settings: TOML, JSON and changes.
+
+#include <sonopose/samples/live_settings.hpp>
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sonopose::settings_client {
+
+/// Parses KEY=VALUE. Throws std::invalid_argument without '=' or key. The fusion validates key and value.
+SettingAssignment parse_assignment(std::string_view text);
+
+/// Checks that each name is a key or a group of the settings table. Throws settings::SettingError with the
+/// nearest key.
+void check_names(const std::vector<std::string>& names);
+
+/// Keeps the values of `names`, each a key or a group ("documented.drift"); all if `names` is empty. Throws
+/// std::invalid_argument for a name without values.
+EffectiveSettings selected(EffectiveSettings settings, const std::vector<std::string>& names);
+
+/// TOML for sonopose-fusion --config with the values of `names` (see `selected`): one table per beacon,
+/// [beacon.7]. Settings of all_beacons must be first and are written at the top level. Items 2, 3 and 4 are
+/// commented out if a preset (item 1) sets them.
+std::string toml_of(const std::vector<EffectiveSettings>& settings,
+                    const std::vector<std::string>& names = {});
+
+/// A JSON array with one object per beacon ("all" for all_beacons), on one line:
+/// {"beacon": 7, "from_event": 12, "time_ns": …, "settings": {"documented.drift.jump_alpha": 0.5, …}}.
+std::string json_of(const std::vector<EffectiveSettings>& settings);
+
+/// Formats changes of the effective settings, per beacon.
+class SettingsObserver {
+public:
+  /// Default: one line per key, "beacon.7.documented.drift.jump_alpha = 0.5  # was 0.25, from event 1200",
+  /// without "beacon.7." for all_beacons. `json`: one object per change, {"beacon": 7, "from_event": …,
+  /// "time_ns": …, "changed": {…}}, with "all" for all_beacons.
+  explicit SettingsObserver(bool json) : json_(json) {}
+
+  [[nodiscard]] bool has_settings_of(BeaconAddress address) const { return latest_.contains(address); }
+
+  /// Formats the changes since the previous settings of the same beacon, each line with a newline. Empty for
+  /// the first settings.
+  std::string on(const EffectiveSettings& settings);
+
+private:
+  bool json_;
+  std::map<BeaconAddress, EffectiveSettings> latest_;
+};
+
+/// Text that says when an accepted request takes effect.
+std::string effective_time_text(const SettingsReply& reply);
+
+}  // namespace sonopose::settings_client

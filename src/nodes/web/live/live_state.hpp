@@ -1,0 +1,62 @@
+#pragma once
+/// \file
+/// Each beacon's content of the page between two seconds, and its text.
+
+#include "observation/bus/bus_watch.hpp"
+#include "transitions/transition.hpp"
+#include "transitions/transition_detector.hpp"
+
+#include <cstddef>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace sonopose::web::live {
+
+/// The latest samples of each beacon. Thread-safe.
+class LiveState final : public observation::bus::SampleHook {
+public:
+  using SampleHook::on;
+  void on(const FusedPose& pose) noexcept override;
+  void on(const TruthSample& truth) noexcept override;
+  void on(const FixReport& report) noexcept override;
+
+  /// Returns new samples since the last call as JSON, without a newline; empty if there are none:
+  /// {"op": "frame", "t", "beacons": [{"a", "pose": [...], "truth": [...], "fixes": [[...]]}]}.
+  /// docs/web.md describes the fields.
+  std::string take_frame(TimeNs now_ns);
+
+  /// Latest pose and truth of each beacon in the same form, for a new page.
+  [[nodiscard]] std::string latest(TimeNs now_ns) const;
+
+  /// Changes of state since the last call, by beacon.
+  std::vector<std::pair<BeaconAddress, transitions::TransitionQueue>> take_transitions();
+
+  void forget(BeaconAddress address);
+
+private:
+  /// Most fixes to keep between two frames, the newest: a screen shows no more.
+  static constexpr std::size_t max_fixes = 32;
+
+  struct Beacon {
+    explicit Beacon(BeaconAddress address) noexcept : watch(address) {}
+
+    FusedPose pose;
+    TruthSample truth;
+    std::vector<FixReport> fixes;
+    bool has_pose = false;  ///< a new pose has arrived
+    bool has_truth = false;
+    transitions::TransitionDetector watch;
+    transitions::TransitionQueue pending;
+  };
+
+  Beacon& beacon(BeaconAddress address);
+
+  mutable std::mutex mutex_;  ///< guards the members below
+  std::map<BeaconAddress, Beacon> beacons_;
+};
+
+}  // namespace sonopose::web::live

@@ -1,0 +1,12 @@
+#pragma once
+/// \file
+/// Quotes a text for TOML.
+
+#include <string>
+
+namespace sonopose::files::toml {
+
+/// Returns any bytes as a quoted text on one line of valid UTF-8.
+std::string quoted(std::string text);
+
+}  // namespace sonopose::files::toml

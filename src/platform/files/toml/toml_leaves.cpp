@@ -1,0 +1,107 @@
+#include "files/toml/toml_leaves.hpp"
+
+#include "files/line_reader.hpp"
+
+#include <fmt/format.h>
+#define TOML_EXCEPTIONS 1
+#include <toml++/toml.h>
+
+#include <optional>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+
+namespace sonopose::files::toml {
+namespace {
+
+// Limits of recursion. The parser, its tables and append_leaves recurse once per part of a key, and a long
+// key would overflow the stack. The parser itself limits nested arrays and inline tables.
+constexpr int max_dots_in_line = 32;
+constexpr int max_parts_of_key = 16;
+
+/// Counts dots that may separate the parts of keys. A row of dots in a comment does not count.
+int separators_in(std::string_view line) {
+  int count = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (line[i] == '.' && (i == 0 || line[i - 1] != '.')) ++count;
+  }
+  return count;
+}
+
+std::string checked_text(const std::filesystem::path& file) {
+  std::string text;
+  LineReader lines(file);
+  while (const auto line = lines.next()) {
+    if (separators_in(*line) > max_dots_in_line) {
+      throw IoError(fmt::format("{}:{}: the line has more than {} dots, so a key may have too many parts",
+                                file.string(), lines.number(), max_dots_in_line));
+    }
+    text.append(*line).push_back('\n');
+  }
+  return text;
+}
+
+Value value_of(const ::toml::node& node) {
+  if (const auto flag = node.value_exact<bool>()) return *flag;
+  if (const auto whole = node.value_exact<std::int64_t>()) return *whole;
+  if (const auto real = node.value_exact<double>()) return *real;
+  if (auto text = node.value_exact<std::string>()) return *std::move(text);
+  return OtherValue{};
+}
+
+class LeafCollector {
+public:
+  explicit LeafCollector(const std::filesystem::path& file) : file_(file) {}
+
+  std::vector<Leaf> collect(const ::toml::table& tree) {
+    add(tree, "", 1);
+    return std::move(leaves_);
+  }
+
+private:
+  void add(const ::toml::table& table, const std::string& prefix, int part) {
+    for (const auto& [name, node] : table) {
+      const auto line = node.source().begin.line;
+      std::string key = prefix + std::string(name.str());
+      if (part > max_parts_of_key) {
+        throw IoError(fmt::format("{}:{}: {}: the key has more than {} parts", file_.string(), line, key,
+                                  max_parts_of_key));
+      }
+      if (const auto* inner = node.as_table()) {
+        add(*inner, key + ".", part + 1);
+      } else {
+        leaves_.push_back({std::move(key), value_of(node), line});
+      }
+    }
+  }
+
+  const std::filesystem::path& file_;
+  std::vector<Leaf> leaves_;
+};
+
+}  // namespace
+
+std::vector<Leaf> read_leaves(const std::filesystem::path& file) {
+  ::toml::table tree;
+  try {
+    tree = ::toml::parse(checked_text(file), file.string());
+  } catch (const ::toml::parse_error& error) {
+    const auto line = error.source().begin.line;
+    throw IoError(line == 0 ? fmt::format("{}: {}", file.string(), error.description())
+                            : fmt::format("{}:{}: {}", file.string(), line, error.description()));
+  }
+  return LeafCollector(file).collect(tree);
+}
+
+std::string text_of(const Value& value) {
+  struct Visitor {
+    std::string operator()(const OtherValue&) const { return "this value"; }
+    std::string operator()(bool flag) const { return flag ? "true" : "false"; }
+    std::string operator()(std::int64_t whole) const { return std::to_string(whole); }
+    std::string operator()(double real) const { return fmt::format("{:#}", real); }
+    std::string operator()(const std::string& text) const { return fmt::format("\"{}\"", text); }
+  };
+  return std::visit(Visitor{}, value);
+}
+
+}  // namespace sonopose::files::toml

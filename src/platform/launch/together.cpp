@@ -1,0 +1,298 @@
+#include "launch/together.hpp"
+
+#include "launch/execute.hpp"
+#include "logging/log.hpp"
+#include <sonopose/text/kept_lines.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <fcntl.h>
+#include <memory>
+#include <optional>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/signalfd.h>
+#include <sys/wait.h>
+#include <system_error>
+#include <unistd.h>
+#include <utility>
+
+// The header of glibc 2.36 lacks extern "C".
+extern "C" {
+#include <sys/pidfd.h>
+}
+
+namespace sonopose::launch {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::seconds end_timeout{10};
+constexpr std::chrono::seconds restore_timeout{1};  ///< wait after each of two requests
+constexpr int cannot_execute = 127;
+
+[[noreturn]] void fail(const char* call) {
+  throw std::system_error(errno, std::generic_category(), call);
+}
+
+/// A file descriptor that closes itself.
+class File {
+public:
+  explicit File(int descriptor = -1) : descriptor_(descriptor) {}
+  ~File() { close(); }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+  File(File&&) = delete;
+  File& operator=(File&&) = delete;
+
+  void set(int descriptor) { descriptor_ = descriptor; }
+  void close() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+    descriptor_ = -1;
+  }
+  [[nodiscard]] int get() const { return descriptor_; }
+
+private:
+  int descriptor_;
+};
+
+/// Receives SIGINT, SIGTERM and SIGHUP as events. The programs get their previous handling back.
+class Signals {
+public:
+  Signals() {
+    sigset_t mask;
+    ::sigemptyset(&mask);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+      struct sigaction action {};
+      if (::sigaction(signal, nullptr, &action) != 0) fail("sigaction");
+      if (action.sa_handler != SIG_IGN)
+        ::sigaddset(&mask, signal);  // stays ignored, as by nohup(1); a signalfd would receive it
+    }
+    if (::sigprocmask(SIG_BLOCK, &mask, &before_) != 0) fail("sigprocmask");
+    file_.set(::signalfd(-1, &mask, SFD_CLOEXEC | SFD_NONBLOCK));
+    if (file_.get() < 0) fail("signalfd");
+  }
+  ~Signals() { restore(); }
+  Signals(const Signals&) = delete;
+  Signals& operator=(const Signals&) = delete;
+  Signals(Signals&&) = delete;
+  Signals& operator=(Signals&&) = delete;
+
+  void restore() const { ::sigprocmask(SIG_SETMASK, &before_, nullptr); }
+  [[nodiscard]] int file() const { return file_.get(); }
+  /// Returns the number of signals since the last call.
+  [[nodiscard]] int take() const {
+    signalfd_siginfo info{};
+    int count = 0;
+    while (::read(file_.get(), &info, sizeof info) == sizeof info) ++count;
+    return count;
+  }
+
+private:
+  sigset_t before_{};
+  File file_;
+};
+
+class Child {
+public:
+  Child(const Program& program, const Signals& signals, ErrorOutput output)
+      : name_(program.name), has_terminal_(program.has_terminal) {
+    std::array<int, 2> ends{-1, -1};
+    const bool is_kept = !program.has_terminal && output == ErrorOutput::keep;
+    if (is_kept && ::pipe2(ends.data(), O_CLOEXEC) != 0) fail("pipe2");
+    errors_.set(ends[0]);
+    File writing(ends[1]);
+    if (errors_.get() >= 0) ::fcntl(errors_.get(), F_SETFL, O_NONBLOCK);
+    const pid_t parent = ::getpid();
+    pid_ = ::fork();
+    if (pid_ < 0) fail("fork");
+    if (pid_ == 0) become(program, signals, parent, writing.get());
+    handle_.set(::pidfd_open(pid_, 0));
+    if (handle_.get() < 0) fail("pidfd_open");
+  }
+  ~Child() {
+    if (status_) return;
+    ::kill(pid_, SIGKILL);
+    ::waitpid(pid_, nullptr, 0);
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+  Child(Child&&) = delete;
+  Child& operator=(Child&&) = delete;
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] bool has_terminal() const { return has_terminal_; }
+  [[nodiscard]] int handle() const { return handle_.get(); }
+  [[nodiscard]] int errors() const { return errors_.get(); }
+  [[nodiscard]] bool has_ended() const { return status_.has_value(); }
+  text::KeptLines& lines() { return lines_; }
+
+  void read_errors() {
+    std::array<char, 4096> buffer{};
+    while (errors_.get() >= 0) {
+      const ssize_t got = ::read(errors_.get(), buffer.data(), buffer.size());
+      if (got < 0 && errno == EINTR) continue;
+      if (got < 0) return;
+      if (got == 0) errors_.close();
+      lines_.add({buffer.data(), static_cast<std::size_t>(got)});
+    }
+  }
+
+  void reap() {
+    int status = 0;
+    if (::waitpid(pid_, &status, WNOHANG) != pid_) return;
+    status_ = status;
+    read_errors();
+    handle_.close();
+    errors_.close();
+  }
+
+  void send(int signal) const {
+    if (!status_) ::kill(pid_, signal);
+  }
+
+  /// Returns 0, the exit code, or 128 + signal. A signal that asked the program to end counts as 0.
+  [[nodiscard]] int code(bool was_asked) const {
+    if (WIFEXITED(*status_)) return WEXITSTATUS(*status_);
+    const int signal = WTERMSIG(*status_);
+    return was_asked && (signal == SIGTERM || signal == SIGINT || signal == SIGHUP) ? 0 : 128 + signal;
+  }
+  [[nodiscard]] std::string ending() const {
+    if (WIFEXITED(*status_)) return fmt::format("ended with exit code {}", WEXITSTATUS(*status_));
+    return fmt::format("was ended by signal {} ({})", WTERMSIG(*status_), ::strsignal(WTERMSIG(*status_)));
+  }
+
+private:
+  [[noreturn]] void become(const Program& program, const Signals& signals, pid_t parent, int writing) const {
+    ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (::getppid() != parent) ::_exit(cannot_execute);  // the parent died before prctl
+    signals.restore();
+    if (writing >= 0) {
+      // Both ends let a program that briefly outlives this process still write its last lines.
+      ::fcntl(errors_.get(), F_SETFD, 0);
+      ::dup2(writing, STDERR_FILENO);
+    }
+    if (!program.has_terminal) {
+      const int none = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+      ::dup2(none, STDIN_FILENO);
+    }
+    execute(program.name, program.arguments);
+    logging::failure(fmt::format("{} cannot be started: {}", program.name, std::strerror(errno)));
+    ::_exit(cannot_execute);
+  }
+
+  std::string name_;
+  bool has_terminal_;
+  text::KeptLines lines_;
+  File errors_;
+  File handle_;
+  pid_t pid_ = -1;
+  std::optional<int> status_;
+};
+
+class Group {
+public:
+  Group(const std::vector<Program>& programs, ErrorOutput output) {
+    for (const Program& program : programs) {
+      children_.push_back(std::make_unique<Child>(program, signals_, output));
+    }
+  }
+
+  int run() {
+    while (!have_all_ended()) {
+      wait();
+      look_for_signals();
+      for (const auto& child : children_) look_at(*child);
+      if (deadline_ && Clock::now() >= *deadline_) kill_rest();
+    }
+    // Standard error may be full or closed: that must not end this process.
+    for (const auto& child : children_) {
+      for (const std::string& line : child->lines().take()) std::fprintf(stderr, "%s\n", line.c_str());
+    }
+    for (const std::string& line : report_) logging::failure(line);
+    return code_;
+  }
+
+private:
+  [[nodiscard]] bool have_all_ended() const {
+    return std::all_of(children_.begin(), children_.end(),
+                       [](const auto& child) { return child->has_ended(); });
+  }
+
+  void wait() const {
+    std::vector<pollfd> waited{{signals_.file(), POLLIN, 0}};
+    for (const auto& child : children_) {
+      if (child->handle() >= 0) waited.push_back({child->handle(), POLLIN, 0});
+      if (child->errors() >= 0) waited.push_back({child->errors(), POLLIN, 0});
+    }
+    int timeout_ms = -1;
+    if (deadline_) {
+      const auto left = std::chrono::ceil<std::chrono::milliseconds>(*deadline_ - Clock::now());
+      timeout_ms = static_cast<int>(std::max<std::chrono::milliseconds::rep>(left.count(), 0));
+    }
+    ::poll(waited.data(), waited.size(), timeout_ms);
+  }
+
+  /// Forwards signals. timeout(1) and shells send a signal twice: only another one after a second kills the
+  /// programs.
+  void look_for_signals() {
+    if (signals_.take() == 0) return;
+    constexpr std::chrono::seconds repeat{1};
+    const Clock::time_point now = Clock::now();
+    if (signalled_at_ && now - *signalled_at_ > repeat) kill_rest();
+    if (!signalled_at_) signalled_at_ = now;
+    end_rest();
+  }
+
+  void look_at(Child& child) {
+    if (child.has_ended()) return;
+    child.read_errors();
+    child.reap();
+    if (!child.has_ended()) return;
+    const int code = child.code(deadline_.has_value());
+    if (code != 0) {
+      if (code_ == 0) code_ = code;
+      report_.push_back(fmt::format("{} {}{}", child.name(), child.ending(),
+                                    deadline_ ? "" : "; the other programs were ended"));
+    }
+    end_rest();
+  }
+
+  /// Asks the remaining programs to end, once.
+  void end_rest() {
+    if (deadline_) return;
+    deadline_ = Clock::now() + end_timeout;
+    for (const auto& child : children_) child->send(SIGTERM);
+  }
+
+  /// Kills the remaining programs. One with the terminal restores it at a SIGTERM more than a second after
+  /// its first one. It may have received the first one later than this process, so it is asked twice before.
+  void kill_rest() {
+    constexpr int max_requests = 2;
+    const bool may_restore = kills_++ < max_requests;
+    for (const auto& child : children_) child->send(may_restore && child->has_terminal() ? SIGTERM : SIGKILL);
+    deadline_ = Clock::now() + (may_restore ? restore_timeout : end_timeout);
+  }
+
+  Signals signals_;
+  std::vector<std::unique_ptr<Child>> children_;
+  std::optional<Clock::time_point> deadline_;  ///< time of the kill; set when the end has begun
+  std::optional<Clock::time_point> signalled_at_;
+  int kills_ = 0;  ///< calls of kill_rest()
+  std::vector<std::string> report_;
+  int code_ = 0;
+};
+
+}  // namespace
+
+int run_together(const std::vector<Program>& programs, ErrorOutput output) {
+  return Group(programs, output).run();
+}
+
+}  // namespace sonopose::launch

@@ -1,0 +1,79 @@
+#pragma once
+/// \file
+/// A request to end the process, by Ctrl-C, SIGTERM or the program itself, and other events that wake its
+/// threads.
+
+#include <sonopose/samples/samples.hpp>
+
+#include <atomic>
+
+namespace sonopose::process {
+
+/// Wakes a thread that sleeps in StopSignal::wait_until. An event before the sleep counts.
+class Wakeup {
+public:
+  Wakeup();
+  Wakeup(const Wakeup&) = delete;
+  Wakeup& operator=(const Wakeup&) = delete;
+  ~Wakeup();
+
+  /// Wakes the thread. Never blocks, so any thread may call it, even a listener of Cyclone DDS.
+  void wake() noexcept;
+
+private:
+  friend class StopSignal;
+
+  int event_fd_;
+};
+
+/// Ends a sleep in StopSignal::wait_until at a time that another thread can change meanwhile.
+class Alarm {
+public:
+  Alarm();
+  Alarm(const Alarm&) = delete;
+  Alarm& operator=(const Alarm&) = delete;
+  ~Alarm();
+
+  /// Replaces the previous time; a past one ends the sleep immediately. Never blocks, so any thread may call
+  /// it, even a listener of Cyclone DDS. One thread at a time.
+  void set(SteadyTime at) noexcept;
+
+  /// The latest time that was set.
+  [[nodiscard]] SteadyTime at() const noexcept { return {at_ns_.load()}; }
+
+private:
+  friend class StopSignal;
+
+  int timer_fd_;
+  std::atomic<TimeNs> at_ns_ = 0;
+};
+
+/// A stop request. At most one per process listens to signals; others, as in tests, are requested by hand.
+class StopSignal {
+public:
+  StopSignal();
+  StopSignal(const StopSignal&) = delete;
+  StopSignal& operator=(const StopSignal&) = delete;
+  ~StopSignal();
+
+  /// Makes SIGINT and SIGTERM request the stop from now on. A second one, more than 1 s after the first, ends
+  /// the process immediately. Throws std::system_error.
+  void listen_to_signals();
+
+  void request() noexcept;
+  [[nodiscard]] bool requested() const noexcept;
+
+  /// Sleeps until `deadline` or the stop. Returns true if the stop came.
+  bool wait_until(SteadyTime deadline) const;
+  /// The same, but also returns, once, after `wakeup`. One thread per wakeup.
+  bool wait_until(SteadyTime deadline, Wakeup& wakeup) const;
+  /// The same with an alarm.
+  bool wait_until(SteadyTime deadline, Alarm& alarm) const;
+
+private:
+  bool wait_until(SteadyTime deadline, int other_fd) const;
+
+  int event_fd_;
+};
+
+}  // namespace sonopose::process

@@ -1,0 +1,73 @@
+#pragma once
+/// \file
+/// The interface of sources of raw beacon bytes: serial line, UDP and file.
+
+#include <sonopose/samples/samples.hpp>
+#include <sonopose/samples/status.hpp>
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace sonopose::transport {
+
+enum class ReadStatus : std::uint8_t {
+  data,          ///< `size` bytes are in the buffer
+  timeout,       ///< no bytes arrived
+  refused,       ///< a datagram of a sender that is not accepted
+  connected,     ///< the device has been opened
+  disconnected,  ///< the device is absent; further reads wait for it
+  end,           ///< no more bytes
+  stopped        ///< stop() was called
+};
+
+/// The sender of a datagram. All bytes of a serial line or file have the same sender.
+struct Sender {
+  std::array<std::uint8_t, 16> address{};  ///< IPv6, or IPv4 mapped to IPv6
+  std::uint16_t port = 0;                  ///< 0: all ports of the address count as one sender
+
+  bool operator==(const Sender&) const = default;
+};
+
+/// Returns a text such as "10.0.0.5:49100", without the port if it is 0.
+std::string text_of(const Sender& sender);
+
+struct ReadResult {
+  ReadStatus status = ReadStatus::timeout;
+  std::size_t size = 0;
+  SteadyTime arrival = {};  ///< time immediately after the read that returned the data
+  Sender sender = {};
+};
+
+class ByteSource {
+public:
+  ByteSource() = default;
+  virtual ~ByteSource() = default;
+  ByteSource(const ByteSource&) = delete;
+  ByteSource& operator=(const ByteSource&) = delete;
+  ByteSource(ByteSource&&) = delete;
+  ByteSource& operator=(ByteSource&&) = delete;
+
+  /// Waits for at most `timeout` and returns the available bytes. One thread at a time. A signal does not end
+  /// the wait, so a program that checks a stop flag uses a timeout below a second.
+  virtual ReadResult read(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) = 0;
+
+  /// Ends a running read() immediately, and all later ones. Any thread may call it, but not a signal handler.
+  virtual void stop() = 0;
+
+  /// The state of the source after the last read().
+  [[nodiscard]] virtual LineState state() const { return LineState::open; }
+
+  /// The reason why the source is not open; empty while it is.
+  [[nodiscard]] virtual std::string last_error() const { return {}; }
+
+  /// The name, such as "/dev/ttyACM0".
+  [[nodiscard]] virtual std::string name() const = 0;
+
+  /// A description for messages, such as "/dev/ttyACM0 at 500000 baud".
+  [[nodiscard]] virtual std::string description() const { return name(); }
+};
+
+}  // namespace sonopose::transport

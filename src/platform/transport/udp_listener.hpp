@@ -1,0 +1,49 @@
+#pragma once
+/// \file
+/// Receives beacon frames that a modem or the vendor's dashboard sends over UDP.
+
+#include "transport/byte_source.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace sonopose::transport {
+
+struct Endpoint {
+  std::string address;  ///< numeric IPv4 or IPv6 address
+  std::uint16_t port = 0;
+
+  bool operator==(const Endpoint&) const = default;
+};
+
+/// Parses "ADDR:PORT", such as 0.0.0.0:49100 or [::]:49100. Throws std::invalid_argument with the cause.
+Endpoint parse_endpoint(std::string_view text);
+
+/// Returns one datagram per read(). A datagram that exceeds the buffer is truncated; 2048 bytes fit any
+/// frame.
+class UdpListener : public ByteSource {
+public:
+  /// Port 0 lets the system choose. With `from`, a numeric address, read() returns `refused` for each
+  /// datagram of another address. Throws files::IoError if the address cannot be bound, std::invalid_argument
+  /// if `from` is no address.
+  explicit UdpListener(const Endpoint& endpoint, const std::optional<std::string>& from = {});
+  ~UdpListener() override;
+  UdpListener(const UdpListener&) = delete;
+  UdpListener& operator=(const UdpListener&) = delete;
+
+  ReadResult read(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) override;
+  void stop() override;
+  [[nodiscard]] std::string name() const override;
+
+  /// The local address, with the port that the system chose.
+  [[nodiscard]] Endpoint endpoint() const;
+
+private:
+  class Socket;
+  std::unique_ptr<Socket> socket_;
+};
+
+}  // namespace sonopose::transport

@@ -1,0 +1,76 @@
+#include "evaluation/calibration/drive_calibration.hpp"
+
+#include "bus_log/sensor_log.hpp"
+#include "recording/log_folder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace sonopose::evaluation {
+namespace {
+
+using calibration::drive::CalibrationError;
+using calibration::drive::Quantity;
+
+std::string names_of(const std::vector<std::filesystem::path>& logs) {
+  std::string names;
+  for (const auto& log : logs) names += (names.empty() ? "" : ", ") + log.string();
+  return names;
+}
+
+/// Throws if no wanted quantity is known.
+void check(const DriveCalibration& result) {
+  std::string missing;
+  for (const Quantity quantity : result.wanted) {
+    const calibration::drive::Value& value = result.fit[quantity];
+    if (value.is_known()) return;
+    missing +=
+        fmt::format("; {}: {}", choices_of(quantity)[static_cast<std::size_t>(quantity)], value.missing);
+  }
+  throw CalibrationError(names_of(result.logs) + ": not observable" + missing);
+}
+
+}  // namespace
+
+DriveCalibration calibrate_drive(const DriveRequest& request) {
+  DriveCalibration result;
+  result.logs = request.logs;
+  result.wanted = request.wanted;
+  result.has_fixed_delay = request.settings.delay.source == settings::DelaySource::fixed;
+  std::vector<std::vector<Event>> recordings;
+  for (const auto& log : request.logs) {
+    recordings.push_back(
+        bus_log::read_sensor_log(log, bus_log::is_file(log) ? request.beacon : std::nullopt).events);
+    if (recordings.back().empty()) throw CalibrationError(log.string() + ": has no samples");
+    result.duration_s += seconds_between(available_at_ns(recordings.back().front()),
+                                         available_at_ns(recordings.back().back()));
+  }
+  try {
+    result.fit = calibration::drive::calibrate_drive(recordings, request.settings, request.options);
+  } catch (const CalibrationError& error) {
+    throw CalibrationError(names_of(request.logs) + ": " + error.what());
+  }
+  check(result);
+  return result;
+}
+
+std::vector<files::toml::Leaf> overriding(const std::filesystem::path& file,
+                                          std::span<const files::toml::Assignment> settings) {
+  constexpr std::string_view prefix = "beacon.";
+  std::vector<files::toml::Leaf> found;
+  for (files::toml::Leaf& leaf : files::toml::read_leaves(file)) {
+    const std::string_view key = leaf.key;
+    const std::size_t behind_address = key.find('.', prefix.size());
+    if (!key.starts_with(prefix) || behind_address == std::string_view::npos) continue;
+    const std::string_view setting = key.substr(behind_address + 1);
+    const bool overrides = std::any_of(
+        settings.begin(), settings.end(),
+        [setting](const files::toml::Assignment& each) { return setting == each.table + "." + each.name; });
+    if (overrides) found.push_back(std::move(leaf));
+  }
+  return found;
+}
+
+}  // namespace sonopose::evaluation

@@ -1,0 +1,69 @@
+#include "evaluation/replay/cases.hpp"
+
+#include "bus_log/sensor_log.hpp"
+#include "files/missing.hpp"
+#include "sim/simulator.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace sonopose::evaluation {
+
+Case simulated_case(const sim::Scenario& scenario, std::uint64_t seed) {
+  const sim::Run run{.seed = seed};
+  const sim::Scenario drawn = sim::drawn(scenario, run);
+  sim::Recording recording = sim::record(drawn, run);
+  std::vector<sim::Outage> without_good_fixes = drawn.disturbances.outages;
+  for (const sim::OutlierBurst& track : drawn.disturbances.outlier_bursts) {
+    without_good_fixes.push_back({track.begin_s, track.duration_s});
+  }
+  return {.name = std::string(drawn.name),
+          .events = std::move(recording.events),
+          .truth = std::move(recording.truth),
+          .wheel_speeds = {},
+          .score_after_s = drawn.score_after_s,
+          .outages = drawn.disturbances.outages,
+          .relocations = drawn.disturbances.relocations,
+          .without_good_fixes = std::move(without_good_fixes)};
+}
+
+Case recorded_case(const std::filesystem::path& recording, std::optional<BeaconAddress> beacon) {
+  if (!bus_log::is_file(recording)) beacon.reset();
+  sonopose::recording::SensorLog log = bus_log::read_sensor_log(recording, beacon);
+  if (log.events.empty()) throw files::IoError(recording.string() + ": has no samples");
+  Case test_case;
+  test_case.name = recording.string();
+  test_case.events = std::move(log.events);
+  test_case.truth = std::move(log.truth);
+  test_case.wheel_speeds = std::move(log.wheel_speeds);
+  return test_case;
+}
+
+FoundRecordings recordings_in(const std::filesystem::path& folder) {
+  namespace fs = std::filesystem;
+  files::require_folder(folder);
+  FoundRecordings found;
+  const auto consider = [&found](const fs::path& candidate) {
+    const bool has_imu = files::is_present(candidate / "imu.csv");
+    const bool has_fixes = files::is_present(candidate / "ultrasonic.csv");
+    if (has_imu && has_fixes) found.folders.push_back(candidate);
+    if (has_imu && !has_fixes) found.left_out.push_back(candidate.string() + ": has no ultrasonic.csv");
+    if (!has_imu && has_fixes) found.left_out.push_back(candidate.string() + ": has no imu.csv");
+  };
+  consider(folder);
+  for (auto entry = fs::recursive_directory_iterator(folder); entry != fs::recursive_directory_iterator();
+       ++entry) {
+    if (!entry->is_directory()) continue;
+    if (entry->path().extension() == ".part") {
+      found.left_out.push_back(entry->path().string() + ": is not complete; name it to score it");
+      entry.disable_recursion_pending();
+    } else {
+      consider(entry->path());
+    }
+  }
+  std::sort(found.folders.begin(), found.folders.end());
+  std::sort(found.left_out.begin(), found.left_out.end());
+  return found;
+}
+
+}  // namespace sonopose::evaluation

@@ -1,0 +1,164 @@
+#include "evaluation/replay/run.hpp"
+
+#include "estimation/digest.hpp"
+#include "evaluation/score/comparison.hpp"
+#include <sonopose/estimation/snapshot_fields.hpp>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace sonopose::evaluation {
+namespace {
+
+class Results {
+public:
+  Results(const recording::SensorLog& log, const RunOptions& options, const Observer& observer)
+      : observer_(observer),
+        comparison_(log.truth, available_at_ns(log.events.front()) + to_ns(options.after_s)),
+        prediction_(available_at_ns(log.events.front()) + to_ns(options.after_s), options.settings,
+                    log.wheel_speeds) {
+    result_.has_truth = !log.truth.empty();
+  }
+
+  void add(const UltrasonicFix& fix) { comparison_.add(fix); }
+
+  /// Takes an event before the estimator does.
+  void predict(const Event& event, const estimation::AnyEstimator& estimator) {
+    prediction_.add(event, estimator);
+  }
+
+  void add(const FusedPose& pose) {
+    ++result_.poses;
+    digest_.add(pose);
+    if (result_.has_truth) comparison_.add(pose);
+    if (observer_.on_pose) observer_.on_pose(pose);
+  }
+
+  void add(const FixReport& report) {
+    result_.fix_flags.add(report.flags);
+    if ((report.flags & fix_used) == 0) result_.rejected_fix_flags.add(report.flags);
+    if (is_down_weighted(report)) ++result_.fixes_down_weighted;
+    if (observer_.on_report) observer_.on_report(report);
+  }
+
+  void add(const estimation::EventResult& output) {
+    prediction_.add(output);
+    if (const auto* pose = std::get_if<FusedPose>(&output)) add(*pose);
+    if (const auto* report = std::get_if<FixReport>(&output)) add(*report);
+  }
+
+  RunResult& result() { return result_; }
+
+  RunResult finished() {
+    result_.fused = comparison_.fused();
+    result_.last_fix_m = comparison_.last_fix_m();
+    result_.extrapolated_m = comparison_.extrapolated_m();
+    result_.prediction = prediction_.score();
+    // The strapdown state is its last pose, which the digest already contains.
+    const auto& snapshot = result_.end.snapshot;
+    if (estimation::kind_of(snapshot) != estimation::EstimatorKind::strapdown) digest_.add(snapshot);
+    result_.state_hash = digest_.text();
+    return std::move(result_);
+  }
+
+private:
+  const Observer& observer_;
+  Comparison comparison_;
+  PredictionErrors prediction_;
+  estimation::Digest digest_;
+  RunResult result_;
+};
+
+estimation::EstimatorOptions estimator_options(const recording::SensorLog& log, const RunOptions& options) {
+  estimation::EstimatorOptions estimator{.kind = options.estimator, .strapdown_rule = options.strapdown_rule};
+  if (options.estimator == estimation::EstimatorKind::strapdown && !options.start) {
+    const auto start = first_complete_truth(log);
+    if (!start) {
+      throw std::invalid_argument(
+          "the strapdown engine starts from the truth, and the recording has no truth.csv with a row that "
+          "has "
+          "position, attitude and velocity");
+    }
+    estimator.strapdown_start = {start->time_ns, start->position_world_m, start->velocity_world_mps,
+                                 start->q_body_to_world};
+  }
+  return estimator;
+}
+
+void check_start(const recording::SensorLog& log, const RunOptions& options) {
+  if (!options.start) return;
+  if (options.start->sequence > log.events.size()) {
+    throw std::invalid_argument("the saved state follows event " + std::to_string(options.start->sequence) +
+                                ", but the recording has only " + std::to_string(log.events.size()) +
+                                " events: it is of another recording");
+  }
+  const auto kind = options.estimator.value_or(estimation::kind_of(options.settings.engine.engine));
+  if (estimation::kind_of(options.start->snapshot) != kind) {
+    throw std::invalid_argument("the saved state is of another kind of estimator");
+  }
+}
+
+/// Passes the recording's events to the estimator, within the start and end of the options.
+RunResult run_through(const recording::SensorLog& log, const RunOptions& options, Results& results,
+                      estimation::AnyEstimator& estimator) {
+  RunResult& result = results.result();
+  const TimeNs begin_ns = available_at_ns(log.events.front());
+  std::uint64_t last_sequence = options.start ? options.start->sequence : 0;
+  const std::uint64_t skipped = last_sequence;
+  std::optional<TimeNs> first_ns;
+  TimeNs last_ns = 0;
+  const auto is_over = [&](const Event& event) {
+    return options.until_s && seconds_between(begin_ns, available_at_ns(event)) > *options.until_s;
+  };
+  TimeNs last_imu_ns = 0;
+  for (std::size_t i = 0; i < log.events.size(); ++i) {
+    const Event& event = log.events[i];
+    // A single late event may only have a wrong stamp.
+    if (is_over(event) && (i + 1 == log.events.size() || is_over(log.events[i + 1]))) break;
+    const TimeNs now_ns = available_at_ns(event);
+    if (const auto* fix = std::get_if<UltrasonicFix>(&event)) results.add(*fix);
+    if (sequence_of(event) <= skipped) continue;
+    results.predict(event, estimator);
+    results.add(estimation::process(estimator, event));
+    estimator.finish_pending_work();  // as in the live fusion
+    ++result.events;
+    if (const auto* imu = std::get_if<ImuSample>(&event)) {
+      if (imu->sensor_time_ns < last_imu_ns) ++result.imu_stamps_back;
+      last_imu_ns = imu->sensor_time_ns;
+    }
+    last_sequence = sequence_of(event);
+    if (!first_ns) first_ns = now_ns;
+    last_ns = std::max(last_ns, now_ns);
+  }
+  if (first_ns) result.duration_s = seconds_between(*first_ns, last_ns);
+  result.end = {.snapshot = estimator.snapshot(),
+                .sequence = last_sequence,
+                .beacon = address_of(log.events.front()),
+                .first_event_ns = begin_ns};
+  return results.finished();
+}
+
+}  // namespace
+
+std::optional<TruthSample> first_complete_truth(const recording::SensorLog& log) {
+  const auto complete = [](const TruthSample& truth) {
+    return truth.position_world_m.allFinite() && truth.velocity_world_mps.allFinite() &&
+           truth.q_body_to_world.coeffs().allFinite() && truth.q_body_to_world.norm() > 0.0;
+  };
+  const auto found = std::find_if(log.truth.begin(), log.truth.end(), complete);
+  return found == log.truth.end() ? std::nullopt : std::optional(*found);
+}
+
+RunResult run(const recording::SensorLog& log, const RunOptions& options, const Observer& observer) {
+  if (log.events.empty()) throw std::invalid_argument("the recording has no samples");
+  check_start(log, options);
+  estimation::AnyEstimator estimator(options.settings, estimator_options(log, options));
+  if (options.start) estimator.restore(options.start->snapshot);
+  const EstimatorCounters before = estimator.counters();
+  Results results(log, options, observer);
+  RunResult result = run_through(log, options, results, estimator);
+  result.counters = estimator.counters() - before;
+  return result;
+}
+
+}  // namespace sonopose::evaluation

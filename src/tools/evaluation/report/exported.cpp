@@ -1,0 +1,35 @@
+#include "evaluation/report/exported.hpp"
+
+#include "bus_log/outputs.hpp"
+#include "bus_log/sensor_log.hpp"
+#include "evaluation/report/output_folder.hpp"
+#include "recording/log_writer.hpp"
+
+namespace sonopose::evaluation {
+
+ExportResult export_recording(const std::filesystem::path& file, std::optional<BeaconAddress> address,
+                              const std::filesystem::path& folder) {
+  const mcap::Reader reader(file);
+  const recording::SensorLog log = bus_log::read_sensor_log(file, address);
+  recording::SensorLogWriter writer(folder);
+  for (const Event& event : log.events) writer.write(event);
+  for (const TruthSample& truth : log.truth) writer.write(truth);
+  writer.flush();
+  ExportResult result;
+  result.events = log.events.size();
+  OutputFolder outputs(folder);
+  bus_log::for_each_output(
+      reader, log.address,
+      [&](const FusedPose& pose) {
+        outputs.write(pose);
+        ++result.poses;
+      },
+      [&](const FixReport& report) {
+        outputs.write(report);
+        ++result.reports;
+      });
+  if (result.poses + result.reports > 0) outputs.finish();
+  return result;
+}
+
+}  // namespace sonopose::evaluation

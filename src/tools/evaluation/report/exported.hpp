@@ -1,0 +1,25 @@
+#pragma once
+/// \file
+/// Exports a recording of the bus to files for other tools.
+
+#include <sonopose/samples/samples.hpp>
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+
+namespace sonopose::evaluation {
+
+struct ExportResult {
+  std::uint64_t events = 0;
+  std::uint64_t poses = 0;
+  std::uint64_t reports = 0;
+};
+
+/// Writes one beacon of an MCAP file to a new folder. It contains a sensor log (imu.csv and truth.csv have
+/// EuRoC's columns), and recorded poses and reports like a replay: trajectory.tum, pose.csv, fixes.csv.
+/// Throws files::IoError.
+ExportResult export_recording(const std::filesystem::path& file, std::optional<BeaconAddress> address,
+                              const std::filesystem::path& folder);
+
+}  // namespace sonopose::evaluation

@@ -1,0 +1,185 @@
+/// Fixes and headings during a gap of the IMU.
+
+#include "sim/scenario.hpp"
+#include "sim/simulator.hpp"
+#include "support/poses_of.hpp"
+#include <sonopose/estimation/estimator.hpp>
+#include <sonopose/estimation/kalman/engine.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <vector>
+
+namespace imu_gap_test {
+
+using namespace sonopose;
+using namespace sonopose::estimation;
+using test::poses_of;
+
+/// A walk without IMU samples from 10 s to 13 s.
+struct GapRun {
+  TimeNs silent_ns = 0;
+  TimeNs resumes_ns = 0;
+  std::vector<Event> before;  ///< events that arrive at most 0.2 s after the gap's start
+  std::vector<Event> aiding;  ///< later events that are measured and received in the gap
+  std::vector<Event> after;
+  std::vector<TruthSample> truth;
+
+  explicit GapRun(std::uint64_t seed) {
+    const sim::Recording walk = sim::record(sim::find_scenario("walk"), {.seed = seed, .duration_s = 20.0});
+    truth = walk.truth;
+    silent_ns = truth.front().time_ns + to_ns(10.0);
+    resumes_ns = truth.front().time_ns + to_ns(13.0);
+    for (const Event& event : walk.events) {
+      const TimeNs arrives_ns = available_at_ns(event);
+      const auto* imu = std::get_if<ImuSample>(&event);
+      const bool silent =
+          imu != nullptr && imu->sensor_time_ns > silent_ns && imu->sensor_time_ns < resumes_ns;
+      if (silent) continue;
+      const bool is_late = arrives_ns < silent_ns + to_ns(0.2);
+      (is_late ? before : arrives_ns < resumes_ns ? aiding : after).push_back(event);
+    }
+  }
+
+  [[nodiscard]] const TruthSample& truth_at(TimeNs time_ns) const {
+    return *std::find_if(truth.begin(), truth.end(),
+                         [time_ns](const TruthSample& sample) { return sample.time_ns >= time_ns; });
+  }
+};
+
+UltrasonicFix last_fix(const std::vector<Event>& events) {
+  return std::get<UltrasonicFix>(*std::find_if(events.rbegin(), events.rend(), [](const Event& event) {
+    return std::holds_alternative<UltrasonicFix>(event);
+  }));
+}
+
+SCENARIO("fixes during a silence of the IMU show where the body is after it") {
+  GIVEN("a walk whose IMU is silent for 3 s") {
+    const std::uint64_t seed = GENERATE(range(71U, 77U));
+    const bool headings = GENERATE(true, false);
+    CAPTURE(seed, headings);
+    GapRun run(seed);
+    if (!headings) {
+      const auto is_heading = [](const Event& event) { return std::holds_alternative<PairHeading>(event); };
+      std::erase_if(run.aiding, is_heading);
+      std::erase_if(run.after, is_heading);
+    }
+    kalman::Engine engine{settings::Settings{}};
+    poses_of(engine, run.before);
+    WHEN("the IMU resumes") {
+      for (const Event& event : run.aiding) {
+        const EventResult result = process(engine, event);
+        const auto* report = std::get_if<FixReport>(&result);
+        if (report != nullptr) CHECK((report->flags & fix_used) != 0);
+      }
+      const auto poses = poses_of(engine, run.after);
+      THEN("the first pose is off by the motion since the last fix alone") {
+        const FusedPose& first = poses.front();
+        const TruthSample& truth = run.truth_at(first.time_ns);
+        CHECK((first.status & status_imu_gap) != 0);
+        CHECK((first.position_world_m - truth.position_world_m).norm() < 0.3);
+        CHECK((first.velocity_world_mps - truth.velocity_world_mps).norm() < 1.0);
+      }
+      THEN("the poses are as good as before after 4 s") {
+        for (const FusedPose& pose : poses) {
+          if (pose.time_ns < run.resumes_ns + to_ns(4.0)) continue;
+          REQUIRE((pose.position_world_m - run.truth_at(pose.time_ns).position_world_m).norm() < 0.1);
+        }
+      }
+    }
+  }
+}
+
+SCENARIO("the order of arrival during a silence of the IMU does not matter") {
+  GIVEN("two engines before a silence") {
+    const GapRun run(71);
+    kalman::Engine in_order{settings::Settings{}};
+    poses_of(in_order, run.before);
+    kalman::Engine other{settings::Settings{}};
+    other.restore(in_order.snapshot());
+    poses_of(in_order, run.aiding);
+    const auto check_equal = [&] {
+      const auto expected = poses_of(in_order, run.after);
+      const auto poses = poses_of(other, run.after);
+      REQUIRE(poses.size() == expected.size());
+      for (std::size_t i = 0; i < poses.size(); ++i) {
+        REQUIRE(poses[i].position_world_m == expected[i].position_world_m);
+        REQUIRE(poses[i].q_body_to_world.coeffs() == expected[i].q_body_to_world.coeffs());
+      }
+    };
+    WHEN("one receives the fixes and headings of the silence in reverse order") {
+      const std::vector<Event> reversed(run.aiding.rbegin(), run.aiding.rend());
+      poses_of(other, reversed);
+      THEN("the poses after it are the same") {
+        check_equal();
+      }
+    }
+    WHEN("one is restored in the middle of the silence") {
+      other.restore(in_order.snapshot());
+      THEN("the poses after it are the same") {
+        check_equal();
+      }
+    }
+  }
+}
+
+SCENARIO("a stamp from the future is not a silence of the IMU") {
+  GIVEN("an engine in motion, and a fix whose stamps are 5 s ahead") {
+    GapRun run(71);
+    kalman::Engine engine{settings::Settings{}};
+    poses_of(engine, run.before);
+    kalman::Engine undisturbed{settings::Settings{}};
+    undisturbed.restore(engine.snapshot());
+    UltrasonicFix ahead = last_fix(run.before);
+    ahead.emission_time_ns += to_ns(5.0);
+    ahead.received_time_ns += to_ns(5.0);
+    ahead.position_world_m.x() += 1.0;
+    engine.correct(ahead);
+    WHEN("samples show that the IMU was not silent") {
+      std::vector<Event> samples;
+      std::copy_if(run.after.begin(), run.after.end(), std::back_inserter(samples),
+                   [](const Event& event) { return std::holds_alternative<ImuSample>(event); });
+      const TimeNs shift_ns =
+          std::get<ImuSample>(samples.front()).sensor_time_ns - engine.time_ns() - 10'000'000;
+      for (Event& event : samples) std::get<ImuSample>(event).sensor_time_ns -= shift_ns;
+      const auto poses = poses_of(engine, samples);
+      THEN("the fix changes no pose") {
+        const auto expected = poses_of(undisturbed, samples);
+        REQUIRE(poses.size() == expected.size());
+        for (std::size_t i = 0; i < poses.size(); ++i) {
+          REQUIRE(poses[i].position_world_m == expected[i].position_world_m);
+        }
+      }
+      THEN("another one is invalid") {
+        ahead.emission_time_ns = engine.time_ns() + to_ns(5.0);
+        ahead.received_time_ns = ahead.emission_time_ns + to_ns(0.07);
+        CHECK(engine.correct(ahead).flags == fix_invalid);
+      }
+    }
+  }
+}
+
+SCENARIO("a state that is saved in a silence of the IMU continues like the original") {
+  GIVEN("a walk whose mount offset is changed in the silence, after fixes of it") {
+    const GapRun run(71);
+    kalman::Engine engine{settings::Settings{}};
+    poses_of(engine, run.before);
+    poses_of(engine, run.aiding);
+    settings::Settings turned;
+    turned.heading.mount_offset_deg = 10.0;
+    engine.configure(turned);
+    WHEN("another engine continues from its state") {
+      kalman::Engine other{turned};
+      other.restore(engine.snapshot());
+      THEN("both have the same poses") {
+        const auto poses = poses_of(engine, run.after);
+        const auto other_poses = poses_of(other, run.after);
+        REQUIRE(poses.size() == other_poses.size());
+        CHECK(std::equal(poses.begin(), poses.end(), other_poses.begin()));
+      }
+    }
+  }
+}
+
+}  // namespace imu_gap_test

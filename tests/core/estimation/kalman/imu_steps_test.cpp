@@ -1,0 +1,139 @@
+#include <sonopose/estimation/kalman/imu_steps.hpp>
+#include <sonopose/geometry/rotation.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <string>
+
+namespace kalman_imu_steps_test {
+
+using namespace sonopose;
+using namespace sonopose::estimation::kalman;
+
+constexpr TimeNs epoch_ns = 1'700'000'000'000'000'000;
+
+SCENARIO("the usual step of an IMU is regular at any rate") {
+  const auto is_irregular = [](double step_s, double usual_s) {
+    return step_between(ImuMeasurement{.time_ns = epoch_ns},
+                        ImuMeasurement{.time_ns = epoch_ns + to_ns(step_s)}, usual_s)
+        .irregular;
+  };
+  for (const double rate_hz : {25.0, 30.0, 33.0, 100.0}) {
+    CAPTURE(rate_hz);
+    double usual_s = 0.0;
+    for (int k = 0; k < 200; ++k)
+      usual_s = nominal_imu_period_s(usual_s, (k % 50 == 49 ? 3.0 : 1.0) / rate_hz);
+    CHECK_FALSE(is_irregular(1.05 / rate_hz, usual_s));
+    CHECK(is_irregular(3.0 / rate_hz, usual_s));
+  }
+}
+
+SCENARIO("a joined step turns and moves a body like the steps that it consists of") {
+  GIVEN("ten steps of 1 ms of a body that vibrates about and along two axes, at 25 Hz") {
+    // The axes vibrate in quadrature: the body cones, and its force does not average out (sculling).
+    constexpr double step_s = 1e-3;
+    const double began_s = GENERATE(0.0, 0.003, 0.017, 0.032);
+    CAPTURE(began_s);
+    ImuPreintegrator steps;
+    Quaterniond q_after = Quaterniond::Identity();
+    Vector3d velocity_mps = Vector3d::Zero();
+    Vector3d turn_rad = Vector3d::Zero();
+    Vector3d impulse_mps = Vector3d::Zero();
+    for (int k = 0; k < 10; ++k) {
+      const double phase = 2.0 * std::numbers::pi * 25.0 * (began_s + (k + 0.5) * step_s);
+      const ImuStep step{.duration_s = step_s,
+                         .rate_body_radps = {3.0 * std::cos(phase), 3.0 * std::sin(phase), 0.5},
+                         .force_body_mps2 = {8.0 * std::sin(phase), 5.0 * std::cos(phase), 9.8}};
+      const Vector3d half_rad = 0.5 * step_s * step.rate_body_radps;
+      velocity_mps += step_s * ((q_after * geometry::rotation_by(half_rad)) * step.force_body_mps2);
+      q_after = q_after * geometry::rotation_by((2.0 * half_rad).eval());
+      turn_rad += step_s * step.rate_body_radps;
+      impulse_mps += step_s * step.force_body_mps2;
+      steps.add(step);
+    }
+    const ImuStep joined = steps.joined();
+    const auto velocity_after = [](const Vector3d& rotation_rad, const Vector3d& body_mps) -> Vector3d {
+      return geometry::rotation_by((0.5 * rotation_rad).eval()) * body_mps;
+    };
+    THEN("the joined one is ten times as accurate as one step with the means") {
+      REQUIRE(joined.duration_s == Approx(0.01));
+      const Vector3d joined_rad = joined.duration_s * joined.rate_body_radps;
+      const double error_rad = q_after.angularDistance(geometry::rotation_by(joined_rad));
+      const double mean_error_rad = q_after.angularDistance(geometry::rotation_by(turn_rad));
+      CHECK(mean_error_rad > 3e-5);
+      CHECK(error_rad < 0.1 * mean_error_rad);
+      const Vector3d joined_mps = joined.duration_s * joined.force_body_mps2;
+      const double error_mps = (velocity_mps - velocity_after(joined_rad, joined_mps)).norm();
+      const double mean_error_mps = (velocity_mps - velocity_after(turn_rad, impulse_mps)).norm();
+      CHECK(mean_error_mps > 1e-4);
+      CHECK(error_mps < 0.1 * mean_error_mps);
+    }
+  }
+}
+
+SCENARIO("one step alone is returned unchanged") {
+  const ImuStep step{
+      .duration_s = 0.0101, .rate_body_radps = {0.1, -0.7, 0.3}, .force_body_mps2 = {0.3, 0.7, 9.7}};
+  ImuPreintegrator steps;
+  CHECK(steps.empty());
+  steps.add(step);
+  CHECK_FALSE(steps.empty());
+  CHECK_FALSE(steps.has_several());
+  CHECK(steps.joined() == step);
+}
+
+/// Velocity variance due to a half-sine pulse of the specific force.
+double shock_variance(double peak_mps2, double duration_s, double rate_hz) {
+  ShockDetector shocks;
+  double variance = 0.0;
+  for (double time_s = 0.0; time_s < 2.0; time_s += 1.0 / rate_hz) {
+    const double since_s = time_s - 1.0;
+    const double pulse_mps2 = since_s >= 0.0 && since_s < duration_s
+                                  ? peak_mps2 * std::sin(std::numbers::pi * since_s / duration_s)
+                                  : 0.0;
+    variance += shocks.add({0.0, 0.0, standard_gravity_mps2 + pulse_mps2}, 1.0 / rate_hz, 2.5);
+  }
+  return variance;
+}
+
+SCENARIO("only a shock makes the velocity uncertain") {
+  const double rate_hz = GENERATE(100.0, 200.0, 1000.0);
+  GIVEN("an IMU of " + std::to_string(rate_hz) + " Hz") {
+    WHEN("a wheel passes a sill: 10 m/s² for 30 ms") {
+      const double impulse_mps = 10.0 * 0.03 * 2.0 / std::numbers::pi;
+      THEN("the uncertainty is about that of its impulse") {
+        const double std_mps = std::sqrt(shock_variance(10.0, 0.03, rate_hz));
+        CHECK(std_mps > 0.3 * impulse_mps);
+        CHECK(std_mps < 3.0 * impulse_mps);
+      }
+    }
+    WHEN("a truck brakes: 17 m/s² for a quarter of a second") {
+      THEN("there is none") {
+        CHECK(shock_variance(17.0, 0.25, rate_hz) == 0.0);
+      }
+    }
+  }
+}
+
+SCENARIO("the roughness of the readings gives the density of their noise") {
+  const double rate_hz = GENERATE(100.0, 1000.0);
+  GIVEN("white noise of 3 m/s² at " + std::to_string(rate_hz) + " Hz") {
+    std::mt19937 random{3};  // NOLINT(cert-msc32-c,cert-msc51-cpp): the same numbers in every run
+    std::normal_distribution<double> normal(0.0, 3.0);
+    ShockDetector shocks;
+    double mean_rthz = 0.0;
+    constexpr int counted = 10000;
+    for (int i = -counted; i < counted; ++i) {
+      shocks.add({normal(random), normal(random), normal(random)}, 1.0 / rate_hz, 2.5);
+      if (i >= 0) mean_rthz += shocks.density_rthz() / counted;
+    }
+    THEN("it is the deviation over the root of the rate") {
+      CHECK(mean_rthz == Approx(3.0 / std::sqrt(rate_hz)).epsilon(0.2));
+    }
+  }
+}
+
+}  // namespace kalman_imu_steps_test

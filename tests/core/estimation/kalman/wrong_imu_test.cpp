@@ -1,0 +1,164 @@
+/// Sensors that violate the model: the engine detects and reports it.
+
+#include "sim/scenario.hpp"
+#include "sim/simulator.hpp"
+#include <sonopose/estimation/estimator.hpp>
+#include <sonopose/estimation/kalman/engine.hpp>
+#include <sonopose/geometry/rotation.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace kalman_wrong_imu_test {
+
+using namespace sonopose;
+
+constexpr double without_end_s = 1e6;
+
+/// A pose's time and errors.
+struct Moment {
+  double time_s;
+  FusedPose pose;
+  double error_m;
+  double yaw_error_rad;
+};
+
+std::vector<Moment> moments_of(const std::string& scenario, std::uint64_t seed,
+                               const std::function<void(sim::Scenario&)>& change, double duration_s = 40.0) {
+  sim::Scenario changed = sim::find_scenario(scenario);
+  change(changed);
+  sim::Simulator simulator(changed, {.seed = seed, .duration_s = duration_s});
+  estimation::kalman::Engine engine{settings::Settings{}};
+  std::vector<Moment> moments;
+  while (const auto step = simulator.next()) {
+    const auto result = estimation::process(engine, step->event);
+    const auto* pose = std::get_if<FusedPose>(&result);
+    if (pose == nullptr || !step->truth) continue;
+    moments.push_back({seconds_between(sim::Run{}.start_time_ns, pose->time_ns), *pose,
+                       (pose->position_world_m - step->truth->position_world_m).norm(),
+                       geometry::wrap_angle(geometry::yaw_of(pose->q_body_to_world) -
+                                            geometry::yaw_of(step->truth->q_body_to_world))});
+  }
+  return moments;
+}
+
+/// Time at which the bit is first set; infinite if never.
+double first_s(const std::vector<Moment>& moments, PoseStatus bit) {
+  const auto has_bit = [&](const Moment& moment) { return (moment.pose.status & bit) != 0; };
+  const auto found = std::find_if(moments.begin(), moments.end(), has_bit);
+  return found == moments.end() ? std::numeric_limits<double>::infinity() : found->time_s;
+}
+
+double largest_error_m(const std::vector<Moment>& moments, double from_s) {
+  double largest_m = 0.0;
+  for (const Moment& moment : moments) {
+    if (moment.time_s >= from_s) largest_m = std::max(largest_m, moment.error_m);
+  }
+  return largest_m;
+}
+
+SCENARIO("a gyro axis that dies or turns round while the body walks is found") {
+  const double factor = GENERATE(0.0, -1.0);
+  const std::uint64_t seed = GENERATE(7001U, 7002U, 7003U);
+  constexpr double dies_s = 15.0;
+  GIVEN("a gyro whose Z axis reads " << factor << " times the rate from some second on, seed " << seed) {
+    const auto moments = moments_of("walk", seed, [&](sim::Scenario& scenario) {
+      scenario.disturbances.imu_faults = {
+          {.begin_s = dies_s, .duration_s = without_end_s, .gyro_factor = {1.0, 1.0, factor}}};
+    });
+    THEN("the status says so within five seconds, and not before") {
+      CHECK(first_s(moments, status_imu_inconsistent) > dies_s);
+      CHECK(first_s(moments, status_imu_inconsistent) < dies_s + 5.0);
+    }
+    THEN("the position stays within decimetres") {
+      CHECK(largest_error_m(moments, 6.0) < 0.5);
+    }
+  }
+}
+
+SCENARIO("an accelerometer of another unit is found") {
+  GIVEN("a walk with an accelerometer that counts in g") {
+    const auto moments = moments_of("walk", 7011, [&](sim::Scenario& scenario) {
+      scenario.disturbances.imu_faults = {
+          {.duration_s = without_end_s, .accel_factor = Vector3d::Constant(1.0 / standard_gravity_mps2)}};
+    });
+    THEN("the status says so within five seconds") {
+      CHECK(first_s(moments, status_imu_inconsistent) < 5.0);
+    }
+    THEN("the position is as good as that of the fixes") {
+      CHECK(largest_error_m(moments, 10.0) < 0.4);
+    }
+  }
+}
+
+SCENARIO("clocks of IMU and fixes that differ are found, and the offset is taken back") {
+  const double error_s = GENERATE(-0.2, -0.06, 0.06, 0.2);
+  const std::uint64_t seed = GENERATE(7051U, 7052U);
+  GIVEN("a kart whose fixes and headings report a delay that is wrong by " << error_s << " s, seed "
+                                                                           << seed) {
+    const auto moments = moments_of(
+        "kart", seed, [&](sim::Scenario& scenario) { scenario.sensors.reported_delay_error_s = error_s; });
+    THEN("the status says so within five seconds of motion") {
+      CHECK(first_s(moments, status_fixes_inconsistent) < 10.0);
+    }
+    THEN("the position is as good as with one clock") {
+      CHECK(largest_error_m(moments, 20.0) < 0.1);
+    }
+  }
+}
+
+SCENARIO("a default position among the fixes is found and not used") {
+  const std::uint64_t seed = GENERATE(7021U, 7022U, 7023U);
+  GIVEN("a walk of which two fifths of the fixes are (0, 0, 0), seed " << seed) {
+    const auto moments = moments_of("walk", seed, [&](sim::Scenario& scenario) {
+      scenario.disturbances.poor_fixes = {{.share = 0.4, .default_world_m = Vector3d::Zero()}};
+    });
+    THEN("the status says so within two seconds") {
+      CHECK(first_s(moments, status_fixes_inconsistent) < 2.0);
+    }
+    THEN("the pose keeps to the body") {
+      CHECK(largest_error_m(moments, 3.0) < 0.2);
+    }
+  }
+}
+
+SCENARIO("nothing is doubted where nothing is wrong") {
+  const std::string scenario = GENERATE("walk", "kart", "drone", "hand_held", "hard_stops");
+  GIVEN("the scenario " + scenario) {
+    const auto moments = moments_of(scenario, 7031, [](sim::Scenario&) {});
+    THEN("no pose has a bit of inconsistent sensors") {
+      CHECK(std::isinf(first_s(moments, status_imu_inconsistent)));
+      CHECK(std::isinf(first_s(moments, status_fixes_inconsistent)));
+    }
+  }
+}
+
+SCENARIO("an unknown yaw is published as unknown") {
+  const std::uint64_t seed = GENERATE(7041U, 7042U, 7043U);
+  GIVEN("a single beacon that rests, seed " << seed) {
+    const auto moments = moments_of(
+        "rest", seed, [](sim::Scenario& scenario) { scenario.sensors.pair_heading = false; }, 30.0);
+    THEN("the standard deviation of its yaw is that of any direction") {
+      constexpr double any_rad = 1.8;  // π / √3
+      for (const Moment& moment : moments) {
+        if (moment.time_s > 1.0) REQUIRE(yaw_std_rad(moment.pose) > 0.8 * any_rad);
+      }
+    }
+    THEN("its yaw does not jump") {
+      constexpr double jump_rad = 5.0 * geometry::radians_per_degree;
+      for (std::size_t i = 1; i < moments.size(); ++i) {
+        if (moments[i - 1].time_s < 1.0) continue;
+        REQUIRE(std::abs(geometry::wrap_angle(moments[i].yaw_error_rad - moments[i - 1].yaw_error_rad)) <
+                jump_rad);
+      }
+    }
+  }
+}
+
+}  // namespace kalman_wrong_imu_test

@@ -1,0 +1,170 @@
+/// An invalid log is refused with file, line, column and value.
+
+#include "recording/log_folder.hpp"
+#include "support/temporary_folder.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <string>
+
+namespace log_errors_test {
+
+using namespace sonopose;
+using namespace sonopose::recording;
+using Catch::Contains;
+using sonopose::test::TemporaryFolder;
+using sonopose::test::write_text;
+
+struct Files {
+  std::string imu = "#timestamp [ns],w_x,w_y,w_z,a_x,a_y,a_z\n1,0,0,0,0,0,9.8\n";
+  std::string ultrasonic = "#timestamp [ns],received [ns],x,y,z,quality\n1,2,0,0,0,90\n";
+  std::string heading = "#timestamp [ns],received [ns],heading [deg]\n1,2,45\n";
+  std::string truth = "#timestamp,p_x,p_y,p_z,q_w,q_x,q_y,q_z\n1,0,0,0,1,0,0,0\n";
+};
+
+/// Error message when reading a folder with these files.
+std::string error_message_of(const Files& files) {
+  const TemporaryFolder log;
+  write_text(log / "imu.csv", files.imu);
+  write_text(log / "ultrasonic.csv", files.ultrasonic);
+  write_text(log / "heading.csv", files.heading);
+  write_text(log / "truth.csv", files.truth);
+  try {
+    read_sensor_log(log.path());
+  } catch (const files::IoError& error) {
+    return error.what();
+  }
+  return "no complaint";
+}
+
+SCENARIO("a valid log is read") {
+  CHECK(error_message_of({}) == "no complaint");
+}
+
+SCENARIO("an invalid cell is reported with file, line, column and value") {
+  Files files;
+  WHEN("a number is malformed") {
+    files.imu += "2,0,0,0,0.5x,0,9.8\n";
+    CHECK_THAT(error_message_of(files),
+               Contains("/imu.csv:3: column 5 (a_x [m s^-2]): \"0.5x\" is not a number"));
+  }
+  WHEN("a required number is missing") {
+    files.ultrasonic += "1,2,0,,0,90\n";
+    CHECK_THAT(error_message_of(files),
+               Contains("/ultrasonic.csv:3: column 4 (y [m]): \"\" is not a number"));
+  }
+  WHEN("a time is out of range") {
+    files.imu += "0,0,0,0,0,0,9.8\n";
+    CHECK_THAT(error_message_of(files),
+               Contains("/imu.csv:3: column 1 (timestamp [ns]): \"0\" is not a time between 1 and 2^62"));
+    files = {};
+    files.ultrasonic += "-9223372036854775808,2,0,0,0,90\n";
+    CHECK_THAT(error_message_of(files), Contains("/ultrasonic.csv:3: column 1 (timestamp [ns]): "
+                                                 "\"-9223372036854775808\" is not a time between"));
+    files = {};
+    files.heading += "1,4611686018427387904,45\n";
+    CHECK_THAT(error_message_of(files), Contains("/heading.csv:3: column 2 (received [ns]): "
+                                                 "\"4611686018427387904\" is not a time between"));
+    files = {};
+    files.truth += "-1,0,0,0,1,0,0,0\n";
+    CHECK_THAT(error_message_of(files),
+               Contains("/truth.csv:3: column 1") && Contains("\"-1\" is not a time"));
+    files = {};
+    files.imu += "4611686018427387903,0,0,0,0,0,9.8\n";
+    CHECK(error_message_of(files) == "no complaint");
+  }
+  WHEN("a number is too large for a double") {
+    files.ultrasonic += "1,2,0,1e999,0,90\n";
+    CHECK_THAT(error_message_of(files), Contains("ultrasonic.csv:3: column 4 (y [m]): \"1e999\""));
+  }
+  WHEN("a time is not a whole number") {
+    files.heading += "\n1.5,2,45\n";
+    CHECK_THAT(error_message_of(files),
+               Contains("/heading.csv:4: column 1 (timestamp [ns]): \"1.5\" is not a time"));
+  }
+  WHEN("a time has more than 64 bits") {
+    files.heading += "1,99999999999999999999,45\n";
+    CHECK_THAT(error_message_of(files), Contains("heading.csv:3: column 2 (received [ns])"));
+  }
+  WHEN("a heading is text, also a long one") {
+    files.heading += "1,2,north\n";
+    CHECK_THAT(error_message_of(files), Contains("column 3 (heading [deg]): \"north\" is not a number"));
+    files.heading = "#t,r,h\n1,2,45.000000000000000000000degrees\n";
+    CHECK_THAT(error_message_of(files), Contains("heading.csv:2: column 3"));
+  }
+  WHEN("a quaternion is incomplete") {
+    files.truth += "2,0,0,0,1,0,,\n";
+    CHECK_THAT(error_message_of(files), Contains("/truth.csv:3: column 7 (q_y []): \"\" is empty but"));
+  }
+}
+
+SCENARIO("rows and headers of the wrong width are named") {
+  Files files;
+  WHEN("a row is too short") {
+    files.imu += "2,0,0,0\n";
+    CHECK_THAT(error_message_of(files), Contains("/imu.csv:3: has 4 columns where the header has 7"));
+  }
+  WHEN("a row is too long") {
+    files.heading += "1,2,3,4\n";
+    CHECK_THAT(error_message_of(files), Contains("/heading.csv:3: has 4 columns where the header has 3"));
+  }
+  WHEN("the header announces columns that the format does not have") {
+    files.ultrasonic = "#timestamp,received,x,y,z\n";
+    CHECK_THAT(error_message_of(files), Contains("/ultrasonic.csv:1: the header has 5 columns instead of 6"));
+    files.ultrasonic = "#1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,18,19,20,21,22,23,24,25,26,27,28,29,30\n";
+    CHECK_THAT(error_message_of(files), Contains("the header has 30 columns instead of 6"));
+  }
+  WHEN("a magnetometer has two axes") {
+    files.imu = "#timestamp,w_x,w_y,w_z,a_x,a_y,a_z,m_x,m_y\n1,0,0,0,0,0,9.8,1,2\n";
+    CHECK_THAT(error_message_of(files), Contains("/imu.csv:2: column 10 (m_z [uT]): \"\" is empty but"));
+  }
+  WHEN("the header line is missing") {
+    files.imu = "1,0,0,0,0,0,9.8\n";
+    CHECK_THAT(error_message_of(files), Contains("/imu.csv:1: expected a header line that begins with #") &&
+                                            Contains("1,0,0,0,0,0,9.8"));
+  }
+  WHEN("a file is empty") {
+    files.ultrasonic = "";
+    CHECK_THAT(error_message_of(files), Contains("/ultrasonic.csv: is empty"));
+  }
+}
+
+SCENARIO("missing files are named") {
+  const TemporaryFolder log;
+  CHECK_THROWS_WITH(read_sensor_log(log / "nowhere"), Contains("nowhere: does not exist"));
+  CHECK_THROWS_WITH(read_sensor_log(log.path()), Contains("/imu.csv: does not exist"));
+  write_text(log / "imu.csv", Files{}.imu);
+  CHECK_THROWS_WITH(read_sensor_log(log.path()), Contains("/ultrasonic.csv: does not exist"));
+  std::filesystem::create_directory(log / "ultrasonic.csv");
+  CHECK_THROWS_WITH(read_sensor_log(log.path()), Contains("/ultrasonic.csv: cannot be read: Is a directory"));
+}
+
+SCENARIO("a binary file is refused") {
+  Files files;
+  WHEN("a line never ends") {
+    files.imu += std::string(1'000'000, '7');
+    CHECK_THAT(error_message_of(files), Contains("/imu.csv:3: the line is too long"));
+  }
+  WHEN("a cell contains a zero byte") {
+    files.imu += std::string("2,0,0,0,0,0,9.8\0,1\n", 19);
+    CHECK_THAT(error_message_of(files), Contains("/imu.csv:3: has 8 columns"));
+  }
+}
+
+SCENARIO("lines are complete and counted anywhere in a long file") {
+  Files files;
+  const std::string row = "2,0.1234567890123456,0,0,0,0,9.8\n";
+  constexpr std::size_t rows = 50'000;  // 1.6 MB
+  files.imu.clear();
+  files.imu += "#timestamp [ns],w_x,w_y,w_z,a_x,a_y,a_z\n";
+  for (std::size_t i = 0; i < rows; ++i) files.imu += row;
+  const TemporaryFolder log;
+  write_text(log / "imu.csv", files.imu);
+  const auto samples = read_imu_csv(log / "imu.csv", 7);
+  REQUIRE(samples.size() == rows);
+  for (const auto& sample : samples) REQUIRE(sample.angular_velocity_body_radps.x() == 0.1234567890123456);
+  files.imu += "wrong";
+  CHECK_THAT(error_message_of(files), Contains("/imu.csv:50002: "));
+}
+
+}  // namespace log_errors_test

@@ -1,0 +1,209 @@
+#include "recording/log_folder.hpp"
+
+#include "recording/samples_at.hpp"
+#include "support/temporary_folder.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+
+namespace log_folder_test {
+
+using namespace sonopose;
+using namespace sonopose::recording;
+using sonopose::test::fix_at;
+using sonopose::test::heading_at;
+using sonopose::test::imu_at;
+using sonopose::test::TemporaryFolder;
+using sonopose::test::write_text;
+
+const std::string imu_header = "#timestamp [ns],w_x,w_y,w_z,a_x,a_y,a_z\n";
+const std::string fix_header = "#timestamp [ns],received [ns],x [m],y [m],z [m],quality [%]\n";
+const std::string heading_header = "#timestamp [ns],received [ns],heading [deg]\n";
+
+/// Kinds and times of the events, such as "I100 F100 H120".
+std::string order_of(const std::vector<Event>& events) {
+  std::string text;
+  for (const Event& event : events) {
+    if (!text.empty()) text += ' ';
+    text += "IFH"[event.index()];
+    text += std::to_string(available_at_ns(event));
+  }
+  return text;
+}
+
+bool all_nan(const Vector3d& v) {
+  return std::isnan(v.x()) && std::isnan(v.y()) && std::isnan(v.z());
+}
+
+SCENARIO("a log's rows become SI samples") {
+  GIVEN("a log with a magnetometer, an unknown quality and an unknown heading") {
+    const TemporaryFolder log;
+    write_text(log / "imu.csv",
+               "#timestamp [ns],w_x,w_y,w_z,a_x,a_y,a_z,m_x [uT],m_y [uT],m_z [uT]\n"
+               "1700000000123456789,0.1,-0.2,3e-1,0,+1.5, 9.81 ,20,-3,-42.5\n"
+               "1700000000133456789,0,0,0,0,0,9.81,,,\n");
+    write_text(log / "ultrasonic.csv", fix_header +
+                                           "1700000000000000000,1700000000068000000,1.5,-2,0.25,87\n"
+                                           "1700000000100000000,1700000000200000000,1,2,3,\n");
+    write_text(log / "heading.csv", heading_header +
+                                        "1700000000000000000,1700000000068000000,-90\n"
+                                        "1700000000100000000,1700000000200000000,\n");
+    write_text(log / "truth.csv",
+               "#timestamp,p_x,p_y,p_z,q_w,q_x,q_y,q_z,v_x,v_y,v_z,b_w_x,b_w_y,b_w_z,b_a_x,b_a_y,b_a_z\n"
+               "5,1,2,3,0.5,0.5,-0.5,0.5,7,8,9,,,,,,\n"
+               "6,,,,1,0,0,0\n"
+               "7,1,2,3,,,,,,,\n");
+    write_text(log / "wheel_speed.csv", "#timestamp [ns],speed [m s^-1]\n9,-1.5\n8,0.25\n");
+    WHEN("it is read") {
+      const SensorLog read = read_sensor_log(log.path());
+      THEN("the events are in the order of receipt, numbered from 1") {
+        CHECK(order_of(read.events) ==
+              "F1700000000068000000 H1700000000068000000 I1700000000123456789 I1700000000133456789 "
+              "F1700000000200000000 H1700000000200000000");
+        for (std::size_t i = 0; i < read.events.size(); ++i) {
+          CHECK(sequence_of(read.events[i]) == i + 1);
+          CHECK(address_of(read.events[i]) == 7);
+        }
+      }
+      THEN("the IMU is in rad/s, m/s² and tesla") {
+        const auto& imu = std::get<ImuSample>(read.events[2]);
+        CHECK(imu.sensor_time_ns == 1'700'000'000'123'456'789);
+        CHECK(imu.angular_velocity_body_radps == Vector3d(0.1, -0.2, 0.3));
+        CHECK(imu.specific_force_body_mps2 == Vector3d(0, 1.5, 9.81));
+        REQUIRE(imu.magnetic_field_body_t.has_value());
+        CHECK((*imu.magnetic_field_body_t - Vector3d(20e-6, -3e-6, -42.5e-6)).norm() < 1e-20);
+        CHECK_FALSE(std::get<ImuSample>(read.events[3]).magnetic_field_body_t.has_value());
+      }
+      THEN("the speeds of the wheels are in ascending time, backwards is negative") {
+        REQUIRE(read.wheel_speeds.size() == 2);
+        CHECK(read.wheel_speeds[0].time_ns == 8);
+        CHECK(read.wheel_speeds[0].speed_mps == 0.25);
+        CHECK(read.wheel_speeds[1].speed_mps == -1.5);
+      }
+      THEN("a fix has its delay, and no quality where the cell is empty") {
+        const auto& fix = std::get<UltrasonicFix>(read.events[0]);
+        CHECK(fix.position_world_m == Vector3d(1.5, -2, 0.25));
+        CHECK(fix.quality_percent == 87.0);
+        CHECK(fix.emission_time_ns == 1'700'000'000'000'000'000);
+        CHECK(*fix.measured_delay_s == Approx(0.068));
+        CHECK_FALSE(std::get<UltrasonicFix>(read.events[4]).quality_percent.has_value());
+      }
+      THEN("a heading is in radians, and not valid where the cell is empty") {
+        const auto& heading = std::get<PairHeading>(read.events[1]);
+        CHECK(heading.valid);
+        CHECK(heading.heading_world_rad == Approx(-std::numbers::pi / 2));
+        CHECK_FALSE(std::get<PairHeading>(read.events[5]).valid);
+      }
+      THEN("truth has NaN where a cell is empty or missing") {
+        REQUIRE(read.truth.size() == 3);
+        CHECK(read.truth[0].time_ns == 5);
+        CHECK(read.truth[0].position_world_m == Vector3d(1, 2, 3));
+        CHECK(read.truth[0].q_body_to_world.coeffs() == Eigen::Vector4d(0.5, -0.5, 0.5, 0.5));
+        CHECK(read.truth[0].velocity_world_mps == Vector3d(7, 8, 9));
+        CHECK(all_nan(read.truth[1].position_world_m));
+        CHECK(read.truth[1].q_body_to_world.w() == 1.0);
+        CHECK(all_nan(read.truth[1].velocity_world_mps));
+        CHECK(std::isnan(read.truth[2].q_body_to_world.w()));
+      }
+    }
+    WHEN("it is read for another beacon") {
+      const SensorLog read = read_sensor_log(log.path(), 21);
+      THEN("every sample is that beacon's") {
+        for (const Event& event : read.events) CHECK(address_of(event) == 21);
+        for (const TruthSample& sample : read.truth) CHECK(sample.address == 21);
+      }
+    }
+  }
+}
+
+SCENARIO("streams are merged by availability, and no file's order is changed") {
+  GIVEN("all three at the same time") {
+    THEN("IMU comes first, then fix, then heading") {
+      CHECK(order_of(merge_by_availability({imu_at(5), imu_at(5)}, {fix_at(5)}, {heading_at(5)})) ==
+            "I5 I5 F5 H5");
+    }
+  }
+  GIVEN("a fix whose clock went back") {
+    THEN("it stays behind the fix before it, and before what comes later in its own file") {
+      CHECK(order_of(merge_by_availability({imu_at(1), imu_at(2), imu_at(3), imu_at(4)},
+                                           {fix_at(3), fix_at(1), fix_at(4)}, {})) == "I1 I2 I3 F3 F1 I4 F4");
+    }
+  }
+  GIVEN("an IMU that stamps several samples alike, and once goes back") {
+    THEN("every sample stays, in order") {
+      CHECK(order_of(merge_by_availability({imu_at(10), imu_at(10), imu_at(9), imu_at(20)}, {fix_at(9)},
+                                           {heading_at(10)})) == "F9 I10 I10 I9 H10 I20");
+    }
+  }
+  GIVEN("IMU stamps that are far ahead of those around them") {
+    const TimeNs far = 1'000'000'000'000;
+    THEN("they delay no fix, and are not changed") {
+      CHECK(order_of(merge_by_availability({imu_at(10), imu_at(far), imu_at(30), imu_at(40)},
+                                           {fix_at(15), fix_at(35)}, {heading_at(45)})) ==
+            "I10 F15 I1000000000000 I30 F35 I40 H45");
+      CHECK(order_of(merge_by_availability({imu_at(far), imu_at(20), imu_at(30)}, {fix_at(15), fix_at(25)},
+                                           {})) == "F15 I1000000000000 I20 F25 I30");
+      CHECK(order_of(merge_by_availability({imu_at(10), imu_at(far), imu_at(2 * far), imu_at(30), imu_at(40)},
+                                           {fix_at(15), fix_at(35)}, {})) ==
+            "I10 F15 I1000000000000 I2000000000000 I30 F35 I40");
+    }
+  }
+  GIVEN("an IMU stamp that is far behind those around it") {
+    const TimeNs now = 1'000'000'000'000;
+    THEN("no sample before it comes earlier than its time") {
+      CHECK(order_of(merge_by_availability({imu_at(now), imu_at(now + 10), imu_at(5), imu_at(now + 20)},
+                                           {fix_at(now + 5), fix_at(now + 15)}, {})) ==
+            "I1000000000000 F1000000000005 I1000000000010 I5 F1000000000015 I1000000000020");
+    }
+  }
+  GIVEN("an IMU that was silent for seconds, and sends its samples out of order") {
+    const TimeNs later = 5'000'000'000;
+    THEN("the first sample after the silence is merged at its time") {
+      CHECK(order_of(merge_by_availability({imu_at(10), imu_at(later + 20), imu_at(later + 10)},
+                                           {fix_at(15), fix_at(later + 15)}, {})) ==
+            "I10 F15 F5000000015 I5000000020 I5000000010");
+    }
+  }
+  GIVEN("the latest possible time") {
+    constexpr TimeNs last = std::numeric_limits<TimeNs>::max();
+    THEN("nothing is lost") {
+      CHECK(merge_by_availability({imu_at(last)}, {fix_at(last)}, {heading_at(last), heading_at(last)})
+                .size() == 4);
+    }
+  }
+}
+
+SCENARIO("files written by other programs are accepted") {
+  const TemporaryFolder log;
+  write_text(log / "ultrasonic.csv", fix_header);
+  GIVEN("Windows line ends, a byte-order mark, blank lines, and no newline at the end") {
+    write_text(log / "imu.csv",
+               "\xEF\xBB\xBF#timestamp,w_x,w_y,w_z,a_x,a_y,a_z\r\n1,0,0,0,0,0,9.8\r\n\r\n2,0,0,0,0,0,9.7");
+    THEN("both rows are read") {
+      const auto read = read_sensor_log(log.path());
+      REQUIRE(read.events.size() == 2);
+      CHECK(std::get<ImuSample>(read.events[1]).specific_force_body_mps2.z() == 9.7);
+    }
+  }
+  GIVEN("no heading and no truth file, and a fix file without rows") {
+    write_text(log / "imu.csv", imu_header + "1,0,0,0,0,0,9.8\n");
+    THEN("that is a log of a single beacon that had no fix") {
+      CHECK(order_of(read_sensor_log(log.path()).events) == "I1");
+      CHECK(read_sensor_log(log.path()).truth.empty());
+    }
+  }
+  GIVEN("values that are not finite") {
+    write_text(log / "imu.csv", imu_header + "1,nan,-inf,0,0,0,1e308\n");
+    THEN("they are passed on: the engine checks them") {
+      const auto imu = std::get<ImuSample>(read_sensor_log(log.path()).events.at(0));
+      CHECK(std::isnan(imu.angular_velocity_body_radps.x()));
+      CHECK(imu.angular_velocity_body_radps.y() == -std::numeric_limits<double>::infinity());
+    }
+  }
+}
+
+}  // namespace log_folder_test

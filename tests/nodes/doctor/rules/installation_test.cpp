@@ -1,0 +1,81 @@
+#include "doctor/replayed.hpp"
+#include "support/value_of.hpp"
+#include <sonopose/geometry/rotation.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <random>
+
+namespace installation_test {
+
+using namespace sonopose;
+using namespace sonopose::doctor::rules;
+using namespace sonopose::doctor::test;
+using Catch::Contains;
+using sonopose::test::value_of;
+
+double difference_deg(double a_deg, double b_deg) {
+  return std::abs(std::remainder(a_deg - b_deg, 360.0));
+}
+
+TEST_CASE("A wrong mount offset is found, with the offset to try") {
+  std::mt19937 random(31);
+  std::uniform_real_distribution<double> mounts_deg(-180, 180);
+  std::uniform_real_distribution<double> begins_s(8, 20);
+  for (const char* const scenario : {"walk", "forklift", "kart"}) {
+    std::uint64_t seed = 1901;
+    for (const double error_deg : {45.0, -90.0, 180.0}) {
+      const double mount_deg = mounts_deg(random);
+      const Look look{begins_s(random), 8};
+      CAPTURE(scenario, seed, error_deg, mount_deg, look.begin_s);
+      settings::Settings settings;
+      settings.heading.mount_offset_deg = std::remainder(mount_deg + error_deg, 360.0);
+      const auto events = events_of(scenario, seed++, 30, [&](sim::SensorSettings& sensors) {
+        sensors.pair_mount_offset_rad = mount_deg * geometry::radians_per_degree;
+      });
+      const std::string problems = problems_of(observed(events, settings, look));
+      CAPTURE(problems);
+      CHECK_THAT(problems, Contains("its mount offset is wrong by about"));
+      CHECK(difference_deg(value_of(problems, "heading.mount_offset_deg"), mount_deg) < 10);
+      CHECK_THAT(problems, !Contains("track"));  // consequences are not reported
+    }
+  }
+}
+
+TEST_CASE("A delay that is wrong by 40 ms is found while the beacon moves") {
+  std::uint64_t seed = 1911;
+  for (const char* const scenario : {"walk", "forklift", "kart"}) {
+    for (const double error_s : {-0.04, 0.04}) {
+      CAPTURE(scenario, seed, error_s);
+      const auto events = events_of(scenario, seed++, 30, [&](sim::SensorSettings& sensors) {
+        sensors.reported_delay_error_s = error_s;
+      });
+      const std::string problems = problems_of(observed(events, {}, {10, 8}));
+      CAPTURE(problems);
+      CHECK_THAT(problems,
+                 Contains(error_s > 0 ? "younger than the fusion assumes" : "older than the fusion assumes"));
+      CHECK(value_of(problems, "delay.correction_s") == Approx(-error_s).margin(0.015));
+      settings::Settings settings;
+      settings.delay.correction_s = -error_s;
+      CHECK(problems_of(observed(events, settings, {10, 8})) == "");
+    }
+  }
+}
+
+TEST_CASE("An inverted axis of the accelerometer is found, and which one") {
+  std::uint64_t seed = 1921;
+  for (const char* const scenario : {"walk", "forklift", "kart"}) {
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      CAPTURE(scenario, seed, axis);
+      auto events = events_of(scenario, seed++, 30);
+      invert_axis(events, axis);
+      const std::string problems = problems_of(observed(events, {}, {10, 8}));
+      CAPTURE(problems);
+      CHECK_THAT(problems, Contains(std::string("the wrong sign on the body's axis ") + "xyz"[axis]));
+      CHECK_THAT(problems, !Contains("mount offset is wrong"));
+    }
+  }
+}
+
+}  // namespace installation_test

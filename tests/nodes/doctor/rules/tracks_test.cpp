@@ -1,0 +1,100 @@
+#include "doctor/replayed.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <random>
+#include <regex>
+
+namespace tracks_test {
+
+using namespace sonopose;
+using namespace sonopose::doctor::rules;
+using namespace sonopose::doctor::rules::test;
+using namespace sonopose::doctor::test;
+using Catch::Contains;
+
+/// Moves a random share of the fixes.
+void displace(std::vector<Event>& events, double share, const Vector3d& by_world_m, unsigned seed) {
+  std::mt19937 random(seed);
+  std::bernoulli_distribution is_displaced(share);
+  for (Event& event : events) {
+    auto* fix = std::get_if<UltrasonicFix>(&event);
+    if (fix != nullptr && is_displaced(random)) fix->position_world_m += by_world_m;
+  }
+}
+
+TEST_CASE("Fixes of a second, wrong track are found, with its place") {
+  for (const char* const scenario : {"walk", "forklift", "kart"}) {
+    for (const double share : {0.1, 0.3}) {
+      CAPTURE(scenario, share);
+      auto events = events_of(scenario, 1931, 30);
+      displace(events, share, {0.9, -1.2, 0}, 5);
+      const std::string problems = problems_of(observed(events, {}, {10, 8}));
+      CAPTURE(problems);
+      std::smatch match;
+      REQUIRE(std::regex_search(problems, match, std::regex("on a second track, ([0-9.]+) m off")));
+      CHECK(std::stod(match[1]) == Approx(1.5).margin(0.15));
+    }
+  }
+}
+
+TEST_CASE("Scattered outliers are no track") {
+  BeaconObservation beacon = healthy_beacon();
+  beacon.fix_outcomes.reports = 60;
+  for (int i = 0; i < 12; ++i) beacon.fix_outcomes.outliers_m.emplace_back(std::cos(i), std::sin(i), 0);
+  const auto findings = findings_with([&](auto& b) { b = beacon; });
+  CHECK(found(findings, "takes 12 of its 60 fixes for outliers, which are scattered").severity ==
+        Severity::warning);
+  beacon.fix_outcomes.reports = 6000;
+  CHECK_FALSE(has_problems(findings_with([&](auto& b) { b = beacon; })));
+}
+
+TEST_CASE("A move of the map is found among many good fixes") {
+  BeaconObservation beacon = healthy_beacon();
+  beacon.fix_outcomes.reports = 1000;
+  beacon.fix_outcomes.relocations = 1;
+  beacon.fix_outcomes.longest_relocation_m = 1.56;
+  const auto problems = [&] {
+    Observations observations = healthy();
+    observations.beacons = {beacon};
+    return problems_of(observations);
+  };
+  CHECK_THAT(problems(),
+             Contains("its position jumped once, by up to 1.56 m, to fixes that it had rejected"));
+  beacon.fix_outcomes.relocations = 2;
+  beacon.status_counts.add(status_frozen_track);  // this does not hide the jumps
+  CHECK_THAT(problems(), Contains("its position jumped 2 times, by up to 1.56 m"));
+}
+
+TEST_CASE("A move of the map is one jump, also where an engine spreads it over several fixes") {
+  for (const settings::EngineKind engine : {settings::EngineKind::kalman, settings::EngineKind::documented}) {
+    CAPTURE(static_cast<int>(engine));
+    auto events = events_of("walk", 1933, 40);
+    const TimeNs moved_ns = available_at_ns(events.front()) + to_ns(15);
+    for (Event& event : events) {
+      auto* fix = std::get_if<UltrasonicFix>(&event);
+      if (fix != nullptr && fix->received_time_ns > moved_ns) fix->position_world_m += Vector3d(0.9, -1.2, 0);
+    }
+    settings::Settings settings;
+    settings.engine.engine = engine;
+    const auto outcomes = observed(events, settings, {10, 25}).beacons.front().fix_outcomes;
+    CHECK(outcomes.relocations == 1);
+    CHECK(outcomes.longest_relocation_m == Approx(1.5).margin(0.5));
+  }
+}
+
+TEST_CASE("A frozen track is found") {
+  auto events = events_of("walk", 1932, 30);
+  std::optional<Vector3d> frozen_at;
+  for (Event& event : events) {
+    auto* fix = std::get_if<UltrasonicFix>(&event);
+    if (fix == nullptr || seconds_between(available_at_ns(events.front()), fix->received_time_ns) < 11)
+      continue;
+    if (!frozen_at) frozen_at = fix->position_world_m;
+    fix->position_world_m = *frozen_at;
+  }
+  const std::string problems = problems_of(observed(events, {}, {10, 8}));
+  CHECK_THAT(problems, Contains("repeat one position although the IMU measures motion"));
+}
+
+}  // namespace tracks_test

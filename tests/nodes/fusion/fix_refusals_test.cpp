@@ -1,0 +1,84 @@
+/// A series of refused fixes is reported once, with the reason.
+
+#include "fusion/fix_refusals.hpp"
+
+#include <catch2/catch.hpp>
+
+namespace fix_refusals_test {
+
+using namespace sonopose;
+using Catch::Contains;
+using fusion::FixRefusals;
+
+constexpr TimeNs second_ns = 1'000'000'000;
+
+/// Report on a fix that is older than the IMU's latest sample by `age_s`.
+FixReport report(std::uint32_t flags, double age_s) {
+  FixReport report;
+  report.flags = flags;
+  report.applied_time_ns = 1000 * second_ns;
+  report.emission_time_ns = report.applied_time_ns - to_ns(age_s);
+  return report;
+}
+
+SCENARIO("refused fixes are reported once, after a second") {
+  FixRefusals refusals;
+  const auto at = [&refusals](TimeNs time_s) { return refusals.update(SteadyTime{time_s * second_ns}); };
+  GIVEN("fixes of a clock that is an hour behind") {
+    refusals.on(report(fix_too_late, 3600));
+    CHECK_FALSE(at(10));
+    refusals.on(report(fix_too_late, 3600.1));
+    WHEN("none is accepted") {
+      const auto text = at(11);
+      THEN("it is reported once, with number and age") {
+        REQUIRE(text);
+        CHECK_THAT(*text, Contains("all fixes are refused, 2 until now") && Contains("3600.100 s older"));
+        CHECK_FALSE(at(12));
+      }
+      THEN("it is reported when one is accepted") {
+        refusals.on(report(fix_used, 0.1));
+        const auto end = at(13);
+        REQUIRE(end);
+        CHECK_THAT(*end, Contains("accepted again"));
+        CHECK_FALSE(at(14));
+      }
+    }
+    WHEN("one in a while is accepted") {
+      THEN("nothing is reported, although more are refused") {
+        for (TimeNs time_s = 11; time_s < 20; ++time_s) {
+          refusals.on(report(fix_used, 0.1));
+          refusals.on(report(fix_too_late, 3600));
+          refusals.on(report(fix_too_late, 3600));
+          CHECK_FALSE(at(time_s));
+        }
+      }
+    }
+    WHEN("one is accepted, or is an outlier") {
+      refusals.on(report(GENERATE(std::uint32_t{fix_used}, std::uint32_t{fix_outlier}), 0.1));
+      THEN("nothing is reported") {
+        CHECK_FALSE(at(11));
+      }
+    }
+  }
+  GIVEN("other reasons") {
+    const auto reason_of = [&](const FixReport& one) {
+      refusals.on(one);
+      refusals.on(one);
+      CHECK_FALSE(at(20));
+      return at(21).value_or("");
+    };
+    THEN("each is named") {
+      CHECK_THAT(reason_of(report(fix_invalid, -60)), Contains("60.000 s newer than the IMU samples"));
+    }
+    THEN("low quality is named") {
+      CHECK_THAT(reason_of(report(fix_low_quality, 0.1)), Contains("admission.min_quality_percent"));
+    }
+    THEN("a missing IMU is named") {
+      FixReport one = report(fix_invalid, 0.1);
+      one.applied_time_ns = 0;
+      CHECK_THAT(reason_of(one), Contains("no IMU sample"));
+    }
+  }
+}
+
+}  // namespace fix_refusals_test

@@ -1,0 +1,111 @@
+/// Replies to settings requests: warnings, and the event from which a change applies.
+
+#include "fusion/estimators_feeder.hpp"
+#include <sonopose/settings/preset.hpp>
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+
+namespace settings_answers_test {
+
+using namespace sonopose;
+using namespace sonopose::fusion;
+using namespace sonopose::fusion::test;
+using Catch::Contains;
+
+SCENARIO("the settings of beacons without their own can be queried") {
+  config::FusionConfig config;
+  config.assign("documented.trust.n_min=3");
+  config.assign("documented.imu_weight=low");
+  Feeder feeder(false, config);
+  CHECK(feeder.settings_for_all().address == all_beacons);
+  CHECK(feeder.settings_for_all().from_sequence == 0);
+  CHECK(feeder.settings_for_all().settings.trust.n_min == 3);
+  CHECK(feeder.settings_for_all().settings.drift.jump_alpha ==
+        settings::balance_of(settings::ImuWeight::low).jump_alpha);
+  feeder.requests.answer(request(7, {{"documented.trust.n_base", "5"}}));
+  CHECK(feeder.settings_for_all().settings.trust.n_base == settings::TrustSettings{}.n_base);
+  feeder.requests.answer(request(all_beacons, {{"documented.trust.n_base", "9"}}, 500));
+  feeder.requests.answer(request(all_beacons, {{"documented.trust.sigma_m", "0.5"}}));
+  CHECK(feeder.settings_for_all().settings.trust.n_base == 9);
+  CHECK(feeder.settings_for_all().settings.trust.sigma_m == 0.5);
+  CHECK(feeder.settings_for_all().from_sequence == 500);
+}
+
+SCENARIO("item 1: a setting that a preset replaces is accepted with a warning") {
+  Feeder feeder(false);
+  const BeaconAddress address = GENERATE(BeaconAddress{7}, all_beacons);
+  const auto reply = feeder.requests.answer(request(address, {{"documented.drift.jump_alpha", "0.9"}}));
+  CHECK(reply.accepted);
+  CHECK_THAT(reply.reason, Contains("documented.drift.jump_alpha") && Contains("medium") && Contains("user"));
+  const auto user = feeder.requests.answer(request(address, {{"documented.imu_weight", "user"},
+                                                             {"documented.drift.jump_alpha", "0.9"},
+                                                             {"documented.velocity.blend_weight", "0.05"}}));
+  CHECK(user.accepted);
+  CHECK(user.reason.empty());
+  feeder.push_all(walk(7, 1.0));
+  CHECK(feeder.changes.back().settings.drift.jump_alpha == 0.9);
+}
+
+SCENARIO("a magnetometer that the engine would ignore is refused") {
+  Feeder feeder(false, {});
+  const BeaconAddress address = GENERATE(BeaconAddress{7}, all_beacons);
+  const auto reply = feeder.requests.answer(request(address, {{"documented.attitude.magnetometer", "true"}}));
+  CHECK_FALSE(reply.accepted);
+  CHECK_THAT(reply.reason, Contains("documented.attitude.magnetometer") && Contains("kalman"));
+  CHECK(feeder.requests
+            .answer(request(address,
+                            {{"documented.attitude.magnetometer", "true"}, {"fusion.engine", "documented"}}))
+            .accepted);
+}
+
+SCENARIO("a contradiction to the present settings is accepted with a warning") {
+  Feeder feeder(false);
+  const BeaconAddress address = GENERATE(BeaconAddress{7}, all_beacons);
+  const auto ask = [&](SettingAssignment assignment) {
+    return feeder.requests.answer(request(address, {std::move(assignment)}));
+  };
+  CHECK(ask({"documented.trust.n_max", "50"}).reason.empty());
+  const auto reply = ask({"documented.trust.stuck_n", "60"});
+  CHECK(reply.accepted);
+  CHECK_THAT(reply.reason,
+             Contains("documented.trust.stuck_n = 60") && Contains("documented.trust.n_max = 50"));
+  CHECK(ask({"documented.trust.sigma_m", "0.5"})
+            .reason.empty());  // warned once, in the reply to the request that causes it
+}
+
+SCENARIO("the reply to a request for all beacons names each one's event") {
+  config::FusionConfig config;
+  config.assign("beacon.8.documented.trust.n_base=5");  // configured, but without samples
+  Feeder feeder(false, config);
+  const auto ask = [&](std::uint64_t from) {
+    return feeder.requests.answer(request(all_beacons, {{"documented.trust.sigma_m", "0.5"}}, from)).details;
+  };
+  CHECK(ask(0).empty());
+  const auto nine = walk(9, 1.0);
+  const auto seven = walk(7, 2.0);
+  feeder.push_all(nine);
+  feeder.push_all(seven);
+  const std::uint64_t seven_next = seven.size() + 1;
+  const std::uint64_t nine_next = nine.size() + 1;
+  CHECK(ask(0) == fmt::format("7: event {}, 9: event {}", seven_next, nine_next));
+  CHECK(ask(nine_next + 5) == fmt::format("7: event {}, 9: event {}", seven_next, nine_next + 5));
+  CHECK(ask(5000) == "7: event 5000, 9: event 5000");
+  CHECK(feeder.requests.answer(request(7, {{"documented.trust.sigma_m", "0.5"}})).details.empty());
+}
+
+SCENARIO("the answer to a change of the engine states that the estimate starts again") {
+  GIVEN("a beacon with the Kalman engine") {
+    Feeder feeder(false, {});
+    feeder.push_all(walk(7, 1.0));
+    WHEN("it gets the documented engine") {
+      const auto answer = feeder.requests.answer(request(7, {{"fusion.engine", "documented"}}));
+      THEN("it is accepted, and says so") {
+        CHECK(answer.accepted);
+        CHECK_THAT(answer.reason, Contains("the estimate starts again and reset_counter rises"));
+      }
+    }
+  }
+}
+
+}  // namespace settings_answers_test

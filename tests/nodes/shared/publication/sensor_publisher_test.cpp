@@ -1,0 +1,89 @@
+/// Publication of a beacon that leaves and returns.
+
+#include "publication/sensor_publisher.hpp"
+
+#include "support/test_domain.hpp"
+#include "support/wait_until.hpp"
+#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/topics/conversions.hpp>
+#include <sonopose/dds/topics/topics.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <functional>
+#include <utility>
+#include <vector>
+
+namespace bridge_node_test {
+
+using namespace sonopose;
+using publication::SampleSink;
+
+/// A source that runs a test's script.
+class ScriptedSource final : public publication::Source {
+public:
+  explicit ScriptedSource(std::function<void(SampleSink&)> script) : script_(std::move(script)) {}
+  void run(SampleSink& sink, const process::StopSignal& /*stop*/) override { script_(sink); }
+
+private:
+  std::function<void(SampleSink&)> script_;
+};
+
+/// Event numbers received on a topic, and how often its instances ended.
+struct Received {
+  dds::DataReader<sonopose_ImuSample> reader;
+  std::vector<std::uint64_t> sequences;
+  int ends = 0;
+
+  template <class Done>
+  bool wait_until(const Done& done) {
+    return test::wait_until([&] {
+      reader.try_take_each(
+          [this](const sonopose_ImuSample& sample, const dds::SampleInfo&) {
+            sequences.push_back(dds::topics::from_idl(sample).sequence);
+          },
+          [this](const sonopose_ImuSample&, const dds::SampleInfo& info) {
+            if (!info.alive()) ++ends;
+          });
+      return done();
+    });
+  }
+};
+
+void send_three(SampleSink& sink) {
+  ImuSample sample;
+  sample.address = 7;
+  for (int i = 0; i < 3; ++i) sink.on(sample);
+}
+
+SCENARIO("a beacon that is gone ends its streams, and its event numbers go on when it returns") {
+  GIVEN("a bridge, and a reader in another participant") {
+    const test::TestDomain domain;
+    const dds::DomainParticipant participant({.domain_id = domain.id()});
+    Received received{.reader = dds::topics::make_reader(participant, dds::qos::Provider(), dds::topics::imu),
+                      .sequences = {}};
+    const publication::PublisherOptions options{
+        .domain = {.domain_id = domain.id()}, .qos_file = {}, .record_folder = {}};
+    publication::SensorPublisher node(options);
+    ScriptedSource source([&](SampleSink& sink) {
+      REQUIRE(received.wait_until(
+          [&] { return received.reader.subscription_matched_status().current_count == 1; }));
+      send_three(sink);
+      REQUIRE(received.wait_until([&] { return received.sequences.size() == 3; }));
+      CHECK(received.ends == 0);
+      sink.on_gone(7);
+      CHECK(received.wait_until([&] { return received.ends == 1; }));
+      sink.on_gone(7);  // already ended
+      send_three(sink);
+      REQUIRE(received.wait_until([&] { return received.sequences.size() == 6; }));
+    });
+    WHEN("the beacon sends, is gone, and sends again") {
+      node.run(source, process::StopSignal());
+      THEN("the events are numbered without a gap") {
+        CHECK(received.sequences == std::vector<std::uint64_t>{1, 2, 3, 4, 5, 6});
+      }
+    }
+  }
+}
+
+}  // namespace bridge_node_test

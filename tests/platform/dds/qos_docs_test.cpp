@@ -1,0 +1,177 @@
+/// The table of docs/qos.md matches qos/sonopose.xml.
+
+#include "dds/dds_fixture.hpp"
+#include <sonopose/dds/qos/match.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <chrono>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <set>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace sonopose::dds::test::qos_docs_test {
+
+const std::string library = "sonopose::";
+
+bool is_native(const std::string& profile) {
+  return profile.starts_with(library);
+}
+
+/// Topics of each profile as the docs list them: "`reset`, `pose`".
+std::map<std::string, std::string> topics_by_profile() {
+  std::map<std::string, std::string> result;
+  const auto note = [&](const char* profile, const char* topic) {
+    std::string& list = result[profile];
+    list += (list.empty() ? "`" : ", `") + std::string(topic).substr(std::string("sonopose/").size()) + "`";
+  };
+  const auto note_both = [&](const auto& entry) {
+    note(entry.profile, entry.name);
+    if (std::string(entry.profile) != entry.lossless_profile) note(entry.lossless_profile, entry.name);
+  };
+  std::apply([&](const auto&... entry) { (note_both(entry), ...); }, topics::all);
+  return result;
+}
+
+/// Reliability without the blocking time, which applies only to writers.
+std::string reliability(const Qos& qos) {
+  return qos.policy<policy::Reliability>().value().kind == policy::ReliabilityKind::reliable ? "reliable"
+                                                                                             : "best effort";
+}
+
+std::string history(const Qos& qos) {
+  const auto value = qos.policy<policy::History>().value();
+  if (value.kind != policy::HistoryKind::keep_all) return "last " + std::to_string(value.depth);
+  const auto limit = qos.policy<policy::ResourceLimits>().value().max_samples;
+  return limit == policy::length_unlimited ? "all" : "all, up to " + std::to_string(limit);
+}
+
+std::string deadline(const Qos& qos) {
+  return qos::text_of(qos.policy<policy::Deadline>().value().period);
+}
+
+std::string liveliness(const Qos& qos) {
+  const auto value = qos.policy<policy::Liveliness>().value();
+  const std::map<policy::LivelinessKind, std::string> names{
+      {policy::LivelinessKind::automatic, "automatic"},
+      {policy::LivelinessKind::manual_by_participant, "manual by participant"},
+      {policy::LivelinessKind::manual_by_topic, "manual by topic"}};
+  return names.at(value.kind) + ", " + qos::text_of(value.lease_duration);
+}
+
+std::string ownership(const Qos& qos) {
+  return qos.policy<policy::Ownership>().value().kind == policy::OwnershipKind::exclusive ? "exclusive"
+                                                                                          : "shared";
+}
+
+std::string durability(const Qos& qos) {
+  return qos.policy<policy::Durability>().value().kind == policy::DurabilityKind::volatile_data
+             ? "volatile"
+             : "transient local";
+}
+
+/// Row of a profile; `begin` precedes the policies.
+std::string row_of(const qos::Provider& qos, const std::string& profile, const std::string& begin) {
+  const Qos& writer = qos.datawriter_qos(profile);
+  const Qos& reader = qos.datareader_qos(profile);
+  const auto both = [&](std::string (*text)(const Qos&), const std::string& more = {}) {
+    const std::string offered = text(writer);
+    const std::string requested = text(reader);
+    return offered + more + (offered == requested ? "" : "; reader: " + requested);
+  };
+  const std::string blocking = qos::text_of(writer.policy<policy::Reliability>().value().max_blocking_time);
+  std::string owner = both(ownership);
+  if (owner == "exclusive") {
+    owner += ", " + std::to_string(writer.policy<policy::OwnershipStrength>().value().value);
+  }
+  std::string row = begin;
+  for (const std::string& cell :
+       {both(reliability, ", " + blocking), both(history), both(deadline), both(liveliness), owner,
+        both(durability), std::to_string(writer.policy<policy::TransportPriority>().value().value)}) {
+    row += " " + cell + " |";
+  }
+  return row;
+}
+
+/// Rows of the page's two tables of profiles.
+std::set<std::string> rows_of_page() {
+  std::ifstream page(std::string(SONOPOSE_SOURCE_DIR) + "/docs/qos.md");
+  REQUIRE(page.good());
+  std::set<std::string> rows;
+  for (std::string line; std::getline(page, line);) {
+    if (line.starts_with("| `")) rows.insert(line);
+  }
+  return rows;
+}
+
+TEST_CASE("The tables of docs/qos.md are what qos/sonopose.xml says, profile by profile") {
+  const qos::Provider qos = project_qos();
+  const auto topics = topics_by_profile();
+  std::size_t native = 0;
+  std::set<std::string> rows;
+  for (const std::string& profile : qos.profiles()) {
+    if (!is_native(profile)) {
+      rows.insert(row_of(qos, profile, "| `" + profile + "` |"));
+      continue;
+    }
+    ++native;
+    REQUIRE(topics.contains(profile));  // fails for a profile that no topic uses
+    rows.insert(
+        row_of(qos, profile, "| `" + profile.substr(library.size()) + "` | " + topics.at(profile) + " |"));
+  }
+  CHECK(native == topics.size());
+  CHECK(rows_of_page() == rows);
+}
+
+TEST_CASE("The example of docs/qos.md does what it says, to the profile that it names and to no other") {
+  std::ifstream page(std::string(SONOPOSE_SOURCE_DIR) + "/docs/qos.md");
+  const std::string text{std::istreambuf_iterator<char>(page), {}};
+  const std::string fence = "```xml\n";
+  const std::size_t begin = text.find(fence) + fence.size();
+  const std::size_t end = text.find("```", begin);
+  REQUIRE(end != std::string::npos);
+  qos::Provider qos = project_qos();
+  const std::string heading = deadline(qos.datareader_qos("sonopose::Heading"));
+  qos.merge(text.substr(begin, end - begin), "docs/qos.md");
+  CHECK(deadline(qos.datareader_qos("sonopose::Fix")) == "10 s");
+  CHECK(deadline(qos.datareader_qos("sonopose::Heading")) == heading);
+}
+
+TEST_CASE("Every profile sets every policy, and the general statements of docs/qos.md apply to all") {
+  const qos::Provider qos = project_qos();
+  for (const std::string& profile : qos.profiles()) {
+    CAPTURE(profile);
+    const Qos& writer = qos.datawriter_qos(profile);
+    CHECK(writer.policy<policy::Reliability>().value().kind == policy::ReliabilityKind::reliable);
+    for (const Qos* const end : {&writer, &qos.datareader_qos(profile)}) {
+      CHECK(end->policy<policy::LatencyBudget>().value().duration == Duration::zero());
+      const auto limits = end->policy<policy::ResourceLimits>().value();
+      CHECK(limits.max_instances == policy::length_unlimited);
+      if (profile != "ros2::Input" || end == &writer) {
+        CHECK(limits.max_samples == policy::length_unlimited);
+        CHECK(limits.max_samples_per_instance == policy::length_unlimited);
+      }
+      const Duration lease = end->policy<policy::Liveliness>().value().lease_duration;
+      if (is_native(profile)) {
+        CHECK(end->policy<policy::Reliability>().value().kind == policy::ReliabilityKind::reliable);
+        CHECK((lease != infinite) == (profile != "sonopose::Log"));
+      } else {
+        CHECK(lease == infinite);
+        CHECK(end->policy<policy::Deadline>().value().period == infinite);
+        CHECK(end->policy<policy::Ownership>().value().kind == policy::OwnershipKind::shared);
+      }
+    }
+    const bool expires =
+        std::set<std::string>{"sonopose::Imu",  "sonopose::Fix",    "sonopose::Heading", "sonopose::Twist",
+                              "sonopose::Pose", "sonopose::Report", "sonopose::Truth",   "ros2::Rosout"}
+            .contains(profile);
+    const Duration lifespan = expires ? Duration(std::chrono::seconds(10)) : infinite;
+    CHECK(writer.policy<policy::Lifespan>().value().duration == lifespan);
+  }
+}
+
+}  // namespace sonopose::dds::test::qos_docs_test

@@ -1,0 +1,73 @@
+#include "launch/together.hpp"
+
+#include "support/temporary_folder.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <string>
+
+namespace together_test {
+
+using namespace sonopose::launch;
+using sonopose::test::read_text;
+using sonopose::test::TemporaryFolder;
+
+/// A program that ends and reports it when asked to.
+Program waiting(const TemporaryFolder& folder) {
+  return {"sh",
+          {"-c", "trap 'echo asked > " + (folder / "asked").string() + "; exit 0' TERM; touch " +
+                     (folder / "waits").string() + "; while :; do sleep 0.02; done"}};
+}
+
+/// A program that runs `command` once the other one waits.
+Program then(const TemporaryFolder& folder, const std::string& command) {
+  return {"sh", {"-c", "until [ -e " + (folder / "waits").string() + " ]; do sleep 0.02; done; " + command}};
+}
+
+SCENARIO("the first program that ends ends the others") {
+  const TemporaryFolder folder;
+  const auto run = [&](const std::string& command) {
+    return run_together({waiting(folder), then(folder, command)}, ErrorOutput::pass_on);
+  };
+  WHEN("it succeeds") {
+    CHECK(run("exit 0") == 0);
+    CHECK(read_text(folder / "asked") == "asked\n");
+  }
+  WHEN("it fails") {
+    CHECK(run("exit 5") == 5);
+    CHECK(read_text(folder / "asked") == "asked\n");
+  }
+  WHEN("it is killed") {
+    CHECK(run("kill -KILL $$") == 128 + 9);
+    CHECK(read_text(folder / "asked") == "asked\n");
+  }
+  WHEN("it does not exist") {
+    CHECK(run_together({waiting(folder), {"sonopose-absent", {}}}, ErrorOutput::pass_on) == 127);
+  }
+}
+
+SCENARIO("a program that has the terminal can restore it before it is killed") {
+  const TemporaryFolder folder;
+  // The third, if the second SIGTERM came less than a second after the first.
+  const int restores_at = GENERATE(2, 3);
+  GIVEN("one that restores the terminal at a later SIGTERM, next to one that ignores the first") {
+    const Program screen{
+        "sh",
+        {"-c", "trap 'n=$((n + 1)); [ $n -lt " + std::to_string(restores_at) + " ] || { echo yes > " +
+                   (folder / "restored").string() + "; exit 0; }' TERM; touch " +
+                   (folder / "waits").string() + "; while :; do sleep 0.02; done"},
+        true};
+    WHEN("Ctrl-C is pressed, and again after more than a second") {
+      const Program other = then(folder,
+                                 "trap '' TERM; kill -INT $PPID; sleep 1.1; "
+                                 "while :; do kill -INT $PPID; sleep 0.2; done");  // the first may be late
+      const int code = run_together({screen, other}, ErrorOutput::pass_on);
+      THEN("it has restored the terminal, and the other one was killed") {
+        CHECK(read_text(folder / "restored") == "yes\n");
+        CHECK(code == 128 + 9);
+      }
+    }
+  }
+}
+
+}  // namespace together_test

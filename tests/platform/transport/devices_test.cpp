@@ -1,0 +1,185 @@
+#include "clocks/clocks.hpp"
+#include "files/error.hpp"
+#include "support/temporary_folder.hpp"
+#include "transport/byte_file.hpp"
+#include "transport/udp_listener.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <arpa/inet.h>
+#include <array>
+#include <chrono>
+#include <netinet/in.h>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+#include <sys/socket.h>
+#include <thread>
+#include <unistd.h>
+#include <vector>
+
+namespace devices_test {
+
+using namespace sonopose;
+using namespace sonopose::transport;
+using namespace sonopose::files;
+using namespace std::chrono_literals;
+using Catch::Contains;
+using sonopose::test::read_text;
+using sonopose::test::TemporaryFolder;
+using sonopose::test::write_text;
+
+/// Sends datagrams to a port of this machine.
+class Sender {
+public:
+  explicit Sender(std::uint16_t port) : descriptor_{::socket(AF_INET, SOCK_DGRAM, 0)} {
+    to_.sin_family = AF_INET;
+    to_.sin_port = htons(port);
+    to_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  }
+  ~Sender() { ::close(descriptor_); }
+  Sender(const Sender&) = delete;
+  Sender& operator=(const Sender&) = delete;
+  Sender(Sender&&) = delete;
+  Sender& operator=(Sender&&) = delete;
+
+  void send(const std::string& text) const {
+    const auto sent = ::sendto(descriptor_, text.data(), text.size(), 0,
+                               reinterpret_cast<const sockaddr*>(&to_), sizeof(to_));
+    REQUIRE(sent == static_cast<ssize_t>(text.size()));
+  }
+
+private:
+  int descriptor_;
+  sockaddr_in to_{};
+};
+
+std::string text_of(std::span<const std::uint8_t> bytes) {
+  return {bytes.begin(), bytes.end()};
+}
+
+SCENARIO("an address to listen on is parsed, or refused with the cause") {
+  CHECK(parse_endpoint("0.0.0.0:49100") == Endpoint{"0.0.0.0", 49100});
+  CHECK(parse_endpoint("[::1]:1") == Endpoint{"::1", 1});
+  CHECK(parse_endpoint("127.0.0.1:0") == Endpoint{"127.0.0.1", 0});
+  const auto refusal = [](const char* text) {
+    try {
+      parse_endpoint(text);
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  CHECK(refusal("49100") == "\"49100\" is not ADDR:PORT: the colon and the port are missing");
+  CHECK_THAT(refusal("127.0.0.1:"), Contains("\"\" is not a port from 0 to 65535"));
+  CHECK_THAT(refusal("127.0.0.1:65536"), Contains("\"65536\" is not a port"));
+  CHECK_THAT(refusal("127.0.0.1:-1"), Contains("\"-1\" is not a port"));
+  CHECK_THAT(refusal("127.0.0.1:80x"), Contains("\"80x\" is not a port"));
+  CHECK_THAT(refusal("localhost:80"), Contains("\"localhost\" is not a numeric IP address"));
+  CHECK_THAT(refusal(":80"), Contains("\"\" is not a numeric IP address"));
+  CHECK_THAT(refusal("::1:80"), Contains("needs brackets"));
+}
+
+SCENARIO("datagrams are read one by one, with their arrival time") {
+  GIVEN("a listener on loopback, on a port chosen by the system") {
+    UdpListener listener(parse_endpoint("127.0.0.1:0"));
+    REQUIRE(listener.endpoint().port != 0);
+    CHECK(listener.name() == "udp 127.0.0.1:" + std::to_string(listener.endpoint().port));
+    const Sender sender(listener.endpoint().port);
+    std::array<std::uint8_t, 2048> buffer{};
+    WHEN("nothing is sent") {
+      THEN("the read ends in time, and the next one still works") {
+        const auto before = std::chrono::steady_clock::now();
+        CHECK(listener.read(buffer, 30ms).status == ReadStatus::timeout);
+        CHECK(std::chrono::steady_clock::now() - before >= 30ms);
+        sender.send("late");
+        CHECK(listener.read(buffer, 60s).size == 4);
+      }
+    }
+    WHEN("two datagrams and an empty one are sent") {
+      const SteadyTime before = clocks::steady_now();
+      sender.send("first");
+      sender.send("");
+      sender.send("second one");
+      THEN("each is read alone and complete") {
+        const ReadResult first = listener.read(buffer, 60s);
+        REQUIRE(first.status == ReadStatus::data);
+        CHECK(text_of(std::span(buffer).first(first.size)) == "first");
+        CHECK(first.arrival >= before);
+        CHECK(first.arrival <= clocks::steady_now());
+        const ReadResult empty = listener.read(buffer, 60s);
+        CHECK(empty.status == ReadStatus::data);
+        CHECK(empty.size == 0);
+        const ReadResult second = listener.read(buffer, 60s);
+        CHECK(text_of(std::span(buffer).first(second.size)) == "second one");
+      }
+    }
+    WHEN("another listener binds the same port") {
+      THEN("it gets the cause") {
+        CHECK_THROWS_WITH(UdpListener(listener.endpoint()),
+                          Contains("cannot listen on 127.0.0.1:") && Contains("already in use"));
+      }
+    }
+    WHEN("another thread stops it") {
+      std::thread stopper([&] {
+        std::this_thread::sleep_for(50ms);  // lets the read begin
+        listener.stop();
+      });
+      const ReadResult result = listener.read(buffer, 1h);
+      stopper.join();
+      THEN("the read ends, and so does the next one") {
+        CHECK(result.status == ReadStatus::stopped);
+        CHECK(listener.read(buffer, 1h).status == ReadStatus::stopped);
+      }
+    }
+  }
+  GIVEN("an address of another machine") {
+    CHECK_THROWS_AS(UdpListener(Endpoint{"192.0.2.1", 0}), IoError);
+  }
+}
+
+SCENARIO("a file of bytes is played to its end") {
+  const TemporaryFolder folder;
+  std::string bytes(10'000, '\0');
+  std::iota(bytes.begin(), bytes.end(), '\0');
+  write_text(folder / "stream.bin", bytes);
+  ByteFile file(folder / "stream.bin");
+  std::array<std::uint8_t, 777> buffer{};
+  THEN("every byte is read, in order, then the end") {
+    std::string read;
+    ReadResult result = file.read(buffer, 1s);
+    for (; result.status == ReadStatus::data; result = file.read(buffer, 1s)) {
+      CHECK(result.arrival > SteadyTime{});
+      read += text_of(std::span(buffer).first(result.size));
+    }
+    CHECK(result.status == ReadStatus::end);
+    CHECK(read == bytes);
+  }
+  THEN("it can be stopped") {
+    file.stop();
+    CHECK(file.read(buffer, 1s).status == ReadStatus::stopped);
+  }
+  THEN("a missing file or a folder is reported by name") {
+    CHECK_THROWS_WITH(ByteFile(folder / "none.bin"), Contains("none.bin: does not exist"));
+    CHECK_THROWS_WITH(ByteFile(folder.path()), Contains("is a folder, not a file"));
+  }
+}
+
+SCENARIO("a capture appends bytes at once") {
+  const TemporaryFolder folder;
+  const std::vector<std::uint8_t> bytes{0xFF, 0x47, 0x00, 0x0A};
+  const std::string text(bytes.begin(), bytes.end());
+  CaptureFile capture(folder / "capture.bin");
+  capture.append(bytes);
+  CHECK(read_text(folder / "capture.bin") == text);
+  CaptureFile(folder / "capture.bin").append(bytes);
+  CHECK(read_text(folder / "capture.bin") == text + text);
+  THEN("a folder that does not exist, and a full disk, are reported") {
+    CHECK_THROWS_WITH(CaptureFile(folder / "none" / "capture.bin"),
+                      Contains("cannot be created: No such file"));
+    CHECK_THROWS_WITH(CaptureFile("/dev/full").append(bytes),
+                      Contains("/dev/full: cannot be written: No space left"));
+  }
+}
+
+}  // namespace devices_test

@@ -1,0 +1,255 @@
+/// The serial line on pseudo-terminals, which the kernel treats like real ones.
+
+#include "transport/serial_port.hpp"
+
+#include "clocks/clocks.hpp"
+#include "files/error.hpp"
+#include "support/temporary_folder.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <array>
+#include <chrono>
+#include <cstdlib>
+#include <fcntl.h>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <poll.h>
+#include <string>
+#include <thread>
+#include <unistd.h>
+#include <utility>
+
+namespace serial_port_test {
+
+using namespace sonopose;
+using namespace sonopose::transport;
+using namespace sonopose::files;
+using namespace std::chrono_literals;
+using Catch::Contains;
+using sonopose::test::TemporaryFolder;
+using sonopose::test::write_text;
+
+/// The beacon's end of a line; its destruction unplugs the beacon.
+class Beacon {
+public:
+  Beacon() : descriptor_{::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)} {
+    REQUIRE(descriptor_ >= 0);
+    REQUIRE(::grantpt(descriptor_) == 0);
+    REQUIRE(::unlockpt(descriptor_) == 0);
+    std::array<char, 128> name{};
+    REQUIRE(::ptsname_r(descriptor_, name.data(), name.size()) == 0);
+    device_ = name.data();
+  }
+  ~Beacon() { ::close(descriptor_); }
+  Beacon(const Beacon&) = delete;
+  Beacon& operator=(const Beacon&) = delete;
+  Beacon(Beacon&&) = delete;
+  Beacon& operator=(Beacon&&) = delete;
+
+  [[nodiscard]] const std::string& device() const { return device_; }
+  void send(const std::string& bytes) const {
+    REQUIRE(::write(descriptor_, bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size()));
+  }
+  /// Returns true if the host's end has sent anything back, as a line in echo mode does.
+  [[nodiscard]] bool got_an_echo() const {
+    pollfd poll{descriptor_, POLLIN, 0};
+    return ::poll(&poll, 1, 50) > 0 && (poll.revents & POLLIN) != 0;
+  }
+
+private:
+  int descriptor_;
+  std::string device_;
+};
+
+/// The host's end with its buffer. It waits for results instead of a fixed time.
+struct Host {
+  SerialPort port;
+  std::array<std::uint8_t, 4096> buffer{};
+
+  /// Reads until the result is not a timeout.
+  ReadResult next() {
+    for (int i = 0; i < 100; ++i) {
+      const ReadResult result = port.read(buffer, 100ms);
+      if (result.status != ReadStatus::timeout) return result;
+    }
+    return {};
+  }
+  /// Reads until there are this many bytes.
+  std::string bytes(std::size_t count) {
+    std::string text;
+    while (text.size() < count) {
+      const ReadResult result = next();
+      if (result.status != ReadStatus::data) break;
+      text.append(buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(result.size));
+    }
+    return text;
+  }
+};
+
+SCENARIO("bytes pass through a serial line unchanged") {
+  GIVEN("a line at 500000 baud") {
+    const Beacon beacon;
+    Host host{.port = {beacon.device(), 500'000}};
+    CHECK(host.port.name() == beacon.device());
+    CHECK(host.port.description() == beacon.device() + " at 500000 baud");
+    REQUIRE(host.next().status == ReadStatus::connected);
+    CHECK(host.port.last_error().empty());
+    WHEN("every byte value is sent, including those with a meaning for terminals") {
+      std::string all(256, '\0');
+      for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<char>(i);
+      const SteadyTime before = clocks::steady_now();
+      beacon.send(all);
+      THEN("they arrive unchanged, with a time, and nothing is echoed") {
+        CHECK(host.bytes(256) == all);
+        beacon.send("x");
+        const ReadResult result = host.next();
+        CHECK(result.size == 1);
+        CHECK(result.arrival >= before);
+        CHECK(result.arrival <= clocks::steady_now());
+        CHECK_FALSE(beacon.got_an_echo());
+      }
+    }
+    WHEN("nothing is sent") {
+      const auto before = std::chrono::steady_clock::now();
+      CHECK(host.port.read(host.buffer, 40ms).status == ReadStatus::timeout);
+      const auto waited = std::chrono::steady_clock::now() - before;
+      THEN("a read waits for its timeout, and the next still reads") {
+        CHECK(waited >= 40ms);
+        beacon.send("ok");
+        CHECK(host.bytes(2) == "ok");
+      }
+    }
+  }
+  GIVEN("a non-standard baud rate") {
+    const Beacon beacon;
+    Host host{.port = {beacon.device(), 123'456}};
+    REQUIRE(host.next().status == ReadStatus::connected);
+    beacon.send("odd");
+    CHECK(host.bytes(3) == "odd");
+  }
+}
+
+SCENARIO("the port waits for an unplugged device and opens it again") {
+  GIVEN("a device behind a link, as udev creates it") {
+    const TemporaryFolder dev;
+    const auto link = dev / "beacon";
+    auto beacon = std::make_unique<Beacon>();
+    std::filesystem::create_symlink(beacon->device(), link);
+    Host host{.port = {link.string(), 115'200}};
+    REQUIRE(host.next().status == ReadStatus::connected);
+    beacon->send("before");
+    REQUIRE(host.bytes(6) == "before");
+    WHEN("it is unplugged") {
+      beacon.reset();
+      std::filesystem::remove(link);
+      THEN("that is reported once, with its cause, and the port waits") {
+        CHECK(host.next().status == ReadStatus::disconnected);
+        CHECK_FALSE(host.port.last_error().empty());
+        CHECK(host.port.read(host.buffer, 350ms).status == ReadStatus::timeout);
+        CHECK_THAT(host.port.last_error(), Contains("does not exist"));
+        AND_WHEN("another device appears under the same link") {
+          const Beacon other;
+          const Beacon again;
+          std::filesystem::create_symlink(again.device(), link);
+          THEN("it is opened and read") {
+            CHECK(host.next().status == ReadStatus::connected);
+            again.send("after");
+            CHECK(host.bytes(5) == "after");
+            CHECK(host.port.last_error().empty());
+          }
+        }
+      }
+    }
+  }
+  GIVEN("a device that is absent at the start") {
+    const TemporaryFolder dev;
+    const auto link = dev / "beacon";
+    Host host{.port = {link.string(), 115'200}};
+    THEN("that is reported once, and it is opened when it appears") {
+      CHECK(host.next().status == ReadStatus::disconnected);
+      CHECK(host.port.read(host.buffer, 250ms).status == ReadStatus::timeout);
+      const Beacon beacon;
+      std::filesystem::create_symlink(beacon.device(), link);
+      CHECK(host.next().status == ReadStatus::connected);
+    }
+    THEN("a device that appears, but cannot be used, is reported too, and so is its absence again") {
+      CHECK(host.next().status == ReadStatus::disconnected);
+      std::filesystem::create_symlink("/dev/null", link);
+      CHECK(host.next().status == ReadStatus::disconnected);
+      CHECK(host.port.state() == LineState::failed);
+      CHECK(host.port.read(host.buffer, 250ms).status == ReadStatus::timeout);
+      std::filesystem::remove(link);
+      CHECK(host.next().status == ReadStatus::disconnected);
+      CHECK(host.port.state() == LineState::waiting);
+    }
+  }
+}
+
+SCENARIO("a line has one reader only") {
+  if (::geteuid() == 0) {
+    std::cout << "skipped: the kernel lets the superuser open any line; run the tests as another user\n";
+    return;
+  }
+  const Beacon beacon;
+  Host first{.port = {beacon.device(), 115'200}};
+  REQUIRE(first.next().status == ReadStatus::connected);
+  Host second{.port = {beacon.device(), 115'200}};
+  CHECK(second.next().status == ReadStatus::disconnected);
+  CHECK_THAT(second.port.last_error(), Contains("busy"));
+}
+
+SCENARIO("a path that can never be a serial line is refused at once") {
+  const TemporaryFolder folder;
+  write_text(folder / "file", "");
+  CHECK_THROWS_WITH(SerialPort((folder / "file").string(), 115'200),
+                    Contains("file: is not a serial device"));
+  CHECK_THROWS_WITH(SerialPort(folder.path().string(), 115'200), Contains("is not a serial device"));
+  CHECK_THROWS_WITH(SerialPort("/dev/ttyACM0", 0), Contains("baud rate of 0"));
+  GIVEN("a device that is not a terminal") {
+    Host host{.port = {"/dev/null", 115'200}};
+    CHECK(host.next().status == ReadStatus::disconnected);
+    CHECK_THAT(host.port.last_error(), Contains("ioctl"));
+  }
+}
+
+SCENARIO("a stop ends the reads of a serial port") {
+  std::array<std::uint8_t, 16> buffer{};
+  /// Stops the port during a read that would last for an hour.
+  const auto stop_while_reading = [&buffer](SerialPort& port) {
+    std::thread stopper([&port] {
+      std::this_thread::sleep_for(50ms);  // lets the read begin
+      port.stop();
+    });
+    ReadStatus status = ReadStatus::connected;
+    while (status == ReadStatus::connected || status == ReadStatus::disconnected) {
+      status = port.read(buffer, 1h).status;
+    }
+    stopper.join();
+    return status;
+  };
+  GIVEN("a silent device") {
+    const Beacon beacon;
+    SerialPort port(beacon.device(), 115'200);
+    THEN("it ends a read") {
+      CHECK(stop_while_reading(port) == ReadStatus::stopped);
+    }
+  }
+  GIVEN("a device that is absent") {
+    SerialPort port("/dev/sonopose-no-such-device", 115'200);
+    THEN("it ends a read") {
+      CHECK(stop_while_reading(port) == ReadStatus::stopped);
+    }
+  }
+  GIVEN("a stop before the first read") {
+    const Beacon beacon;
+    SerialPort port(beacon.device(), 115'200);
+    port.stop();
+    THEN("the read ends at once") {
+      CHECK(port.read(buffer, 1h).status == ReadStatus::stopped);
+    }
+  }
+}
+
+}  // namespace serial_port_test
