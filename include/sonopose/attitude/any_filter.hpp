@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// The filter that is selected at run time (setting documented.attitude.filter). It satisfies Filter itself,
-/// so that it can be used like any other filter.
+/// The attitude filter selected at run time (setting documented.attitude.filter). It satisfies Filter, so it
+/// is used like any other filter.
 
 #include <sonopose/attitude/adaptive.hpp>
 #include <sonopose/attitude/ahrs.hpp>
@@ -18,7 +18,7 @@
 
 namespace sonopose::attitude {
 
-/// Returns true if the chosen filter takes heading from the magnetometer.
+/// True if the chosen filter takes heading from the magnetometer.
 bool has_magnetic_heading(const SelectionSettings& settings);
 
 /// Extracts the use of the magnetometer from the settings.

@@ -32,7 +32,7 @@ struct Measurement {
   bool force_shows_up = true;
 };
 
-/// The specific force without the known acceleration of the body: the reaction to gravity.
+/// Specific force without the known acceleration of the body: the reaction to gravity.
 template <class Scalar>
 Vector3<Scalar> gravity_force_body(const Measurement<Scalar>& measurement,
                                    const Quaternion<Scalar>& q_body_to_world) {
@@ -41,13 +41,13 @@ Vector3<Scalar> gravity_force_body(const Measurement<Scalar>& measurement,
          q_body_to_world.conjugate() * measurement.acceleration_world_mps2;
 }
 
-/// Returns true if the specific force is present and shows the vertical.
+/// True if the specific force is present and shows the vertical.
 template <class Scalar>
 bool shows_up(const Measurement<Scalar>& measurement) {
   return measurement.force_shows_up && !measurement.specific_force_body_mps2.isZero(0);
 }
 
-/// Returns true if a world vector has a horizontal direction: its horizontal part exceeds rounding errors.
+/// True if a world vector has a horizontal direction: its horizontal part exceeds rounding errors.
 template <class Scalar>
 bool has_level_part(const Vector3<Scalar>& vector_world) {
   constexpr Scalar least = 16 * std::numeric_limits<Scalar>::epsilon();

@@ -105,7 +105,7 @@ struct AhrsSettings {
   double gyro_range_dps = 0.0;
 };
 
-/// The adaptive filter and its parts.
+/// Adaptive filter and its parts.
 struct AdaptiveFilterSettings {
   AdaptiveSettings adaptive;
   RestSettings rest;
@@ -113,7 +113,7 @@ struct AdaptiveFilterSettings {
   MagneticSettings magnetic;
 };
 
-/// The choice of the filter, and the settings of each.
+/// Choice of the filter, and the settings of each.
 struct Settings {
   SelectionSettings selection;
   AdaptiveFilterSettings adaptive;

@@ -30,7 +30,7 @@ struct FieldUse {
 /// there is one. A force of zero length or a field without a horizontal part carries no information.
 Quaterniond first_orientation(const Measurement<double>& measurement);
 
-/// Returns true if all values are finite and below 1000 rad/s, 10 km/s² and 1 T. No sensor measures more.
+/// True if all values are finite and below 1000 rad/s, 10 km/s² and 1 T. No sensor measures more.
 inline bool is_measurement(const ImuSample& imu) {
   const auto below = [](const Vector3d& vector, double limit) {
     return vector.allFinite() && vector.cwiseAbs().maxCoeff() < limit;

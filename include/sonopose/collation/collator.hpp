@@ -35,7 +35,7 @@ inline void count_gap(CollatorCounters& counters, std::uint64_t from, std::uint6
 /// An event that is next in line.
 struct CollatedEvent {
   Event event;
-  bool restart = false;  ///< the first event of a new numbering
+  bool restart = false;  ///< true for the first event of a new numbering
 };
 
 /// Collates live events. It has a fixed size and does not allocate.
@@ -89,7 +89,7 @@ private:
 
   /// Detects a restarted bridge, which counts from the beginning: several late numbers in succession without
   /// one in line between them. A number that was given up is merely late. If two bridges publish the same
-  /// address, the first one keeps counting.
+  /// address, the first one stays in effect.
   [[nodiscard]] bool is_restart(std::uint64_t sequence, SteadyTime now) {
     constexpr int enough = 4;
     if (was_given_up(sequence, now)) return false;

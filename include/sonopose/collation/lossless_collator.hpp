@@ -56,7 +56,7 @@ public:
     std::uint64_t missing = 0;  ///< number of the missing event
     std::size_t waiting = 0;    ///< number of events that wait for it
   };
-  /// The gap before the waiting events; empty if none wait.
+  /// Gap before the waiting events; empty if none wait.
   [[nodiscard]] std::optional<Gap> gap() const {
     if (waiting_.empty()) return std::nullopt;
     return Gap{next_, waiting_.size()};

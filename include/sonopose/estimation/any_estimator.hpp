@@ -32,7 +32,7 @@ using AnySnapshot = std::variant<documented::Snapshot, strapdown::Snapshot, kalm
   return engine == settings::EngineKind::kalman ? EstimatorKind::kalman : EstimatorKind::documented;
 }
 
-/// The kind of an estimator, and what the strapdown estimator needs besides the settings.
+/// Kind of an estimator, and what the strapdown estimator needs besides the settings.
 struct EstimatorOptions {
   std::optional<EstimatorKind> kind{};  ///< empty: as set by fusion.engine
   strapdown::State strapdown_start{};

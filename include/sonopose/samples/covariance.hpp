@@ -65,7 +65,7 @@ public:
     return result;
   }
 
-  /// The upper triangle, row by row.
+  /// Upper triangle, row by row.
   [[nodiscard]] constexpr const std::array<double, element_count>& elements() const { return elements_; }
 
   bool operator==(const Covariance&) const = default;

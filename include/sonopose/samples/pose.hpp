@@ -30,7 +30,7 @@ enum PoseStatus : std::uint32_t {
       1U << 13U  ///< a default position replaces some fixes, or stamps are from another clock
 };
 
-/// The pose of one beacon at one IMU sample.
+/// Pose of one beacon at one IMU sample.
 struct FusedPose {
   BeaconAddress address = 0;
   std::uint64_t sequence = 0;  ///< event number of its IMU sample
@@ -95,7 +95,7 @@ struct FixReport {
   Vector3d position_world_m = Vector3d::Zero();  ///< position as measured
   Vector3d shifted_position_world_m =
       Vector3d::Zero();  ///< position moved forward to `applied_time_ns` (setting 6)
-  Vector3d innovation_world_m = Vector3d::Zero();         ///< the fix minus its prediction (setting 13)
+  Vector3d innovation_world_m = Vector3d::Zero();         ///< fix minus its prediction (setting 13)
   std::optional<Covariance<3>> innovation_covariance_m2;  ///< covariance in world axes
   std::optional<double> test_ratio;  ///< squared normalised innovation over its gate: above 1 is an outlier
   std::uint32_t hypothesis = 0;      ///< 1: an unused fix lies on another track

@@ -21,7 +21,7 @@ namespace sonopose {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-/// The beacon (or other sensor head) that a sample comes from; the key of the native topics.
+/// Address of the beacon (or other sensor head) that a sample comes from; key of the native topics.
 using BeaconAddress = std::uint16_t;
 
 /// Every beacon, in a command; never the address of a sample.

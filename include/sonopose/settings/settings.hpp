@@ -12,7 +12,7 @@
 
 namespace sonopose::settings {
 
-/// The estimator that fuses a beacon's events.
+/// Estimator that fuses a beacon's events.
 enum class EngineKind { documented, kalman };
 constexpr std::array<std::string_view, 2> choices_of(EngineKind /*unused*/) {
   return {"documented", "kalman"};

@@ -19,7 +19,7 @@ inline constexpr int no_item = 0;
 /// A value of any type of setting; a choice is the name of its value.
 using SettingValue = std::variant<bool, int, double, std::string>;
 
-/// The engines that read a setting.
+/// Engines that read a setting.
 enum class ReadBy { all, documented, kalman };
 
 /// One row of the table.
@@ -46,7 +46,7 @@ public:
   using std::invalid_argument::invalid_argument;
 };
 
-/// Every setting, in the order of the groups in Settings.
+/// All settings: first the shared ones, then those of each engine, in the order of the groups in Settings.
 const std::vector<SettingInfo>& setting_table();
 
 /// Row of `key`. Throws SettingError, which names the nearest key, for an unknown one.

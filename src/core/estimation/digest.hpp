@@ -24,7 +24,7 @@ public:
 
   [[nodiscard]] std::uint64_t value() const { return value_; }
 
-  /// The digest as 16 hexadecimal digits.
+  /// Digest as 16 hexadecimal digits.
   [[nodiscard]] std::string text() const;
 
 private:

@@ -14,7 +14,7 @@ namespace {
 using detail::Builder;
 using detail::Field;
 
-// A field is addressed by its offset, and a Settings object is copied as a whole.
+// Collects the shared settings first, then those of each engine.
 static_assert(std::is_trivially_copyable_v<Settings>);
 
 /// First the shared settings, then those of each engine.
@@ -31,7 +31,7 @@ const Builder& table() {
   return rows;
 }
 
-/// The first part of the keys that these engines alone read.
+/// First part of the keys that only these engines read.
 std::string prefix_of(ReadBy engines) {
   switch (engines) {
     case ReadBy::documented:
@@ -44,13 +44,13 @@ std::string prefix_of(ReadBy engines) {
   return {};
 }
 
-/// The key without the name of the engine.
+/// Key without the name of the engine.
 std::string_view without_engine(const SettingInfo& row) {
   const std::string prefix = prefix_of(row.read_by);
   return std::string_view(row.key).substr(prefix.empty() ? 0 : prefix.size() + 1);
 }
 
-/// "a.b", or the one that is not empty.
+/// Joins two parts to "a.b"; an empty part is left out.
 std::string joined(const std::string& a, const std::string& b) {
   return a.empty() || b.empty() ? a + b : a + "." + b;
 }

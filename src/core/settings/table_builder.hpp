@@ -37,7 +37,7 @@ public:
   /// Sets the engines that read the following rows, whatever their group.
   void read_by(ReadBy engines) { read_by_ = engines; }
 
-  /// Of the following rows, only those that these engines read are added.
+  /// Adds only those of the following rows that these engines read.
   void collect(ReadBy engines) {
     collected_ = engines;
     read_by_ = ReadBy::all;

@@ -22,21 +22,21 @@ Settings<F> converging_settings() {
   return {};
 }
 template <>
-MahonySettings lively<Mahony>() {
+MahonySettings converging_settings<Mahony>() {
   MahonySettings settings;
   settings.kp = 1.0;
   settings.heading_kp = 1.0;
   return settings;
 }
 template <>
-MahonySettings lively<BasicMahony<float>>() {
-  return lively<Mahony>();
+MahonySettings converging_settings<BasicMahony<float>>() {
+  return converging_settings<Mahony>();
 }
 template <>
-attitude::Settings lively<AnyFilter>() {
+attitude::Settings converging_settings<AnyFilter>() {
   attitude::Settings settings;
   settings.selection.filter = FilterKind::mahony;
-  settings.mahony = lively<Mahony>();
+  settings.mahony = converging_settings<Mahony>();
   return settings;
 }
 
@@ -96,7 +96,7 @@ TEMPLATE_TEST_CASE("with the gyroscope alone a constant rate is integrated exact
   for (int i = 0; i < 1000; ++i) {
     const double dt_s = i % 3 == 0 ? 0.002 : 0.011;
     measurement.dt_s = static_cast<typename TestType::Scalar>(dt_s);
-    filter.update(lively<TestType>(), measurement);
+    filter.update(converging_settings<TestType>(), measurement);
     time_s += dt_s;
   }
   const Quaterniond expected = some_attitude * geometry::rotation_by(rate_radps * time_s);
@@ -115,7 +115,7 @@ TEMPLATE_TEST_CASE("a gyroscope's offset that is given is taken off", "", EVERY_
   Measured<TestType> measurement;
   measurement.dt_s = typename TestType::Scalar(0.01);
   measurement.angular_velocity_body_radps = offset;
-  for (int i = 0; i < 1000; ++i) filter.update(lively<TestType>(), measurement);
+  for (int i = 0; i < 1000; ++i) filter.update(converging_settings<TestType>(), measurement);
   CHECK(angle_between(filter, some_attitude) < tolerance_rad<TestType>);
   WHEN("it is re-initialised") {
     reset(filter, some_attitude);
@@ -135,7 +135,7 @@ TEMPLATE_TEST_CASE("gravity corrects the tilt, from any attitude and at any", ""
       reset(filter, geometry::rotation_by({off_rad, 0.0, 0.0}) * truth);
       Measured<TestType> measurement = at_rest<TestType>(truth, 0.01, 0.0);
       measurement.magnetic_field_body_t.setZero();
-      for (int i = 0; i < 10'000; ++i) filter.update(lively<TestType>(), measurement);
+      for (int i = 0; i < 10'000; ++i) filter.update(converging_settings<TestType>(), measurement);
       const Vector3d up_body = geometry::up_in_body(filter.orientation()).template cast<double>();
       const double tilt_rad = std::acos(std::min(1.0, up_body.dot(geometry::up_in_body(truth))));
       INFO("off by " << off_rad << " rad at first");
@@ -154,7 +154,7 @@ TEMPLATE_TEST_CASE("the magnetometer turns heading to north, wherever north lies
     reset(filter, geometry::rotation_about_z(1.5) * some_attitude);
     // More than a minute: some filters first verify that the field is the Earth's.
     for (int i = 0; i < 12'000; ++i) {
-      filter.update(lively<TestType>(), at_rest<TestType>(some_attitude, 0.01, north_rad));
+      filter.update(converging_settings<TestType>(), at_rest<TestType>(some_attitude, 0.01, north_rad));
     }
     INFO("north at " << north_rad << " rad");
     CHECK(angle_between(filter, some_attitude) < 0.01);
@@ -170,7 +170,7 @@ TEMPLATE_TEST_CASE("what is known of the acceleration is not taken for gravity",
   measurement.acceleration_world_mps2 = Vector(3, -1, 2);
   measurement.specific_force_body_mps2 +=
       filter.orientation().conjugate() * measurement.acceleration_world_mps2;
-  for (int i = 0; i < 3000; ++i) filter.update(lively<TestType>(), measurement);
+  for (int i = 0; i < 3000; ++i) filter.update(converging_settings<TestType>(), measurement);
   CHECK(angle_between(filter, some_attitude) < 10 * tolerance_rad<TestType>);
 }
 
@@ -180,7 +180,7 @@ TEMPLATE_TEST_CASE("turn_in_world rotates the estimate, and a step of zero chang
   TestType filter;
   reset(filter, some_attitude);
   for (int i = 0; i < 500; ++i)
-    filter.update(lively<TestType>(), at_rest<TestType>(some_attitude, 0.01, 0.0));
+    filter.update(converging_settings<TestType>(), at_rest<TestType>(some_attitude, 0.01, 0.0));
   const Quaterniond before = filter.orientation().template cast<double>();
   const Vector turn(typename TestType::Scalar(0.1), typename TestType::Scalar(-0.2),
                     typename TestType::Scalar(0.3));
@@ -189,7 +189,7 @@ TEMPLATE_TEST_CASE("turn_in_world rotates the estimate, and a step of zero chang
   CHECK(angle_between(filter, turned) < tolerance_rad<TestType>);
   Measured<TestType> measurement;
   measurement.angular_velocity_body_radps = Vector(1, 2, 3);
-  filter.update(lively<TestType>(), measurement);
+  filter.update(converging_settings<TestType>(), measurement);
   CHECK(angle_between(filter, turned) < tolerance_rad<TestType>);
 }
 
@@ -199,7 +199,7 @@ TEMPLATE_TEST_CASE("a filter is a value, and its fields are all of it", "", EVER
   const auto step = [](TestType& one, int i) {
     Measured<TestType> measurement = at_rest<TestType>(some_attitude, 0.01, 0.3);
     measurement.angular_velocity_body_radps.x() = typename TestType::Scalar(0.5 * std::sin(0.1 * i));
-    one.update(lively<TestType>(), measurement);
+    one.update(converging_settings<TestType>(), measurement);
   };
   for (int i = 0; i < 777; ++i) step(filter, i);
   GIVEN("a copy") {

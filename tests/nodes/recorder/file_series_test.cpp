@@ -22,7 +22,7 @@ SeriesOptions options_for(const std::filesystem::path& file) {
       .writer = {.compression = mcap::Compression::none},
       .channels = {{"sonopose/reset", "cdr", "sonopose::ResetCommand", "omgidl", "idl"},
                    {"sonopose/settings", "cdr", "sonopose::EffectiveSettings", "omgidl", "idl", {}, true},
-                   {std::string(instance_ends_topic), "json", "sonopose.InstanceEnd", "jsonschema", "{}"}},
+                   {std::string(bus_log::instance_ends_topic), "json", "sonopose.InstanceEnd", "jsonschema", "{}"}},
       .about = {{"host", "here"}}};
 }
 
@@ -99,7 +99,7 @@ TEST_CASE("A file is not longer and not larger than allowed, and each begins wit
     write(series, chunk_of(2, 3 * second, last_settings), {});
     write(series, chunk_of(1, 11 * second, data), {});
     write(series, chunk_of(1, 12 * second, data), {});
-    const std::string end = json_of({"sonopose/settings", true, command_cdr(8, 0), 5});
+    const std::string end = bus_log::json_of({"sonopose/settings", true, command_cdr(8, 0), 5});
     write(series, chunk_of(3, 13 * second, std::as_bytes(std::span(end))), {});
     write(series, chunk_of(1, 23 * second, data), {});
     series.finish("stopped", {});

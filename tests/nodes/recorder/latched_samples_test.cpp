@@ -23,7 +23,7 @@ struct Latched {
     add(estimate_channel, estimate_cdr(address, fusion_id));
   }
   void on_end(BeaconAddress address, std::uint64_t fusion_id) {
-    const std::string text = json_of({.topic = "sonopose/estimate",
+    const std::string text = bus_log::json_of({.topic = "sonopose/estimate",
                                       .disposed = false,
                                       .key_cdr = estimate_cdr(address, fusion_id),
                                       .source_time_ns = 1});

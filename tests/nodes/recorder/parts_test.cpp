@@ -32,13 +32,13 @@ TEST_CASE("The queue takes what fits, and gives all of it at once") {
 }
 
 TEST_CASE("The end of an instance as text") {
-  const InstanceEnd end{.topic = "sonopose/reset",
+  const bus_log::InstanceEnd end{.topic = "sonopose/reset",
                         .disposed = GENERATE(true, false),
                         .key_cdr = {std::byte{0}, std::byte{1}, std::byte{0}, std::byte{2}, std::byte{7},
                                     std::byte{1}, std::byte{0xAB}, std::byte{0}},
                         .source_time_ns = 1'600'000'000'000'000'001};
-  CHECK(instance_end_of(json_of(end)) == end);
-  CHECK_THAT(json_of(end), Catch::Contains(R"("key":{"address":263},"key_cdr":"000100020701ab00")"));
+  CHECK(bus_log::instance_end_of(bus_log::json_of(end)) == end);
+  CHECK_THAT(bus_log::json_of(end), Catch::Contains(R"("key":{"address":263},"key_cdr":"000100020701ab00")"));
   for (const char* const text :
        {"", "{}", "[]", R"({"topic":"a","kind":"died","key_cdr":"","source_time_ns":0})",
         R"({"topic":"a","kind":"disposed","key_cdr":"0x","source_time_ns":0})",
@@ -46,7 +46,7 @@ TEST_CASE("The end of an instance as text") {
         R"({"topic":"a","kind":"disposed","key_cdr":"00","source_time_ns":1e300})",
         R"({"topic":1,"kind":"disposed","key_cdr":"00","source_time_ns":0})"}) {
     CAPTURE(text);
-    CHECK_THROWS_AS(instance_end_of(text), std::invalid_argument);
+    CHECK_THROWS_AS(bus_log::instance_end_of(text), std::invalid_argument);
   }
 }
 

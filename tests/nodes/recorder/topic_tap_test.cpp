@@ -69,7 +69,7 @@ TEST_CASE("A message of a writer that gives no time was published when it arrive
   const mcap::Message end = message_at(text_chunk, text_chunk.entries()[2]);
   const std::string text(reinterpret_cast<const char*>(end.data.data()),  // NOLINT(*-reinterpret-cast): text
                          end.data.size());
-  const InstanceEnd ended = instance_end_of(text);
+  const bus_log::InstanceEnd ended = bus_log::instance_end_of(text);
   CHECK(end.sequence == 5);
   CHECK(sequence == 5);
   CHECK(ended.topic == "sonopose/reset");

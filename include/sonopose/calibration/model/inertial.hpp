@@ -8,7 +8,7 @@
 
 namespace sonopose::calibration {
 
-/// The models in the sensors' own axes, in rad/s and m/s².
+/// Models in the sensors' own axes, in rad/s and m/s².
 Affine model_of(const GyroscopeSettings& settings);
 Affine model_of(const AccelerometerSettings& settings);
 

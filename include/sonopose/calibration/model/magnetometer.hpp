@@ -9,7 +9,7 @@
 
 namespace sonopose::calibration {
 
-/// The model in the sensor's own axes, in tesla.
+/// Model in the sensor's own axes, in tesla.
 Affine model_of(const MagnetometerSettings& settings);
 
 }  // namespace sonopose::calibration

@@ -90,7 +90,7 @@ public:
   /// Asserts manual liveliness without exceptions, for threads that must continue.
   ReturnCode try_assert_liveliness() noexcept { return dds_assert_liveliness(handle()); }
 
-  /// Returns true if all readers acknowledged all samples within `timeout`.
+  /// True if all readers acknowledged all samples within `timeout`.
   bool wait_for_acknowledgments(Duration timeout) {
     const ReturnCode code = dds_wait_for_acks(handle(), timeout.count());
     if (code == DDS_RETCODE_TIMEOUT) return false;

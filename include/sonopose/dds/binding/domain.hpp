@@ -18,7 +18,7 @@ inline constexpr std::uint32_t max_domain_id = 232;
 
 enum class Network : std::uint8_t {
   loopback,  ///< this machine only, without multicast: works on every machine without setup
-  lan,       ///< the interface that Cyclone DDS chooses, with multicast if possible
+  lan,       ///< interface that Cyclone DDS chooses, with multicast if possible
   /// Loopback and the interface of `lan`, without multicast. Reaches processes on loopback, and ROS 2 nodes
   /// confined to this machine.
   ros_localhost,

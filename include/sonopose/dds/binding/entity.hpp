@@ -26,13 +26,13 @@ public:
   /// True if there is no entity: default-constructed, moved from or closed.
   bool is_nil() const noexcept { return handle_ <= 0; }
 
-  /// The Cyclone DDS handle, for calls that this layer does not wrap.
+  /// Cyclone DDS handle, for calls that this layer does not wrap.
   dds_entity_t handle() const noexcept { return handle_; }
 
   /// Identifies this entity in samples (`SampleInfo::publication_handle`) and matches.
   InstanceHandle instance_handle() const;
 
-  /// The effective policies, including defaults.
+  /// Effective policies, including defaults.
   Qos qos() const;
 
   /// Changes policies that are changeable on an existing entity.

@@ -9,7 +9,7 @@
 
 namespace sonopose::dds {
 
-/// The result of a Cyclone DDS call: negative is an error (`DDS_RETCODE_…`), anything else a success.
+/// Result of a Cyclone DDS call: negative is an error (`DDS_RETCODE_…`), anything else a success.
 using ReturnCode = dds_return_t;
 
 /// A DDS call that failed. `what()` names the call, its object, and Cyclone's text for the reason.
@@ -27,7 +27,7 @@ private:
   ReturnCode code_;
 };
 
-/// Returns true if a `try_…` call timed out.
+/// True if a `try_…` call timed out.
 inline bool is_timeout(ReturnCode code) noexcept {
   return code == DDS_RETCODE_TIMEOUT;
 }

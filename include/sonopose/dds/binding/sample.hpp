@@ -24,7 +24,7 @@ public:
   /// Time of writing, ns since the Unix epoch, in the writer's clock or as the writer specified.
   std::int64_t source_timestamp_ns() const noexcept { return info_->source_timestamp; }
   InstanceHandle instance_handle() const noexcept { return {info_->instance_handle}; }
-  /// The writer of the sample.
+  /// Writer of the sample.
   InstanceHandle publication_handle() const noexcept { return {info_->publication_handle}; }
   /// True if the instance has a living writer that did not dispose of it.
   bool alive() const noexcept { return info_->instance_state == DDS_IST_ALIVE; }

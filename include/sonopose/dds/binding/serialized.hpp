@@ -21,7 +21,7 @@ namespace sonopose::dds {
 /// Stands in for a type: `DataReader<Serialized>`.
 struct Serialized {};
 
-/// The bytes of a sample, or of an instance's key, by reference. They stay in the memory of Cyclone DDS, also
+/// Bytes of a sample, or of an instance's key, by reference. They stay in the memory of Cyclone DDS, also
 /// after their reader is gone, but not after its domain. Move-only; any one thread at a time.
 class SerializedSample {
 public:
@@ -186,7 +186,7 @@ public:
   /// Sends pending samples if the domain batches writes (DomainOptions::batch_writes).
   void flush() noexcept { dds_write_flush(handle()); }
 
-  /// Returns true if all readers acknowledged all samples within `timeout`.
+  /// True if all readers acknowledged all samples within `timeout`.
   bool wait_for_acknowledgments(Duration timeout);
 
   PublicationMatchedStatus publication_matched_status();

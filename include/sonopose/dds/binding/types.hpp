@@ -13,7 +13,7 @@ namespace sonopose::dds {
 /// Nanoseconds, as in DDS.
 using Duration = std::chrono::nanoseconds;
 
-/// The infinite duration of DDS.
+/// Infinite duration of DDS.
 inline constexpr Duration infinite = Duration::max();
 static_assert(infinite.count() == DDS_INFINITY);
 

@@ -25,7 +25,7 @@ struct Mismatch {
 /// is reliable, a reader best effort).
 std::vector<Mismatch> mismatches(const Qos& writer, const Qos& reader);
 
-/// The mismatch as text: "deadline: offered 200 ms, requested 100 ms: a reader must not request less than is
+/// Mismatch as text: "deadline: offered 200 ms, requested 100 ms: a reader must not request less than is
 /// offered".
 std::string text_of(const Mismatch& mismatch);
 

@@ -46,9 +46,9 @@ struct SerializedTopic {
   /// Fields of a serialized key, or of a sample, which begins with its key, in the order of the IDL. Empty if
   /// the bytes are neither.
   std::vector<KeyField> (*key_fields)(std::span<const std::byte> key);
-  /// Returns true if a late reader receives the latest sample of each instance.
+  /// True if a late reader receives the latest sample of each instance.
   bool (*is_latched)(const qos::Provider& qos);
-  /// Returns true if only the strongest writer of an instance is heard.
+  /// True if only the strongest writer of an instance is heard.
   bool (*is_exclusive)(const qos::Provider& qos);
 };
 

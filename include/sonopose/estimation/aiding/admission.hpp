@@ -24,16 +24,15 @@ namespace admission {
 /// Largest lead of a measurement over the latest IMU sample. A sample may arrive after it.
 inline constexpr double future_tolerance_s = 0.3;
 
-/// Returns true if a stamp is in the valid range, in which differences do not overflow.
+/// True if a stamp is in the valid range, in which differences do not overflow.
 [[nodiscard]] bool is_time(TimeNs stamp_ns);
 
-/// Returns true if an IMU sample is a possible measurement that follows the state at `now_ns` (0: no state
-/// yet). Equal stamps are admitted: a clock with a resolution of a millisecond assigns them to distinct
-/// samples.
+/// True if an IMU sample is a possible measurement that follows the state at `now_ns` (0: no state yet).
+/// Equal stamps are admitted: a clock with a resolution of a millisecond assigns them to distinct samples.
 [[nodiscard]] bool admits(const AdmissionSettings& settings, TimeNs now_ns, const ImuSample& imu);
 
-/// Returns true if an admissible sample is so far ahead of the state's time that the next one must confirm
-/// it. Otherwise one corrupt stamp would exclude all later samples.
+/// True if an admissible sample is so far ahead of the state's time that the next one must confirm it.
+/// Otherwise one corrupt stamp would exclude all later samples.
 [[nodiscard]] bool is_time_jump(AdmissionState& state, TimeNs now_ns, const ImuSample& imu);
 
 /// Registers a sample that was not admitted. Returns true after several consecutive samples before the
@@ -41,7 +40,7 @@ inline constexpr double future_tolerance_s = 0.3;
 /// the future.
 [[nodiscard]] bool needs_time_reset(AdmissionState& state, TimeNs now_ns, const ImuSample& imu);
 
-/// Returns true if a heading measured at `measured_ns` is a possible and recent measurement.
+/// True if a heading measured at `measured_ns` is a possible and recent measurement.
 [[nodiscard]] bool admits(const AdmissionSettings& settings, TimeNs now_ns, const PairHeading& heading,
                           TimeNs measured_ns, double ahead_s = future_tolerance_s);
 

@@ -11,7 +11,7 @@
 
 namespace sonopose::estimation::aiding {
 
-/// Returns true if two positions have equal coordinates at the resolution of a beacon.
+/// True if two positions have equal coordinates at the resolution of a beacon.
 [[nodiscard]] bool is_same_position(const Vector3d& a_world_m, const Vector3d& b_world_m);
 
 /// Detects a position that the source reports instead of a solution: the fixes leave it by decimetres and
@@ -22,7 +22,7 @@ struct DefaultPosition {
     Vector3d position_world_m = Vector3d::Zero();
     bool operator==(const Coordinates&) const = default;
   };
-  std::array<Coordinates, capacity> recent;  ///< the latest fixes
+  std::array<Coordinates, capacity> recent;  ///< latest fixes
   int fixes = 0;                             ///< number of fixes so far, modulo a multiple of the capacity
   bool is_known = false;
   Vector3d default_world_m = Vector3d::Zero();
@@ -31,7 +31,7 @@ struct DefaultPosition {
 
   /// Adds a fix. Returns true if it is the default position.
   bool add(TimeNs time_ns, const Vector3d& position_world_m);
-  /// Returns true if it was reported in the last seconds.
+  /// True if it was reported in the last seconds.
   [[nodiscard]] bool is_active(TimeNs now_ns) const;
   bool operator==(const DefaultPosition&) const = default;
 };

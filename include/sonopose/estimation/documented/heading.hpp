@@ -23,14 +23,14 @@ struct HeadingState {
 
 namespace heading {
 
-/// The yaw shown by the pair: the direction of its axis minus the mount offset. It is the body's yaw while
-/// the body is level. Otherwise the axis leaves that direction, unless it is body X.
+/// Yaw shown by the pair: the direction of its axis minus the mount offset. It is the body's yaw while the
+/// body is level. Otherwise the axis leaves that direction, unless it is body X.
 [[nodiscard]] double yaw_by_pair(const HeadingSettings& settings, const Quaterniond& q_body_to_world);
 
 /// Turns the body about the vertical and records the turn as a correction.
 void turn(Kinematics& body, attitude::AnyFilter& filter, double angle_rad);
 
-/// Returns true if a paired heading is valid at `now_ns`.
+/// True if a paired heading is valid at `now_ns`.
 [[nodiscard]] bool is_valid(const HeadingSettings& settings, const HeadingState& state, TimeNs now_ns);
 
 /// Sets the target yaw from a heading: the turn that takes the pair's axis, as at the measurement, to it. The

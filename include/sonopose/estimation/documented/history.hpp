@@ -36,13 +36,13 @@ public:
     return empty() || point.time_ns >= newest().time_ns;
   }
 
-  /// The path at `time_ns`, interpolated; empty if the history begins later. Times after the newest point
-  /// give the newest point.
+  /// Path at `time_ns`, interpolated; empty if the history begins later. Times after the newest point give
+  /// the newest point.
   [[nodiscard]] std::optional<InertialPoint> at(TimeNs time_ns) const;
 
   [[nodiscard]] bool empty() const { return size_ == 0; }
   [[nodiscard]] std::size_t size() const { return size_; }
-  /// The points from the oldest, 0, to the newest. Pushing them in order into an empty history gives an equal
+  /// Points from the oldest, 0, to the newest. Pushing them in order into an empty history gives an equal
   /// one.
   [[nodiscard]] const InertialPoint& operator[](std::size_t index) const { return back(size_ - 1 - index); }
   [[nodiscard]] const InertialPoint& newest() const { return points_[last_]; }

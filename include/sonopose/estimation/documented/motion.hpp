@@ -17,7 +17,7 @@ namespace motion {
 [[nodiscard]] Vector3d gate(const MotionSettings& settings, const Kinematics& body,
                             const Vector3d& acceleration_world_mps2);
 
-/// Returns true if the gate reduces the acceleration at the current rate.
+/// True if the gate reduces the acceleration at the current rate.
 [[nodiscard]] bool is_gated(const MotionSettings& settings, const Kinematics& body);
 
 /// Integrates velocity and position over `dt_s` at constant acceleration: p += v·dt + ½·a·dt², v += a·dt.

@@ -34,14 +34,13 @@ struct OutageState {
 
 namespace outage {
 
-/// Returns true if the time between two IMU samples is too long to integrate over.
+/// True if the time between two IMU samples is too long to integrate over.
 [[nodiscard]] bool is_imu_gap(const OutageSettings& settings, double dt_s);
 
-/// Returns true if an event at `then_ns` is not yet stale.
+/// True if an event at `then_ns` is not yet stale.
 [[nodiscard]] bool is_recent(const OutageSettings& settings, TimeNs then_ns, TimeNs now_ns);
 
-/// Returns true if acceleration must be ignored at `now_ns`. When stale mode begins, the next fix sets the
-/// position.
+/// True if acceleration must be ignored at `now_ns`. When stale mode begins, the next fix sets the position.
 bool update(const OutageSettings& settings, OutageState& state, TimeNs now_ns);
 
 /// Performs one step of stale mode: the speed falls as exp(−rate·t).

@@ -13,8 +13,8 @@ struct ScatterState {
   static constexpr double min_m = 0.01;
   static constexpr int samples_to_learn = 10;
   Vector3d noise_world_m = Vector3d::Constant(min_m);  ///< standard deviation of a fix, per axis
-  int learned = 0;                                     ///< from so many intervals, up to samples_to_learn
-  TimeNs last_measured_ns = 0;                         ///< measurement time of the latest fix; 0: none
+  int learned = 0;              ///< number of intervals learned from, up to samples_to_learn
+  TimeNs last_measured_ns = 0;  ///< measurement time of the latest fix; 0: none
   Vector3d last_position_world_m = Vector3d::Zero();
   Vector3d last_excess_world_mps =
       Vector3d::Zero();  ///< velocity between the latest fixes minus that of the IMU alone

@@ -54,7 +54,7 @@ struct FixAssessment {
       Vector3d::Zero();  ///< step from the previous rival, if they agree along the path
   bool trusted = true;   ///< true if trust in the track is full
   bool track_accepted =
-      false;               ///< true if this fix makes the track accepted against the IMU (items 19 and 20)
+      false;               ///< true if the track is accepted against the IMU with this fix (items 19 and 20)
   bool new_track = false;  ///< true if no velocity can be measured from the previous fixes to this one
 };
 
@@ -66,8 +66,8 @@ namespace trust {
 /// Share of each axis of a fix that counts, by its noise: 1 up to half of item 13, then falling as 1/noise.
 [[nodiscard]] Vector3d share_of(const TrustSettings& settings, const Vector3d& noise_world_m);
 
-/// Returns true if a pose at this distance from its fix is still converging: the fix's weight would be below
-/// one half.
+/// True if a pose at this distance from its fix is still converging: the fix's weight would be below one
+/// half.
 [[nodiscard]] bool is_far(const TrustSettings& settings, double distance_m);
 
 /// Assesses a fix by its innovation. This is its distance to the position predicted from the previous fix and

@@ -24,7 +24,7 @@ struct PastFix {
   bool operator==(const PastFix&) const = default;
 };
 
-/// The latest good fixes, newest first, from which the next velocity is measured.
+/// Latest good fixes, newest first, from which the next velocity is measured.
 struct VelocityState {
   static constexpr int capacity = 8;
   std::array<PastFix, capacity> fixes;

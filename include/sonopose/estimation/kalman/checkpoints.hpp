@@ -29,7 +29,7 @@ public:
   [[nodiscard]] const Checkpoint& oldest() const { return slots_[order_.front()]; }
   [[nodiscard]] const Checkpoint& latest() const { return slots_[order_[count_ - 1]]; }
 
-  /// Returns true if a state of this time is to be added.
+  /// True if a state of this time is to be added.
   [[nodiscard]] bool is_due(TimeNs time_ns) const;
 
   /// Adds the latest state and removes those that are too dense or too old.

@@ -37,7 +37,7 @@ inline TimeNs order_key(const AidingMeasurement& aiding) {
   return fix != nullptr ? fix->time_ns : std::get<HeadingMeasurement>(aiding).time_ns + after_fix_ns;
 }
 
-/// The oldest state that is kept and the events since then: enough to compute everything again.
+/// Oldest state that is kept and the events since then: enough to compute everything again.
 struct History {
   State base;
   std::vector<ImuMeasurement> imu;
@@ -56,13 +56,13 @@ public:
   /// Removes all events and states.
   void clear();
 
-  /// The current state. After `add` of a fix or heading it includes this event; after `add` of a sample it
+  /// Current state. After `add` of a fix or heading it includes this event; after `add` of a sample it
   /// excludes it; after `finish_pending_work` it includes all events.
   [[nodiscard]] const State& now() const { return now_; }
 
-  /// Returns true if `finish_pending_work` has work left.
+  /// True if `finish_pending_work` has work left.
   [[nodiscard]] bool is_behind() const { return is_behind_; }
-  /// Returns true if that work is the sample that was added last.
+  /// True if that work is the sample that was added last.
   [[nodiscard]] bool is_behind_sample() const { return is_behind_ && until_ns_ != forever_ns; }
 
   /// Time of the latest sample; 0 before the first.
@@ -77,10 +77,10 @@ public:
   /// samples have shown that the stamps of fixes and headings are wrong.
   [[nodiscard]] double ahead_s() const;
 
-  /// Returns true if a measurement of this time can still be inserted: it is not too old, and there is room.
+  /// True if a measurement of this time can still be inserted: it is not too old, and there is room.
   [[nodiscard]] bool reaches(TimeNs time_ns) const;
 
-  /// Returns true if the same measurement is already stored.
+  /// True if the same measurement is already stored.
   [[nodiscard]] bool contains(const AidingMeasurement& aiding) const;
 
   /// Inserts a measurement at its time; `finish_pending_work` repeats the later events. Returns the outcome

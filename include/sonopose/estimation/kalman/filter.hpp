@@ -90,7 +90,7 @@ struct NominalStep {
   Vector3d force_world_mps2;
 };
 
-/// The nominal state and its covariance. A plain value; no function throws or allocates.
+/// Nominal state and its covariance. A plain value; no function throws or allocates.
 class Filter : public NominalState {
 public:
   Vector3d gyro_bias_body_radps = Vector3d::Zero();

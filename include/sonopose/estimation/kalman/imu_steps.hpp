@@ -19,7 +19,7 @@ struct ImuMeasurement {
   bool operator==(const ImuMeasurement&) const = default;
 };
 
-/// The motion between two samples.
+/// Motion between two samples.
 struct ImuStep {
   double duration_s = 0;
   Vector3d rate_body_radps = Vector3d::Zero();  ///< mean
@@ -65,9 +65,9 @@ public:
   [[nodiscard]] double duration_s() const { return duration_s_; }
   void add(const ImuStep& step);
 
-  /// Returns true if there is more than one step.
+  /// True if there is more than one step.
   [[nodiscard]] bool has_several() const { return duration_s_ > latest_.duration_s; }
-  /// The joined step. Requires at least one step.
+  /// Joined step. Requires at least one step.
   [[nodiscard]] ImuStep joined() const;
   [[nodiscard]] const ImuStep& latest() const { return latest_; }
 

@@ -59,7 +59,7 @@ void add_heading(RestState& state, TimeNs time_ns, double heading_rad);
 /// Ends the rest after a gap in the samples.
 void restart(RestState& state);
 
-/// Returns true if the body rests and the latest fixes since then, at least `min_fixes`, agree with that.
+/// True if the body rests and the latest fixes since then, at least `min_fixes`, agree with that.
 [[nodiscard]] bool fixes_stand_still(const RestState& state, const Vector3d& fix_std_m, int min_fixes);
 
 /// Variance (rad/s)² of the mean rate over the half second of rest that ends now, as a measurement of the
@@ -69,7 +69,7 @@ void restart(RestState& state);
 /// Variance (m/s)² of zero velocity as a measurement at this moment of a rest.
 [[nodiscard]] double still_velocity_variance(const RestState& state, TimeNs now_ns);
 
-/// Returns true if the latest headings since the rest began contradict a body that does not turn.
+/// True if the latest headings since the rest began contradict a body that does not turn.
 [[nodiscard]] bool headings_turn(const RestState& state, double heading_std_rad);
 
 }  // namespace rest

@@ -95,7 +95,7 @@ struct State {
 
   bool operator==(const State&) const = default;
 
-  /// The best filter. Requires that the estimate has started.
+  /// Best filter. Requires that the estimate has started.
   [[nodiscard]] const Filter& filter() const { return bank.best().filter; }
 
   /// Mean square distance of all starts from the best one, weighted by likelihood; zero while tracking.
@@ -118,7 +118,7 @@ struct State {
   void close_steps();
   /// Applies the open steps and propagates the covariance of every filter to the time of the latest sample.
   void propagate();
-  /// Returns true if no fix or heading has required a propagation for a while.
+  /// True if no fix or heading has required a propagation for a while.
   [[nodiscard]] bool covariance_is_old() const;
 };
 

@@ -32,7 +32,7 @@ struct State {
 /// Values that are constant over a step from sample k−1 to sample k.
 enum class Rule : std::uint8_t {
   previous,  ///< rate and specific force of sample k−1, as in the document: first order in the step
-  mean       ///< the mean of both samples, each force rotated by its own attitude: second order
+  mean       ///< mean of both samples, each force rotated by its own attitude: second order
 };
 
 constexpr std::array<std::string_view, 2> choices_of(Rule /*rule*/) {

@@ -17,7 +17,7 @@ const std::vector<std::string>& beacon_topics();
 /// topics are then in the node's namespace.
 std::string topic_prefix(const std::string& pattern, BeaconAddress address);
 
-/// Returns true if each beacon has topics with different names.
+/// True if each beacon has topics with different names.
 bool has_topics_per_beacon(const std::string& pattern);
 
 /// Throws std::invalid_argument, with topic and reason, if ROS 2 does not allow a topic name of any beacon.

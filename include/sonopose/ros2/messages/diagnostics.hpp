@@ -19,7 +19,7 @@ struct Diagnostic {
   Level level = Level::ok;
   std::string name;         ///< `node: task`
   std::string message;      ///< a short text
-  std::string hardware_id;  ///< the beacon's address
+  std::string hardware_id;  ///< beacon's address
   std::vector<std::pair<std::string, std::string>> values;
 };
 

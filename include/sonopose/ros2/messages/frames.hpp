@@ -42,8 +42,8 @@ private:
 /// for any address.
 void check(const FrameNames& patterns);
 
-/// Returns true if each beacon has different frames for base and IMU, and for `odom` if the relay publishes
-/// its transform. The tree requires this because a frame has one parent.
+/// True if each beacon has different frames for base and IMU, and for `odom` if the relay publishes its
+/// transform. The tree requires this because a frame has one parent.
 bool has_frames_per_beacon(const FrameNames& patterns, bool moves_odom);
 
 /// Pose of the IMU on the robot.

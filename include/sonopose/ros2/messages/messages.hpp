@@ -33,7 +33,7 @@ std::optional<MagneticField> magnetic_field(const ImuSample& sample, TimeNs stam
 Odometry odometry(const FusedPose& pose, TimeNs stamp_ns, const FrameNames& frames, const Mount& mount,
                   const Noise& noise);
 
-/// The pose of an odometry message.
+/// Pose of an odometry message.
 PoseWithCovarianceStamped pose_of(const Odometry& odometry);
 
 /// A position without orientation.

@@ -42,7 +42,7 @@ public:
   /// `rate_hz`: 0 means no limit.
   explicit RateLimit(double rate_hz) : period_ns_(rate_hz > 0 ? to_ns(std::min(1 / rate_hz, 1e6)) : 0) {}
 
-  /// Returns true if the message with this stamp is to be published.
+  /// True if the message with this stamp is to be published.
   bool admits(TimeNs stamp_ns);
 
 private:

@@ -23,9 +23,9 @@ namespace sonopose::ros2 {
 
 inline constexpr const char* discovery_topic = "ros_discovery_info";
 
-/// The layout of `ros_discovery_info`: a `Gid` has 24 bytes up to Humble and 16 bytes later. A process of
-/// Iron or later does not list a node that is announced in Humble's layout; one of Humble fails to list any
-/// node if one is announced in the later layout.
+/// Layout of `ros_discovery_info`: a `Gid` has 24 bytes up to Humble and 16 bytes later. A process of Iron or
+/// later does not list a node that is announced in Humble's layout; one of Humble fails to list any node if
+/// one is announced in the later layout.
 enum class Distro : std::uint8_t {
   humble,  ///< Humble and earlier
   jazzy    ///< Iron and later
@@ -95,8 +95,8 @@ public:
     remove(service.replies());
   }
 
-  /// Returns true if another participant has announced a node of the same name since the last call. ROS 2
-  /// then shows only one of them.
+  /// True if another participant has announced a node of the same name since the last call. ROS 2 then shows
+  /// only one of them.
   bool found_namesake();
 
 private:

@@ -37,7 +37,7 @@ struct AllanNumbers {
 /// leaves the line of the noise density by more than its own error and has stopped falling.
 AllanNumbers allan_numbers(std::span<const AllanPoint> curve);
 
-/// The six axes of an IMU in the order of `allan_axes`.
+/// Six axes of an IMU in the order of `allan_axes`.
 inline constexpr std::array<std::string_view, 6> allan_axes{
     "gyroscope x", "gyroscope y", "gyroscope z", "accelerometer x", "accelerometer y", "accelerometer z"};
 

@@ -31,7 +31,7 @@ struct Admitted {
   std::vector<NumberedAiding> aidings;
 };
 
-/// Finds out what the engine admits, by running it.
+/// Finds what the engine admits by running it.
 class Admission {
 public:
   explicit Admission(const settings::Settings& settings) : engine_(settings), admitted_(1) {}
@@ -93,8 +93,8 @@ private:
 };
 
 /// Runs the engine's state over admitted measurements in their order and collects the verdicts. The engine
-/// arrives at the same, after it has repeated what followed each late measurement. With a fast IMU there are
-/// tiny differences: the engine also makes the open steps at checkpoints.
+/// arrives at the same verdicts after repeating what followed each late measurement. With a fast IMU there
+/// are tiny differences: the engine also makes the open steps at checkpoints.
 class Judge {
 public:
   explicit Judge(const settings::Settings& settings) : settings_(settings) {}

@@ -10,6 +10,7 @@ namespace admission_test {
 using namespace sonopose;
 using namespace sonopose::estimation;
 using namespace sonopose::estimation::aiding;
+using namespace sonopose::estimation::documented;
 using namespace sonopose::settings;
 using test::epoch_ns;
 

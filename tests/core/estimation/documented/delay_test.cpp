@@ -4,9 +4,12 @@
 
 #include <support/engine_driver.hpp>
 
+#include <sonopose/estimation/aiding/delay.hpp>
+
 namespace delay_test {
 
 using namespace sonopose;
+using namespace sonopose::estimation;
 using namespace sonopose::estimation::documented;
 using namespace sonopose::settings;
 using test::epoch_ns;

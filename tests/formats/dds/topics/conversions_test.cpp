@@ -253,7 +253,7 @@ TEST_CASE("Every documented setting fits into its bounded types") {
   std::ifstream page(std::string(SONOPOSE_SOURCE_DIR) + "/docs/settings.md");
   REQUIRE(page.good());
   const std::string text{std::istreambuf_iterator<char>(page), {}};
-  const std::regex key("`([a-z_]+\\.[a-z_0-9]+)`");
+  const std::regex key("`([a-z_]+(?:\\.[a-z_0-9]+)+)`");
   std::set<std::string> keys;
   for (std::sregex_iterator match(text.begin(), text.end(), key), end; match != end; ++match) {
     keys.insert((*match)[1]);

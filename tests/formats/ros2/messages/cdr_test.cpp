@@ -1,6 +1,6 @@
 /// Serialized bytes of every message, compared with a manual layout.
 
-#include "ros2/raw_cdr.hpp"
+#include "ros2/messages/raw_cdr.hpp"
 #include "support/ros2_fields.hpp"
 
 #include <catch2/catch.hpp>

@@ -1,6 +1,6 @@
 /// Discovery of other ROS 2 processes, and the layout of `ros_discovery_info` that suits them.
 
-#include "raw_cdr.hpp"
+#include "ros2/messages/raw_cdr.hpp"
 #include "support/ros2_graph.hpp"
 #include "support/test_domain.hpp"
 #include <sonopose/ros2/node/graph.hpp>

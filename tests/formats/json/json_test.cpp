@@ -17,6 +17,7 @@
 namespace json_test {
 
 using namespace sonopose;
+using namespace sonopose::json;
 using namespace sonopose::monitor::echo;
 
 /// Names of a struct's fields in sonopose.idl.
