@@ -99,8 +99,11 @@ std::string whole_description(const CLI::Option& option) {
   }
   if (!option.get_needs().empty()) details.push_back("needs " + names_of(option.get_needs()));
   if (!option.get_excludes().empty()) details.push_back("not with " + names_of(option.get_excludes()));
-  if (details.empty()) return option.get_description();
-  return fmt::format("{} ({})", option.get_description(), fmt::join(details, "; "));
+  std::string description = option.get_description();
+  if (details.empty()) return description;
+  if (!description.ends_with(')')) return fmt::format("{} ({})", description, fmt::join(details, "; "));
+  description.pop_back();
+  return fmt::format("{}; {})", description, fmt::join(details, "; "));
 }
 
 std::string brief_option(const CLI::Option& option) {

@@ -54,7 +54,7 @@ SCENARIO("a fusion refuses an invalid configuration") {
   WHEN("a key is misspelt") {
     const std::string said = refused_config("[documented.drift]\n\ndecay_rat_hz = 2.0\n");
     THEN("file, line and key are named, and the nearest key") {
-      CHECK_THAT(said, Contains("fusion.toml:3:") && Contains("'drift.decay_rat_hz'") &&
+      CHECK_THAT(said, Contains("fusion.toml:3:") && Contains("'documented.drift.decay_rat_hz'") &&
                            Contains("'documented.drift.decay_rate_hz'"));
     }
   }

@@ -91,9 +91,9 @@ SCENARIO("settings are changed at run time, and late consumers receive the effec
         CHECK(list[0]["settings"]["documented.trust.sigma_m"] == 0.25);
         CHECK(list[1]["settings"]["documented.trust.sigma_m"] == 0.25);
         CHECK(list[2]["settings"]["documented.trust.sigma_m"] == 0.8);
-        CHECK_THAT(bus.settings({"get", "trust", "--beacon", "8"}).output,
+        CHECK_THAT(bus.settings({"get", "documented.trust", "--beacon", "8"}).output,
                    Contains("[beacon.8]") && Contains("documented.trust.sigma_m = 0.8\n") &&
-                       Contains("documented.trust.n_base = 9\n") && !Contains("drift."));
+                       Contains("documented.trust.n_base = 9\n") && !Contains("documented.drift."));
       }
     }
     WHEN("a request contains one invalid value") {
@@ -136,7 +136,7 @@ SCENARIO("a fusion without a beacon reports the settings that it will use") {
     const Bus bus;
     const auto fusion = bus.fusion({"--set", "documented.trust.n_min=3"});
     THEN("get prints that setting, and reports that a beacon has not been received") {
-      const Result get = bus.settings({"get", "trust"});
+      const Result get = bus.settings({"get", "documented.trust"});
       CAPTURE(get.error);
       CHECK(get.code == 0);
       CHECK_THAT(get.output, Contains("documented.trust.n_min = 3\n") && !Contains("[beacon"));
@@ -147,7 +147,7 @@ SCENARIO("a fusion without a beacon reports the settings that it will use") {
     WHEN("the value is changed for all beacons") {
       REQUIRE(bus.settings({"set", "documented.trust.n_base=9"}).code == 0);
       THEN("get prints it at once") {
-        CHECK_THAT(bus.settings({"get", "trust"}).output,
+        CHECK_THAT(bus.settings({"get", "documented.trust"}).output,
                    Contains("documented.trust.n_min = 3\n") && Contains("documented.trust.n_base = 9\n"));
       }
     }

@@ -38,13 +38,13 @@ struct FilterGroup {
   std::string_view filter;
 };
 
-constexpr std::array<FilterGroup, 7> filter_groups{{{"attitude.adaptive", "adaptive"},
-                                                    {"attitude.rest", "adaptive"},
-                                                    {"attitude.bias", "adaptive"},
-                                                    {"attitude.magnetic", "adaptive"},
-                                                    {"attitude.mahony", "mahony"},
-                                                    {"attitude.complementary", "complementary"},
-                                                    {"attitude.ahrs", "ahrs"}}};
+constexpr std::array<FilterGroup, 7> filter_groups{{{"documented.attitude.adaptive", "adaptive"},
+                                                    {"documented.attitude.rest", "adaptive"},
+                                                    {"documented.attitude.bias", "adaptive"},
+                                                    {"documented.attitude.magnetic", "adaptive"},
+                                                    {"documented.attitude.mahony", "mahony"},
+                                                    {"documented.attitude.complementary", "complementary"},
+                                                    {"documented.attitude.ahrs", "ahrs"}}};
 
 /// Keys that are read only if the magnetometer is used.
 constexpr std::array<std::string_view, 5> magnetometer_keys{
@@ -53,7 +53,7 @@ constexpr std::array<std::string_view, 5> magnetometer_keys{
     "documented.attitude.ahrs.magnetic_rejection_deg"};
 
 bool is_for_magnetometer(const settings::SettingInfo& info) {
-  return info.group == "attitude.magnetic" ||
+  return info.group == "documented.attitude.magnetic" ||
          std::find(magnetometer_keys.begin(), magnetometer_keys.end(), info.key) != magnetometer_keys.end();
 }
 

@@ -40,8 +40,8 @@ std::string settings_page() {
       text += fmt::format("\n## {}\n\n| Key | Default | Allowed | Meaning |\n|---|---|---|---|\n", title);
     }
     const std::string item = row.item == settings::no_item ? "" : fmt::format(" ({})", row.item);
-    text += fmt::format("| `{}` | {} | {} | {}{} |\n", row.key, settings::to_text(row.initial),
-                        row.allowed(), row.sentence, item);
+    text += fmt::format("| `{}` | {} | {} | {}{} |\n", row.key, settings::to_text(row.initial), row.allowed(),
+                        row.sentence, item);
   }
   return text;
 }
@@ -60,7 +60,7 @@ std::string settings_help(const std::string& group) {
   for (const auto& row : settings::setting_table()) {
     if (!group.empty() && row.key != group && !row.key.starts_with(group + ".")) continue;
     const std::string item = row.item == settings::no_item ? "" : fmt::format("  item {}", row.item);
-    rows += fmt::format("  {:<42}{:<10}{}{}\n", row.key, settings::to_text(row.initial), row.allowed(), item);
+    rows += fmt::format("  {:<53}{:<10}{}{}\n", row.key, settings::to_text(row.initial), row.allowed(), item);
   }
   if (rows.empty()) return rows;
   return "Settings for --set, with default and range (--print-config of sonopose-fusion says what they "

@@ -49,14 +49,15 @@ TEST_CASE("the programs' help has a line for every setting, with item, default a
 }
 
 TEST_CASE("the programs' help can be limited to a group or a setting") {
-  CHECK(config::settings_help("drift").find("  heading.") == std::string::npos);
-  CHECK(config::settings_help("drift").find("  documented.drift.jump_alpha ") != std::string::npos);
+  CHECK(config::settings_help("documented.drift").find("  heading.") == std::string::npos);
+  CHECK(config::settings_help("documented.drift").find("  documented.drift.jump_alpha ") !=
+        std::string::npos);
   CHECK(config::settings_help("documented.drift.jump_alpha").find("  documented.drift.jump_alpha ") !=
         std::string::npos);
   CHECK(config::settings_help("dri").empty());
   const auto groups = config::settings_groups();
   for (const std::string& group : groups) CHECK_FALSE(config::settings_help(group).empty());
-  CHECK(std::find(groups.begin(), groups.end(), "attitude.mahony") != groups.end());
+  CHECK(std::find(groups.begin(), groups.end(), "documented.attitude.mahony") != groups.end());
 }
 
 TEST_CASE("the page names every setting") {

@@ -80,7 +80,7 @@ SCENARIO("the table has a row for each beacon") {
                           "     7  lever arm            0.1000±0.0030  0.0200±10.2500 -12.5000±0.0030 m\n"
                           "     7  fix noise                   0.0210 m\n"
                           "     7  heading noise        1.0000±0.1000 deg\n"
-                          "     7  not estimated: delay, heading offset\n"));
+                          "     7  not estimated: delay\n"));
     }
     THEN("no line of it is longer than 80 columns, even without any value") {
       view.estimate = Estimate{};
@@ -96,7 +96,7 @@ SCENARIO("the table has a row for each beacon") {
         }
       }
       CHECK_THAT(nothing, Contains("     7  not estimated: gyro bias, accelerometer bias, lever arm, delay,\n"
-                                   "          fix noise, heading noise, heading offset\n"));
+                                   "          fix noise, heading noise\n"));
     }
   }
   GIVEN("a beacon without a pose writer, and one with a silent IMU") {

@@ -17,13 +17,13 @@ using sonopose::test::TemporaryFolder;
 constexpr std::uint64_t second = 1'000'000'000;
 
 SeriesOptions options_for(const std::filesystem::path& file) {
-  return {
-      .file = file,
-      .writer = {.compression = mcap::Compression::none},
-      .channels = {{"sonopose/reset", "cdr", "sonopose::ResetCommand", "omgidl", "idl"},
-                   {"sonopose/settings", "cdr", "sonopose::EffectiveSettings", "omgidl", "idl", {}, true},
-                   {std::string(bus_log::instance_ends_topic), "json", "sonopose.InstanceEnd", "jsonschema", "{}"}},
-      .about = {{"host", "here"}}};
+  return {.file = file,
+          .writer = {.compression = mcap::Compression::none},
+          .channels = {{"sonopose/reset", "cdr", "sonopose::ResetCommand", "omgidl", "idl"},
+                       {"sonopose/settings", "cdr", "sonopose::EffectiveSettings", "omgidl", "idl", {}, true},
+                       {std::string(bus_log::instance_ends_topic), "json", "sonopose.InstanceEnd",
+                        "jsonschema", "{}"}},
+          .about = {{"host", "here"}}};
 }
 
 mcap::Chunk chunk_of(std::uint16_t channel_id, std::uint64_t log_time_ns, std::span<const std::byte> data,

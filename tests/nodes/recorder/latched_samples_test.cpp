@@ -24,9 +24,9 @@ struct Latched {
   }
   void on_end(BeaconAddress address, std::uint64_t fusion_id) {
     const std::string text = bus_log::json_of({.topic = "sonopose/estimate",
-                                      .disposed = false,
-                                      .key_cdr = estimate_cdr(address, fusion_id),
-                                      .source_time_ns = 1});
+                                               .disposed = false,
+                                               .key_cdr = estimate_cdr(address, fusion_id),
+                                               .source_time_ns = 1});
     const auto bytes = std::as_bytes(std::span(text));
     add(ends_channel, {bytes.begin(), bytes.end()});
   }

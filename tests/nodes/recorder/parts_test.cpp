@@ -33,10 +33,10 @@ TEST_CASE("The queue takes what fits, and gives all of it at once") {
 
 TEST_CASE("The end of an instance as text") {
   const bus_log::InstanceEnd end{.topic = "sonopose/reset",
-                        .disposed = GENERATE(true, false),
-                        .key_cdr = {std::byte{0}, std::byte{1}, std::byte{0}, std::byte{2}, std::byte{7},
-                                    std::byte{1}, std::byte{0xAB}, std::byte{0}},
-                        .source_time_ns = 1'600'000'000'000'000'001};
+                                 .disposed = GENERATE(true, false),
+                                 .key_cdr = {std::byte{0}, std::byte{1}, std::byte{0}, std::byte{2},
+                                             std::byte{7}, std::byte{1}, std::byte{0xAB}, std::byte{0}},
+                                 .source_time_ns = 1'600'000'000'000'000'001};
   CHECK(bus_log::instance_end_of(bus_log::json_of(end)) == end);
   CHECK_THAT(bus_log::json_of(end), Catch::Contains(R"("key":{"address":263},"key_cdr":"000100020701ab00")"));
   for (const char* const text :

@@ -8,7 +8,7 @@ const test = require("node:test");
 const vm = require("node:vm");
 
 const load = (name) => {
-  const file = path.join(__dirname, "../../web", name);
+  const file = path.join(__dirname, "../../../web", name);
   vm.runInThisContext(fs.readFileSync(file, "utf8"), { filename: file });
 };
 globalThis.location = { search: "", protocol: "http:", host: "localhost:8080" };

@@ -31,7 +31,7 @@ std::vector<Term> terms_of(const AccelerometerSettings& model) {
 std::vector<Term> terms_of(const MagnetometerSettings& model) {
   settings::Settings all;
   all.calibration.magnetometer = model;
-  return terms_in(all, "calibration.magnetometer");
+  return terms_in(all, "documented.calibration.magnetometer");
 }
 
 std::string out_of_range(const std::vector<Term>& terms) {

@@ -1,10 +1,10 @@
 /// Delay of the fixes (item 6): extrapolation from the time of measurement to the present.
 
+#include <sonopose/estimation/aiding/delay.hpp>
+
 #include <catch2/catch.hpp>
 
 #include <support/engine_driver.hpp>
-
-#include <sonopose/estimation/aiding/delay.hpp>
 
 namespace delay_test {
 

@@ -38,23 +38,24 @@ TEST_CASE("every field of every group is listed once, under its own name") {
     ++found[dot == std::string::npos ? name : name.substr(0, dot)];
   });
   for (const std::string& name : names) CHECK(names.count(name) == 1);
-  const std::map<std::string, std::size_t> expected{{"body", field_count<Kinematics>()},
-                                                    {"filter", 1},
-                                                    {"startup", field_count<StartupState>()},
-                                                    {"admission", field_count<estimation::aiding::AdmissionState>()},
-                                                    {"default_position", field_count<estimation::aiding::DefaultPosition>()},
-                                                    {"frozen", field_count<FrozenState>()},
-                                                    {"scatter", field_count<ScatterState>()},
-                                                    {"trust", field_count<TrustState>()},
-                                                    {"drift", field_count<DriftState>()},
-                                                    {"velocity", field_count<VelocityState>()},
-                                                    {"alignment", field_count<AlignmentState>()},
-                                                    {"heading", field_count<HeadingState>()},
-                                                    {"outage", field_count<OutageState>()},
-                                                    {"runaway", field_count<RunawayState>()},
-                                                    {"uncertainty", field_count<UncertaintyState>()},
-                                                    {"previous_rate_body_radps", 1},
-                                                    {"in_imu_gap", 1}};
+  const std::map<std::string, std::size_t> expected{
+      {"body", field_count<Kinematics>()},
+      {"filter", 1},
+      {"startup", field_count<StartupState>()},
+      {"admission", field_count<estimation::aiding::AdmissionState>()},
+      {"default_position", field_count<estimation::aiding::DefaultPosition>()},
+      {"frozen", field_count<FrozenState>()},
+      {"scatter", field_count<ScatterState>()},
+      {"trust", field_count<TrustState>()},
+      {"drift", field_count<DriftState>()},
+      {"velocity", field_count<VelocityState>()},
+      {"alignment", field_count<AlignmentState>()},
+      {"heading", field_count<HeadingState>()},
+      {"outage", field_count<OutageState>()},
+      {"runaway", field_count<RunawayState>()},
+      {"uncertainty", field_count<UncertaintyState>()},
+      {"previous_rate_body_radps", 1},
+      {"in_imu_gap", 1}};
   CHECK(found == expected);
   CHECK(field_count<State>() == expected.size());
 }

@@ -185,14 +185,14 @@ TEST_CASE("A client lists and reads the settings of all beacons and of each know
     list.call({}, [&](const auto& response) {
       names = {response.result.names._buffer, response.result.names._buffer + response.result.names._length};
     });
-    return names.contains("beacon_7.trust.n_min");
+    return names.contains("beacon_7.documented.trust.n_min");
   }));
   CHECK(names.size() == 2 * settings::setting_table().size());
 
   Client<ros2::GetParameters> get(system, "get_parameters");
   const settings::Settings defaults;
   CHECK(values_of(get, {"documented.trust.n_min", "documented.trust.sigma_m", "no.such",
-                        "documented.imu_weight", "beacon_9.trust.n_min"}) ==
+                        "documented.imu_weight", "beacon_9.documented.trust.n_min"}) ==
         Texts{"integer " + std::to_string(defaults.trust.n_min),
               "double " + std::to_string(defaults.trust.sigma_m), "not set", "string medium", "not set"});
 }
@@ -233,9 +233,10 @@ TEST_CASE("A client sets settings individually; invalid ones are rejected with t
   const settings::Settings defaults;
   Client<ros2::SetParameters> set(system, "set_parameters");
   const Texts errors = errors_of(
-      set, {parameter("documented.trust.n_min", 2, 4), parameter("beacon_7.trust.sigma_m", 3, 0.25),
-            parameter("documented.trust.n_min", 2, -1), parameter("no.such", 2, 1),
-            parameter("documented.trust.n_min", 9, 0), parameter("documented.imu_weight", 4, 0, "high")});
+      set,
+      {parameter("documented.trust.n_min", 2, 4), parameter("beacon_7.documented.trust.sigma_m", 3, 0.25),
+       parameter("documented.trust.n_min", 2, -1), parameter("no.such", 2, 1),
+       parameter("documented.trust.n_min", 9, 0), parameter("documented.imu_weight", 4, 0, "high")});
   REQUIRE(errors.size() == 6);
   CHECK(errors[0].empty());
   CHECK(errors[1].empty());
@@ -260,7 +261,7 @@ TEST_CASE("A client sets several settings atomically") {
   ros2::SetParametersAtomically::Request request{};
   request.parameters = {2, 2, both.data(), false};
   set.call(request, [](const auto& response) { CHECK_FALSE(response.result.successful); });
-  both[1] = parameter("beacon_7.trust.n_min", 2, 5);
+  both[1] = parameter("beacon_7.documented.trust.n_min", 2, 5);
   set.call(request, [](const auto& response) {
     CHECK_THAT(response.result.reason, Catch::Contains("several beacons"));
   });

@@ -26,15 +26,18 @@ SettingsByBeacon effective_settings() {
 TEST_CASE("A parameter names a setting of all beacons or of one") {
   CHECK(setting_named("documented.drift.jump_alpha") ==
         SettingName{all_beacons, "documented.drift.jump_alpha"});
-  CHECK(setting_named("beacon_7.drift.jump_alpha") == SettingName{7, "documented.drift.jump_alpha"});
-  CHECK(setting_named("beacon_0.attitude.mahony.kp") == SettingName{0, "documented.attitude.mahony.kp"});
-  for (const char* const name : {"", "drift", "drift.jump", "beacon_7", "beacon_7.", "beacon_.trust.n_min",
-                                 "beacon_07.trust.n_min", "beacon_-1.trust.n_min", "beacon_65535.trust.n_min",
-                                 "beacon_70000.trust.n_min", "beacon_7.beacon_7.trust.n_min"}) {
+  CHECK(setting_named("beacon_7.documented.drift.jump_alpha") ==
+        SettingName{7, "documented.drift.jump_alpha"});
+  CHECK(setting_named("beacon_0.documented.attitude.mahony.kp") ==
+        SettingName{0, "documented.attitude.mahony.kp"});
+  for (const char* const name :
+       {"", "drift", "drift.jump", "beacon_7", "beacon_7.", "beacon_.trust.n_min",
+        "beacon_07.documented.trust.n_min", "beacon_-1.trust.n_min", "beacon_65535.documented.trust.n_min",
+        "beacon_70000.documented.trust.n_min", "beacon_7.beacon_7.documented.trust.n_min"}) {
     CAPTURE(name);
     CHECK(setting_named(name) == std::nullopt);
   }
-  for (const char* const name : {"documented.trust.n_min", "beacon_7.trust.n_min"}) {
+  for (const char* const name : {"documented.trust.n_min", "beacon_7.documented.trust.n_min"}) {
     CHECK(parameter_name(setting_named(name).value()) == name);
   }
 }
@@ -42,16 +45,17 @@ TEST_CASE("A parameter names a setting of all beacons or of one") {
 TEST_CASE("Parameters are listed as rclcpp lists them") {
   const auto effective = effective_settings();
   const ParameterList all = list_parameters(effective, {}, 0);
-  CHECK(all.names == Texts{"beacon_7.drift.jump_alpha", "beacon_7.trust.n_min", "documented.drift.jump_alpha",
-                           "documented.trust.n_min"});
-  CHECK(all.prefixes == Texts{"beacon_7.drift", "beacon_7.trust", "drift", "trust"});
-  CHECK(list_parameters(effective, {}, 2).names ==
+  CHECK(all.names == Texts{"beacon_7.documented.drift.jump_alpha", "beacon_7.documented.trust.n_min",
+                           "documented.drift.jump_alpha", "documented.trust.n_min"});
+  CHECK(all.prefixes == Texts{"beacon_7.documented.drift", "beacon_7.documented.trust", "documented.drift",
+                              "documented.trust"});
+  CHECK(list_parameters(effective, {}, 3).names ==
         Texts{"documented.drift.jump_alpha", "documented.trust.n_min"});
-  CHECK(list_parameters(effective, {}, 1).names.empty());
+  CHECK(list_parameters(effective, {}, 2).names.empty());
   CHECK(list_parameters(effective, {"beacon_7"}, 0).names ==
-        Texts{"beacon_7.drift.jump_alpha", "beacon_7.trust.n_min"});
+        Texts{"beacon_7.documented.drift.jump_alpha", "beacon_7.documented.trust.n_min"});
   CHECK(list_parameters(effective, {"beacon_7"}, 1).names.empty());
-  CHECK(list_parameters(effective, {"trust", "documented.drift.jump_alpha"}, 1).names ==
+  CHECK(list_parameters(effective, {"documented.trust", "documented.drift.jump_alpha"}, 1).names ==
         Texts{"documented.drift.jump_alpha", "documented.trust.n_min"});
   CHECK(list_parameters(effective, {"tru"}, 0).names.empty());
   CHECK(list_parameters({}, {}, 0).names.empty());
@@ -60,8 +64,8 @@ TEST_CASE("Parameters are listed as rclcpp lists them") {
 TEST_CASE("A parameter has the effective value, with the type of its setting") {
   const auto effective = effective_settings();
   CHECK(parameter_value(effective, "documented.drift.jump_alpha") == settings::SettingValue(0.5));
-  CHECK(parameter_value(effective, "beacon_7.trust.n_min") == settings::SettingValue(3));
-  CHECK(parameter_value(effective, "beacon_8.trust.n_min") == std::nullopt);
+  CHECK(parameter_value(effective, "beacon_7.documented.trust.n_min") == settings::SettingValue(3));
+  CHECK(parameter_value(effective, "beacon_8.documented.trust.n_min") == std::nullopt);
   CHECK(parameter_value(effective, "documented.trust.n_max") == std::nullopt);
   CHECK(parameter_value(effective, "no.such") == std::nullopt);
 }

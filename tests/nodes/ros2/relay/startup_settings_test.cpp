@@ -20,7 +20,7 @@ TEST_CASE("Settings are checked by name, type and range") {
 }
 
 TEST_CASE("The settings of all beacons are requested before those of one, and the last value counts") {
-  const auto requests = requests_of({{"beacon_7.trust.n_min", "3"},
+  const auto requests = requests_of({{"beacon_7.documented.trust.n_min", "3"},
                                      {"documented.trust.n_min", "4"},
                                      {"documented.trust.n_min", "5"},
                                      {"documented.trust.sigma_m", "0.2"}});

@@ -56,11 +56,11 @@ TEST_CASE("KEY=VALUE is parsed with any value; other forms are rejected") {
 
 TEST_CASE("keys and groups can be selected") {
   CHECK(keys_of(selected(some(), {})).size() == 5);
-  CHECK(keys_of(selected(some(), {"trust"})) ==
+  CHECK(keys_of(selected(some(), {"documented.trust"})) ==
         std::vector<std::string>{"documented.trust.enabled", "documented.trust.n_base"});
   CHECK(keys_of(selected(some(), {"documented.trust.n_base", "documented.drift.jump_alpha"})) ==
         std::vector<std::string>{"documented.drift.jump_alpha", "documented.trust.n_base"});
-  CHECK_THROWS_WITH(selected(some(), {"trust", "trus"}), Contains("'trus'"));
+  CHECK_THROWS_WITH(selected(some(), {"documented.trust", "trus"}), Contains("'trus'"));
   CHECK_THROWS_AS(selected(some(), {"trust.n"}), std::invalid_argument);
 }
 
@@ -102,16 +102,17 @@ TEST_CASE("items 2, 3 and 4 under a preset are comments, so that loading the fil
           settings::get(settings::resolved(low), row.key));
   }
   CHECK_THAT(toml_of(settings), Contains("\n# documented.drift.jump_alpha = "));
-  CHECK_THAT(toml_of(settings, {"drift"}),
+  CHECK_THAT(toml_of(settings, {"documented.drift"}),
              Contains("\n# documented.drift.jump_alpha = "));  // even if the preset is not selected
   low.preset.imu_weight = settings::ImuWeight::user;
-  CHECK_THAT(toml_of({{7, 0, 1, config::texts_of(low)}}), Contains("\ndrift.jump_alpha = "));
+  CHECK_THAT(toml_of({{7, 0, 1, config::texts_of(low)}}), Contains("\ndocumented.drift.jump_alpha = "));
 }
 
 TEST_CASE("names are checked against the settings table") {
   CHECK_NOTHROW(check_names({}));
-  CHECK_NOTHROW(check_names({"trust", "documented.drift.jump_alpha", "attitude", "attitude.mahony"}));
-  CHECK_THROWS_WITH(check_names({"trust", "trust.sigma"}),
+  CHECK_NOTHROW(check_names(
+      {"documented.trust", "documented.drift.jump_alpha", "documented", "documented.attitude.mahony"}));
+  CHECK_THROWS_WITH(check_names({"documented.trust", "trust.sigma"}),
                     Contains("'trust.sigma'") && Contains("'documented.trust.sigma_m'"));
   CHECK_THROWS_WITH(check_names({"trus"}), Contains("'trus'"));
   CHECK_THROWS_AS(check_names({""}), settings::SettingError);
