@@ -32,7 +32,7 @@ endfunction()
 # Code off the path from a sample to its pose compiles in two thirds of the time with -Og. Releases optimise everything.
 function(sonopose_cold target)
   if(SONOPOSE_SANITIZE MATCHES fuzzer)
-    return()  # a fuzzer lives from its speed
+    return()  # fuzzing needs speed
   endif()
   target_compile_options(${target} PRIVATE $<$<CONFIG:RelWithDebInfo>:-Og>)
 endfunction()
@@ -67,7 +67,7 @@ endfunction()
 # sonopose_module(NAME [COLD | HOT] [SOURCES ...] [USES ...] [PRIVATELY_USES ...]): one library `sonopose::NAME` for the
 # folder of its CMakeLists.txt; without sources it is headers alone. USES and PRIVATELY_USES are the dependency rule: a
 # module includes only what is listed there (tests/architecture/dependencies_test.cpp). COLD: not on the path
-# from a sample to its pose, in DDS or ROS 2. HOT: most of the work for a sample, or for a look of the doctor.
+# from a sample to its pose, in DDS or ROS 2. HOT: most of the work for a sample, or for a run of the doctor.
 function(sonopose_module name)
   cmake_parse_arguments(module "COLD;HOT" "" "SOURCES;USES;PRIVATELY_USES" ${ARGN})
   set(includes $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)

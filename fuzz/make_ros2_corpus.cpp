@@ -101,7 +101,7 @@ void write_ros2_parameters(const fs::path& folder) {
   };
   write_list(0, {}, "list_all");
   write_list(1, {}, "list_flat");
-  write_list(2, {"trust", "beacon_7", "documented.trust.n_min", "none"}, "list_prefixes");
+  write_list(2, {"documented.trust", "beacon_7", "documented.trust.n_min", "none"}, "list_prefixes");
 
   std::vector<ros2::Parameter> parameters(6);
   for (std::size_t i = 0; i < parameters.size(); ++i) {

@@ -90,8 +90,9 @@ AppliedParameters apply_parameters(const Arguments& arguments, const Ros2Program
     } else if (ros2::relay::setting_named(parameter.name)) {
       applied.settings.push_back(setting_of(parameter));
     } else {
-      logging::warning(fmt::format("{}: {} is neither a setting nor an option of the relay", parameter.origin,
-                                   parameter.name));
+      logging::warning(fmt::format("{}: {} is neither a setting nor an option of the relay; {}",
+                                   parameter.origin, parameter.name,
+                                   ros2::relay::why_unknown(parameter.name)));
     }
   }
   return applied;

@@ -14,7 +14,7 @@ namespace {
 
 using namespace sonopose;
 
-constexpr BeaconAddress address = 7;
+constexpr BeaconAddress address = 42;
 constexpr double radius_m = 2.0;
 constexpr double turn_rate_radps = 0.5;  // counter-clockwise, at 1 m/s
 constexpr double fix_delay_s = 0.07;     // from the emission of a fix to its receipt

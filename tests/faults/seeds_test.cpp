@@ -1,7 +1,7 @@
 /// Plays the plans of some seeds and checks the data that a consumer received. The suite's seeds have no
 /// absolute time limits; scripts/soak plays other seeds with them:
 ///
-///     SONOPOSE_FAULT_SEEDS=1-300 build/dev/tests/faults/test_faults "[seeds]"
+///     SONOPOSE_FAULT_SEEDS=1-300 build/dev/tests/test_faults "[seeds]"
 
 #include "clocks/clocks.hpp"
 #include "faults/cast.hpp"
@@ -193,7 +193,7 @@ void play_and_judge(std::uint64_t seed, Timing timing) {
     outcome = play(plan, timing);
   }
   print_row(outcome, outcome.verdict.violations.empty() ? "ok" : "FAILED");
-  INFO("repeat it with: SONOPOSE_FAULT_SEEDS=" << seed << " build/dev/tests/faults/test_faults \"[seeds]\"");
+  INFO("repeat it with: SONOPOSE_FAULT_SEEDS=" << seed << " build/dev/tests/test_faults \"[seeds]\"");
   CHECK(outcome.verdict.violations == std::vector<std::string>{});
 }
 

@@ -27,7 +27,8 @@ for example in consumer producer ros2_listener_cyclone; do
 done
 build_example c_consumer -DSONOPOSE_IDL="$share/idl/sonopose.idl"
 build_example embedded -DCMAKE_PREFIX_PATH="$work/prefix" ${flags:+-DCMAKE_CXX_FLAGS=-fsanitize=$flags} \
-  -DCMAKE_DISABLE_FIND_PACKAGE_CycloneDDS=ON -DCMAKE_DISABLE_FIND_PACKAGE_pugixml=ON
+  -DCMAKE_DISABLE_FIND_PACKAGE_CycloneDDS=ON -DCMAKE_DISABLE_FIND_PACKAGE_pugixml=ON \
+  -DCMAKE_DISABLE_FIND_PACKAGE_fmt=ON -DCMAKE_DISABLE_FIND_PACKAGE_Threads=ON
 
 "$work/embedded/sonopose_embedded" | tee "$work/embedded.log" | tail -n 1
 tail -n 1 "$work/embedded.log" |
@@ -45,6 +46,7 @@ done
 
 kill -INT "${pids[2]}"
 wait "${pids[2]}"
+unset 'pids[2]'
 "$work/producer/sonopose_producer" & pids+=($!)
 CYCLONEDDS_URI=file://$share/cyclonedds-loopback.xml timeout 200 "$work/c_consumer/sonopose_c_consumer" 50 >"$work/poses"
 tail -n 1 "$work/poses"

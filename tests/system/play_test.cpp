@@ -215,7 +215,7 @@ SCENARIO("a part of a recording is played, as often and when it is asked for") {
     }
     WHEN("it is repeated") {
       const auto play = bus.play({file, "--end", "0.5", "--rate", "5", "--loop"});
-      THEN("it begins again until it is stopped") {
+      THEN("it restarts until it is stopped") {
         CHECK(imu.wait_for_count(300));
         CHECK(play->end_by(SIGINT).code == 0);
       }

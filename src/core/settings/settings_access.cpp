@@ -14,7 +14,7 @@ namespace {
 using detail::Builder;
 using detail::Field;
 
-// Collects the shared settings first, then those of each engine.
+// A field is addressed by its offset, and a Settings object copied as a whole.
 static_assert(std::is_trivially_copyable_v<Settings>);
 
 /// First the shared settings, then those of each engine.

@@ -48,8 +48,7 @@ std::vector<std::string> warnings_for(const settings::Settings& settings, const 
                                       std::string_view where = "");
 
 /// Warnings for keys that are `given` for all beacons. `common` applies to beacons without settings of their
-/// own, `own` has the other beacons. A key that only some engines read causes no warning if one of these
-/// beacons has such an engine. The text then names the beacons with another engine.
+/// own, `own` has the other beacons. Warnings of beacons with another engine name these beacons.
 std::vector<std::string> warnings_for_all(const settings::Settings& common, const Assignments& given,
                                           const std::map<BeaconAddress, settings::Settings>& own);
 

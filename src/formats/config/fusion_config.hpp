@@ -27,8 +27,9 @@ public:
   /// All settings at their defaults.
   FusionConfig() = default;
 
-  /// Reads a TOML file with a table per settings group (`[drift]`), and per beacon `[beacon.7.drift]`. Throws
-  /// ConfigError for invalid TOML, an unknown key, and a value of the wrong type or out of range.
+  /// Reads a TOML file with a table per settings group (`[documented.drift]`), and per beacon
+  /// `[beacon.7.documented.drift]`. Throws ConfigError for invalid TOML, an unknown key, and a value of the
+  /// wrong type or out of range.
   static FusionConfig load(const std::filesystem::path& file);
 
   /// Applies `group.key=value` or `beacon.7.group.key=value`, as typed after --set. Throws ConfigError.
@@ -68,11 +69,11 @@ private:
 std::string settings_page();
 
 /// The same as lines for a program's help: key, default, what is allowed, and the document's item if there is
-/// one. `group` selects a group with its subgroups ("heading", "attitude") or a single key; without it, all.
-/// Empty if the name is unknown.
+/// one. `group` selects a group with its subgroups ("heading", "documented.attitude") or a single key;
+/// without it, all. Empty if the name is unknown.
 std::string settings_help(const std::string& group = {});
 
-/// The names of all groups, such as "heading" and "attitude.mahony".
+/// The names of all groups, such as "heading" and "documented.attitude.mahony".
 std::vector<std::string> settings_groups();
 
 }  // namespace sonopose::config

@@ -24,7 +24,7 @@ Line words_of(const Transition& transition) {
     case Kind::initialised:
       return {Level::info, fmt::format("initialised, after {:.1f} s", transition.lasted_s)};
     case Kind::restarted:
-      return {Level::warning, "restarted: the estimate was discarded and begins again"};
+      return {Level::warning, "restarted: the estimate was discarded and restarts"};
     case Kind::relocated:
       return {Level::warning,
               fmt::format("relocated: the position jumped by {:.2f} m to the fixes", transition.value)};

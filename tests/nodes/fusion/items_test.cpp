@@ -1,5 +1,5 @@
 /// Presets and the 37 items of the settings document. The documented engine reads all of them, the Kalman
-/// engine those of hardware and policy. It warns of any other.
+/// engine those of hardware and policy. It ignores the others.
 
 #include "config/beacon_settings.hpp"
 #include "fusion/estimators_feeder.hpp"

@@ -64,7 +64,7 @@ SCENARIO("the lines of two processes come by their time, with the number of thos
   }
 }
 
-TEST_CASE("the numbers of a process that begins again are counted from the beginning") {
+TEST_CASE("the numbers of a process that restarts are counted from the beginning") {
   web::live::MissingLines missing;
   const auto before = [&missing](std::uint64_t number) { return missing.before(line_of("x", 1, number, 0)); };
   CHECK(before(50) == 49);

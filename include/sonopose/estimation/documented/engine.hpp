@@ -63,7 +63,7 @@ private:
   void integrate(const ImuSample& imu, double dt_s);
   void integrate_attitude(const ImuSample& imu, double dt_s);
   void integrate_velocity(const ImuSample& imu, double dt_s);
-  void coast_over_gap(const ImuSample& imu, double dt_s);
+  void predict_over_gap(const ImuSample& imu, double dt_s);
   [[nodiscard]] Vector3d world_acceleration(const ImuSample& imu) const;
 
   std::uint32_t reject(const UltrasonicFix& fix);

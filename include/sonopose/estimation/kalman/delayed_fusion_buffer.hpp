@@ -103,7 +103,7 @@ private:
   void make_place_for_imu();
   std::size_t insert(const AidingMeasurement& aiding);
   void rewind(TimeNs time_ns);
-  void fold_imu(const settings::Settings& settings, const ImuMeasurement& imu);
+  void replay_imu(const settings::Settings& settings, const ImuMeasurement& imu);
   void drop_future(TimeNs now_ns);
   FixOutcome replay(const settings::Settings& settings, const AidingMeasurement* last,
                     TimeNs until_ns = forever_ns);
@@ -114,7 +114,7 @@ private:
 
   State now_;
   TimeNs time_ns_ = 0;
-  std::uint64_t next_imu_ = 0;       // next sample to fold into now_
+  std::uint64_t next_imu_ = 0;       // next sample to replay into now_
   std::size_t next_aiding_ = 0;      // index into aiding_
   std::vector<ImuMeasurement> imu_;  // ring buffer, as large as needed so far
   std::uint64_t first_imu_ = 0;
@@ -123,7 +123,7 @@ private:
   Checkpoints checkpoints_;
   bool stamps_are_ahead_ = false;
   bool is_behind_ = false;
-  TimeNs until_ns_ = 0;  // time up to which finish_pending_work folds fixes and headings
+  TimeNs until_ns_ = 0;  // time up to which finish_pending_work replays fixes and headings
 };
 
 }  // namespace sonopose::estimation::kalman

@@ -56,8 +56,8 @@ public:
 
   [[nodiscard]] const settings::Settings& settings() const { return settings_; }
   /// State after the processed events (DelayedFusionBuffer::now).
-  [[nodiscard]] const State& state() const { return timeline_.now(); }
-  [[nodiscard]] TimeNs time_ns() const { return timeline_.time_ns(); }
+  [[nodiscard]] const State& state() const { return buffer_.now(); }
+  [[nodiscard]] TimeNs time_ns() const { return buffer_.time_ns(); }
   [[nodiscard]] Estimate estimate() const;
   [[nodiscard]] const EstimatorCounters& counters() const { return counters_; }
   [[nodiscard]] std::uint32_t reset_counter() const { return reset_counter_; }
@@ -76,7 +76,7 @@ private:
 
   settings::Settings settings_;
   calibration::Calibration calibration_;
-  DelayedFusionBuffer timeline_;
+  DelayedFusionBuffer buffer_;
   /// Covariances and the status bits that depend on them, as of the last finish_pending_work().
   struct Uncertainty {
     Covariance<6> pose_covariance;

@@ -82,7 +82,7 @@ std::optional<FusedPose> Engine::predict(const ImuSample& raw) noexcept {
   calibrate_at_rest(imu);
   state_.body.time_ns = imu.sensor_time_ns;
   if (state_.in_imu_gap) {
-    coast_over_gap(imu, dt_s);
+    predict_over_gap(imu, dt_s);
   } else {
     integrate(imu, dt_s);
   }
@@ -188,7 +188,7 @@ Vector3d Engine::world_acceleration(const ImuSample& imu) const {
 
 /// Coasts over a gap, whose motion is unknown. Older fixes have no inertial path to be compared with, and the
 /// next fix sets the position.
-void Engine::coast_over_gap(const ImuSample& imu, double dt_s) {
+void Engine::predict_over_gap(const ImuSample& imu, double dt_s) {
   ++counters_.imu_gaps;
   state_.previous_rate_body_radps = imu.angular_velocity_body_radps - state_.startup.gyro_offset_body_radps;
   state_.body.angular_velocity_body_radps =

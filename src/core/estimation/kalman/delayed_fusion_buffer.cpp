@@ -126,7 +126,7 @@ void DelayedFusionBuffer::rewind(TimeNs time_ns) {
                                           aiding_.begin());
 }
 
-void DelayedFusionBuffer::fold_imu(const settings::Settings& settings, const ImuMeasurement& imu) {
+void DelayedFusionBuffer::replay_imu(const settings::Settings& settings, const ImuMeasurement& imu) {
   now_.on_imu(settings, imu);
   ++next_imu_;
   if (checkpoints_.is_due(imu.time_ns)) save_checkpoint();
@@ -139,7 +139,7 @@ FixOutcome DelayedFusionBuffer::replay(const settings::Settings& settings, const
     if (next_imu_ < end_imu_) {
       const ImuMeasurement& imu = imu_at(next_imu_);
       if (next_aiding_ == aiding_.size() || imu.time_ns <= order_key(aiding_[next_aiding_])) {
-        fold_imu(settings, imu);
+        replay_imu(settings, imu);
         continue;
       }
     }

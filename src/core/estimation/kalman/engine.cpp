@@ -43,12 +43,12 @@ void Engine::configure(const settings::Settings& settings) noexcept {
   calibration_ = calibration::Calibration(settings.calibration);
   const double change_rad = geometry::wrap_angle((settings_.heading.mount_offset_deg - mount_before_deg) *
                                                  geometry::radians_per_degree);
-  if (change_rad != 0.0) timeline_.on_mount_offset_change(change_rad);
+  if (change_rad != 0.0) buffer_.on_mount_offset_change(change_rad);
 }
 
 void Engine::finish_pending_work() noexcept {
-  if (!timeline_.is_behind()) return;
-  timeline_.finish_pending_work(settings_);
+  if (!buffer_.is_behind()) return;
+  buffer_.finish_pending_work(settings_);
   update_uncertainty();
 }
 
@@ -80,7 +80,7 @@ void Engine::update_uncertainty() {
 }
 
 void Engine::reset() noexcept {
-  timeline_.clear();
+  buffer_.clear();
   admission_ = {};
   last_used_received_ns_ = 0;
   last_delay_s_ = 0;
@@ -89,7 +89,7 @@ void Engine::reset() noexcept {
 }
 
 void Engine::restore(const Snapshot& snapshot) noexcept {
-  timeline_.restore(settings_, snapshot.history);
+  buffer_.restore(settings_, snapshot.history);
   update_uncertainty();
   admission_ = snapshot.admission;
   last_used_received_ns_ = snapshot.last_used_received_ns;
@@ -100,12 +100,12 @@ void Engine::restore(const Snapshot& snapshot) noexcept {
 }
 
 Snapshot Engine::snapshot() const {
-  if (timeline_.is_behind()) {
+  if (buffer_.is_behind()) {
     Engine whole = *this;
     whole.finish_pending_work();
     return whole.snapshot();
   }
-  return {.history = timeline_.history(),
+  return {.history = buffer_.history(),
           .admission = admission_,
           .last_used_received_ns = last_used_received_ns_,
           .last_delay_s = last_delay_s_,
@@ -119,7 +119,7 @@ std::optional<FusedPose> Engine::predict(const ImuSample& raw) noexcept {
   const ImuSample imu = calibration_.corrected(raw);
   if (!admit(imu)) return std::nullopt;
   const ImuMeasurement measured = as_measurement(imu);
-  const bool comes_last = timeline_.add(settings_, measured);
+  const bool comes_last = buffer_.add(settings_, measured);
   const FusedPose pose = comes_last && is_step(measured) ? pose_after_step(imu, measured) : whole_pose(imu);
   last_position_world_m_ = pose.position_world_m;
   return pose;
@@ -165,7 +165,7 @@ bool Engine::admit(const ImuSample& imu) {
 }
 
 FixReport Engine::correct(const UltrasonicFix& fix) noexcept {
-  if (timeline_.is_behind_sample()) finish_pending_work();
+  if (buffer_.is_behind_sample()) finish_pending_work();
   FixReport report = report_on(fix, time_ns());
   report.shifted_position_world_m = fix.position_world_m;
   const FixMeasurement measured = measurement_in(fix);
@@ -176,7 +176,7 @@ FixReport Engine::correct(const UltrasonicFix& fix) noexcept {
     report.trust = state().fixes.trust;
     return report;
   }
-  const FixOutcome outcome = timeline_.add(settings_, measured);
+  const FixOutcome outcome = buffer_.add(settings_, measured);
   report.flags = outcome.flags;
   report.weight = outcome.weight;
   report.trust = state().fixes.trust;
@@ -231,29 +231,29 @@ TimeNs Engine::measured_at(const Sample& sample) const {
 
 std::uint32_t Engine::rejection_flags(const UltrasonicFix& fix, const FixMeasurement& measured) const {
   const std::uint32_t flags = aiding::admission::fix_rejection_flags(settings_.admission, time_ns(), fix,
-                                                                     measured.time_ns, timeline_.ahead_s());
+                                                                     measured.time_ns, buffer_.ahead_s());
   if (flags != 0) return flags;
-  if (timeline_.contains(measured)) return fix_invalid;
-  if (timeline_.reaches(measured.time_ns)) return 0U;
+  if (buffer_.contains(measured)) return fix_invalid;
+  if (buffer_.reaches(measured.time_ns)) return 0U;
   // Unless the timeline is empty or full, it reaches the present, and the fix is older than all of it.
-  return timeline_.reaches(time_ns()) ? fix_too_late : fix_invalid;
+  return buffer_.reaches(time_ns()) ? fix_too_late : fix_invalid;
 }
 
 void Engine::correct(const PairHeading& heading) noexcept {
-  if (timeline_.is_behind_sample()) finish_pending_work();
+  if (buffer_.is_behind_sample()) finish_pending_work();
   const HeadingMeasurement measured = measurement_in(heading);
   if (!aiding::admission::admits(settings_.admission, time_ns(), heading, measured.time_ns,
-                                 timeline_.ahead_s())) {
+                                 buffer_.ahead_s())) {
     ++counters_.samples_invalid;
     return;
   }
-  if (heading.valid && !timeline_.contains(measured) && !timeline_.reaches(measured.time_ns)) {
+  if (heading.valid && !buffer_.contains(measured) && !buffer_.reaches(measured.time_ns)) {
     ++counters_.samples_invalid;  // too late
     return;
   }
   ++counters_.headings;
-  if (!heading.valid || timeline_.contains(measured)) return;
-  timeline_.add(settings_, measured);
+  if (!heading.valid || buffer_.contains(measured)) return;
+  buffer_.add(settings_, measured);
 }
 
 FusedPose Engine::pose_at(const ImuSample& imu, const NominalState& nominal) const {

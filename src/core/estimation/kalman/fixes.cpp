@@ -39,7 +39,7 @@ void correct_followed(State& state, const JudgedFix& judged, const Matrix3d& mor
     const bool missed = innovation.squared_norm > 2.0 * chi2_reject_threshold;
     each.missed_in_row = missed ? each.missed_in_row + 1 : 0;
     each.explained_in_row =
-        innovation.squared_norm <= explained_below ? std::min(each.explained_in_row + 1, 10000) : 0;
+        innovation.squared_norm <= chi2_explain_threshold ? std::min(each.explained_in_row + 1, 10000) : 0;
     if (!missed) each.filter.correct_fix(innovation, more_covariance_m2);
   }
   if (state.phase == Phase::searching_yaw) {
@@ -127,7 +127,7 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
       judge_rejected(state, judged, outcome);
     }
   }
-  suspect_imu(state, outcome.innovation.squared_norm > explained_below);
+  suspect_imu(state, outcome.innovation.squared_norm > chi2_explain_threshold);
   return outcome;
 }
 
@@ -163,7 +163,7 @@ FixOutcome State::on_fix(const settings::Settings& settings, const FixMeasuremen
   FixOutcome outcome;
   if (imu.time_ns == 0) return outcome;
   propagate();
-  coast_if_silent(*this, settings, fix.time_ns);
+  predict_if_silent(*this, settings, fix.time_ns);
   const bool has_started = phase != Phase::waiting;
   if (default_position.add(fix.time_ns, fix.position_world_m)) {
     // The estimate may have started at it.

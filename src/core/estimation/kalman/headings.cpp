@@ -8,11 +8,11 @@
 namespace sonopose::estimation::kalman {
 namespace {
 
-constexpr double full_below = 6.6;  // χ², 1 degree of freedom: 1 % is above
+constexpr double heading_chi2_huber_threshold = 6.6;  // χ², 1 degree of freedom: 1 % is above
 
 /// Factor by which the variance of a heading grows with its innovation.
 double scale_of(const Filter::HeadingInnovation& innovation) {
-  return std::max(1.0, squared_norm(innovation) / full_below);
+  return std::max(1.0, squared_norm(innovation) / heading_chi2_huber_threshold);
 }
 
 /// Student's t with six degrees of freedom, up to a constant.
@@ -63,13 +63,13 @@ HeadingOutcome judge(State& state, const settings::Settings& settings, const Hea
   HeadingOutcome outcome{.variance_rad2 = variance};
   const auto innovation = heading_innovation(state, state.filter(), settings, heading);
   if (!innovation.observable) return outcome;
-  const bool rejected = squared_norm(innovation) > heading_rejected_above;
-  suspect_imu(state, squared_norm(innovation) > explained_below);
+  const bool rejected = squared_norm(innovation) > heading_chi2_reject_threshold;
+  suspect_imu(state, squared_norm(innovation) > chi2_explain_threshold);
   state.doubt.shifted.evidence += evidence_of(innovation);
   for (Hypothesis& each : state.bank) {
     const auto own = heading_innovation(state, each.filter, settings, heading);
     if (own.observable) each.evidence += evidence_of(own);
-    const bool explains = squared_norm(own) <= heading_rejected_above;
+    const bool explains = squared_norm(own) <= heading_chi2_reject_threshold;
     if (!explains && each.track == Track::followed) each.explained_in_row = 0;
     // A wrong gyroscope is corrected by the headings that it makes the others reject.
     if (rejected && explains && each.imu == ImuModel::open_gyro && each.track == Track::followed)
@@ -126,7 +126,7 @@ HeadingOutcome State::on_heading(const settings::Settings& settings, const Headi
     return {};
   }
   propagate();
-  coast_if_silent(*this, settings, heading.time_ns);
+  predict_if_silent(*this, settings, heading.time_ns);
   HeadingOutcome outcome;
   if (phase == Phase::searching_yaw) {
     keep_heading(*this, settings, heading);

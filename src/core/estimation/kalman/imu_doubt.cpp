@@ -12,11 +12,11 @@ constexpr TimeNs doubt_ns = 3'000'000'000;  // an IMU that was wrong a moment ag
 
 /// Restarts a hypothesis from the best one. If that is open, the new one trusts the IMU as before the doubt.
 void begin_again(Hypothesis& hypothesis, const Hypothesis& best, const ImuDoubt& doubt) {
-  constexpr double handicap = 2.0;
+  constexpr double restart_penalty = 2.0;
   const ImuModel model = hypothesis.imu;
   hypothesis = best;
   assume(hypothesis, model);
-  hypothesis.score -= handicap;
+  hypothesis.score -= restart_penalty;
   hypothesis.missed_in_row = hypothesis.explained_in_row = 0;
   if (!is_open(best.imu) || is_open(model)) return;
   Filter& f = hypothesis.filter;

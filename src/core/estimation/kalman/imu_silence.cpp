@@ -5,7 +5,7 @@
 namespace sonopose::estimation::kalman {
 namespace {
 
-void coast_to(State& state, TimeNs to_ns) {
+void predict_without_imu_to(State& state, TimeNs to_ns) {
   const double duration_s = seconds_between(state.time_ns, to_ns);
   if (duration_s <= 0.0) return;
   state.propagate();
@@ -15,7 +15,7 @@ void coast_to(State& state, TimeNs to_ns) {
 
 }  // namespace
 
-void coast_if_silent(State& state, const settings::Settings& settings, TimeNs measured_ns) {
+void predict_if_silent(State& state, const settings::Settings& settings, TimeNs measured_ns) {
   const TimeNs sample_ns = state.imu.time_ns;
   const bool is_silent = seconds_between(sample_ns, measured_ns) > settings.outage.imu_gap_s;
   if (!is_silent) return;
@@ -24,13 +24,13 @@ void coast_if_silent(State& state, const settings::Settings& settings, TimeNs me
   }
   if (measured_ns <= state.time_ns) return;
   rest::restart(state.rest);
-  coast_to(state, measured_ns);
+  predict_without_imu_to(state, measured_ns);
 }
 
 /// Handles the first sample after the silence.
 void end_imu_gap(State& state, TimeNs to_ns) {
   constexpr double unknown_yaw_rad = radians(30.0);
-  coast_to(state, to_ns);
+  predict_without_imu_to(state, to_ns);
   if (state.filter().yaw_variance_rad2() > square(unknown_yaw_rad)) search_yaw_again(state);
   rest::restart(state.rest);
   state.frozen_track = {};

@@ -11,10 +11,11 @@
 namespace sonopose::estimation::kalman {
 
 // Thresholds on the χ² of an innovation with 3 degrees of freedom:
-inline constexpr double chi2_huber_threshold = 7.8;  // 5 % are above
-inline constexpr double explained_below = 16.0;      // 0.1 % are above
+inline constexpr double chi2_huber_threshold = 7.8;     // 5 % are above
+inline constexpr double chi2_explain_threshold = 16.0;  // 0.1 % are above
 inline constexpr double chi2_reject_threshold = 30.0;
-inline constexpr double heading_rejected_above = 25.0;  // 1 degree of freedom: five standard deviations
+inline constexpr double heading_chi2_reject_threshold =
+    25.0;  // 1 degree of freedom: five standard deviations
 
 inline constexpr double wrong_fix_likelihood = -4.5;    // logarithm; the fix lies anywhere within metres
 inline constexpr TimeNs heading_kept_ns = 500'000'000;  // age at which a start may still use a heading
@@ -105,7 +106,7 @@ void explain(State& state, const JudgedFix& judged);
 void suspect_imu(State& state, bool is_suspicious);
 /// Makes an open model the best if it explains the rejected fixes or headings best.
 bool doubt_imu(State& state);
-void coast_if_silent(State& state, const settings::Settings& settings, TimeNs measured_ns);
+void predict_if_silent(State& state, const settings::Settings& settings, TimeNs measured_ns);
 void end_imu_gap(State& state, TimeNs to_ns);
 /// Discards filters that are not finite; the next fix then starts the estimate.
 void recover_if_not_finite(State& state);

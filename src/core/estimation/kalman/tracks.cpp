@@ -203,7 +203,7 @@ void turn_map(State& state, const settings::Settings& settings, const HeadingMea
   if (other->track == Track::turned) {
     const auto innovation = heading_innovation(state, other->filter, settings, heading);
     if (!innovation.observable) return;
-    if (squared_norm(innovation) > heading_rejected_above) {
+    if (squared_norm(innovation) > heading_chi2_reject_threshold) {
       other->track = Track::other;
       return;
     }

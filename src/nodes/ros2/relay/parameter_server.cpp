@@ -243,7 +243,8 @@ std::string ParameterServer::change(std::span<const ros2::Parameter> parameters)
   SettingsRequest settings_request;
   for (const ros2::Parameter& parameter : parameters) {
     const auto setting = setting_named(parameter.name);
-    if (!setting) return fmt::format("unknown parameter '{}'", parameter.name);
+    if (!setting)
+      return fmt::format("unknown parameter '{}': {}", parameter.name, why_unknown(parameter.name));
     const auto value = value_text(parameter.value);
     if (!value) return fmt::format("{}: must be a bool, an integer, a double or a string", parameter.name);
     if (!settings_request.assignments.empty() && settings_request.address != setting->address) {

@@ -44,6 +44,17 @@ std::optional<SettingName> setting_named(const std::string& parameter) {
   return setting;
 }
 
+std::string why_unknown(const std::string& parameter) {
+  std::string_view key = parameter;
+  if (key.starts_with(beacon_prefix)) key.remove_prefix(std::min(key.size(), key.find('.') + 1));
+  try {
+    settings::setting_info(key);
+  } catch (const settings::SettingError& error) {
+    return error.what();
+  }
+  return "the address of its beacon is invalid";
+}
+
 std::string parameter_name(const SettingName& setting) {
   if (setting.address == all_beacons) return setting.key;
   return std::string(beacon_prefix) + std::to_string(setting.address) + "." + setting.key;

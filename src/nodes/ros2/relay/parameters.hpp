@@ -23,6 +23,9 @@ struct SettingName {
 
 /// The setting of a parameter; empty if `parameter` is not the name of one.
 std::optional<SettingName> setting_named(const std::string& parameter);
+
+/// The reason why `setting_named` finds none, with the nearest name, or the new one of an old name.
+std::string why_unknown(const std::string& parameter);
 std::string parameter_name(const SettingName& setting);
 
 /// Effective settings by beacon; all_beacons: defaults of all beacons.

@@ -10,7 +10,8 @@ namespace sonopose::ros2::relay {
 
 void check(const StartupSetting& setting) {
   const auto name = setting_named(setting.parameter);
-  if (!name) throw std::invalid_argument(setting.parameter + ": unknown parameter");
+  if (!name)
+    throw std::invalid_argument(setting.parameter + ": unknown parameter: " + why_unknown(setting.parameter));
   settings::Settings any;
   settings::set(any, name->key, settings::parse_value(name->key, setting.value));
 }

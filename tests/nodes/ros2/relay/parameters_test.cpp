@@ -31,15 +31,23 @@ TEST_CASE("A parameter names a setting of all beacons or of one") {
   CHECK(setting_named("beacon_0.documented.attitude.mahony.kp") ==
         SettingName{0, "documented.attitude.mahony.kp"});
   for (const char* const name :
-       {"", "drift", "drift.jump", "beacon_7", "beacon_7.", "beacon_.trust.n_min",
-        "beacon_07.documented.trust.n_min", "beacon_-1.trust.n_min", "beacon_65535.documented.trust.n_min",
-        "beacon_70000.documented.trust.n_min", "beacon_7.beacon_7.documented.trust.n_min"}) {
+       {"", "drift", "documented.drift.jump", "beacon_7", "beacon_7.", "beacon_.documented.trust.n_min",
+        "beacon_07.documented.trust.n_min", "beacon_-1.documented.trust.n_min",
+        "beacon_65535.documented.trust.n_min", "beacon_70000.documented.trust.n_min",
+        "beacon_7.beacon_7.documented.trust.n_min"}) {
     CAPTURE(name);
     CHECK(setting_named(name) == std::nullopt);
   }
   for (const char* const name : {"documented.trust.n_min", "beacon_7.documented.trust.n_min"}) {
     CHECK(parameter_name(setting_named(name).value()) == name);
   }
+}
+
+TEST_CASE("An old name of a parameter is answered by the new one") {
+  CHECK(why_unknown("trust.sigma_m") == "'trust.sigma_m' is now called 'documented.trust.sigma_m'");
+  CHECK(why_unknown("beacon_7.trust.sigma_m") == "'trust.sigma_m' is now called 'documented.trust.sigma_m'");
+  CHECK_THAT(why_unknown("delay.procesing_s"), Catch::Contains("'delay.processing_s'"));
+  CHECK_THAT(why_unknown("beacon_65535.fusion.engine"), Catch::Contains("address"));
 }
 
 TEST_CASE("Parameters are listed as rclcpp lists them") {
