@@ -121,7 +121,7 @@ SCENARIO("an error of one program is the error of all") {
     }
   }
   WHEN("a short simulation ends by itself") {
-    const auto all = start(bus, {"--duration", "1", "--json"});
+    const auto all = start(bus, {"--duration", "5", "--json"});
     THEN("all end without an error, and the monitor printed JSON") {
       CHECK(all->wait_for_exit() == 0);
       CHECK_THAT(all->text(Stream::output), Contains("{\""));
