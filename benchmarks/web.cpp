@@ -83,7 +83,7 @@ private:
   }
 
   void read() {
-    // An empty pong, which tells the server that the client is alive.
+    // An empty pong: the client is alive.
     const std::string pong{'\x8a', '\x80', '\0', '\0', '\0', '\0'};
     std::array<char, 65536> buffer{};
     SteadyTime pong_due = clocks::steady_now();

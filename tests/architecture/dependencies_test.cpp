@@ -52,7 +52,7 @@ std::vector<fs::path> sources_in(const fs::path& folder, bool recursive) {
   return found;
 }
 
-/// What stands between the brackets or quotes of an #include.
+/// The names between the brackets or quotes of each #include.
 std::vector<std::string> includes_of(const fs::path& file) {
   static const std::regex directive(R"(#\s*include\s*[<"]([^>"]+)[>"])");
   return matches_of(text_of(file), directive);
@@ -146,7 +146,7 @@ const std::string thread_headers =
 const std::string logging_headers = R"(iostream|ostream|fmt/.*|spdlog/.*|print)";
 const std::string command_line_headers = R"(CLI/.*|getopt\.h|argp\.h)";
 
-/// What modules must not reach: those whose path begins with one of these words, but for some of them.
+/// Headers forbidden to the modules below `paths`, except those below `exceptions`.
 struct Restriction {
   std::string what;
   Names paths;
@@ -192,7 +192,7 @@ bool is_forbidden(const Restriction& restriction, const std::string& header) {
       [&header](const std::string& text) { return std::regex_match(header, std::regex(text)); });
 }
 
-/// Whether `from` reaches `to` over the link lists.
+/// True if `from` reaches `to` over the link lists.
 bool reaches(const std::string& from, const std::string& to, Names& visited) {
   for (const auto& [folder, module] : modules()) {
     if (target_name(folder) != from) continue;

@@ -45,7 +45,7 @@ SCENARIO("the first fifty plans have every fault, three to five each, and end wi
 
 SCENARIO("the plans of the suite have almost every fault, and every line, disk and loss") {
   constexpr TimeNs long_ns = 650'000'000;   // longer than the checker allows for unmarked poses
-  std::set<std::pair<Fault, bool>> faults;  // the flag tells whether the bridge is the target
+  std::set<std::pair<Fault, bool>> faults;  // the flag is true if the bridge is the target
   std::set<Line> lines;
   std::set<Line> long_bridge_stops;
   std::set<Disk> disks;

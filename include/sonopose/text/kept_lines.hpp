@@ -22,7 +22,7 @@ public:
   void add(std::string_view bytes, const std::function<void(const std::string& line)>& on_line = {});
 
   /// Returns the kept lines, the last one possibly without an end. If earlier ones were dropped, the first
-  /// line tells how many.
+  /// line has their number.
   std::vector<std::string> take();
 
   [[nodiscard]] const std::deque<std::string>& lines() const { return lines_; }

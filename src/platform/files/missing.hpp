@@ -10,7 +10,7 @@ namespace sonopose::files {
 /// Returns "NAME: does not exist", or "NAME: cannot be opened: REASON" for another `error` of errno.
 std::string opening_error(const std::string& name, int error);
 
-/// Throws IoError if there is no such folder, and tells if something else has its name.
+/// Throws IoError if there is no such folder, or if something else has its name.
 void require_folder(const std::filesystem::path& folder);
 
 /// Returns true if a file or folder has this name. Throws IoError if that is unknown, for example in a folder

@@ -3,7 +3,7 @@
 /// Samples in wire format, read and written without decoding, for programs that record or forward any topic.
 ///
 /// Cyclone DDS checks every arriving sample and converts one of the other byte order to the machine's own.
-/// The encapsulation header tells the byte order.
+/// The encapsulation header has the byte order.
 
 #include <sonopose/dds/binding/data_reader.hpp>
 #include <sonopose/dds/binding/data_writer.hpp>
