@@ -153,10 +153,10 @@ private:
       if (brief_) {
         rows += brief_option(*option);
       } else {
-        const std::string type = short_type(*option);
-        const std::string name =
+        std::string left =
             option->get_positional() ? option->get_name(true, false) : option->get_name(false, true);
-        rows += row(name + (type.empty() ? "" : " " + type), whole_description(*option));
+        if (const std::string type = short_type(*option); !type.empty()) left.append(" ").append(type);
+        rows += row(left, whole_description(*option));
       }
     }
     return rows.empty() ? rows : (brief_ ? "" : "\n") + title + ":\n" + rows;

@@ -10,8 +10,6 @@
 namespace sonopose::bus_log {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr std::string_view disposed = "disposed";
 constexpr std::string_view no_writers = "no_writers";
 
@@ -44,9 +42,9 @@ const std::string_view instance_end_schema = R"({
 })";
 
 std::string json_of(const InstanceEnd& end) {
-  Json json{{"topic", end.topic}, {"kind", end.disposed ? disposed : no_writers}};
+  nlohmann::ordered_json json{{"topic", end.topic}, {"kind", end.disposed ? disposed : no_writers}};
   if (const auto* const topic = dds::topics::find_topic(end.topic); topic != nullptr) {
-    Json key = Json::object();
+    nlohmann::ordered_json key = nlohmann::ordered_json::object();
     for (const auto& field : topic->key_fields(end.key_cdr)) {
       std::visit([&](const auto& value) { key[field.name] = value; }, field.value);
     }
@@ -54,12 +52,12 @@ std::string json_of(const InstanceEnd& end) {
   }
   json["key_cdr"] = text::hexadecimal(end.key_cdr);
   json["source_time_ns"] = end.source_time_ns;
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 InstanceEnd instance_end_of(std::string_view text) {
   try {
-    const Json json = Json::parse(text);
+    const nlohmann::ordered_json json = nlohmann::ordered_json::parse(text);
     const std::string kind = json.at("kind");
     if (kind != disposed && kind != no_writers) throw std::invalid_argument("kind: " + kind);
     if (!json.at("source_time_ns").is_number_integer())
@@ -68,7 +66,7 @@ InstanceEnd instance_end_of(std::string_view text) {
             .disposed = kind == disposed,
             .key_cdr = bytes_of(json.at("key_cdr")),
             .source_time_ns = json.at("source_time_ns")};
-  } catch (const Json::exception& error) {
+  } catch (const nlohmann::ordered_json::exception& error) {
     throw std::invalid_argument(error.what());
   }
 }
