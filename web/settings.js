@@ -50,11 +50,10 @@
       });
       this.inputs.set(row.key, input);
       const item = row.item ? `${row.item}. ` : "";
-      const engine = row.engines === "all" ? "" : ` Only the ${row.engines} engine reads it.`;
       const line = element("div", { className: "setting" }, [
         element("span", { textContent: row.key.slice(row.group.length + 1) }),
         element("span", { className: "value" }, [input, row.unit]),
-        element("span", { className: "about", textContent: `${item}${row.sentence} ${row.allowed}; default ${row.default}.${engine}` }),
+        element("span", { className: "about", textContent: `${item}${row.sentence} ${row.allowed}; default ${row.default}.` }),
       ]);
       line.dataset.text = `${row.key} ${row.sentence}`.toLowerCase();
       return line;

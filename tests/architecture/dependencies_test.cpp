@@ -138,8 +138,7 @@ std::string place(const fs::path& file, const std::string& what) {
 // System headers by what they give access to.
 const std::string dds_headers = R"(dds/.*|ddsc/.*|sonopose/idl/.*)";
 const std::string file_headers = R"(fstream|filesystem|cstdio|stdio\.h|fcntl\.h|sys/stat\.h)";
-const std::string socket_headers =
-    R"(sys/socket\.h|netinet/.*|arpa/.*|asio.*|poll\.h|sys/socket\.h|termios\.h)";
+const std::string socket_headers = R"(sys/socket\.h|netinet/.*|arpa/.*|asio.*|poll\.h|termios\.h)";
 const std::string clock_headers = R"(chrono|ctime|time\.h|sys/time\.h)";
 const std::string thread_headers =
     R"(thread|mutex|shared_mutex|condition_variable|atomic|future|stop_token|semaphore)";

@@ -33,18 +33,6 @@ const char* type_of(const settings::SettingInfo& info) {
   return names[info.initial.index()];
 }
 
-const char* engines_of(settings::ReadBy read_by) {
-  switch (read_by) {
-    case settings::ReadBy::documented:
-      return "documented";
-    case settings::ReadBy::kalman:
-      return "kalman";
-    case settings::ReadBy::all:
-      break;
-  }
-  return "all";
-}
-
 }  // namespace
 
 std::string text_of(const Hello& hello) {
@@ -136,8 +124,7 @@ std::string settings_table_json() {
         {"unit", info.unit},
         {"default", value_json(info.initial)},
         {"allowed", info.allowed()},
-        {"sentence", info.sentence},
-        {"engines", engines_of(info.read_by)}};
+        {"sentence", info.sentence}};
     if (type == "int" || type == "double") {
       row["min"] = value_json(info.minimum);
       row["max"] = value_json(info.maximum);
