@@ -37,7 +37,7 @@ constexpr double delay_std_s = 0.1;
 /// Least noise of good fixes; it also covers the noise of the integrated IMU.
 constexpr double min_noise_m = 0.02;
 /// Least noise of a heading of a pair.
-constexpr double heading_noise_rad = 1.5 * geometry::radians_per_degree;
+constexpr double min_heading_noise_rad = 1.5 * geometry::radians_per_degree;
 /// Cauchy weight: a residual of this many standard deviations has half the weight.
 constexpr double tuning = 2.4;
 constexpr double normal_median = 0.6745;  // median of |x| for a standard normal x
@@ -63,9 +63,35 @@ double cauchy_weight(double squared) {
   return 1.0 / (1.0 + squared / (tuning * tuning));
 }
 
+/// Median of some values, which it reorders.
+double median_of(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Standard deviation of white noise from which a mean is as inaccurate as from these residuals. Errors that
+/// persist, as those of a compass near iron, count for less than as many independent ones.
+double persistent_noise_of(const std::vector<double>& residuals) {
+  double squares = 0;
+  double products = 0;
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    squares += residuals[i] * residuals[i];
+    if (i > 0) products += residuals[i] * residuals[i - 1];
+  }
+  if (!(squares > 0.0)) return 0.0;
+  const double correlation = std::clamp(products / squares, 0.0, 0.99);
+  return std::sqrt(squares / static_cast<double>(residuals.size()) * (1.0 + correlation) /
+                   (1.0 - correlation));
+}
+
 class Solver {
 public:
   Solver(const Segment& segment, Vector3d signs) : segment_(segment), signs_(std::move(signs)) {}
+
+  /// A solver that keeps the mount and takes the yaw of the start from the headings.
+  Solver(const Segment& segment, double mount_rad)
+      : segment_(segment), signs_(Vector3d::Ones()), known_mount_rad_(mount_rad) {}
 
   /// Estimate after some steps from a level start with this yaw, with its cost.
   std::optional<std::pair<double, Estimate>> begin(double yaw_rad, int steps) {
@@ -101,19 +127,42 @@ private:
     integrate();
     const IntegralState& end = states_.back();
     estimate_.q_start_to_world = geometry::level_with(end.velocity_mps, yaw_rad);
-    estimate_.position_world_m = segment_.fixes.front().position_world_m;
-    // The mean velocity of the fixes is that of the middle.
-    const Position& last = segment_.fixes.back();
-    const Position& first = segment_.fixes.front();
-    estimate_.velocity_world_mps =
-        (last.position_world_m - first.position_world_m) / seconds_between(first.time_ns, last.time_ns);
+    start_position_and_velocity();
     evaluate();
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
     for (const double angle_rad : heading_residuals_) {
       sum += Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad));
     }
-    estimate_.mount_rad = std::atan2(sum.y(), sum.x());
+    const double turn_rad = std::atan2(sum.y(), sum.x());
+    if (known_mount_rad_) {
+      estimate_.mount_rad = *known_mount_rad_;
+      estimate_.q_start_to_world =
+          geometry::rotation_about_z(turn_rad - *known_mount_rad_) * estimate_.q_start_to_world;
+    } else {
+      estimate_.mount_rad = turn_rad;
+    }
     evaluate();
+  }
+
+  /// Starts from the line through the fixes, by medians of slopes and offsets, which outliers do not move.
+  void start_position_and_velocity() {
+    const std::size_t half = segment_.fixes.size() / 2;
+    std::vector<double> values;
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      values.clear();
+      for (std::size_t i = half; i < segment_.fixes.size(); ++i) {
+        const Position& before = segment_.fixes[i - half];
+        values.push_back((segment_.fixes[i].position_world_m(axis) - before.position_world_m(axis)) /
+                         seconds_between(before.time_ns, segment_.fixes[i].time_ns));
+      }
+      const double slope_mps = median_of(values);
+      values.clear();
+      for (const Position& fix : segment_.fixes) {
+        values.push_back(fix.position_world_m(axis) - slope_mps * time_of(fix.time_ns));
+      }
+      estimate_.velocity_world_mps(axis) = slope_mps;
+      estimate_.position_world_m(axis) = median_of(values);
+    }
   }
 
   [[nodiscard]] double time_of(TimeNs measured_ns) const {
@@ -161,9 +210,7 @@ private:
     for (const Vector3d& residual : residuals_) {
       for (const double component : residual) sizes.push_back(std::abs(component));
     }
-    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-    std::nth_element(sizes.begin(), middle, sizes.end());
-    noise_m_ = std::max(min_noise_m, *middle / normal_median);
+    noise_m_ = std::max(min_noise_m, median_of(sizes) / normal_median);
   }
 
   /// Evaluates residuals and derivatives of the headings at the estimate.
@@ -181,16 +228,17 @@ private:
       row(at_attitude + 2) = 1.0;
       row.segment<3>(at_gyro_bias) = body_to_world.row(2) * state.attitude_by_gyro;
       row(at_delay) = -body_to_world.row(2).dot(state.rate_body_radps);
-      row(at_mount) = 1.0;
+      row(at_mount) = known_mount_rad_ ? 0.0 : 1.0;
       heading_rows_.push_back(row);
     }
+    heading_noise_rad_ = std::max(min_heading_noise_rad, persistent_noise_of(heading_residuals_));
   }
 
   [[nodiscard]] double squared(const Vector3d& residual) const {
     return residual.squaredNorm() / (noise_m_ * noise_m_);
   }
-  static double squared(double heading_residual_rad) {
-    return heading_residual_rad * heading_residual_rad / (heading_noise_rad * heading_noise_rad);
+  [[nodiscard]] double squared(double heading_residual_rad) const {
+    return heading_residual_rad * heading_residual_rad / (heading_noise_rad_ * heading_noise_rad_);
   }
 
   /// Makes a Gauss–Newton step. Returns its largest change; not finite if it fails.
@@ -204,7 +252,7 @@ private:
       residuals.segment<3>(next) = w * residuals_[i];
     }
     for (std::size_t i = 0; i < heading_rows_.size(); ++i, ++next) {
-      const double w = std::sqrt(cauchy_weight(squared(heading_residuals_[i]))) / heading_noise_rad;
+      const double w = std::sqrt(cauchy_weight(squared(heading_residuals_[i]))) / heading_noise_rad_;
       rows.row(next) = w * heading_rows_[i];
       residuals(next) = w * heading_residuals_[i];
     }
@@ -252,7 +300,9 @@ private:
     for (const Vector3d& residual : residuals_) {
       cost += cost_of(residual.squaredNorm() / (min_noise_m * min_noise_m));
     }
-    for (const double residual : heading_residuals_) cost += cost_of(squared(residual));
+    for (const double residual : heading_residuals_) {
+      cost += cost_of(residual * residual / (min_heading_noise_rad * min_heading_noise_rad));
+    }
     return cost + 0.5 * ((estimate_.gyro_bias_radps / gyro_bias_std_radps).squaredNorm() +
                          (estimate_.accel_bias_mps2 / accel_bias_std_mps2).squaredNorm() +
                          (estimate_.lever_arm_body_m / lever_arm_std_m).squaredNorm() +
@@ -280,6 +330,7 @@ private:
 
   const Segment& segment_;
   Vector3d signs_;
+  std::optional<double> known_mount_rad_;
   Estimate estimate_;
   std::vector<IntegralState> states_;
   std::vector<Row> rows_;
@@ -287,6 +338,7 @@ private:
   std::vector<Eigen::Matrix<double, 1, unknowns>> heading_rows_;
   std::vector<double> heading_residuals_;
   double noise_m_ = min_noise_m;
+  double heading_noise_rad_ = min_heading_noise_rad;
   Eigen::LDLT<Normal> factor_;  ///< factorisation of the latest step
 };
 
@@ -312,6 +364,12 @@ std::optional<SegmentFit> fit_segment(const Segment& segment, const Vector3d& si
     if (fit && (!best || fit->cost < best->cost)) best = std::move(fit);
   }
   return best;
+}
+
+std::optional<SegmentFit> fit_segment_with_mount(const Segment& segment, double mount_rad) {
+  Solver solver(segment, mount_rad);
+  const auto begun = solver.begin(0.0, 1);
+  return begun ? solver.finish(begun->second) : std::nullopt;
 }
 
 }  // namespace sonopose::motion::detail

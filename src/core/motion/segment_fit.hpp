@@ -33,4 +33,7 @@ struct SegmentFit {
 /// no start gives a finite result.
 std::optional<SegmentFit> fit_segment(const Segment& segment, const Vector3d& signs);
 
+/// Best motion with a known mount, which gives the direction of the start. Requires headings.
+std::optional<SegmentFit> fit_segment_with_mount(const Segment& segment, double mount_rad);
+
 }  // namespace sonopose::motion::detail

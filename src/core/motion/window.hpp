@@ -31,6 +31,7 @@ struct Window {
   std::vector<Reading> imu;
   std::vector<Position> fixes;
   std::vector<Direction> headings;
+  double mount_rad = 0;  ///< configured angle from body X to the axis of the pair
 };
 
 }  // namespace sonopose::motion

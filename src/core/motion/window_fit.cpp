@@ -51,13 +51,13 @@ std::span<const Reading> longest_run_of(std::span<const Reading> imu) {
 }
 
 double span_of(std::span<const Position> fixes) {
-  Vector3d least = fixes.front().position_world_m;
-  Vector3d most = least;
+  Vector3d min_world_m = fixes.front().position_world_m;
+  Vector3d max_world_m = min_world_m;
   for (const Position& fix : fixes) {
-    least = least.cwiseMin(fix.position_world_m);
-    most = most.cwiseMax(fix.position_world_m);
+    min_world_m = min_world_m.cwiseMin(fix.position_world_m);
+    max_world_m = max_world_m.cwiseMax(fix.position_world_m);
   }
-  return (most - least).norm();
+  return (max_world_m - min_world_m).norm();
 }
 
 std::optional<Measured> mount_of(const SegmentFit& fit, const Segment& segment) {
@@ -96,7 +96,10 @@ std::optional<Piece> piece_of(const Window& window, TimeNs begin_ns, TimeNs end_
   piece.length_s = seconds_between(segment.imu.front().time_ns, segment.imu.back().time_ns);
   piece.delay_s = {fit->delay_s, fit->delay_std_s};
   piece.mount_rad = mount_of(*fit, segment);
-  piece.heading_spread_rad = fit->heading_spread_rad;
+  if (piece.mount_rad) {
+    const auto configured = detail::fit_segment_with_mount(segment, window.mount_rad);
+    if (configured) piece.mount_log_likelihood = configured->cost - fit->cost;
+  }
   piece.outliers_m = outliers_of(*fit);
   constexpr double min_span_m = 0.5;  // a smaller motion says nothing about signs
   if (piece.span_m < min_span_m) return piece;

@@ -37,9 +37,10 @@ struct Piece {
   double residual_m = 0;
   Measured delay_s;                   ///< age of fixes and headings beyond what the fusion assumes
   std::optional<Measured> mount_rad;  ///< angle from body X to the axis of the pair; empty without headings
-  double heading_spread_rad = 0;      ///< RMS of the headings around the motion; 0 without headings
-  std::array<Inverted, 3> inverted;   ///< axes x, y, z
-  std::vector<Vector3d> outliers_m;   ///< deviations of the fixes that are far from the motion, world
+  /// Log-likelihood minus that of the motion with the configured mount; 0 without headings.
+  double mount_log_likelihood = 0;
+  std::array<Inverted, 3> inverted;  ///< axes x, y, z
+  std::vector<Vector3d> outliers_m;  ///< deviations of the fixes that are far from the motion, world
 };
 
 /// Pieces of the window with enough samples: about 8 s each, or the whole of a shorter window; of a long

@@ -5,6 +5,7 @@
 #include "observation/beacon_observer.hpp"
 #include <sonopose/calibration/model/calibration.hpp>
 #include <sonopose/estimation/aiding/delay.hpp>
+#include <sonopose/geometry/rotation.hpp>
 #include <sonopose/settings/settings_table.hpp>
 
 #include <algorithm>
@@ -235,6 +236,7 @@ std::vector<motion::Piece> BeaconProbe::pieces(const settings::Settings& setting
 motion::Window BeaconProbe::motion_window(const settings::Settings& settings) const {
   const calibration::Calibration calibration(settings.calibration);
   motion::Window window;
+  window.mount_rad = settings.heading.mount_offset_deg * geometry::radians_per_degree;
   for (const auto& [received_ns, raw] : readings_.entries()) {
     const ImuSample imu = calibration.corrected(raw);
     if (!imu.angular_velocity_body_radps.allFinite() || !imu.specific_force_body_mps2.allFinite()) continue;

@@ -222,9 +222,9 @@ bool SystemObserver::is_alone() {
 
 /// Listens for the window. Leaves an empty domain early, to search the others.
 void SystemObserver::listen_for_window(const process::StopSignal& stop) {
-  constexpr double enough_of_nothing_s = 2.0;
+  constexpr double empty_domain_timeout_s = 2.0;
   const SteadyTime began = clocks::steady_now();
-  listen_until(began + to_ns(std::min(options_.duration_s, enough_of_nothing_s)), stop);
+  listen_until(began + to_ns(std::min(options_.duration_s, empty_domain_timeout_s)), stop);
   if (!is_alone()) listen_until(began + to_ns(options_.duration_s), stop);
 }
 

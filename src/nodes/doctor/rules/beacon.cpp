@@ -66,10 +66,11 @@ public:
 
   void refused_fixes() const {
     constexpr double refused_share = 0.5;
-    constexpr double notable = 0.1;
+    constexpr double min_refused_share = 0.1;
     const FixOutcomes& fixes = beacon_.fix_outcomes;
     const auto refused = static_cast<double>(fixes.refused);
-    if (fixes.refused < 2 || refused < notable * static_cast<double>(fixes.reports) || fusion_lacks_imu_) {
+    if (fixes.refused < 2 || refused < min_refused_share * static_cast<double>(fixes.reports) ||
+        fusion_lacks_imu_) {
       return;
     }
     add(refused > refused_share * static_cast<double>(fixes.reports) ? Severity::warning : Severity::note,
@@ -157,8 +158,8 @@ public:
     if (const auto invalid = increase_of(&FusionStatus::samples_invalid); invalid > 0) {
       // A bad line delivers some samples late.
       constexpr std::uint64_t one_in = 20;
-      const bool many = invalid * one_in > beacon_.imu.samples + beacon_.fix.samples;
-      add(many ? Severity::warning : Severity::note,
+      const bool is_frequent = invalid * one_in > beacon_.imu.samples + beacon_.fix.samples;
+      add(is_frequent ? Severity::warning : Severity::note,
           fmt::format("its fusion rejected {}: not finite, out of range, out of order, or too late",
                       count_text(invalid, "sample")),
           "check for a second bridge, a clock that was set, or a faulty sensor");

@@ -38,15 +38,13 @@ constexpr double delay_error_s = 0.003;
 /// Largest share of fixes far from the motion. Beyond it the cause is a wrong track, not the installation.
 constexpr double max_outliers = 0.2;
 constexpr double max_outliers_of_sign = 0.1;
-/// Largest spread of headings. Worse ones, as near iron, shift the delay.
-constexpr double max_heading_spread_rad = 3.0 * geometry::radians_per_degree;
 /// Accuracy of the mount with the other sign. Fixes that drift away resemble a wrong sign, but no mount fits
 /// them well.
 constexpr double sign_mount_std_rad = 6.0 * geometry::radians_per_degree;
 /// Number of standard deviations for a finding.
-constexpr double significant = 3.5;
-/// Logarithm of the likelihood ratio, per piece, by which the other sign must win.
-constexpr double certain = 25.0;
+constexpr double significant_stds = 3.5;
+/// Logarithm of the likelihood ratio, per piece, by which another sign or mount must win.
+constexpr double min_log_likelihood_ratio = 25.0;
 /// Range of the estimate of `kalman.delay.estimate`.
 constexpr double estimated_delay_s = 0.06;
 
@@ -64,14 +62,14 @@ bool has_known_mount(const Piece& piece) {
 }
 
 bool has_known_delay(const Piece& piece) {
-  return is_usable(piece) && piece.delay_s.std < useful_delay_std_s &&
-         piece.heading_spread_rad < max_heading_spread_rad;
+  return is_usable(piece) && piece.delay_s.std < useful_delay_std_s;
 }
 
 /// True if the IMU with this axis inverted explains the piece, and the other sign does not.
 bool shows_inverted(const Piece& piece, std::size_t axis) {
   const motion::Inverted& inverted = piece.inverted.at(axis);
-  if (inverted.log_likelihood < certain || inverted.residual_m > max_residual_m) return false;
+  if (inverted.log_likelihood < min_log_likelihood_ratio || inverted.residual_m > max_residual_m)
+    return false;
   if (inverted.mount_rad && inverted.mount_rad->std > sign_mount_std_rad) return false;
   return are_few(inverted.outliers, piece, max_outliers_of_sign);
 }
@@ -93,7 +91,7 @@ Measured mean_of(const std::vector<Measured>& all, double min_std) {
 }
 
 /// True if more than half of the pieces differ by more than `limit` on the mean's side.
-bool most_agree(const std::vector<Measured>& all, const Measured& mean, double limit) {
+bool majority_exceeds(const std::vector<Measured>& all, const Measured& mean, double limit) {
   const auto agrees = [&](const Measured& each) { return each.value * (mean.value > 0 ? 1 : -1) > limit; };
   return 2 * std::count_if(all.begin(), all.end(), agrees) > static_cast<std::ptrdiff_t>(all.size());
 }
@@ -129,24 +127,26 @@ private:
         ++pieces.at(axis);
       }
     }
-    constexpr double comparable = 0.6;
-    const double most = *std::max_element(evidence.begin(), evidence.end());
+    constexpr double min_evidence_share = 0.6;
+    const double max_evidence = *std::max_element(evidence.begin(), evidence.end());
     std::vector<std::size_t> axes;
     for (std::size_t axis = 0; axis < evidence.size(); ++axis) {
-      if (2 * pieces.at(axis) > judged && evidence.at(axis) > comparable * most) axes.push_back(axis);
+      if (2 * pieces.at(axis) > judged && evidence.at(axis) > min_evidence_share * max_evidence)
+        axes.push_back(axis);
     }
     return axes;
   }
 
   /// Deviation of the mount from the configured one if this axis is inverted; large without headings.
   [[nodiscard]] double mount_error_rad_with(std::size_t axis) const {
-    double least = 2.0 * std::numbers::pi;
+    double min_error_rad = 2.0 * std::numbers::pi;
     for (const Piece& piece : beacon_.pieces) {
       const auto& mount = piece.inverted.at(axis).mount_rad;
       if (mount)
-        least = std::min(least, std::abs(geometry::wrap_angle(mount->value - configured_mount_rad())));
+        min_error_rad =
+            std::min(min_error_rad, std::abs(geometry::wrap_angle(mount->value - configured_mount_rad())));
     }
-    return least;
+    return min_error_rad;
   }
 
   [[nodiscard]] bool signs() const {
@@ -180,11 +180,14 @@ private:
   void mount() const {
     std::vector<Measured> errors;
     bool credible = true;
+    std::ptrdiff_t wrong = 0;
     for (const Piece& piece : beacon_.pieces) {
       if (!has_known_mount(piece)) continue;
       credible = credible && std::abs(piece.delay_s.value) < credible_delay_s;
       errors.push_back(
           {geometry::wrap_angle(piece.mount_rad->value - configured_mount_rad()), piece.mount_rad->std});
+      const bool is_far = std::abs(errors.back().value) > wrong_mount_rad;
+      if (is_far && piece.mount_log_likelihood > min_log_likelihood_ratio) ++wrong;
     }
     if (errors.empty()) return;
     // Relative to the first one, since angles near ±180° have no mean.
@@ -194,11 +197,8 @@ private:
     constexpr double poor_error_rad = 8.0 * geometry::radians_per_degree;
     Measured error = mean_of(around, credible ? mount_error_rad : poor_error_rad);
     error.value = geometry::wrap_angle(error.value + origin_rad);
-    const auto is_wrong = [](const Measured& each) { return std::abs(each.value) > wrong_mount_rad; };
-    if (2 * std::count_if(errors.begin(), errors.end(), is_wrong) <=
-        static_cast<std::ptrdiff_t>(errors.size()))
-      return;
-    if (std::abs(error.value) < std::max(wrong_mount_rad, significant * error.std)) return;
+    if (2 * wrong <= static_cast<std::ptrdiff_t>(errors.size())) return;
+    if (std::abs(error.value) < std::max(wrong_mount_rad, significant_stds * error.std)) return;
     findings_.push_back(
         {Severity::error, name_of(beacon_),
          fmt::format(
@@ -220,8 +220,8 @@ private:
     const Measured error = mean_of(errors, delay_error_s);
     const bool is_estimated = settings.estimate && std::abs(error.value) < estimated_delay_s;
     if (is_estimated || std::abs(error.value) > credible_delay_s) return;
-    if (std::abs(error.value) < std::max(wrong_delay_s, significant * error.std)) return;
-    if (!most_agree(errors, error, 0.5 * wrong_delay_s)) return;
+    if (std::abs(error.value) < std::max(wrong_delay_s, significant_stds * error.std)) return;
+    if (!majority_exceeds(errors, error, 0.5 * wrong_delay_s)) return;
     const bool own =
         settings.source == settings::DelaySource::measured && 2 * beacon_.timed_fixes > beacon_.fix.samples;
     findings_.push_back(

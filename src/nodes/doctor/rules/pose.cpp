@@ -20,19 +20,19 @@ struct LastingBit {
 
 // Bits of the first seconds count if they last for most of the window. The others are momentary in a healthy
 // system, so their total time counts, however long the window is.
-constexpr double most_of_window = 0.5;
+constexpr double min_window_share = 0.5;
 constexpr std::array lasting_bits{
-    LastingBit{status_initialising, 0.5, most_of_window, Cause::none, "its fusion is initialising",
+    LastingBit{status_initialising, 0.5, min_window_share, Cause::none, "its fusion is initialising",
                "keep the beacon still for some seconds, and check that fixes arrive"},
     LastingBit{
-        status_uncalibrated, 0.5, most_of_window, Cause::none,
+        status_uncalibrated, 0.5, min_window_share, Cause::none,
         "its gyro bias is not known: the beacon was not at rest for long enough",
         "let it stand still for a second; if it never can, measure the bias: sonopose-calibrate gyroscope "
         "(docs/calibration.md)"},
     LastingBit{status_stale, 0.3, 0.0, Cause::installation,
                "its fusion has had no valid fix for longer than outage.stale_after_s",
                "check that fixes arrive and are not all rejected: sonopose-monitor shows how many are used"},
-    LastingBit{status_heading_unknown, 0.5, most_of_window, Cause::fixes, "its heading is unknown",
+    LastingBit{status_heading_unknown, 0.5, min_window_share, Cause::fixes, "its heading is unknown",
                "with a pair, check that headings arrive; move a single beacon"},
     LastingBit{
         status_frozen_track, 0.3, 0.0, Cause::none,
