@@ -71,7 +71,7 @@ void print_table(const Options& options, const std::map<Case, Rounds>& all) {
       lost += round.lost;
       missing += round.missing;
     }
-    const auto most = [](const BeaconsRound& round) {
+    const auto max_cpu_share = [](const BeaconsRound& round) {
       return *std::max_element(round.fusion_shares.begin(), round.fusion_shares.end());
     };
     fmt::print(
@@ -80,7 +80,7 @@ void print_table(const Options& options, const std::map<Case, Rounds>& all) {
         beacons, engine, median_of(rounds, [](const BeaconsRound& round) { return round.poses_hz; }), lost,
         missing,
         100.0 * median_of(rounds, [](const BeaconsRound& round) { return sum(round.fusion_shares); }),
-        100.0 * median_of(rounds, most),
+        100.0 * median_of(rounds, max_cpu_share),
         1e6 * median_of(rounds, [](const BeaconsRound& round) { return round.fusion_per_sample_s; }),
         cost_ratio(all, which, {1, engine}), cost_ratio(all, which, {beacons, "bare"}),
         cost_ratio(all, which, {beacons, "documented"}),

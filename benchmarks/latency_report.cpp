@@ -60,7 +60,7 @@ void print_ratios(const ChainResult& over, const ChainResult& under) {
   for (auto* value : {p50_us, p99_us, relay_cpu_us}) {
     const auto found = ratios(over, under, value);
     const MedianInterval interval = median_interval(found);
-    fmt::print("  {:.2f} ({:.2f} .. {:.2f})", median(found), interval.least, interval.most);
+    fmt::print("  {:.2f} ({:.2f} .. {:.2f})", median(found), interval.lower, interval.upper);
   }
   fmt::print("\n");
 }
@@ -73,10 +73,10 @@ struct Limits {
 };
 
 void print_limit(const ChainResult& ours, const char* what, double limit, const std::vector<double>& found) {
-  constexpr std::size_t enough = 10;
+  constexpr std::size_t min_rounds = 10;
   fmt::print("  limit {:.2f}, {} {}/bare: ", limit, what, ours.name);
-  if (found.size() < enough) {
-    fmt::print("not evaluated, {} of the required {} rounds\n", found.size(), enough);
+  if (found.size() < min_rounds) {
+    fmt::print("not evaluated, {} of the required {} rounds\n", found.size(), min_rounds);
   } else {
     fmt::print("{}\n", median(found) <= limit ? "met" : "missed");
   }

@@ -60,16 +60,16 @@ struct Seen {
 
 /// A table that the processes share. Only its used part takes memory.
 struct SeenTable {
-  static constexpr std::size_t most = std::size_t{1} << 26U;
+  static constexpr std::size_t capacity = std::size_t{1} << 26U;
 
   /// Set once all readers and writers have found each other: earlier messages reach only some of them.
   std::atomic<bool> is_counting;
   std::atomic<std::size_t> count;
-  std::array<Seen, most> seen;
+  std::array<Seen, capacity> seen;
 
   void on(const Seen& message) {
     const std::size_t at = count.fetch_add(1, std::memory_order_relaxed);
-    if (at < most) seen[at] = message;
+    if (at < capacity) seen[at] = message;
   }
 };
 
@@ -159,7 +159,7 @@ struct Comparison {
 Comparison compare(const SeenTable& seen, const fs::path& file) {
   const std::vector<Seen> recorded = recorded_in(file);
   Comparison result{.counted = seen.count};
-  if (result.counted > SeenTable::most) throw std::runtime_error("too many messages to compare");
+  if (result.counted > SeenTable::capacity) throw std::runtime_error("too many messages to compare");
   for (std::size_t i = 0; i < result.counted; ++i) {
     if (!std::binary_search(recorded.begin(), recorded.end(), seen.seen[i])) ++result.missing;
   }

@@ -60,11 +60,17 @@ void decoder(benchmark::State& state) {
 }
 BENCHMARK(decoder);
 
-void engine_per_imu_sample(benchmark::State& state, estimation::EstimatorKind kind) {
+settings::Settings settings_of(settings::EngineKind engine) {
+  settings::Settings settings;
+  settings.engine.engine = engine;
+  return settings;
+}
+
+void engine_per_imu_sample(benchmark::State& state, settings::EngineKind kind) {
   const auto& events = recorded_events();
   std::int64_t samples = 0;
   for (auto run : state) {
-    estimation::AnyEstimator estimator{settings::Settings{}, {.kind = kind}};
+    estimation::AnyEstimator estimator{settings_of(kind)};
     for (const Event& event : events) {
       benchmark::DoNotOptimize(estimation::process(estimator, event));
       if (std::holds_alternative<ImuSample>(event)) ++samples;
@@ -76,16 +82,16 @@ void engine_per_imu_sample(benchmark::State& state, estimation::EstimatorKind ki
   state.counters["times_real_time"] =
       benchmark::Counter(static_cast<double>(samples) / 100.0, benchmark::Counter::kIsRate);
 }
-BENCHMARK_CAPTURE(engine_per_imu_sample, documented, estimation::EstimatorKind::documented);
-BENCHMARK_CAPTURE(engine_per_imu_sample, kalman, estimation::EstimatorKind::kalman);
+BENCHMARK_CAPTURE(engine_per_imu_sample, documented, settings::EngineKind::documented);
+BENCHMARK_CAPTURE(engine_per_imu_sample, kalman, settings::EngineKind::kalman);
 
 /// Measures the time from an IMU sample to its pose if the caches went cold since the last one: the median
 /// over the samples of 20 s.
-void pose_from_cold_caches(benchmark::State& state, estimation::EstimatorKind kind) {
+void pose_from_cold_caches(benchmark::State& state, settings::EngineKind kind) {
   constexpr std::size_t more_than_the_caches = 40U << 20U;
   std::vector<std::uint64_t> other(more_than_the_caches / sizeof(std::uint64_t));
   for (auto run : state) {
-    estimation::AnyEstimator estimator{settings::Settings{}, {.kind = kind}};
+    estimation::AnyEstimator estimator{settings_of(kind)};
     std::vector<double> times_ns;
     for (const Event& event : std::span(recorded_events()).first(2500)) {
       const bool is_imu = std::holds_alternative<ImuSample>(event);
@@ -104,10 +110,10 @@ void pose_from_cold_caches(benchmark::State& state, estimation::EstimatorKind ki
     state.SetIterationTime(1e-9 * *middle);
   }
 }
-BENCHMARK_CAPTURE(pose_from_cold_caches, documented, estimation::EstimatorKind::documented)
+BENCHMARK_CAPTURE(pose_from_cold_caches, documented, settings::EngineKind::documented)
     ->UseManualTime()
     ->Iterations(1);
-BENCHMARK_CAPTURE(pose_from_cold_caches, kalman, estimation::EstimatorKind::kalman)
+BENCHMARK_CAPTURE(pose_from_cold_caches, kalman, settings::EngineKind::kalman)
     ->UseManualTime()
     ->Iterations(1);
 

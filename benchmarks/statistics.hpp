@@ -14,8 +14,8 @@ double median(std::vector<double> values);
 /// A confidence interval of the population median: two order statistics, selected by the binomial
 /// distribution. Makes no assumption about the distribution of the values.
 struct MedianInterval {
-  double least = 0;
-  double most = 0;
+  double lower = 0;
+  double upper = 0;
   double confidence = 0;  ///< smallest value of at least 0.95 in 0…1; lower for fewer than six rounds
 };
 MedianInterval median_interval(std::vector<double> values);

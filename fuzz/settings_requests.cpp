@@ -4,8 +4,8 @@
 
 #include "fused_events.hpp"
 #include "fusion/beacon_estimators.hpp"
-#include "process/guarded.hpp"
 #include "support.hpp"
+#include "threads/guarded.hpp"
 #include <sonopose/dds/topics/conversions.hpp>
 
 #include <stdexcept>
@@ -74,8 +74,8 @@ void fill_timeline(fusion::SettingsRequests& requests) {
   std::ignore = requests.answer(
       {.address = all_beacons,
        .assignments = {{"fusion.engine", "documented"}, {"documented.attitude.magnetometer", "true"}}});
-  constexpr std::uint64_t many = fusion::SettingsTimeline::capacity + 1;
-  for (std::uint64_t i = 0; i < many; ++i) {
+  constexpr std::uint64_t request_count = fusion::SettingsTimeline::capacity + 1;
+  for (std::uint64_t i = 0; i < request_count; ++i) {
     const SettingsReply reply = requests.answer({.address = 7,
                                                  .request_id = 1000 + i,
                                                  .from_sequence = 1'000'000 + i,
@@ -88,7 +88,7 @@ void fill_timeline(fusion::SettingsRequests& requests) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   FuzzedDataProvider data(bytes, size);
-  process::Guarded<fusion::BeaconEstimators> estimators(config::FusionConfig{}, false);
+  threads::Guarded<fusion::BeaconEstimators> estimators(config::FusionConfig{}, false);
   fusion::SettingsRequests requests(estimators);
   const auto estimator = estimators.with([](auto& all) { return all.find_or_make(addresses.front()); });
   constexpr TimeNs start_ns = 1'700'000'000'000'000'000;

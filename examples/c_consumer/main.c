@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { most_at_once = 32 };
+enum { max_samples = 32 };
 
 static dds_entity_t require(dds_entity_t result, const char* call) {
   if (result < 0) {
@@ -32,7 +32,7 @@ static dds_entity_t pose_reader(dds_entity_t participant) {
       dds_create_topic(participant, &sonopose_FusedPose_desc, "sonopose/pose", NULL, NULL), "dds_create_topic");
   dds_qos_t* qos = dds_create_qos();
   dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
-  dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, most_at_once);
+  dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, max_samples);
   dds_qset_ownership(qos, DDS_OWNERSHIP_EXCLUSIVE);
   const dds_entity_t reader = require(dds_create_reader(participant, topic, qos, NULL), "dds_create_reader");
   dds_delete_qos(qos);
@@ -46,9 +46,9 @@ static bool has_writer(dds_entity_t reader) {
 }
 
 static long print_poses(dds_entity_t reader) {
-  void* samples[most_at_once] = {NULL};
-  dds_sample_info_t infos[most_at_once];
-  const int32_t taken = require(dds_take(reader, samples, infos, most_at_once, most_at_once), "dds_take");
+  void* samples[max_samples] = {NULL};
+  dds_sample_info_t infos[max_samples];
+  const int32_t taken = require(dds_take(reader, samples, infos, max_samples, max_samples), "dds_take");
   long printed = 0;
   for (int32_t i = 0; i < taken; ++i) {
     if (!infos[i].valid_data) continue;
@@ -61,7 +61,7 @@ static long print_poses(dds_entity_t reader) {
 }
 
 int main(int argc, char** argv) {
-  const long most = argc > 1 ? strtol(argv[1], NULL, 10) : 0;
+  const long max_poses = argc > 1 ? strtol(argv[1], NULL, 10) : 0;
   const dds_domainid_t domain = domain_id();
   const dds_entity_t participant = require(dds_create_participant(domain, NULL, NULL), "dds_create_participant");
   const dds_entity_t reader = pose_reader(participant);
@@ -69,7 +69,7 @@ int main(int argc, char** argv) {
   const dds_entity_t waitset = require(dds_create_waitset(participant), "dds_create_waitset");
   require(dds_waitset_attach(waitset, has_data, 0), "dds_waitset_attach");
 
-  for (long printed = 0; most == 0 || printed < most;) {
+  for (long printed = 0; max_poses == 0 || printed < max_poses;) {
     const dds_return_t ready = require(dds_waitset_wait(waitset, NULL, 0, DDS_SECS(5)), "dds_waitset_wait");
     if (ready == 0 && !has_writer(reader)) {
       fprintf(stderr, "no sonopose-fusion is found in domain %" PRIu32 "; is CYCLONEDDS_URI set as the README says?\n",

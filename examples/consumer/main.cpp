@@ -10,7 +10,7 @@
 
 int main(int argc, char** argv) {
   using namespace sonopose;
-  const long most = argc > 1 ? std::strtol(argv[1], nullptr, 10) : 0;
+  const long max_poses = argc > 1 ? std::strtol(argv[1], nullptr, 10) : 0;
 
   const dds::DomainParticipant participant;
   const dds::qos::Provider qos;
@@ -19,7 +19,7 @@ int main(int argc, char** argv) {
   dds::WaitSet waitset;
   waitset += has_data;
 
-  for (long seen = 0; most == 0 || seen < most;) {
+  for (long seen = 0; max_poses == 0 || seen < max_poses;) {
     waitset.wait();
     for (const auto sample : reader.take()) {
       if (!sample.info().valid()) continue;

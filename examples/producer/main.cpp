@@ -28,7 +28,7 @@ TimeNs host_now() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const double most_s = argc > 1 ? std::strtod(argv[1], nullptr) : 1e9;
+  const double max_duration_s = argc > 1 ? std::strtod(argv[1], nullptr) : 1e9;
   std::signal(SIGINT, [](int) { stopped = 1; });
 
   const dds::DomainParticipant participant;
@@ -48,7 +48,7 @@ int main(int argc, char** argv) {
   std::uint64_t sequence = 0;  // one numbering over all streams of the beacon, without gaps
   const TimeNs start_ns = host_now();
   const auto start = std::chrono::steady_clock::now();
-  for (long i = 1; stopped == 0 && 0.01 * static_cast<double>(i) <= most_s; ++i) {
+  for (long i = 1; stopped == 0 && 0.01 * static_cast<double>(i) <= max_duration_s; ++i) {
     std::this_thread::sleep_until(start + std::chrono::milliseconds(10 * i));
     imu.sequence = ++sequence;
     imu.sensor_time_ns = start_ns + 10'000'000 * i;

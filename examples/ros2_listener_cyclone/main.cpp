@@ -11,7 +11,7 @@
 
 int main(int argc, char** argv) {
   using namespace sonopose;
-  const long most = argc > 1 ? std::strtol(argv[1], nullptr, 10) : 0;
+  const long max_poses = argc > 1 ? std::strtol(argv[1], nullptr, 10) : 0;
 
   const dds::DomainParticipant participant;
   const dds::Topic<ros2::Odometry> topic(participant, ros2::name_in_dds("/hedge_7/odom"));
@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
   dds::WaitSet waitset;
   waitset += has_data;
 
-  for (long seen = 0; most == 0 || seen < most;) {
+  for (long seen = 0; max_poses == 0 || seen < max_poses;) {
     waitset.wait();
     for (const auto sample : reader.take()) {
       if (!sample.info().valid()) continue;

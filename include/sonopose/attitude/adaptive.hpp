@@ -56,8 +56,8 @@ public:
 private:
   Vector3<Scalar> level(const AdaptiveSettings& settings, const Vector3<Scalar>& force_world_mps2,
                         Scalar dt_s);
-  void point_north(const Settings& all, const Measurement<Scalar>& measurement, Scalar dt_s);
-  void take_force(const Settings& all, const Measurement<Scalar>& measurement);
+  void update_heading(const Settings& all, const Measurement<Scalar>& measurement, Scalar dt_s);
+  void update_inclination(const Settings& all, const Measurement<Scalar>& measurement);
   void learn_bias(const Settings& all);
 
   Quaternion<Scalar> q_body_to_world_ = Quaternion<Scalar>::Identity();

@@ -95,9 +95,9 @@ private:
   void initialise();
   [[nodiscard]] bool initialising(const Settings& settings) const;
   Scalar advance_ramp(const Settings& settings, Scalar dt_s);
-  Vector3<Scalar> pull_up(const Settings& settings, const Measurement<Scalar>& measurement,
-                          const Vector3<Scalar>& up_body);
-  Scalar pull_heading(const Settings& settings, const HeadingReference& reference, Scalar dt_s);
+  Vector3<Scalar> tilt_correction(const Settings& settings, const Measurement<Scalar>& measurement,
+                                  const Vector3<Scalar>& up_body);
+  Scalar heading_correction(const Settings& settings, const HeadingReference& reference, Scalar dt_s);
 
   template <class Self, class Visit>
   static void visit_fields(Self& self, Visit& visit) {

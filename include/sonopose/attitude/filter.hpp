@@ -29,7 +29,7 @@ struct Measurement {
   /// gravity.
   Vector3<Scalar> acceleration_world_mps2 = Vector3<Scalar>::Zero();
   /// False if the body may accelerate in unknown ways. The specific force then serves rest detection alone.
-  bool force_shows_up = true;
+  bool force_shows_vertical = true;
 };
 
 /// Specific force without the known acceleration of the body: the reaction to gravity.
@@ -43,15 +43,15 @@ Vector3<Scalar> gravity_force_body(const Measurement<Scalar>& measurement,
 
 /// True if the specific force is present and shows the vertical.
 template <class Scalar>
-bool shows_up(const Measurement<Scalar>& measurement) {
-  return measurement.force_shows_up && !measurement.specific_force_body_mps2.isZero(0);
+bool has_vertical_reference(const Measurement<Scalar>& measurement) {
+  return measurement.force_shows_vertical && !measurement.specific_force_body_mps2.isZero(0);
 }
 
 /// True if a world vector has a horizontal direction: its horizontal part exceeds rounding errors.
 template <class Scalar>
 bool has_level_part(const Vector3<Scalar>& vector_world) {
-  constexpr Scalar least = 16 * std::numeric_limits<Scalar>::epsilon();
-  return vector_world.template head<2>().squaredNorm() > least * least * vector_world.squaredNorm();
+  constexpr Scalar min_ratio = 16 * std::numeric_limits<Scalar>::epsilon();
+  return vector_world.template head<2>().squaredNorm() > min_ratio * min_ratio * vector_world.squaredNorm();
 }
 
 /// Angle about the vertical from the level part of `field_world_t` to north. The level part must not be zero.
@@ -63,7 +63,7 @@ Scalar heading_error_rad(const Vector3<Scalar>& field_world_t, const Measurement
 }
 
 /// Accepts the fields of any filter.
-struct AnyVisit {
+struct NullFieldVisitor {
   template <class Field>
   void operator()(const char* /*name*/, Field& /*field*/) const {}
 };
@@ -90,7 +90,7 @@ concept Filter = std::regular<F> &&
   filter.update(settings, measurement);
   filter.turn_in_world(vector);
   filter.set_gyro_bias(vector);
-  filter.for_each_field(AnyVisit{});
+  filter.for_each_field(NullFieldVisitor{});
   { seen.orientation() } -> std::convertible_to<Quaternion<typename F::Scalar>>;
   { seen.gyro_bias_body_radps() } -> std::convertible_to<Vector3<typename F::Scalar>>;
 };

@@ -19,7 +19,7 @@ struct LowPass {
   Scalar age_s = 0;             ///< time covered by the inputs, up to the filter's time
 
   template <class Derived>
-  void feed(const Eigen::MatrixBase<Derived>& input, Scalar dt_s, Scalar time_s) {
+  void update(const Eigen::MatrixBase<Derived>& input, Scalar dt_s, Scalar time_s) {
     if (age_s < time_s) {
       age_s += dt_s;
       value += (age_s > 0 ? dt_s / age_s : Scalar(1)) * (input - value);

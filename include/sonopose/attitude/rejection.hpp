@@ -54,7 +54,7 @@ struct Rejection {
 
   /// Form `seed`: assesses a measurement with the error `error` over `dt_s`. A used one takes ten times its
   /// duration off the timer; an ignored one adds its duration.
-  void judge_once(const RejectionLimits<Scalar>& limits, bool use_anyway, Scalar dt_s) {
+  void update_seed(const RejectionLimits<Scalar>& limits, bool use_anyway, Scalar dt_s) {
     ignored = limits.active() && !use_anyway && !error.within(limits.threshold_rad);
     timer_s = ignored ? timer_s + dt_s : std::max(timer_s - 10 * dt_s, Scalar(0));
   }
@@ -62,7 +62,7 @@ struct Rejection {
   /// Form `recovery`: assesses a measurement. One outside the threshold adds its duration to the timer; one
   /// inside takes off nine times its duration. Once the timer reaches the timeout, all are used until it is
   /// back at 0.
-  void judge_recovering(const RejectionLimits<Scalar>& limits, bool use_anyway, Scalar dt_s) {
+  void update_recovery(const RejectionLimits<Scalar>& limits, bool use_anyway, Scalar dt_s) {
     const bool agrees = !limits.active() || use_anyway || error.within(limits.threshold_rad);
     timer_s += agrees ? -9 * dt_s : dt_s;
     timed_out = limits.active() && timer_s > (timed_out ? Scalar(0) : limits.timeout_s);

@@ -59,7 +59,7 @@ public:
       ++counters_.duplicated;
       return {};
     }
-    if (late) begin_again(sequence, now);
+    if (late) restart_numbering(sequence, now);
     late_run_ = 0;
     if (sequence == next_ && waiting_ == 0) {
       ++next_;
@@ -91,14 +91,14 @@ private:
   /// one in line between them. A number that was given up is merely late. If two bridges publish the same
   /// address, the first one stays in effect.
   [[nodiscard]] bool is_restart(std::uint64_t sequence, SteadyTime now) {
-    constexpr int enough = 4;
+    constexpr int min_late_in_row = 4;
     if (was_given_up(sequence, now)) return false;
     late_run_ = sequence == late_next_ ? late_run_ + 1 : 1;
     late_next_ = sequence + 1;
-    return late_run_ >= enough;
+    return late_run_ >= min_late_in_row;
   }
 
-  void begin_again(std::uint64_t sequence, SteadyTime now) {
+  void restart_numbering(std::uint64_t sequence, SteadyTime now) {
     while (waiting_ > 0) skip_to_earliest(now);
     next_ = sequence;
     given_up_ = {};
@@ -130,9 +130,9 @@ private:
   /// Counts all missing events before `sequence` as lost.
   void give_up_to(std::uint64_t sequence, SteadyTime now) {
     if (sequence == next_) return;
-    constexpr std::uint64_t widest = 1024;  // a wider gap is no longer filled
+    constexpr std::uint64_t max_gap = 1024;  // a wider gap is no longer filled
     count_gap(counters_, next_, sequence);
-    if (sequence - next_ <= widest) {
+    if (sequence - next_ <= max_gap) {
       given_up_[given_up_count_++ % given_up_.size()] = {next_, sequence, now};
     }
     next_ = sequence;

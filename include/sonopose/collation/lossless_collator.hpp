@@ -33,7 +33,7 @@ public:
       ++counters_.duplicated;
       late_.insert_or_assign(sequence, event);
       if (!late_.contains(1)) return {};
-      begin_again();
+      restart_numbering();
       restart = true;
     } else if (!waiting_.emplace(sequence, event).second) {
       ++counters_.duplicated;
@@ -63,7 +63,7 @@ public:
   }
 
 private:
-  void begin_again() {
+  void restart_numbering() {
     waiting_ = std::move(late_);
     late_.clear();
     counters_.duplicated -= waiting_.size();

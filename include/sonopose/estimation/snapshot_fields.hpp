@@ -13,20 +13,13 @@
 
 namespace sonopose::estimation {
 
-[[nodiscard]] inline EstimatorKind kind_of(const AnySnapshot& snapshot) {
-  return static_cast<EstimatorKind>(snapshot.index());
+[[nodiscard]] inline settings::EngineKind kind_of(const AnySnapshot& snapshot) {
+  return static_cast<settings::EngineKind>(snapshot.index());
 }
 
 /// Snapshot of a new estimator of this kind.
-[[nodiscard]] inline AnySnapshot initial_snapshot(EstimatorKind kind) {
-  switch (kind) {
-    case EstimatorKind::documented:
-      break;
-    case EstimatorKind::strapdown:
-      return strapdown::Snapshot{};
-    case EstimatorKind::kalman:
-      return kalman::Snapshot{};
-  }
+[[nodiscard]] inline AnySnapshot initial_snapshot(settings::EngineKind kind) {
+  if (kind == settings::EngineKind::kalman) return kalman::Snapshot{};
   return documented::Snapshot{};
 }
 

@@ -32,9 +32,9 @@ inline double guess_inverse_sqrt(double x) {
 /// Fast inverse square root, for normal x > 0.
 template <class Scalar>
 Scalar fast_inverse_sqrt(Scalar x) {
-  constexpr auto larger = Scalar(1 + 0.5 * 1.753e-3);
+  constexpr auto scale = Scalar(1 + 0.5 * 1.753e-3);
   const Scalar guess = guess_inverse_sqrt(x);
-  const Scalar closer = larger * guess * (Scalar(1.5) - Scalar(0.5) * x * guess * guess);
+  const Scalar closer = scale * guess * (Scalar(1.5) - Scalar(0.5) * x * guess * guess);
   return closer * (Scalar(1.5) - Scalar(0.5) * x * closer * closer);
 }
 

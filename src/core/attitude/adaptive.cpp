@@ -19,20 +19,20 @@ void BasicAdaptive<Scalar>::update(const Settings& all, const Measurement<Scalar
 
   since_force_s_ = std::min(since_force_s_ + dt_s, Scalar(longest_wait_s));
   since_field_s_ = std::min(since_field_s_ + dt_s, Scalar(longest_wait_s));
-  if (!measurement.specific_force_body_mps2.isZero(0)) take_force(all, measurement);
+  if (!measurement.specific_force_body_mps2.isZero(0)) update_inclination(all, measurement);
   if (!measurement.magnetic_field_body_t.isZero(0)) {
-    point_north(all, measurement, since_field_s_);
+    update_heading(all, measurement, since_field_s_);
     since_field_s_ = 0;
   }
 }
 
 /// Levels by the specific force. At rest it is used even if the acceleration is unknown.
 template <class Scalar>
-void BasicAdaptive<Scalar>::take_force(const Settings& all, const Measurement<Scalar>& measurement) {
+void BasicAdaptive<Scalar>::update_inclination(const Settings& all, const Measurement<Scalar>& measurement) {
   const Scalar dt_s = since_force_s_;
   since_force_s_ = 0;
   rest::update(all.rest, rest_, measurement, dt_s, bias::limit_radps<Scalar>(all.bias));
-  if (!measurement.force_shows_up && !rest::is_resting(all.rest, rest_)) return;
+  if (!measurement.force_shows_vertical && !rest::is_resting(all.rest, rest_)) return;
   const Matrix3<Scalar> rotation = q_body_to_world_.toRotationMatrix();
   const Vector3<Scalar> force_world_mps2 =
       rotation * measurement.specific_force_body_mps2 - measurement.acceleration_world_mps2;
@@ -55,7 +55,7 @@ void BasicAdaptive<Scalar>::learn_bias(const Settings& all) {
 template <class Scalar>
 Vector3<Scalar> BasicAdaptive<Scalar>::level(const AdaptiveSettings& settings,
                                              const Vector3<Scalar>& force_world_mps2, Scalar dt_s) {
-  force_world_.feed(force_world_mps2, dt_s, Scalar(settings.accel_time_s));
+  force_world_.update(force_world_mps2, dt_s, Scalar(settings.accel_time_s));
   const Scalar force_mps2 = force_world_.value.norm();
   if (!(force_mps2 > 0)) return Vector3<Scalar>::Zero();
   const Vector3<Scalar> up = force_world_.value / force_mps2;
@@ -71,12 +71,12 @@ Vector3<Scalar> BasicAdaptive<Scalar>::level(const AdaptiveSettings& settings,
 }
 
 template <class Scalar>
-void BasicAdaptive<Scalar>::point_north(const Settings& all, const Measurement<Scalar>& measurement,
-                                        Scalar dt_s) {
+void BasicAdaptive<Scalar>::update_heading(const Settings& all, const Measurement<Scalar>& measurement,
+                                           Scalar dt_s) {
   const Vector3<Scalar> field_world_t = q_body_to_world_ * measurement.magnetic_field_body_t;
   if (!has_level_part(field_world_t)) return;
   const Scalar rate_radps = measurement.angular_velocity_body_radps.norm();
-  const Scalar weight = magnetic::weigh(all.magnetic, magnetic_, field_world_t, rate_radps, dt_s);
+  const Scalar weight = magnetic::update(all.magnetic, magnetic_, field_world_t, rate_radps, dt_s);
   const AdaptiveSettings& settings = all.adaptive;
   const auto time_s = Scalar(settings.heading_time_s);
   // The n-th heading has a share of at least 1/n, until that is less than its usual share.

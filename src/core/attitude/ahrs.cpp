@@ -32,12 +32,12 @@ RejectionLimits<Scalar> magnetic_limits(const AhrsSettings& settings) {
 }
 
 template <class Scalar>
-void judge(Rejection<Scalar>& rejection, RejectionForm form, const RejectionLimits<Scalar>& limits,
-           bool initialising, Scalar dt_s) {
+void update_rejection(Rejection<Scalar>& rejection, RejectionForm form, const RejectionLimits<Scalar>& limits,
+                      bool initialising, Scalar dt_s) {
   if (form == RejectionForm::seed)
-    rejection.judge_once(limits, initialising, dt_s);
+    rejection.update_seed(limits, initialising, dt_s);
   else
-    rejection.judge_recovering(limits, initialising, dt_s);
+    rejection.update_recovery(limits, initialising, dt_s);
 }
 
 template <class Scalar>
@@ -91,16 +91,16 @@ void BasicAhrs<Scalar>::step(const Settings& settings, const Measurement<Scalar>
   const auto range_radps = radians<Scalar>(clipping_share * settings.gyro_range_dps);
   const bool clipped = range_radps > 0 && measured_radps.cwiseAbs().maxCoeff() > range_radps;
   if (clipped) initialise();
-  const Scalar pull = std::min(advance_ramp(settings, dt_s) * dt_s, Scalar(1));
+  const Scalar gain = std::min(advance_ramp(settings, dt_s) * dt_s, Scalar(1));
   over_range_ = clipped || (over_range_ && initialising(settings));
 
   const Vector3<Scalar> up_body = geometry::up_in_body(q_body_to_world_);
-  const Vector3<Scalar> tilt_body = pull_up(settings, measurement, up_body);
+  const Vector3<Scalar> tilt_body = tilt_correction(settings, measurement, up_body);
   // A timeout may turn the estimate about the vertical here, which preserves its up.
-  const Scalar turn = pull_heading(settings, reference, dt_s);
+  const Scalar turn = heading_correction(settings, reference, dt_s);
   const Vector3<Scalar> error_body = tilt_body + turn * up_body;
   q_body_to_world_ =
-      unit<Scalar>(q_body_to_world_ * geometry::rotation_by(rate_body_radps * dt_s + pull * error_body));
+      unit<Scalar>(q_body_to_world_ * geometry::rotation_by(rate_body_radps * dt_s + gain * error_body));
 }
 
 template <class Scalar>
@@ -126,9 +126,10 @@ Scalar BasicAhrs<Scalar>::advance_ramp(const Settings& settings, Scalar dt_s) {
 
 /// Rotation (rad, body) towards the accelerometer's up; zero if it is absent or ignored.
 template <class Scalar>
-Vector3<Scalar> BasicAhrs<Scalar>::pull_up(const Settings& settings, const Measurement<Scalar>& measurement,
-                                           const Vector3<Scalar>& up_body) {
-  if (!shows_up(measurement)) return Vector3<Scalar>::Zero();
+Vector3<Scalar> BasicAhrs<Scalar>::tilt_correction(const Settings& settings,
+                                                   const Measurement<Scalar>& measurement,
+                                                   const Vector3<Scalar>& up_body) {
+  if (!has_vertical_reference(measurement)) return Vector3<Scalar>::Zero();
   const Vector3<Scalar> force_mps2 = gravity_force_body(measurement, q_body_to_world_);
   const Scalar force_squared = force_mps2.squaredNorm();
   if (!(force_squared > 0)) return Vector3<Scalar>::Zero();
@@ -145,7 +146,7 @@ Vector3<Scalar> BasicAhrs<Scalar>::pull_up(const Settings& settings, const Measu
   Vector3<Scalar> error_body = up_measured_body.cross(up_body);
   const Scalar sine_squared = error_body.squaredNorm();
   acceleration_.error = {std::sqrt(sine_squared), up_measured_body.dot(up_body)};
-  judge(acceleration_, settings.rejection, limits, initialising(settings), measurement.dt_s);
+  update_rejection(acceleration_, settings.rejection, limits, initialising(settings), measurement.dt_s);
   if (acceleration_.ignored) return Vector3<Scalar>::Zero();
   if (acceleration_.error.cosine < 0) {
     // Exactly upside down, any horizontal axis leads back.
@@ -159,8 +160,8 @@ Vector3<Scalar> BasicAhrs<Scalar>::pull_up(const Settings& settings, const Measu
 
 /// Rotation (rad) about up towards the measured heading; zero if it is absent or ignored.
 template <class Scalar>
-Scalar BasicAhrs<Scalar>::pull_heading(const Settings& settings, const HeadingReference& reference,
-                                       Scalar dt_s) {
+Scalar BasicAhrs<Scalar>::heading_correction(const Settings& settings, const HeadingReference& reference,
+                                             Scalar dt_s) {
   const bool seed = settings.rejection == RejectionForm::seed;
   if (seed) heading_.timed_out = false;
   const Vector2& seen = reference.seen_world;
@@ -179,7 +180,7 @@ Scalar BasicAhrs<Scalar>::pull_heading(const Settings& settings, const HeadingRe
     cosine = 1;
   }
   heading_.error = {std::abs(sine), cosine};
-  judge(heading_, settings.rejection, limits, initialising(settings), dt_s);
+  update_rejection(heading_, settings.rejection, limits, initialising(settings), dt_s);
   if (heading_.ignored) return 0;
   return cosine < 0 ? std::copysign(Scalar(1), sine) : sine;
 }

@@ -39,8 +39,8 @@ void estimate(const BiasSettings& settings, BiasState<Scalar>& state, const Bias
   state.span_s = 0;
   state.rotation_s.setZero();
   state.turned_world_rad.setZero();
-  state.late_rotation.feed(rotation, span_s, evidence.accel_time_s);
-  state.late_bias_world.feed(rotation * state.bias_body_radps, span_s, evidence.accel_time_s);
+  state.late_rotation.update(rotation, span_s, evidence.accel_time_s);
+  state.late_bias_world.update(rotation * state.bias_body_radps, span_s, evidence.accel_time_s);
 
   const Scalar max_variance = radps<Scalar>(settings.initial_dps) * radps<Scalar>(settings.initial_dps);
   if (!state.begun) state.covariance = max_variance * Matrix3<Scalar>::Identity();

@@ -25,7 +25,7 @@ void BasicComplementary<Scalar>::update(const Settings& settings, const Measurem
   const Scalar share = 1 - std::pow(Scalar(settings.alpha), dt_s / Scalar(settings.alpha_step_s));
 
   Quaternion<Scalar>& q_body_to_world = this->q_body_to_world_;
-  if (shows_up(measurement)) {
+  if (has_vertical_reference(measurement)) {
     const Vector3<Scalar> force_world_mps2 =
         q_body_to_world * measurement.specific_force_body_mps2 - measurement.acceleration_world_mps2;
     q_body_to_world = turn_to_level(force_world_mps2, share) * q_body_to_world;

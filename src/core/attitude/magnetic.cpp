@@ -8,7 +8,8 @@ namespace sonopose::attitude::magnetic {
 namespace {
 
 template <class Scalar>
-bool are_alike(const MagneticSettings& settings, const FieldShape<Scalar>& a, const FieldShape<Scalar>& b) {
+bool are_alike(const MagneticSettings& settings, const FieldComponents<Scalar>& a,
+               const FieldComponents<Scalar>& b) {
   const Scalar norm_a_t = std::sqrt(a.level_t * a.level_t + a.up_t * a.up_t);
   const Scalar norm_b_t = std::sqrt(b.level_t * b.level_t + b.up_t * b.up_t);
   const Scalar across = a.level_t * b.up_t - a.up_t * b.level_t;
@@ -20,7 +21,7 @@ bool are_alike(const MagneticSettings& settings, const FieldShape<Scalar>& a, co
 }
 
 template <class Scalar>
-void move_towards(FieldShape<Scalar>& shape, const FieldShape<Scalar>& seen, Scalar share) {
+void move_towards(FieldComponents<Scalar>& shape, const FieldComponents<Scalar>& seen, Scalar share) {
   shape.level_t += share * (seen.level_t - shape.level_t);
   shape.up_t += share * (seen.up_t - shape.up_t);
 }
@@ -55,17 +56,17 @@ void update_candidate(const MagneticSettings& settings, MagneticState<Scalar>& s
 }  // namespace
 
 template <class Scalar>
-Scalar weigh(const MagneticSettings& settings, MagneticState<Scalar>& state,
-             const Vector3<Scalar>& field_world_t, Scalar rate_radps, Scalar dt_s) {
-  const FieldShape<Scalar> seen{field_world_t.template head<2>().norm(), field_world_t.z()};
+Scalar update(const MagneticSettings& settings, MagneticState<Scalar>& state,
+              const Vector3<Scalar>& field_world_t, Scalar rate_radps, Scalar dt_s) {
+  const FieldComponents<Scalar> seen{field_world_t.template head<2>().norm(), field_world_t.z()};
   const Scalar memory_s = state.mean_age_s + dt_s;
   move_towards(state.mean, seen, memory_s > 0 ? dt_s / memory_s : Scalar(1));
   state.mean_age_s = std::min(memory_s, Scalar(settings.smoothing_s));
 
   if (state.has_reference && are_alike(settings, state.mean, state.reference)) {
-    const auto enough_s = Scalar(settings.undisturbed_s);
-    state.like_reference_s = std::min(state.like_reference_s + dt_s, enough_s);
-    state.disturbed = state.disturbed && state.like_reference_s < enough_s;
+    const auto undisturbed_s = Scalar(settings.undisturbed_s);
+    state.like_reference_s = std::min(state.like_reference_s + dt_s, undisturbed_s);
+    state.disturbed = state.disturbed && state.like_reference_s < undisturbed_s;
     if (!state.disturbed) {
       move_towards(state.reference, state.mean, std::min(dt_s / Scalar(settings.reference_s), Scalar(1)));
     }
@@ -87,8 +88,8 @@ Scalar weigh(const MagneticSettings& settings, MagneticState<Scalar>& state,
   return 0;
 }
 
-template float weigh(const MagneticSettings&, MagneticState<float>&, const Vector3<float>&, float, float);
-template double weigh(const MagneticSettings&, MagneticState<double>&, const Vector3<double>&, double,
-                      double);
+template float update(const MagneticSettings&, MagneticState<float>&, const Vector3<float>&, float, float);
+template double update(const MagneticSettings&, MagneticState<double>&, const Vector3<double>&, double,
+                       double);
 
 }  // namespace sonopose::attitude::magnetic

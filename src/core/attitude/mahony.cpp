@@ -43,7 +43,7 @@ void BasicMahony<Scalar>::update(const Settings& settings, const Measurement<Sca
 
   const Vector3<Scalar> force_body_mps2 = gravity_force_body(measurement, q_body_to_world);
   const Scalar force_mps2 = force_body_mps2.norm();
-  if (force_mps2 > 0 && shows_up(measurement)) {
+  if (force_mps2 > 0 && has_vertical_reference(measurement)) {
     const Vector3<Scalar> up_measured_body = force_body_mps2 / force_mps2;
     const Vector3<Scalar> error_body = up_measured_body.cross(up_body);
     if (std::abs(force_mps2 - Scalar(standard_gravity_mps2)) <= Scalar(settings.ki_gate_mps2)) {

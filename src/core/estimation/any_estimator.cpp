@@ -4,23 +4,16 @@
 namespace sonopose::estimation {
 namespace {
 
-std::variant<documented::Engine, strapdown::Engine, kalman::Engine> make(const settings::Settings& settings,
-                                                                         const EstimatorOptions& options) {
-  switch (options.kind.value_or(kind_of(settings.engine.engine))) {
-    case EstimatorKind::documented:
-      break;
-    case EstimatorKind::strapdown:
-      return strapdown::Engine(settings, options.strapdown_start, options.strapdown_rule);
-    case EstimatorKind::kalman:
-      return kalman::Engine(settings);
-  }
+std::variant<documented::Engine, kalman::Engine> make(settings::EngineKind kind,
+                                                      const settings::Settings& settings) {
+  if (kind == settings::EngineKind::kalman) return kalman::Engine(settings);
   return documented::Engine(settings);
 }
 
 }  // namespace
 
-AnyEstimator::AnyEstimator(const settings::Settings& settings, const EstimatorOptions& options)
-    : estimator_(make(settings, options)) {}
+AnyEstimator::AnyEstimator(const settings::Settings& settings)
+    : estimator_(make(settings.engine.engine, settings)) {}
 
 std::optional<FusedPose> AnyEstimator::predict(const ImuSample& imu) noexcept {
   return std::visit([&](auto& estimator) { return estimator.predict(imu); }, estimator_);
@@ -40,7 +33,7 @@ void AnyEstimator::finish_pending_work() noexcept {
 
 void AnyEstimator::configure(const settings::Settings& settings) noexcept {
   if (settings.engine.engine != this->settings().engine.engine) {
-    Snapshot fresh = initial_snapshot(kind_of(settings.engine.engine));
+    Snapshot fresh = initial_snapshot(settings.engine.engine);
     counters_of(fresh) = counters();
     reset_counter_of(fresh) = reset_counter() + 1;
     restore(fresh);
@@ -54,7 +47,7 @@ void AnyEstimator::reset() noexcept {
 
 void AnyEstimator::restore(const Snapshot& snapshot) noexcept {
   if (snapshot.index() != estimator_.index()) {
-    estimator_ = make(settings::Settings(settings()), {.kind = static_cast<EstimatorKind>(snapshot.index())});
+    estimator_ = make(kind_of(snapshot), settings::Settings(settings()));
   }
   std::visit(
       [&](auto& estimator) {

@@ -141,13 +141,13 @@ const SettingInfo& setting_info(std::string_view key) {
     }
   }
   const SettingInfo* nearest = &table.front();
-  std::size_t least = std::numeric_limits<std::size_t>::max();
+  std::size_t min_distance = std::numeric_limits<std::size_t>::max();
   for (const SettingInfo& row : table) {
     const std::size_t distance =
         std::min(text::edit_distance(row.key, key), text::edit_distance(without_engine(row), key));
-    if (distance >= least) continue;
+    if (distance >= min_distance) continue;
     nearest = &row;
-    least = distance;
+    min_distance = distance;
   }
   throw SettingError("there is no setting '" + std::string(key) + "'; the nearest is '" + nearest->key + "'");
 }

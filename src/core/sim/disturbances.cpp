@@ -32,8 +32,8 @@ void check_vector(const std::string& field, const Vector3d& value) {
 }
 
 void check_range(const std::string& field, const Range& range) {
-  check_time(field, range.least);
-  check_time(field, range.most - range.least);
+  check_time(field, range.min);
+  check_time(field, range.max - range.min);
 }
 
 void check_wall(const std::string& field, const Wall& wall) {
@@ -44,8 +44,8 @@ void check_wall(const std::string& field, const Wall& wall) {
 }
 
 void check_beacons(const MisplacedBeacon& map) {
-  constexpr std::size_t least = 3;
-  require(map.beacons_world_m.size() >= least, "misplaced_beacon.beacons_world_m: their number",
+  constexpr std::size_t min_beacons = 3;
+  require(map.beacons_world_m.size() >= min_beacons, "misplaced_beacon.beacons_world_m: their number",
           static_cast<double>(map.beacons_world_m.size()));
   require(map.misplaced < map.beacons_world_m.size(), "misplaced_beacon.misplaced",
           static_cast<double>(map.misplaced));
@@ -143,7 +143,7 @@ void check(const Disturbances& disturbances) {
     poor_share += kind.share;
     check_time("poor_fixes.noise_factor", kind.noise_factor);
     const Range quality_percent = kind.quality_percent.value_or(Range{});
-    for (const double percent : {quality_percent.least, quality_percent.most}) {
+    for (const double percent : {quality_percent.min, quality_percent.max}) {
       require(percent >= 0 && percent <= 100, "poor_fixes.quality_percent", percent);
     }
     check_range("poor_fixes.offset_m", kind.offset_m);
@@ -241,7 +241,7 @@ const PoorFixes* draw_poor_fix(const Disturbances& disturbances, Random& random)
 }
 
 Vector3d draw_offset_world_m(const PoorFixes& kind, Random& random) {
-  if (kind.offset_m.most == 0.0) return Vector3d::Zero();
+  if (kind.offset_m.max == 0.0) return Vector3d::Zero();
   const double distance_m = random.uniform_in(kind.offset_m);
   return distance_m * random.direction();
 }

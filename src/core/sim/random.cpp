@@ -24,11 +24,11 @@ double Random::uniform() {
 }
 
 double Random::uniform_in(const Range& range) {
-  return range.least + (range.most - range.least) * uniform();
+  return range.min + (range.max - range.min) * uniform();
 }
 
-int Random::integer_in(int least, int most) {
-  return least + static_cast<int>(static_cast<double>(most - least + 1) * uniform());
+int Random::integer_in(int min, int max) {
+  return min + static_cast<int>(static_cast<double>(max - min + 1) * uniform());
 }
 
 double Random::normal() {

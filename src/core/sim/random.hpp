@@ -10,14 +10,14 @@
 
 namespace sonopose::sim {
 
-/// All numbers from `least` to `most`. A single number converts to the range that contains only it.
+/// All numbers from `min` to `max`. A single number converts to the range that contains only it.
 struct Range {
-  double least = 0;
-  double most = 0;
+  double min = 0;
+  double max = 0;
 
   constexpr Range() = default;
-  constexpr Range(double value) : least{value}, most{value} {}  // NOLINT(google-explicit-constructor)
-  constexpr Range(double least_in, double most_in) : least{least_in}, most{most_in} {}
+  constexpr Range(double value) : min{value}, max{value} {}  // NOLINT(google-explicit-constructor)
+  constexpr Range(double min_in, double max_in) : min{min_in}, max{max_in} {}
 };
 
 /// One independent stream of random numbers. The same seed and stream give the same numbers.
@@ -31,8 +31,8 @@ public:
   /// Uniform in the range; exact if the range has only one value.
   double uniform_in(const Range& range);
 
-  /// Uniform over the whole numbers from `least` to `most`.
-  int integer_in(int least, int most);
+  /// Uniform over the whole numbers from `min` to `max`.
+  int integer_in(int min, int max);
 
   /// Gaussian with mean 0 and standard deviation 1 (Box-Muller).
   double normal();

@@ -53,8 +53,8 @@ void check(const SensorSettings& settings) {
     require(std::isfinite(value) && value >= 0, field, value);
   };
   const auto range = [not_negative](const Range& values, const char* field) {
-    not_negative(values.least, field);
-    require(std::isfinite(values.most) && values.most >= values.least, field, values.most);
+    not_negative(values.min, field);
+    require(std::isfinite(values.max) && values.max >= values.min, field, values.max);
   };
   require(std::isfinite(settings.imu_rate_hz) && settings.imu_rate_hz > 0, "imu_rate_hz",
           settings.imu_rate_hz);

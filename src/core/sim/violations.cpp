@@ -83,15 +83,16 @@ void vary_clipped_kerbs(Scenario& scenario, Random& random) {
 /// Draws a body that walks to its place and then stands, swaying slowly.
 void vary_swaying(Scenario& scenario, Random& random) {
   const double stands_s = random.uniform_in({10.0, 20.0});
-  struct Lean {
+  struct SwayComponent {
     double amplitude_rad;
     double rate_radps;
     double phase_rad;
   };
-  std::array<Lean, 2> leans{};
-  for (Lean& lean : leans) {
-    lean = {random.uniform_in({0.2, 0.7}) * per_deg, 2.0 * std::numbers::pi * random.uniform_in({0.1, 0.4}),
-            random.uniform_in({-std::numbers::pi, std::numbers::pi})};
+  std::array<SwayComponent, 2> components{};
+  for (SwayComponent& component : components) {
+    component = {random.uniform_in({0.2, 0.7}) * per_deg,
+                 2.0 * std::numbers::pi * random.uniform_in({0.1, 0.4}),
+                 random.uniform_in({-std::numbers::pi, std::numbers::pi})};
   }
   const double height_m = random.uniform_in({0.5, 1.6});
   scenario.path = [=](double time_s) {
@@ -106,11 +107,11 @@ void vary_swaying(Scenario& scenario, Random& random) {
       *jet = {jet->value, jet->rate * speed, jet->acceleration * speed * speed + jet->rate * acceleration};
     }
     const Jet begun = smooth_step({(time_s - stands_s - braking_s) / 3.0, 1.0 / 3.0, 0.0});
-    const auto leaning = [&](const Lean& lean) {
-      return begun * sine(lean.amplitude_rad, lean.rate_radps, lean.phase_rad, time_s).jet();
+    const auto sway_angle = [&](const SwayComponent& component) {
+      return begun * sine(component.amplitude_rad, component.rate_radps, component.phase_rad, time_s).jet();
     };
-    const Jet pitch = leaning(leans[0]);
-    const Jet roll = leaning(leans[1]);
+    const Jet pitch = sway_angle(components[0]);
+    const Jet roll = sway_angle(components[1]);
     path.pitch = path.pitch + pitch;
     path.roll = path.roll + roll;
     const double cos_yaw = std::cos(path.yaw.value);  // constant while it leans

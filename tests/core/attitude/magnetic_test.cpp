@@ -22,7 +22,7 @@ struct Rig {
   double feed(double duration_s, const Vector3d& field_world_t, double rate_radps) {
     double weight = 0;
     for (int i = 0; i < std::lround(duration_s * 100.0); ++i) {
-      weight = magnetic::weigh(settings, state, field_world_t, rate_radps, 0.01);
+      weight = magnetic::update(settings, state, field_world_t, rate_radps, 0.01);
     }
     return weight;
   }

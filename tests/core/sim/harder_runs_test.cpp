@@ -51,18 +51,18 @@ double emitted_s(const UltrasonicFix& fix) {
 
 /// Smallest and largest of the added values.
 struct Extent {
-  double least = 1e9;
-  double most = -1e9;
+  double min = 1e9;
+  double max = -1e9;
 
   void add(double value) {
-    least = std::min(least, value);
-    most = std::max(most, value);
+    min = std::min(min, value);
+    max = std::max(max, value);
   }
 
   /// True if all values are in the range and some are near each end.
   [[nodiscard]] bool spans(double from, double to) const {
     const double near = 0.1 * (to - from);
-    return least >= from && least < from + near && most <= to && most > to - near;
+    return min >= from && min < from + near && max <= to && max > to - near;
   }
 };
 
@@ -94,7 +94,7 @@ SCENARIO("wrong tracks are as many, as long and as far off as the scenario says"
     const Scenario run = drawn_of("wrong_tracks", seed);
     count.add(static_cast<double>(run.disturbances.outlier_bursts.size()));
     for (const OutlierBurst& track : run.disturbances.outlier_bursts) {
-      fixes.add(std::round(track.duration_s * run.sensors.fix_rate_hz.most));
+      fixes.add(std::round(track.duration_s * run.sensors.fix_rate_hz.max));
       distance_m.add(track.offset_world_m.norm());
     }
   }
@@ -122,7 +122,7 @@ SCENARIO("a wrong track has as many fixes as were drawn") {
     const auto on_track = std::count_if(all.begin(), all.end(), [&](const UltrasonicFix& fix) {
       return emitted_s(fix) >= track.begin_s && emitted_s(fix) < end_s;
     });
-    const double drawn_fixes = track.duration_s * drawn.scenario.sensors.fix_rate_hz.most;
+    const double drawn_fixes = track.duration_s * drawn.scenario.sensors.fix_rate_hz.max;
     CHECK(static_cast<double>(on_track) == Approx(drawn_fixes));
   }
 }
@@ -232,10 +232,10 @@ SCENARIO("sparse fixes are sparse or noisy") {
     rate_hz.add(static_cast<double>(fixes.size() - 1) / (emitted_s(fixes.back()) - emitted_s(fixes.front())));
   }
   CHECK(rate_hz.spans(1.0 - 1e-6, 20.0 + 1e-6));
-  CHECK(noise_m.least < 0.02);
-  CHECK(noise_m.least > 0.008);
-  CHECK(noise_m.most > 0.09);
-  CHECK(noise_m.most < 0.12);
+  CHECK(noise_m.min < 0.02);
+  CHECK(noise_m.min > 0.008);
+  CHECK(noise_m.max > 0.09);
+  CHECK(noise_m.max < 0.12);
 }
 
 SCENARIO("the hall has gaps, spikes, poor fixes and half the fixes for half of the run") {
@@ -345,7 +345,7 @@ SCENARIO("any of the four beacons is misplaced, and the fixes are off with the p
         offset_m.add(expected_m.norm());
         REQUIRE((fix.position_world_m - position_m - expected_m).norm() < max_noise_m);
       }
-      CHECK(offset_m.most - offset_m.least > 0.05);
+      CHECK(offset_m.max - offset_m.min > 0.05);
     }
   }
 }

@@ -56,16 +56,6 @@ public:
   /// Sends pending samples if the domain batches writes (DomainOptions::batch_writes).
   void flush() noexcept { dds_write_flush(handle()); }
 
-  /// Writes a sample that must not be lost: retries after timeouts until `give_up()` returns true. Returns
-  /// true if the sample was written.
-  template <class GiveUp>
-  bool write_unless(const T& sample, GiveUp&& give_up) {
-    const ReturnCode code = retry_unless(give_up, [&] { return try_write(sample); });
-    if (is_timeout(code)) return false;
-    check("dds_write", code);
-    return true;
-  }
-
   /// Disposes of the instance. Only the key fields of `key` are used.
   void dispose_instance(const T& key) { check("dds_dispose", dds_dispose(handle(), &key)); }
 

@@ -39,8 +39,8 @@ namespace alignment {
 
 /// Levels the attitude after a velocity change dv by a fix. A horizontal one turns the attitude by gain · dv
 /// / g about the horizontal axis perpendicular to dv. A vertical one changes the offset by gain · dv.
-void level(const AlignmentSettings& settings, AlignmentState& state, attitude::AnyFilter& filter,
-           const Vector3d& velocity_change_world_mps);
+void correct_tilt(const AlignmentSettings& settings, AlignmentState& state, attitude::AnyFilter& filter,
+                  const Vector3d& velocity_change_world_mps);
 
 /// Performs one IMU step, in which acceleration has added `gained_world_mps` to a velocity that fixes
 /// correct.
@@ -52,14 +52,14 @@ void clear_known_acceleration(AlignmentState& state);
 
 /// Adds the known acceleration to `measurement`, made at `now_ns`. For hold_s after the acceleration was last
 /// known, the specific force is not used as the vertical.
-void aid(const AlignmentSettings& settings, const AlignmentState& state, TimeNs now_ns,
-         attitude::Measurement<double>& measurement);
+void add_known_acceleration(const AlignmentSettings& settings, const AlignmentState& state, TimeNs now_ns,
+                            attitude::Measurement<double>& measurement);
 
 /// Turns yaw, and the velocity with it, by a share of the angle from the gained velocity g to g + (v_us −
 /// v_imu), the gain that the fixes have measured. `share` is the share of v_us − v_imu that the fix has
 /// corrected. The turn is small without acceleration.
-YawTurn turn(const AlignmentSettings& settings, AlignmentState& state, Kinematics& body,
-             attitude::AnyFilter& filter, const FixVelocity& measured, double share);
+YawTurn correct_yaw(const AlignmentSettings& settings, AlignmentState& state, Kinematics& body,
+                    attitude::AnyFilter& filter, const FixVelocity& measured, double share);
 
 }  // namespace alignment
 }  // namespace sonopose::estimation::documented

@@ -31,7 +31,8 @@ namespace delay {
 void extrapolate_to_now(const DelaySettings& settings, const Kinematics& body, TimedFix& fix);
 
 /// Determines the time of the fix and extrapolates it.
-[[nodiscard]] TimedFix shift(const DelaySettings& settings, const Kinematics& body, const UltrasonicFix& fix);
+[[nodiscard]] TimedFix extrapolated(const DelaySettings& settings, const Kinematics& body,
+                                    const UltrasonicFix& fix);
 
 }  // namespace delay
 }  // namespace sonopose::estimation::documented

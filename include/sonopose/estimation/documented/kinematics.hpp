@@ -37,7 +37,7 @@ struct Kinematics {
 
   /// Displacement from `from_ns` to `to_ns` by the IMU with the current corrections, extrapolated at the
   /// current velocity beyond the latest sample. Empty if the history begins later.
-  [[nodiscard]] std::optional<Vector3d> moved(TimeNs from_ns, TimeNs to_ns) const;
+  [[nodiscard]] std::optional<Vector3d> displacement_between(TimeNs from_ns, TimeNs to_ns) const;
 
   /// Yaw at `then_ns` with the current corrections.
   [[nodiscard]] std::optional<double> yaw_at(TimeNs then_ns) const;

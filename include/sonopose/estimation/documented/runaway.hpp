@@ -24,7 +24,7 @@ namespace runaway {
 
 /// Makes a fix the new reference if it is not an outlier. Outliers that agree with each other carry the
 /// reference along: on a wrong track the body moves as on the right one.
-void follow(RunawayState& state, const TimedFix& fix, const FixAssessment& assessment);
+void update_reference(RunawayState& state, const TimedFix& fix, const FixAssessment& assessment);
 
 /// Damps the velocity over one IMU step if the body is far from the reference and moves away.
 void damp(const RunawaySettings& settings, const RunawayState& state, Kinematics& body, double dt_s);

@@ -30,7 +30,7 @@ namespace scatter {
 void learn(ScatterState& state, const Kinematics& body, const TimedFix& fix);
 
 /// Moves the fix to this share of its distance from the pose, per axis.
-void weigh(const Vector3d& share, const Kinematics& body, TimedFix& fix);
+void scale_innovation(const Vector3d& share, const Kinematics& body, TimedFix& fix);
 
 }  // namespace scatter
 }  // namespace sonopose::estimation::documented

@@ -34,9 +34,9 @@ struct VelocityState {
   int velocities = 0;  ///< velocity corrections of this run, up to enough_velocities
 
   /// Number of corrections after which the velocity no longer averages the first velocities of the run.
-  static constexpr int enough_velocities = 7;
-  [[nodiscard]] bool settled() const { return velocities >= enough_velocities; }
-  void settle() { velocities = enough_velocities; }
+  static constexpr int averaged_velocities = 7;
+  [[nodiscard]] bool settled() const { return velocities >= averaged_velocities; }
+  void settle() { velocities = averaged_velocities; }
   void unsettle() { velocities = 0; }
 
   bool operator==(const VelocityState&) const = default;
@@ -82,7 +82,7 @@ VelocityChange correct(const VelocitySettings& settings, VelocityState& state, K
                        const FixVelocity& measured, const FixAssessment& assessment);
 
 /// Sets the velocity to the measured one, at the second fix of a run. Returns the change.
-Vector3d adopt(VelocityState& state, Kinematics& body, const FixVelocity& measured);
+Vector3d initialise(VelocityState& state, Kinematics& body, const FixVelocity& measured);
 
 }  // namespace velocity
 }  // namespace sonopose::estimation::documented

@@ -61,9 +61,9 @@ public:
   [[nodiscard]] const State& now() const { return now_; }
 
   /// True if `finish_pending_work` has work left.
-  [[nodiscard]] bool is_behind() const { return is_behind_; }
+  [[nodiscard]] bool has_pending_work() const { return has_pending_work_; }
   /// True if that work is the sample that was added last.
-  [[nodiscard]] bool is_behind_sample() const { return is_behind_ && until_ns_ != forever_ns; }
+  [[nodiscard]] bool has_pending_sample() const { return has_pending_work_ && until_ns_ != forever_ns; }
 
   /// Time of the latest sample; 0 before the first.
   [[nodiscard]] TimeNs time_ns() const { return time_ns_; }
@@ -75,10 +75,10 @@ public:
 
   /// Time by which a measurement may be ahead of the latest sample. A silent IMU explains seconds, unless
   /// samples have shown that the stamps of fixes and headings are wrong.
-  [[nodiscard]] double ahead_s() const;
+  [[nodiscard]] double max_ahead_s() const;
 
   /// True if a measurement of this time can still be inserted: it is not too old, and there is room.
-  [[nodiscard]] bool reaches(TimeNs time_ns) const;
+  [[nodiscard]] bool can_insert(TimeNs time_ns) const;
 
   /// True if the same measurement is already stored.
   [[nodiscard]] bool contains(const AidingMeasurement& aiding) const;
@@ -108,7 +108,7 @@ private:
   FixOutcome replay(const settings::Settings& settings, const AidingMeasurement* last,
                     TimeNs until_ns = forever_ns);
   void save_checkpoint();
-  void begin_again();
+  void restart();
   void drop_oldest_checkpoint();
   void forget_before_oldest();
 
@@ -122,7 +122,7 @@ private:
   std::vector<AidingMeasurement> aiding_;  // sorted by time
   Checkpoints checkpoints_;
   bool stamps_are_ahead_ = false;
-  bool is_behind_ = false;
+  bool has_pending_work_ = false;
   TimeNs until_ns_ = 0;  // time up to which finish_pending_work replays fixes and headings
 };
 

@@ -40,7 +40,7 @@ struct ProcessNoise {
 
 /// Unmeasured motion: white acceleration and angular rate, and a decaying velocity.
 struct UnknownMotion {
-  double slowing_s = 1.0;  ///< time constant of the velocity
+  double velocity_time_constant_s = 1.0;  ///< time constant of the velocity
   double accel_mps2_rthz = 2.0;
   double tilt_rad_rts = 0.1;
   double yaw_rad_rts = 0.6;

@@ -25,8 +25,8 @@ struct VarianceSample {
 /// Limits and memory of a learned variance.
 struct VarianceLimits {
   double initial = 0;
-  double least = 0;
-  double most = 0;
+  double min = 0;
+  double max = 0;
   double memory_samples = 0;
 };
 
@@ -39,12 +39,12 @@ struct AdaptiveVariance {
   /// Adds a sample. `first` is the motion variance before the first one.
   void add(const VarianceSample& sample, const VarianceLimits& limits, double first);
   /// Adds a sample of a body at rest. Its errors repeat: they may show that the noise is large, but not that
-  /// it is small. The variance therefore does not fall below `least`. Once a large sample has raised it,
-  /// others count as well.
-  void add_at_rest(const VarianceSample& sample, const VarianceLimits& limits, double least);
+  /// it is small. The variance therefore does not fall below `min_variance`. Once a large sample has raised
+  /// it, others count as well.
+  void add_at_rest(const VarianceSample& sample, const VarianceLimits& limits, double min_variance);
   /// Adds a sample of a rejected fix; the samples so far then count as a few. It proves nothing, so the
   /// motion variance stays, and at rest the variance returns to it.
-  void add_doubtful(const VarianceSample& sample, const VarianceLimits& limits);
+  void add_rejected(const VarianceSample& sample, const VarianceLimits& limits);
   bool operator==(const AdaptiveVariance&) const = default;
 
 private:
@@ -119,7 +119,7 @@ struct MeasurementNoise {
   void add_fix(double quality_percent, const Vector3d& residual_m, const Vector3d& prediction_variance_m2,
                bool at_rest);
   /// Adds the innovation of a rejected fix that counts as noise.
-  void add_scattered_fix(double quality_percent, const Vector3d& innovation_m);
+  void add_rejected_fix(double quality_percent, const Vector3d& innovation_m);
   void add_heading(double residual_rad, double prediction_variance_rad2, bool at_rest);
 
   bool operator==(const MeasurementNoise&) const = default;

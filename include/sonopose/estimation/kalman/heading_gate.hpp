@@ -20,7 +20,7 @@ struct HeadingGate {
   double interval_s = 0;  ///< usual interval between headings, up to longest_heading_interval_s
 
   /// Registers a heading, used or not.
-  void see(TimeNs time_ns);
+  void add(TimeNs time_ns);
   /// Registers a rejected heading. Returns true if headings have been rejected for so long that they must be
   /// believed.
   bool reject(TimeNs time_ns);

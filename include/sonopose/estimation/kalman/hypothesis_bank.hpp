@@ -44,7 +44,7 @@ constexpr std::array<std::string_view, 4> choices_of(Track /*track*/) {
 }
 
 /// Standard deviations added to a hypothesis when it assumes a model.
-struct Widening {
+struct CovarianceInflation {
   double velocity_mps = 0;
   double tilt_rad = 0;
   double yaw_rad = 0;
@@ -52,13 +52,13 @@ struct Widening {
   double accel_bias_mps2 = 0;
 };
 
-/// Adds the variances of `widening`.
-void widen(Filter& filter, const Widening& widening);
+/// Adds the variances of `inflation`.
+void inflate(Filter& filter, const CovarianceInflation& inflation);
 
 /// Parameters of a model of the IMU.
 struct ImuModelParameters {
   ProcessNoise noise;
-  Widening widening;
+  CovarianceInflation inflation;
   double dead_reckoning_mps_rts = 0;  ///< density of the zero-velocity measurement without fixes
   double clock_offset_std_s = 0;  ///< deviation of the delay error that it estimates; 0: as the settings say
 };
@@ -82,8 +82,8 @@ struct Hypothesis {
   bool operator==(const Hypothesis&) const = default;
 };
 
-/// Makes a hypothesis assume this model of the IMU, and widens its filter accordingly.
-void assume(Hypothesis& hypothesis, ImuModel model);
+/// Makes a hypothesis assume this model of the IMU, and inflates its covariance accordingly.
+void set_imu_model(Hypothesis& hypothesis, ImuModel model);
 
 inline constexpr int closed_model_count =
     4;                                 ///< models that trust the IMU, with one hypothesis each while tracking

@@ -56,7 +56,7 @@ struct HeadingOutcome {
 struct ImuOutcome {
   bool still = false;  ///< true if it ends half a second of rest: rest.still_gyro_mean is the gyro bias
   double still_rate_variance = 0;  ///< variance of that bias, (rad/s)²
-  double no_velocity_variance =
+  double zero_velocity_variance =
       0;  ///< variance of zero velocity as a measurement, (m/s)²; 0: no such measurement
 };
 

@@ -90,7 +90,7 @@ Fit fit_logs(std::span<const std::vector<Event>> recordings, const settings::Set
   observer_of("search")(0);
   const std::vector<bool> had_headings = have_headings(logs);
   detail::Start start = detail::grid_search(logs);
-  detail::leave_out_outliers(logs, start);
+  detail::reject_outliers(logs, start);
   check_fixes(logs);
   find_lost_yaws(logs, had_headings, start.parameters.delay_s, start.start_yaw_rad);
   Problem rough_problem(logs);

@@ -22,9 +22,9 @@ constexpr double settling_s = 2.5;
 constexpr double lever_arm_std_m = 0.2;
 
 /// One filter on its way through a log.
-class Walk {
+class LogFilter {
 public:
-  Walk(const Measurements& log, const Parameters& parameters, const PassOptions& options)
+  LogFilter(const Measurements& log, const Parameters& parameters, const PassOptions& options)
       : log_(log),
         parameters_(parameters),
         options_(options),
@@ -100,7 +100,7 @@ private:
   }
 
   /// Integrates to a time between two samples, so that the likelihood is a smooth function of the delay.
-  void go_to(TimeNs until_ns) {
+  void integrate_to(TimeNs until_ns) {
     constexpr double gap_s = 0.25;
     while (time_ns_ < until_ns && next_ < log_.imu.size()) {
       const ImuMeasurement& before = log_.imu[next_ - 1];
@@ -126,7 +126,7 @@ private:
   }
 
   void add(const Fix& fix) {
-    go_to(fix.time_ns - to_ns(parameters_.delay_s));
+    integrate_to(fix.time_ns - to_ns(parameters_.delay_s));
     Innovation innovation = filter_.fix_innovation(fix.position_world_m, fix_covariance_m2_, 0.0);
     Eigen::Matrix3d more_m2 = Eigen::Matrix3d::Zero();
     if (options_.soft_gate > 0.0 && innovation.squared_norm > options_.soft_gate) {
@@ -140,11 +140,11 @@ private:
     const Eigen::LLT<Eigen::Matrix3d> factor(residual.covariance);
     residual.minus_2_log_l = 2.0 * factor.matrixLLT().diagonal().array().log().sum() +
                              factor.matrixL().solve(residual.value).squaredNorm();
-    keep(residual, fix.time_ns);
+    add_residual(residual, fix.time_ns);
   }
 
   void add(const Heading& heading) {
-    go_to(heading.time_ns - to_ns(parameters_.delay_s));
+    integrate_to(heading.time_ns - to_ns(parameters_.delay_s));
     const double variance = square(parameters_.heading_rad);
     const auto innovation =
         filter_.heading_innovation(heading.heading_world_rad, parameters_.mount_rad, variance, 0.0);
@@ -164,10 +164,10 @@ private:
     if (innovation.observable) {
       filter_.correct_heading(heading.heading_world_rad, parameters_.mount_rad, variance + more, 0.0);
     }
-    keep(residual, heading.time_ns);
+    add_residual(residual, heading.time_ns);
   }
 
-  void keep(const Residual& residual, TimeNs stamp_ns) {
+  void add_residual(const Residual& residual, TimeNs stamp_ns) {
     if (stamp_ns < counted_from_ns_) return;
     pass_.residuals.push_back(residual);
     pass_.minus_2_log_l += residual.minus_2_log_l;
@@ -192,7 +192,7 @@ bool Measurements::has_heading() const {
 }
 
 Pass forward_pass(const Measurements& log, const Parameters& parameters, const PassOptions& options) {
-  return Walk(log, parameters, options).run();
+  return LogFilter(log, parameters, options).run();
 }
 
 }  // namespace sonopose::calibration::drive::detail

@@ -14,7 +14,7 @@ constexpr int delays_to_each_side = 3;
 constexpr double delay_step_s = 0.05;
 constexpr double soft_gate = 9.0;  // above it a measurement counts with a larger noise
 
-Parameters coarse() {
+Parameters coarse_parameters() {
   return {.fix_horizontal_m = 0.05,
           .fix_vertical_m = 0.05,
           .heading_rad = 0.1,
@@ -28,7 +28,7 @@ double angle_of(std::ptrdiff_t mount) {
 
 /// −2 log L for an angle, which is the mount or, for a log without headings, the yaw at the start.
 double coarse_minus_2_log_l(const Measurements& log, double angle_rad, double delay_s) {
-  Parameters parameters = coarse();
+  Parameters parameters = coarse_parameters();
   parameters.delay_s = delay_s;
   parameters.mount_rad = parameters.start_yaw_rad = angle_rad;
   return forward_pass(log, parameters, {.soft_gate = soft_gate}).minus_2_log_l;
@@ -68,21 +68,21 @@ Start grid_search(const std::vector<Measurements>& logs) {
     const auto best_mount = std::min_element(sums.begin(), sums.end());
     if (!(*best_mount + others < min_of_all)) continue;
     min_of_all = *best_mount + others;
-    best = {coarse(), best_yaw_rad};
+    best = {coarse_parameters(), best_yaw_rad};
     best.parameters.delay_s = delay_s;
     best.parameters.mount_rad = angle_of(best_mount - sums.begin());
   }
   return best;
 }
 
-void leave_out_outliers(std::vector<Measurements>& logs, const Start& start) {
-  constexpr double most = 25.0;  // largest squared norm
+void reject_outliers(std::vector<Measurements>& logs, const Start& start) {
+  constexpr double max_squared_norm = 25.0;  // largest squared norm
   for (std::size_t log = 0; log < logs.size(); ++log) {
     Parameters parameters = start.parameters;
     parameters.start_yaw_rad = start.start_yaw_rad[log];
     const Pass pass = forward_pass(logs[log], parameters, {.soft_gate = soft_gate});
     for (const Residual& residual : pass.residuals) {
-      if (residual.squared_norm < most) continue;
+      if (residual.squared_norm < max_squared_norm) continue;
       if (residual.is_heading) {
         logs[log].headings[residual.index].used = false;
       } else {

@@ -26,6 +26,6 @@ StartYaw best_start_yaw(const Measurements& log, double delay_s);
 Start grid_search(const std::vector<Measurements>& logs);
 
 /// Removes fixes and headings that contradict the others at this start.
-void leave_out_outliers(std::vector<Measurements>& logs, const Start& start);
+void reject_outliers(std::vector<Measurements>& logs, const Start& start);
 
 }  // namespace sonopose::calibration::drive::detail

@@ -18,7 +18,7 @@ struct Row {
   Quantity quantity;
   Unknown unknown;
   bool is_logarithm;
-  double widest;  ///< half of the interval, or of its logarithm's; that of a delay depends on the drive
+  double max_half_width;  ///< of the interval, or its logarithm's; that of a delay depends on the drive
   const char* missing;
 };
 
@@ -42,7 +42,7 @@ const std::array<Row, common_unknowns> rows{{
 
 constexpr std::array<Quantity, 3> lever_arm{Quantity::lever_arm_x, Quantity::lever_arm_y,
                                             Quantity::lever_arm_z};
-constexpr double widest_lever_arm_m = 0.005;
+constexpr double max_lever_arm_half_width_m = 0.005;
 
 bool has_heading(const Problem& problem) {
   return std::any_of(problem.logs().begin(), problem.logs().end(),
@@ -53,7 +53,7 @@ bool has_heading(const Problem& problem) {
 /// a motion, also at rest. The filter's expectation of such errors is its variance of position, as a share of
 /// the innovation's.
 double information_of_noise(const Problem& problem, const Fit& fit) {
-  constexpr double caution = 3.0;
+  constexpr double noise_information_factor = 3.0;
   double sum = 0;
   for (std::size_t log = 0; log < fit.passes.size(); ++log) {
     const double noise_m = problem.parameters_of(fit.unknowns, log).fix_horizontal_m;
@@ -64,7 +64,7 @@ double information_of_noise(const Problem& problem, const Fit& fit) {
       }
     }
   }
-  return caution * sum;
+  return noise_information_factor * sum;
 }
 
 double std_of(const Problem& problem, const Fit& fit, Unknown unknown) {
@@ -81,14 +81,14 @@ double value_of(const Row& row, double unknown) {
 }
 
 /// Uncertainty of a delay that displaces a fix by no more than its noise, at the speed of the drive.
-double widest_delay_s(const Problem& problem) {
+double max_delay_half_width_s(const Problem& problem) {
   constexpr double displacement_m = 0.015;
-  constexpr double always_s = 0.0025;
-  constexpr double never_s = 0.008;
-  return std::clamp(displacement_m / rms_speed_mps(problem.logs()), always_s, never_s);
+  constexpr double min_half_width_s = 0.0025;
+  constexpr double max_half_width_s = 0.008;
+  return std::clamp(displacement_m / rms_speed_mps(problem.logs()), min_half_width_s, max_half_width_s);
 }
 
-Value interval_of(const Row& row, double unknown, double std, double widest) {
+Value interval_of(const Row& row, double unknown, double std, double max_half_width) {
   const double half = interval_stds * std;
   Value value;
   if (row.quantity == Quantity::mount) {
@@ -97,7 +97,7 @@ Value interval_of(const Row& row, double unknown, double std, double widest) {
   } else {
     value = {value_of(row, unknown), value_of(row, unknown - half), value_of(row, unknown + half), {}};
   }
-  if (!(half <= widest)) value.missing = row.missing;
+  if (!(half <= max_half_width)) value.missing = row.missing;
   return value;
 }
 
@@ -114,7 +114,7 @@ void set_lever_arm(const Fit& fit, DriveFit& result) {
     const double half_m = interval_stds / std::sqrt(weights);
     const double value_m = sum / weights;
     Value value{value_m, value_m - half_m, value_m + half_m, {}};
-    if (!(half_m <= widest_lever_arm_m)) {
+    if (!(half_m <= max_lever_arm_half_width_m)) {
       value.missing = axis == 2
                           ? "tilt the vehicle: pitch or roll by more than some degrees, again and again"
                           : "turn about the vertical, at changing rates, left and right, and for longer";
@@ -137,12 +137,12 @@ void set_innovations(const Fit& fit, DriveFit& result) {
   result.squared_heading_innovation /= std::max(1.0, static_cast<double>(headings));
 }
 
-void refuse(Value& value, const char* missing) {
+void mark_unknown(Value& value, const char* missing) {
   value = {value.value, -infinite, infinite, missing};
 }
 
 void set_mount_from_course(const Problem& problem, DriveFit& result) {
-  constexpr double widest_rad = 10.0 * radians_per_degree;
+  constexpr double max_half_width_rad = 10.0 * radians_per_degree;
   result.mount_method = MountMethod::course;
   result.why_course = "the likelihood needs a gyroscope much noisier than its samples are";
   Value& mount = result[Quantity::mount];
@@ -154,16 +154,18 @@ void set_mount_from_course(const Problem& problem, DriveFit& result) {
   // Slip outlasts a window, so more windows do not improve the mean.
   const double half_rad = interval_stds * course->spread_rad;
   mount = {course->mount_rad, course->mount_rad - half_rad, course->mount_rad + half_rad, {}};
-  if (half_rad > widest_rad) mount.missing = "drive along the X axis: the heading does not follow the course";
+  if (half_rad > max_half_width_rad)
+    mount.missing = "drive along the X axis: the heading does not follow the course";
 }
 
 }  // namespace
 
 void set_values(const Problem& problem, const Fit& fit, DriveFit& result) {
   for (const Row& row : rows) {
-    const double widest = row.quantity == Quantity::delay ? widest_delay_s(problem) : row.widest;
+    const double max_half_width =
+        row.quantity == Quantity::delay ? max_delay_half_width_s(problem) : row.max_half_width;
     result[row.quantity] =
-        interval_of(row, fit.unknowns(row.unknown), std_of(problem, fit, row.unknown), widest);
+        interval_of(row, fit.unknowns(row.unknown), std_of(problem, fit, row.unknown), max_half_width);
   }
   set_lever_arm(fit, result);
   set_innovations(fit, result);
@@ -173,33 +175,35 @@ void set_values(const Problem& problem, const Fit& fit, DriveFit& result) {
     const char* const missing =
         is_pair ? "record headings that agree with the IMU and arrive in time: none of them could be used"
                 : "record the headings of paired beacons: there are none";
-    refuse(result[Quantity::mount], missing);
-    refuse(result[Quantity::heading], missing);
+    mark_unknown(result[Quantity::mount], missing);
+    mark_unknown(result[Quantity::heading], missing);
   }
 }
 
 void check_imu(const Problem& problem, const Fit& fit, DriveFit& result) {
-  constexpr double too_noisy = 5.0;  // times the noise that consecutive samples show
+  constexpr double max_gyro_noise_ratio = 5.0;  // times the noise that consecutive samples show
   double scatter = 0;
   for (const Measurements& log : problem.logs()) scatter = std::max(scatter, gyro_scatter_radps_rthz(log));
-  if (!result[Quantity::gyro].is_known() || std::exp(fit.unknowns(at_gyro)) <= too_noisy * scatter) {
+  if (!result[Quantity::gyro].is_known() ||
+      std::exp(fit.unknowns(at_gyro)) <= max_gyro_noise_ratio * scatter) {
     if (fit.converged) return;
     for (Value& value : result.values) {
-      if (value.is_known()) refuse(value, "record again: the search found no maximum");
+      if (value.is_known()) mark_unknown(value, "record again: the search found no maximum");
     }
     return;
   }
   for (Value& value : result.values) {
-    refuse(value,
-           "calibrate or replace the IMU, or record without slip: its rates and accelerations contradict the "
-           "fixes");
+    mark_unknown(
+        value,
+        "calibrate or replace the IMU, or record without slip: its rates and accelerations contradict the "
+        "fixes");
   }
   if (has_heading(problem)) set_mount_from_course(problem, result);
 }
 
 void add_curves(const Problem& problem, const Fit& fit, DriveFit& result) {
-  constexpr int points = 6;  // on each side
-  constexpr double furthest = 3.0;
+  constexpr int points_per_side = 6;  // on each side
+  constexpr double max_stds = 3.0;
   for (const Row& row : rows) {
     if (!result[row.quantity].is_known()) continue;
     if (row.quantity == Quantity::mount && result.mount_method == MountMethod::course) continue;
@@ -207,8 +211,8 @@ void add_curves(const Problem& problem, const Fit& fit, DriveFit& result) {
     const Eigen::VectorXd along =
         fit.covariance.col(row.unknown) / std::sqrt(fit.covariance(row.unknown, row.unknown));
     auto& curve = result.curves[static_cast<std::size_t>(row.quantity)];
-    for (int point = -points; point <= points; ++point) {
-      const Eigen::VectorXd unknowns = fit.unknowns + furthest * point / points * along;
+    for (int point = -points_per_side; point <= points_per_side; ++point) {
+      const Eigen::VectorXd unknowns = fit.unknowns + max_stds * point / points_per_side * along;
       const double minus_2_log_l = problem.minus_2_log_l(unknowns, problem.passes(unknowns));
       curve.push_back({value_of(row, unknowns(row.unknown)), 0.5 * (fit.minus_2_log_l - minus_2_log_l)});
     }

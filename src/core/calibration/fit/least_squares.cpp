@@ -26,7 +26,7 @@ void change_basis(MatrixXd& covariance, const MatrixXd& change) {
 }
 
 /// Sets the errors of the parameters from the derivatives at the minimum.
-void judge(const MatrixXd& jacobian, double min_variance, Solution& solution) {
+void set_parameter_errors(const MatrixXd& jacobian, double min_variance, Solution& solution) {
   const SymmetricEigen eigen = eigen_of(normal_of(jacobian));
   const Eigen::VectorXd& squares = eigen.values;
   const double infinity = std::numeric_limits<double>::infinity();
@@ -43,15 +43,15 @@ void judge(const MatrixXd& jacobian, double min_variance, Solution& solution) {
 
 Solution minimise(const Model& model, Eigen::VectorXd start, double min_variance) {
   constexpr int max_steps = 200;
-  constexpr double small = 1e-13;
-  constexpr double hopeless_damping = 1e12;
+  constexpr double convergence_tolerance = 1e-13;
+  constexpr double max_damping = 1e12;
   Solution solution{.parameters = std::move(start)};
   Linearisation here = model(solution.parameters);
   double damping = 1e-3;
-  for (int step = 0; step < max_steps && damping < hopeless_damping; ++step) {
+  for (int step = 0; step < max_steps && damping < max_damping; ++step) {
     MatrixXd normal = normal_of(here.jacobian);
-    const double least = 1e-12 * normal.diagonal().maxCoeff() + std::numeric_limits<double>::min();
-    normal.diagonal() += damping * normal.diagonal().cwiseMax(least);
+    const double min_diagonal = 1e-12 * normal.diagonal().maxCoeff() + std::numeric_limits<double>::min();
+    normal.diagonal() += damping * normal.diagonal().cwiseMax(min_diagonal);
     const Eigen::VectorXd change = solve_symmetric(normal, -here.jacobian.transpose() * here.residuals);
     Linearisation there = model(solution.parameters + change);
     // Written so that a NaN is no improvement.
@@ -62,10 +62,10 @@ Solution minimise(const Model& model, Eigen::VectorXd start, double min_variance
     } else {
       damping *= 10.0;
     }
-    if (change.norm() <= small * (1.0 + solution.parameters.norm())) break;
+    if (change.norm() <= convergence_tolerance * (1.0 + solution.parameters.norm())) break;
   }
   solution.residuals = std::move(here.residuals);
-  judge(here.jacobian, min_variance, solution);
+  set_parameter_errors(here.jacobian, min_variance, solution);
   return solution;
 }
 

@@ -67,7 +67,7 @@ Span span_of(const Points& points_ut) {
 Points thinned(const Points& points_ut, const Span& span) {
   constexpr int max_per_cell = 5;
   constexpr double cell = 0.1;
-  constexpr double farthest = 1e9;  // in cells: anything beyond still has a whole number
+  constexpr double max_cell_index = 1e9;  // in cells: anything beyond still has a whole number
   std::map<std::array<std::int64_t, 3>, int> seen;
   Points kept;
   for (const Vector3d& point_ut : points_ut) {
@@ -75,7 +75,7 @@ Points thinned(const Points& points_ut, const Span& span) {
     std::array<std::int64_t, 3> key{};
     for (std::size_t i = 0; i < 3; ++i) {
       const double place = std::floor(point[static_cast<Index>(i)] / cell);
-      key[i] = static_cast<std::int64_t>(std::clamp(place, -farthest, farthest));
+      key[i] = static_cast<std::int64_t>(std::clamp(place, -max_cell_index, max_cell_index));
     }
     if (seen[key]++ < max_per_cell) kept.push_back(point);
   }

@@ -8,8 +8,8 @@
 
 namespace sonopose::estimation::documented::alignment {
 
-void level(const AlignmentSettings& settings, AlignmentState& state, attitude::AnyFilter& filter,
-           const Vector3d& velocity_change_world_mps) {
+void correct_tilt(const AlignmentSettings& settings, AlignmentState& state, attitude::AnyFilter& filter,
+                  const Vector3d& velocity_change_world_mps) {
   // A turn φ of the attitude adds φ × g·z to the acceleration; φ = z × dv / g turns it towards dv.
   const Vector3d turn_world_rad =
       settings.tilt_gain_hz / standard_gravity_mps2 * Vector3d::UnitZ().cross(velocity_change_world_mps);
@@ -44,15 +44,15 @@ void clear_known_acceleration(AlignmentState& state) {
   state.aiding = false;
 }
 
-void aid(const AlignmentSettings& settings, const AlignmentState& state, TimeNs now_ns,
-         attitude::Measurement<double>& measurement) {
+void add_known_acceleration(const AlignmentSettings& settings, const AlignmentState& state, TimeNs now_ns,
+                            attitude::Measurement<double>& measurement) {
   measurement.acceleration_world_mps2 = state.known_acceleration_world_mps2;
   const bool held = state.aided_ns != 0 && seconds_between(state.aided_ns, now_ns) < settings.hold_s;
-  measurement.force_shows_up = state.aiding || !held;
+  measurement.force_shows_vertical = state.aiding || !held;
 }
 
-YawTurn turn(const AlignmentSettings& settings, AlignmentState& state, Kinematics& body,
-             attitude::AnyFilter& filter, const FixVelocity& measured, double share) {
+YawTurn correct_yaw(const AlignmentSettings& settings, AlignmentState& state, Kinematics& body,
+                    attitude::AnyFilter& filter, const FixVelocity& measured, double share) {
   const Eigen::Vector2d by_imu = state.gained_world_mps.head<2>();
   const Eigen::Vector2d by_fixes =
       by_imu + (measured.ultrasonic_world_mps - measured.inertial_world_mps).head<2>();

@@ -148,7 +148,7 @@ void Engine::integrate_attitude(const ImuSample& imu, double dt_s) {
 
   auto measurement = attitude::field_use(settings_.attitude.selection).measurement_of(imu, dt_s);
   measurement.angular_velocity_body_radps = mean_rate_body_radps;
-  alignment::aid(settings_.alignment, state_.alignment, imu.sensor_time_ns, measurement);
+  alignment::add_known_acceleration(settings_.alignment, state_.alignment, imu.sensor_time_ns, measurement);
   state_.filter.update(settings_.attitude, measurement);
 }
 
@@ -215,13 +215,14 @@ FixReport Engine::correct(const UltrasonicFix& fix) noexcept {
     return report;
   }
   startup::update(state_.startup, fix);
-  TimedFix timed = delay::shift(settings_.delay, state_.body, fix);  // 6
+  TimedFix timed = delay::extrapolated(settings_.delay, state_.body, fix);  // 6
   report.shifted_position_world_m = timed.shifted_position_world_m;
   scatter::learn(state_.scatter, state_.body, timed);
   if (state_.outage.init_phase == InitPhase::no_position) {
     reset_position(timed, report);
   } else {
-    scatter::weigh(trust::share_of(settings_.trust, state_.scatter.noise_world_m), state_.body, timed);  // 13
+    scatter::scale_innovation(trust::share_of(settings_.trust, state_.scatter.noise_world_m), state_.body,
+                              timed);  // 13
     if (state_.outage.init_phase == InitPhase::tracking || !reset_velocity(timed, report)) {
       correct_pose(timed, report);
     }
@@ -290,7 +291,7 @@ bool Engine::reset_velocity(TimedFix& fix, FixReport& report) {
   const auto measured =
       velocity::measure(settings_.velocity, state_.velocity, state_.body, fix, FixAssessment{});
   if (!measured) return false;
-  report.velocity_change_world_mps = velocity::adopt(state_.velocity, state_.body, *measured);
+  report.velocity_change_world_mps = velocity::initialise(state_.velocity, state_.body, *measured);
   delay::extrapolate_to_now(settings_.delay, state_.body, fix);
   report.shifted_position_world_m = fix.shifted_position_world_m;
   report.jump_world_m = fix.shifted_position_world_m - state_.body.position_world_m;
@@ -325,7 +326,7 @@ void Engine::correct_pose(const TimedFix& fix, FixReport& report) {
   if (assessment.outlier) report.flags |= fix_outlier;
   if (assessment.forced) report.flags |= fix_stuck_forced;
 
-  runaway::follow(state_.runaway, fix, assessment);
+  runaway::update_reference(state_.runaway, fix, assessment);
   report.jump_world_m = drift::correct(settings_.drift, state_.drift, body, fix, assessment);  // 2, 4, 9
   const auto measured = velocity::measure(settings_.velocity, state_.velocity, body, fix, assessment);
   double interval_s = 0.0;
@@ -356,13 +357,13 @@ void Engine::align(const FixVelocity& measured, const VelocityChange& change, Fi
     state_.alignment.gained_world_mps.setZero();
     return;
   }
-  alignment::level(settings_.alignment, state_.alignment, state_.filter, change.change_world_mps);
+  alignment::correct_tilt(settings_.alignment, state_.alignment, state_.filter, change.change_world_mps);
   if (heading::is_valid(settings_.heading, state_.heading, state_.body.time_ns) ||
       attitude::has_magnetic_heading(settings_.attitude.selection)) {
     state_.alignment.gained_world_mps *= 1.0 - change.share;
   } else {
-    const YawTurn yaw = alignment::turn(settings_.alignment, state_.alignment, state_.body, state_.filter,
-                                        measured, change.share);
+    const YawTurn yaw = alignment::correct_yaw(settings_.alignment, state_.alignment, state_.body,
+                                               state_.filter, measured, change.share);
     report.yaw_change_rad = yaw.turn_rad;
     uncertainty::align_yaw(state_.uncertainty, yaw.share, yaw.std_rad);
   }

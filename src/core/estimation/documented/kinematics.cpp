@@ -5,7 +5,7 @@
 
 namespace sonopose::estimation::documented {
 
-std::optional<Vector3d> Kinematics::moved(TimeNs from_ns, TimeNs to_ns) const {
+std::optional<Vector3d> Kinematics::displacement_between(TimeNs from_ns, TimeNs to_ns) const {
   const auto from = history.at(from_ns);
   const auto to = history.at(to_ns);
   if (!from || !to) return std::nullopt;

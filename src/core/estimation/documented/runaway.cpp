@@ -5,7 +5,7 @@
 
 namespace sonopose::estimation::documented::runaway {
 
-void follow(RunawayState& state, const TimedFix& fix, const FixAssessment& assessment) {
+void update_reference(RunawayState& state, const TimedFix& fix, const FixAssessment& assessment) {
   if (assessment.outlier && !assessment.forced) {
     state.fix_position_world_m += assessment.rival_step_world_m;
   } else {

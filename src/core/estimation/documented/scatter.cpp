@@ -10,7 +10,7 @@ void learn(ScatterState& state, const Kinematics& body, const TimedFix& fix) {
   constexpr double longest_s = 0.6;  // over a longer interval the acceleration of an IMU is wrong too
   constexpr double max_m = 10.0;
   const double interval_s = seconds_between(state.last_measured_ns, fix.measured_ns);
-  const auto moved_world_m = body.moved(state.last_measured_ns, fix.measured_ns);
+  const auto moved_world_m = body.displacement_between(state.last_measured_ns, fix.measured_ns);
   if (state.last_measured_ns != 0 && moved_world_m && interval_s > 0.0 && interval_s < longest_s) {
     const Vector3d excess_world_mps =
         (fix.measured_position_world_m - state.last_position_world_m - *moved_world_m) / interval_s +
@@ -34,7 +34,7 @@ void learn(ScatterState& state, const Kinematics& body, const TimedFix& fix) {
   state.last_position_world_m = fix.measured_position_world_m;
 }
 
-void weigh(const Vector3d& share, const Kinematics& body, TimedFix& fix) {
+void scale_innovation(const Vector3d& share, const Kinematics& body, TimedFix& fix) {
   const Vector3d distance_world_m = fix.shifted_position_world_m - body.position_world_m;
   const Vector3d moved_world_m = share.cwiseProduct(distance_world_m) - distance_world_m;
   fix.measured_position_world_m += moved_world_m;

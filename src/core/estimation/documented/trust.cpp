@@ -11,7 +11,7 @@ Vector3d innovation_of(const TrustState& state, const Kinematics& body, const Ti
                        bool against_imu) {
   const Vector3d to_fused_m = fix.shifted_position_world_m - body.position_world_m;
   if (against_imu || !state.has_last) return to_fused_m;
-  const auto moved_world_m = body.moved(state.last_measured_ns, fix.measured_ns);
+  const auto moved_world_m = body.displacement_between(state.last_measured_ns, fix.measured_ns);
   if (!moved_world_m) return to_fused_m;
   return fix.measured_position_world_m - state.last_position_world_m - *moved_world_m;
 }
@@ -45,7 +45,7 @@ void follow_rivals(TrustState& state, const Kinematics& body, const TimedFix& fi
     state.rivals = 0;
     return;
   }
-  const auto moved_world_m = body.moved(state.rival_measured_ns, fix.measured_ns);
+  const auto moved_world_m = body.displacement_between(state.rival_measured_ns, fix.measured_ns);
   if (state.rivals == 0 || !moved_world_m) {
     begin_rivals(state, body, fix);
     assessment.rivals = 1;
@@ -81,8 +81,8 @@ void follow_rivals(TrustState& state, const Kinematics& body, const TimedFix& fi
 /// velocity.
 bool moves_away(const TrustState& state, const Kinematics& body, const TimedFix& fix, double limit_m,
                 const FixAssessment& assessment) {
-  constexpr int enough_rivals = 5;
-  if (assessment.rivals < enough_rivals) return false;
+  constexpr int min_rivals = 5;
+  if (assessment.rivals < min_rivals) return false;
   const Vector3d offset_world_m = fix.shifted_position_world_m - body.position_world_m;
   return (offset_world_m - state.rival_offset_world_m).norm() > limit_m;
 }
@@ -92,9 +92,9 @@ bool moves_away(const TrustState& state, const Kinematics& body, const TimedFix&
 double tolerance_for(const TrustState& state, const TimedFix& fix, std::optional<int> velocities) {
   constexpr double ordinary_pause_s = 0.25;
   constexpr double growth_hz = 4.0;
-  constexpr double first_velocity = 4.0;
+  constexpr double first_velocity_tolerance = 4.0;
   double tolerance = 1.0;
-  if (velocities) tolerance += first_velocity / (1 + *velocities);
+  if (velocities) tolerance += first_velocity_tolerance / (1 + *velocities);
   if (!state.has_last) return tolerance;
   const double pause_s = seconds_between(state.last_measured_ns, fix.measured_ns);
   return tolerance + growth_hz * std::max(0.0, pause_s - ordinary_pause_s);
@@ -107,7 +107,7 @@ int rebuild_count(const TrustSettings& settings, double jump_m) {
   return static_cast<int>(std::clamp<double>(scaled, settings.n_min, n_max));
 }
 
-void lose(const TrustSettings& settings, TrustState& state, double jump_m) {
+void lose_trust(const TrustSettings& settings, TrustState& state, double jump_m) {
   if (state.trust >= 1.0) {
     state.since_loss = 0;
     state.outliers_in_row = 0;
@@ -117,7 +117,7 @@ void lose(const TrustSettings& settings, TrustState& state, double jump_m) {
   state.rebuild_n = rebuild_count(settings, jump_m);
 }
 
-void regain(TrustState& state) {
+void restore_trust(TrustState& state) {
   state.trust = 1.0;
   state.rebuilt = 0;
   state.since_loss = 0;
@@ -129,17 +129,17 @@ void regain(TrustState& state) {
 void update(const TrustSettings& settings, TrustState& state, double innovation_m, bool outlier) {
   const bool was_at_zero = state.trust <= 0.0;
   if (outlier) {
-    if (!was_at_zero) lose(settings, state, innovation_m);
+    if (!was_at_zero) lose_trust(settings, state, innovation_m);
     ++state.outliers_in_row;
   } else if (state.trust < 1.0) {
     state.outliers_in_row = 0;
     ++state.rebuilt;
     state.trust = std::min(1.0, static_cast<double>(state.rebuilt) / state.rebuild_n);
   }
-  if (state.trust >= 1.0) return regain(state);
+  if (state.trust >= 1.0) return restore_trust(state);
 
   ++state.since_loss;
-  if (state.since_loss > settings.n_max) return regain(state);  // item 19
+  if (state.since_loss > settings.n_max) return restore_trust(state);  // item 19
   if (state.outliers_in_row > settings.stuck_n) state.forced = true;
 }
 
@@ -181,9 +181,9 @@ FixAssessment assess(const TrustSettings& settings, TrustState& state, const Kin
   follow_rivals(state, body, fix, limit_m, assessment);
 
   if (!settings.enabled) {
-    regain(state);
+    restore_trust(state);
   } else if (state.forced) {
-    if (assessment.innovation_m < settings.sigma_m) regain(state);
+    if (assessment.innovation_m < settings.sigma_m) restore_trust(state);
   } else {
     update(settings, state, assessment.innovation_m, assessment.outlier);
     if (state.trust < 1.0 && moves_away(state, body, fix, limit_m, assessment)) state.forced = true;

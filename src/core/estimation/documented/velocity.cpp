@@ -68,7 +68,7 @@ double bend_of(const VelocityState& state, const TimedFix& fix) {
 std::optional<FixVelocity> measure_from(const PastFix* reference, const Kinematics& body,
                                         const TimedFix& fix) {
   if (reference == nullptr) return std::nullopt;
-  const auto moved_world_m = body.moved(reference->measured_ns, fix.measured_ns);
+  const auto moved_world_m = body.displacement_between(reference->measured_ns, fix.measured_ns);
   if (!moved_world_m) return std::nullopt;
   const double interval_s = seconds_between(reference->measured_ns, fix.measured_ns);
   const Vector3d displacement_world_m = fix.measured_position_world_m - reference->position_world_m;
@@ -144,8 +144,8 @@ std::optional<FixVelocity> measure(const VelocitySettings& settings, VelocitySta
                                    const FixAssessment& assessment) {
   const auto by_rivals = measure_rivals(settings, state, body, fix, assessment);
   if (assessment.new_track) {
-    constexpr int enough_rivals = 3;
-    if (state.rival_count >= enough_rivals) {
+    constexpr int min_rivals = 3;
+    if (state.rival_count >= min_rivals) {
       // The rivals have corrected the velocity since they began: it is known, and so are the fixes to
       // continue from.
       state.fixes = state.rivals;
@@ -189,7 +189,7 @@ VelocityChange correct(const VelocitySettings& settings, VelocityState& state, K
   return done;
 }
 
-Vector3d adopt(VelocityState& state, Kinematics& body, const FixVelocity& measured) {
+Vector3d initialise(VelocityState& state, Kinematics& body, const FixVelocity& measured) {
   state.velocities = 1;
   const Vector3d change_world_mps =
       measured.share.cwiseProduct(measured.ultrasonic_world_mps - body.velocity_world_mps);

@@ -28,7 +28,7 @@ void DelayedFusionBuffer::clear() {
   next_aiding_ = 0;
   aiding_.clear();
   checkpoints_.clear();
-  stamps_are_ahead_ = is_behind_ = false;
+  stamps_are_ahead_ = has_pending_work_ = false;
 }
 
 bool DelayedFusionBuffer::add(const settings::Settings& settings, const ImuMeasurement& imu) {
@@ -46,22 +46,22 @@ bool DelayedFusionBuffer::add(const settings::Settings& settings, const ImuMeasu
   ++end_imu_;
   time_ns_ = imu.time_ns;
   until_ns_ = imu.time_ns + to_ns(settings.outage.imu_gap_s);
-  is_behind_ = true;
+  has_pending_work_ = true;
   if (checkpoints_.empty())
     finish_pending_work(settings);  // creates the first checkpoint, which insertions need
-  return comes_last && is_behind_;
+  return comes_last && has_pending_work_;
 }
 
 void DelayedFusionBuffer::finish_pending_work(const settings::Settings& settings) {
-  if (!is_behind_) return;
+  if (!has_pending_work_) return;
   replay(settings, nullptr, until_ns_);
-  is_behind_ = false;
+  has_pending_work_ = false;
 }
 
 void DelayedFusionBuffer::on_mount_offset_change(double by_rad) {
   if (checkpoints_.empty()) return;
   now_.on_mount_offset_change(by_rad);
-  begin_again();
+  restart();
 }
 
 /// Removes fixes and headings long after this sample. The IMU was not silent, so their stamps are wrong.
@@ -72,11 +72,11 @@ void DelayedFusionBuffer::drop_future(TimeNs now_ns) {
   }
 }
 
-double DelayedFusionBuffer::ahead_s() const {
+double DelayedFusionBuffer::max_ahead_s() const {
   return stamps_are_ahead_ ? future_tolerance_s : longest_silence_s;
 }
 
-bool DelayedFusionBuffer::reaches(TimeNs time_ns) const {
+bool DelayedFusionBuffer::can_insert(TimeNs time_ns) const {
   return !checkpoints_.empty() && checkpoints_.oldest().state.imu.time_ns <= time_ns &&
          aiding_.size() < aiding_capacity;
 }
@@ -92,7 +92,7 @@ FixOutcome DelayedFusionBuffer::add(const settings::Settings& settings, const Ai
   const bool is_ahead = index >= next_aiding_ && order_key(aiding) >= now_.imu.time_ns;
   if (!is_ahead) rewind(order_key(aiding));
   until_ns_ = forever_ns;
-  is_behind_ = true;
+  has_pending_work_ = true;
   return replay(settings, &aiding_[index]);
 }
 
@@ -164,7 +164,7 @@ void DelayedFusionBuffer::save_checkpoint() {
 }
 
 /// Restarts from the current state: nothing can be inserted before it.
-void DelayedFusionBuffer::begin_again() {
+void DelayedFusionBuffer::restart() {
   checkpoints_.clear();
   aiding_.clear();
   next_aiding_ = 0;
@@ -172,7 +172,7 @@ void DelayedFusionBuffer::begin_again() {
 }
 
 void DelayedFusionBuffer::drop_oldest_checkpoint() {
-  if (!checkpoints_.drop_oldest()) begin_again();  // more samples between two checkpoints than the ring holds
+  if (!checkpoints_.drop_oldest()) restart();  // more samples between two checkpoints than the ring holds
   forget_before_oldest();
 }
 

@@ -47,7 +47,7 @@ void Engine::configure(const settings::Settings& settings) noexcept {
 }
 
 void Engine::finish_pending_work() noexcept {
-  if (!buffer_.is_behind()) return;
+  if (!buffer_.has_pending_work()) return;
   buffer_.finish_pending_work(settings_);
   update_uncertainty();
 }
@@ -100,7 +100,7 @@ void Engine::restore(const Snapshot& snapshot) noexcept {
 }
 
 Snapshot Engine::snapshot() const {
-  if (buffer_.is_behind()) {
+  if (buffer_.has_pending_work()) {
     Engine whole = *this;
     whole.finish_pending_work();
     return whole.snapshot();
@@ -165,7 +165,7 @@ bool Engine::admit(const ImuSample& imu) {
 }
 
 FixReport Engine::correct(const UltrasonicFix& fix) noexcept {
-  if (buffer_.is_behind_sample()) finish_pending_work();
+  if (buffer_.has_pending_sample()) finish_pending_work();
   FixReport report = report_on(fix, time_ns());
   report.shifted_position_world_m = fix.position_world_m;
   const FixMeasurement measured = measurement_in(fix);
@@ -231,23 +231,23 @@ TimeNs Engine::measured_at(const Sample& sample) const {
 
 std::uint32_t Engine::rejection_flags(const UltrasonicFix& fix, const FixMeasurement& measured) const {
   const std::uint32_t flags = aiding::admission::fix_rejection_flags(settings_.admission, time_ns(), fix,
-                                                                     measured.time_ns, buffer_.ahead_s());
+                                                                     measured.time_ns, buffer_.max_ahead_s());
   if (flags != 0) return flags;
   if (buffer_.contains(measured)) return fix_invalid;
-  if (buffer_.reaches(measured.time_ns)) return 0U;
+  if (buffer_.can_insert(measured.time_ns)) return 0U;
   // Unless the timeline is empty or full, it reaches the present, and the fix is older than all of it.
-  return buffer_.reaches(time_ns()) ? fix_too_late : fix_invalid;
+  return buffer_.can_insert(time_ns()) ? fix_too_late : fix_invalid;
 }
 
 void Engine::correct(const PairHeading& heading) noexcept {
-  if (buffer_.is_behind_sample()) finish_pending_work();
+  if (buffer_.has_pending_sample()) finish_pending_work();
   const HeadingMeasurement measured = measurement_in(heading);
   if (!aiding::admission::admits(settings_.admission, time_ns(), heading, measured.time_ns,
-                                 buffer_.ahead_s())) {
+                                 buffer_.max_ahead_s())) {
     ++counters_.samples_invalid;
     return;
   }
-  if (heading.valid && !buffer_.contains(measured) && !buffer_.reaches(measured.time_ns)) {
+  if (heading.valid && !buffer_.contains(measured) && !buffer_.can_insert(measured.time_ns)) {
     ++counters_.samples_invalid;  // too late
     return;
   }

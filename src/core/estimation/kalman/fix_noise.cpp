@@ -11,14 +11,14 @@ namespace {
 // The initial guess is large, and the first fixes overrule it. With a small one, the fixes that would correct
 // it are rejected.
 constexpr VarianceLimits fix_limits_m2{
-    .initial = 0.05 * 0.05, .least = 0.01 * 0.01, .most = 0.5 * 0.5, .memory_samples = 40};
+    .initial = 0.05 * 0.05, .min = 0.01 * 0.01, .max = 0.5 * 0.5, .memory_samples = 40};
 constexpr double prior_fixes = 0.5;
 constexpr double prior_vertical_fixes = 0.05;
 constexpr double initial_vertical_m2 =
     0.12 * 0.12;  // if all beacons are equally high, the height is uncertain
 // Standard deviations of 1.5°, 0.17° and 20°.
 constexpr VarianceLimits heading_limits_rad2{
-    .initial = 0.026 * 0.026, .least = 0.003 * 0.003, .most = 0.35 * 0.35, .memory_samples = 60};
+    .initial = 0.026 * 0.026, .min = 0.003 * 0.003, .max = 0.35 * 0.35, .memory_samples = 60};
 constexpr double prior_headings = 8;
 
 std::size_t bin_of(double quality_percent) {
@@ -28,12 +28,12 @@ std::size_t bin_of(double quality_percent) {
   return static_cast<std::size_t>(bin);
 }
 
-constexpr double few_samples = 8;
+constexpr double initial_samples = 8;
 
 void move_towards(double& variance, const VarianceSample& sample, double samples,
                   const VarianceLimits& limits) {
   variance += (sample.variance - variance) * sample.weight / samples;
-  variance = std::clamp(variance, limits.least, limits.most);
+  variance = std::clamp(variance, limits.min, limits.max);
 }
 
 /// Horizontal and vertical share of a residual.
@@ -52,18 +52,18 @@ struct FixSamples {
 
 VarianceSample::VarianceSample(double squared_residual, double prediction_variance, double noise_variance)
     : variance(std::min(squared_residual + prediction_variance, 9.0 * noise_variance)) {
-  const double left = std::max(0.0, 1.0 - prediction_variance / noise_variance);
-  weight = left * left;
+  const double residual_share = std::max(0.0, 1.0 - prediction_variance / noise_variance);
+  weight = residual_share * residual_share;
 }
 
 void AdaptiveVariance::count(const VarianceSample& sample, double max_samples) {
   constexpr double slow_growth = 0.2;  // beyond a few, so that a wrong beginning is soon forgotten
-  const double growth = samples < few_samples ? 1.0 : slow_growth;
+  const double growth = samples < initial_samples ? 1.0 : slow_growth;
   samples = std::min(samples + growth * sample.weight, max_samples);
 }
 
-void AdaptiveVariance::add_doubtful(const VarianceSample& sample, const VarianceLimits& limits) {
-  samples = std::clamp(samples, 1.0, few_samples);
+void AdaptiveVariance::add_rejected(const VarianceSample& sample, const VarianceLimits& limits) {
+  samples = std::clamp(samples, 1.0, initial_samples);
   move_towards(variance, sample, samples, limits);
 }
 
@@ -73,30 +73,31 @@ void AdaptiveVariance::add(const VarianceSample& sample, const VarianceLimits& l
   count(sample, limits.memory_samples);
   move_towards(variance, sample, samples, limits);
   // The first residuals are mostly errors of the first fix.
-  const bool is_of_noise = sample.weight > 0.9 || variance <= limits.initial || samples >= few_samples;
+  const bool is_of_noise = sample.weight > 0.9 || variance <= limits.initial || samples >= initial_samples;
   if (is_of_noise) move_towards(motion_variance, sample, samples, limits);
 }
 
-void AdaptiveVariance::add_at_rest(const VarianceSample& sample, const VarianceLimits& limits, double least) {
+void AdaptiveVariance::add_at_rest(const VarianceSample& sample, const VarianceLimits& limits,
+                                   double min_variance) {
   constexpr double large_ratio = 8.0;   // so that usual samples do not raise it by chance
   constexpr double rest_samples = 4.5;  // with fewer, a wrong mount would count as noise on the first way
   if (!(sample.weight > 0.0)) return;
   const double before = samples;
-  if (variance > least || sample.variance >= std::min(limits.initial, large_ratio * variance)) {
-    count(sample, std::max(before, few_samples));
+  if (variance > min_variance || sample.variance >= std::min(limits.initial, large_ratio * variance)) {
+    count(sample, std::max(before, initial_samples));
     move_towards(variance, sample, samples, limits);
   }
-  if (variance > least) return;
-  variance = least;
+  if (variance > min_variance) return;
+  variance = min_variance;
   samples = std::max(before, std::min(before + sample.weight, rest_samples));
 }
 
 void Correlation::add(const Vector3d& value_m, const Eigen::Matrix3d& covariance_m2) {
-  constexpr double share = 1.0 / 20.0;
+  constexpr double smoothing_factor = 1.0 / 20.0;
   const Eigen::LLT<Eigen::Matrix3d> factor(covariance_m2);
   const Vector3d normalised = factor.matrixL().solve(value_m);
-  product += share * (normalised.dot(last) / 3.0 - product);
-  square += share * (normalised.squaredNorm() / 3.0 - square);
+  product += smoothing_factor * (normalised.dot(last) / 3.0 - product);
+  square += smoothing_factor * (normalised.squaredNorm() / 3.0 - square);
   last = normalised;
 }
 
@@ -128,12 +129,12 @@ void FixScatter::add(TimeNs time_ns, const Vector3d& position_m) {
 
 void FixScatter::add_steps(const Vector3d& position_m) {
   constexpr double max_m = 0.25;
-  constexpr double kept = 0.9;
+  constexpr double resolution_decay = 0.9;
   for (int i = 0; i < 3; ++i) {
     const double step_m = std::abs(position_m[i] - last_m[i]);
     if (step_m == 0.0) continue;
     const bool has_repeated = last_m[i] == before_m[i];
-    resolution_m[i] = has_repeated && step_m <= max_m ? step_m : kept * resolution_m[i];
+    resolution_m[i] = has_repeated && step_m <= max_m ? step_m : resolution_decay * resolution_m[i];
   }
 }
 
@@ -158,18 +159,18 @@ Vector3d FixScatter::mean_m2() const {
 
 Vector3d FixScatter::max_m2() const {
   constexpr double max_ratio = 4.0;
-  if (samples < min_samples) return Vector3d::Constant(fix_limits_m2.most);
+  if (samples < min_samples) return Vector3d::Constant(fix_limits_m2.max);
   return (max_ratio * mean_m2()).cwiseMax(fix_limits_m2.initial);
 }
 
 Vector3d FixScatter::rounding_m2() const {
-  return (resolution_m.cwiseAbs2() / 12.0).cwiseMin(fix_limits_m2.most);
+  return (resolution_m.cwiseAbs2() / 12.0).cwiseMin(fix_limits_m2.max);
 }
 
 Vector3d FixScatter::noise_m2() const {
   constexpr double certain_share = 0.5;
   if (samples < min_samples) return Vector3d::Zero();
-  return (certain_share * (mean_m2().array() - motion_m2)).cwiseMax(0.0).cwiseMin(fix_limits_m2.most);
+  return (certain_share * (mean_m2().array() - motion_m2)).cwiseMax(0.0).cwiseMin(fix_limits_m2.max);
 }
 
 MeasurementNoise::MeasurementNoise() {
@@ -211,11 +212,11 @@ void MeasurementNoise::add_fix(double quality_percent, const Vector3d& residual_
   }
 }
 
-void MeasurementNoise::add_scattered_fix(double quality_percent, const Vector3d& innovation_m) {
+void MeasurementNoise::add_rejected_fix(double quality_percent, const Vector3d& innovation_m) {
   const FixSamples of(innovation_m, Vector3d::Zero(), fix_covariance_m2(quality_percent).diagonal());
   for (Bin* bin : {&any_quality, &bins[bin_of(quality_percent)]}) {
-    bin->horizontal_m2.add_doubtful(of.horizontal, fix_limits_m2);
-    bin->vertical_m2.add_doubtful(of.vertical, fix_limits_m2);
+    bin->horizontal_m2.add_rejected(of.horizontal, fix_limits_m2);
+    bin->vertical_m2.add_rejected(of.vertical, fix_limits_m2);
   }
 }
 

@@ -69,11 +69,11 @@ void learn_noise(State& state, const JudgedFix& judged) {
       state.filter().fix_innovation(judged.fix.position_world_m, judged.covariance_m2, judged.ahead_s);
   state.noise.add_fix(
       judged.fix.quality_percent, std::sqrt(state.noise.correlation.white_share()) * after.value_world_m,
-      (after.covariance_m2 - judged.covariance_m2).diagonal(), stands_still(state, few_fixes));
+      (after.covariance_m2 - judged.covariance_m2).diagonal(), stands_still(state, min_rest_fixes));
 }
 
 /// Ends the comparison of the hypotheses, because the fixes returned to the best one.
-void settle(State& state) {
+void end_comparison(State& state) {
   const double evidence = state.bank.best().evidence;
   for (Hypothesis& each : state.bank) each.evidence = std::min(each.evidence, evidence);
   state.doubt.shifted.evidence = std::min(state.doubt.shifted.evidence, evidence);
@@ -98,10 +98,10 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
                      .covariance_world_m2 = judged.covariance_m2,
                      .test_ratio = innovation.squared_norm / chi2_reject_threshold};
   const bool is_used = innovation.squared_norm <= chi2_reject_threshold;
-  constexpr int few_rejected = 3;
+  constexpr int min_rejected_in_row = 3;
   constexpr double trust_memory = 8.0;
   state.fixes.trust += ((is_used ? 1.0 : 0.0) - state.fixes.trust) / trust_memory;
-  if (state.phase == Phase::tracking) explain(state, judged);
+  if (state.phase == Phase::tracking) update_evidence(state, judged);
   if (is_used) {
     const double scale = scale_of(innovation);
     // After rejected fixes the estimate is uncertain too.
@@ -110,16 +110,16 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
     outcome.weight = 1.0 / scale;
     outcome.covariance_world_m2 += more_covariance_m2;
     outcome.flags = fix_used;
-    if (state.doubt.is_undecided && innovation.squared_norm <= chi2_huber_threshold) settle(state);
+    if (state.doubt.is_undecided && innovation.squared_norm <= chi2_huber_threshold) end_comparison(state);
     const bool is_tracking = state.phase == Phase::tracking;
     correct_followed(state, judged, more_covariance_m2);
     if (is_tracking) learn_noise(state, judged);
     note_used(state, fix);
   } else {
     ++state.fixes.rejected_in_row;
-    if (state.fixes.rejected_in_row >= few_rejected) state.doubt.is_undecided = true;
+    if (state.fixes.rejected_in_row >= min_rejected_in_row) state.doubt.is_undecided = true;
     correct_open(state, judged);
-    if (doubt_imu(state)) {
+    if (switch_to_open_model(state)) {
       note_used(state, fix);
       outcome.flags = fix_used;
       outcome.weight = 1.0;
@@ -127,7 +127,7 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
       judge_rejected(state, judged, outcome);
     }
   }
-  suspect_imu(state, outcome.innovation.squared_norm > chi2_explain_threshold);
+  update_open_models(state, outcome.innovation.squared_norm > chi2_explain_threshold);
   return outcome;
 }
 

@@ -23,9 +23,9 @@ double log_likelihood(const Filter::HeadingInnovation& innovation) {
 /// Evidence of a heading. Iron may turn it by a limited angle; one further off speaks against the gyroscope.
 double evidence_of(const Filter::HeadingInnovation& innovation) {
   constexpr double turned_std_rad = radians(20.0);
-  constexpr double wrong = -4.8;  // a heading that is anywhere
+  constexpr double wrong_heading_likelihood = -4.8;  // a heading that is anywhere
   const double turned = 3.0 - 0.5 * square(innovation.value_rad / turned_std_rad);
-  return std::max({log_likelihood(innovation), turned, wrong});
+  return std::max({log_likelihood(innovation), turned, wrong_heading_likelihood});
 }
 
 /// Keeps a heading for a start, turned to the time of the latest sample.
@@ -34,7 +34,7 @@ void keep_heading(State& state, const settings::Settings& settings, const Headin
   const bool in_motion = state.imu.time_ns != 0 && since_sample_s < settings.outage.imu_gap_s;
   state.headings.used_ns = heading.time_ns;
   state.headings.heading_world_rad =
-      heading.heading_world_rad - (in_motion ? since_sample_s * up_rate_radps(state) : 0.0);
+      heading.heading_world_rad - (in_motion ? since_sample_s * yaw_rate_radps(state) : 0.0);
   state.headings.is_current = true;
 }
 
@@ -64,7 +64,7 @@ HeadingOutcome judge(State& state, const settings::Settings& settings, const Hea
   const auto innovation = heading_innovation(state, state.filter(), settings, heading);
   if (!innovation.observable) return outcome;
   const bool rejected = squared_norm(innovation) > heading_chi2_reject_threshold;
-  suspect_imu(state, squared_norm(innovation) > chi2_explain_threshold);
+  update_open_models(state, squared_norm(innovation) > chi2_explain_threshold);
   state.doubt.shifted.evidence += evidence_of(innovation);
   for (Hypothesis& each : state.bank) {
     const auto own = heading_innovation(state, each.filter, settings, heading);
@@ -75,7 +75,7 @@ HeadingOutcome judge(State& state, const settings::Settings& settings, const Hea
     if (rejected && explains && each.imu == ImuModel::open_gyro && each.track == Track::followed)
       correct_by_heading(state, each.filter, settings, heading, scale_of(own) * variance);
   }
-  if (rejected && doubt_imu(state)) {
+  if (rejected && switch_to_open_model(state)) {
     outcome.used = true;
     keep_heading(state, settings, heading);
     return outcome;
@@ -98,7 +98,8 @@ HeadingOutcome judge(State& state, const settings::Settings& settings, const Hea
     correct_by_heading(state, each.filter, settings, heading, scale_of(own) * variance);
   }
   const auto after = heading_innovation(state, state.filter(), settings, heading);
-  state.noise.add_heading(after.value_rad, after.variance_rad2 - variance, stands_still(state, few_fixes));
+  state.noise.add_heading(after.value_rad, after.variance_rad2 - variance,
+                          stands_still(state, min_rest_fixes));
   return outcome;
 }
 
@@ -119,7 +120,7 @@ void correct_by_heading(const State& state, Filter& filter, const settings::Sett
 }
 
 HeadingOutcome State::on_heading(const settings::Settings& settings, const HeadingMeasurement& heading) {
-  headings.see(heading.time_ns);
+  headings.add(heading.time_ns);
   rest::add_heading(rest, heading.time_ns, heading.heading_world_rad);
   if (phase == Phase::waiting || frozen_track.frozen || restart_pending) {
     keep_heading(*this, settings, heading);
@@ -145,11 +146,11 @@ void State::on_mount_offset_change(double by_rad) {
   headings.accept();
 }
 
-void HeadingGate::see(TimeNs time_ns) {
-  constexpr double share = 1.0 / 8.0;
+void HeadingGate::add(TimeNs time_ns) {
+  constexpr double smoothing_factor = 1.0 / 8.0;
   if (seen_ns != 0) {
     const double last_s = std::clamp(seconds_between(seen_ns, time_ns), 0.0, longest_heading_interval_s);
-    interval_s += (interval_s > 0.0 ? share : 1.0) * (last_s - interval_s);
+    interval_s += (interval_s > 0.0 ? smoothing_factor : 1.0) * (last_s - interval_s);
   }
   seen_ns = time_ns;
 }

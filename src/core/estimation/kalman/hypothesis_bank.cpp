@@ -5,12 +5,12 @@
 
 namespace sonopose::estimation::kalman {
 
-void widen(Filter& filter, const Widening& widening) {
-  filter.add_variance(at_velocity, Vector3d::Constant(square(widening.velocity_mps)));
-  filter.add_variance(at_attitude, Vector3d::Constant(square(widening.tilt_rad)));
-  filter.add_yaw_variance(square(widening.yaw_rad));
-  filter.add_variance(at_gyro_bias, Vector3d::Constant(square(widening.gyro_bias_radps)));
-  filter.add_variance(at_accel_bias, Vector3d::Constant(square(widening.accel_bias_mps2)));
+void inflate(Filter& filter, const CovarianceInflation& inflation) {
+  filter.add_variance(at_velocity, Vector3d::Constant(square(inflation.velocity_mps)));
+  filter.add_variance(at_attitude, Vector3d::Constant(square(inflation.tilt_rad)));
+  filter.add_yaw_variance(square(inflation.yaw_rad));
+  filter.add_variance(at_gyro_bias, Vector3d::Constant(square(inflation.gyro_bias_radps)));
+  filter.add_variance(at_accel_bias, Vector3d::Constant(square(inflation.accel_bias_mps2)));
 }
 
 const ImuModelParameters& parameters_of(ImuModel model) {
@@ -18,40 +18,40 @@ const ImuModelParameters& parameters_of(ImuModel model) {
   constexpr double wrong_mps = 0.2;
   // The rougher the IMU proves to be, the sooner its integral is worthless.
   static constexpr std::array<ImuModelParameters, 7> models{{
-      {.noise = {}, .widening = {}, .dead_reckoning_mps_rts = 1.5},
+      {.noise = {}, .inflation = {}, .dead_reckoning_mps_rts = 1.5},
       {.noise = {.gyro_radps_rthz = 2.4e-3, .gyro_bias_radps_rts = 1e-3},
-       .widening = {},
+       .inflation = {},
        .dead_reckoning_mps_rts = 1.0},
       {.noise = {.accel_mps2_rthz = 0.15, .gyro_radps_rthz = 2.4e-3},
-       .widening = {},
+       .inflation = {},
        .dead_reckoning_mps_rts = 0.3},
       {.noise = {.gyro_radps_rthz = 2.4e-3, .gyro_bias_radps_rts = 1e-3},
-       .widening = {},
+       .inflation = {},
        .dead_reckoning_mps_rts = 1.0,
        .clock_offset_std_s = 0.15},
       {.noise = {.accel_mps2_rthz = 0.15, .gyro_radps_rthz = 0.2, .gyro_bias_radps_rts = 0.2},
-       .widening = {.velocity_mps = wrong_mps,
-                    .tilt_rad = radians(2.0),
-                    .yaw_rad = radians(10.0),
-                    .gyro_bias_radps = 0.3},
+       .inflation = {.velocity_mps = wrong_mps,
+                     .tilt_rad = radians(2.0),
+                     .yaw_rad = radians(10.0),
+                     .gyro_bias_radps = 0.3},
        .dead_reckoning_mps_rts = 0.3},
       {.noise = {.accel_mps2_rthz = 1.5, .gyro_radps_rthz = 2.4e-3, .accel_bias_mps2_rts = 2.0},
-       .widening = {.velocity_mps = wrong_mps, .accel_bias_mps2 = 1.0},
+       .inflation = {.velocity_mps = wrong_mps, .accel_bias_mps2 = 1.0},
        .dead_reckoning_mps_rts = 0.3},
       {.noise = {.accel_mps2_rthz = 3.0, .gyro_radps_rthz = 0.05, .accel_bias_mps2_rts = 2.0},
-       .widening = {.velocity_mps = 1.0,
-                    .tilt_rad = radians(5.0),
-                    .yaw_rad = radians(15.0),
-                    .gyro_bias_radps = 0.1,
-                    .accel_bias_mps2 = 5.0},
+       .inflation = {.velocity_mps = 1.0,
+                     .tilt_rad = radians(5.0),
+                     .yaw_rad = radians(15.0),
+                     .gyro_bias_radps = 0.1,
+                     .accel_bias_mps2 = 5.0},
        .dead_reckoning_mps_rts = 1.5},
   }};
   return models[static_cast<std::size_t>(model)];
 }
 
-void assume(Hypothesis& hypothesis, ImuModel model) {
+void set_imu_model(Hypothesis& hypothesis, ImuModel model) {
   hypothesis.imu = model;
-  widen(hypothesis.filter, parameters_of(model).widening);
+  inflate(hypothesis.filter, parameters_of(model).inflation);
   const double offset_std_s = parameters_of(model).clock_offset_std_s;
   if (offset_std_s > 0.0 && !hypothesis.filter.estimates_delay()) {
     hypothesis.filter.estimate_delay(square(offset_std_s));
@@ -110,7 +110,7 @@ void HypothesisBank::follow(const Filter& track) {
   const ImuModel model = is_open(best().imu) ? ImuModel::rough : best().imu;
   remove(Track::followed);
   for (int i = 0; i < closed_model_count; ++i) {
-    assume(spawn(followed), static_cast<ImuModel>(i));
+    set_imu_model(spawn(followed), static_cast<ImuModel>(i));
   }
   best_index = index_of(*find(model));
 }

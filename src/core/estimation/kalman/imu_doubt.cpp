@@ -11,11 +11,11 @@ namespace {
 constexpr TimeNs doubt_ns = 3'000'000'000;  // an IMU that was wrong a moment ago may be wrong again
 
 /// Restarts a hypothesis from the best one. If that is open, the new one trusts the IMU as before the doubt.
-void begin_again(Hypothesis& hypothesis, const Hypothesis& best, const ImuDoubt& doubt) {
+void restart(Hypothesis& hypothesis, const Hypothesis& best, const ImuDoubt& doubt) {
   constexpr double restart_penalty = 2.0;
   const ImuModel model = hypothesis.imu;
   hypothesis = best;
-  assume(hypothesis, model);
+  set_imu_model(hypothesis, model);
   hypothesis.score -= restart_penalty;
   hypothesis.missed_in_row = hypothesis.explained_in_row = 0;
   if (!is_open(best.imu) || is_open(model)) return;
@@ -28,8 +28,8 @@ void begin_again(Hypothesis& hypothesis, const Hypothesis& best, const ImuDoubt&
 
 /// True if it has explained enough fixes in a row to trust the IMU again; each doubt doubles their number.
 bool trusts_imu_again(const Hypothesis& hypothesis, const State& state) {
-  constexpr int least = 20;
-  return hypothesis.explained_in_row >= least << std::min(state.doubt.doubts, 4) &&
+  constexpr int min_explained = 20;
+  return hypothesis.explained_in_row >= min_explained << std::min(state.doubt.doubts, 4) &&
          hypothesis.score > state.bank.best().score;
 }
 
@@ -40,7 +40,7 @@ bool has_other_clock(const Filter& filter) {
 }
 
 /// Continues with this open model.
-void continue_with(State& state, Hypothesis& open) {
+void adopt_open_model(State& state, Hypothesis& open) {
   constexpr double memory_s = 60.0;
   constexpr int max_doubts = 100;
   ImuDoubt& doubt = state.doubt;
@@ -54,12 +54,12 @@ void continue_with(State& state, Hypothesis& open) {
   }
   open.score = state.bank.best().score;
   const ImuModel model = open.imu;
-  if (state.bank.find(Track::former) == nullptr) keep_former(state, state.time_ns, state.time_ns);
+  if (state.bank.find(Track::former) == nullptr) store_former_track(state, state.time_ns, state.time_ns);
   if (const Hypothesis* const other = other_track(state)) state.bank.remove(other);
   Hypothesis& best = *state.bank.find(model);
   state.bank.best_index = state.bank.index_of(best);
   for (Hypothesis& each : state.bank) {
-    if (each.track == Track::followed && &each != &best) begin_again(each, best, doubt);
+    if (each.track == Track::followed && &each != &best) restart(each, best, doubt);
   }
   state.headings.accept();
   rest::restart(state.rest);
@@ -68,32 +68,32 @@ void continue_with(State& state, Hypothesis& open) {
 }  // namespace
 
 void choose_model(State& state) {
-  constexpr double noisier = 1.0;
-  constexpr double quieter = 3.0;     // too much trust in an IMU costs more than too little
-  constexpr double max_behind = 8.0;  // the noise may change at any time
-  constexpr int lost_after = 6;
+  constexpr double noisier_score_margin = 1.0;
+  constexpr double quieter_score_margin = 3.0;  // too much trust in an IMU costs more than too little
+  constexpr double max_score_deficit = 8.0;     // the noise may change at any time
+  constexpr int restart_after_misses = 6;
   HypothesisBank& bank = state.bank;
   for (Hypothesis& each : bank) {
     if (each.track != Track::followed || &each == &bank.best()) continue;
-    if (each.missed_in_row >= lost_after) begin_again(each, bank.best(), state.doubt);
+    if (each.missed_in_row >= restart_after_misses) restart(each, bank.best(), state.doubt);
     const bool best_is_open = is_open(bank.best().imu);
     if (is_open(each.imu) && !best_is_open) continue;
     if (each.imu == ImuModel::other_clock && !has_other_clock(each.filter)) continue;
-    const double lead = each.imu > bank.best().imu ? noisier : quieter;
+    const double score_margin = each.imu > bank.best().imu ? noisier_score_margin : quieter_score_margin;
     const bool is_better = best_is_open && !is_open(each.imu) ? trusts_imu_again(each, state)
-                                                              : each.score > bank.best().score + lead;
+                                                              : each.score > bank.best().score + score_margin;
     if (is_better) bank.best_index = bank.index_of(each);
   }
   const Hypothesis& best = bank.best();
   for (Hypothesis& each : bank) {
     if (each.track == Track::followed && each.imu > best.imu) {
-      each.score = std::max(each.score, best.score - max_behind);
+      each.score = std::max(each.score, best.score - max_score_deficit);
     }
   }
   if (is_open(best.imu)) state.doubt.doubted_until_ns = state.time_ns + doubt_ns;
 }
 
-void explain(State& state, const JudgedFix& judged) {
+void update_evidence(State& state, const JudgedFix& judged) {
   const Hypothesis& best = state.bank.best();
   const Innovation& of_best = judged.innovation_of(state.bank, best);
   ShiftedTrack& shifted = state.doubt.shifted;
@@ -109,26 +109,26 @@ void explain(State& state, const JudgedFix& judged) {
 }
 
 /// Starts the open models when fixes or headings fit badly, and ends them after a while without such.
-void suspect_imu(State& state, bool is_suspicious) {
-  constexpr TimeNs kept_ns = 2'000'000'000;
+void update_open_models(State& state, bool is_suspicious) {
+  constexpr TimeNs suspicion_ns = 2'000'000'000;
   ImuDoubt& doubt = state.doubt;
-  if (is_suspicious) doubt.suspicious_until_ns = state.time_ns + kept_ns;
+  if (is_suspicious) doubt.suspicious_until_ns = state.time_ns + suspicion_ns;
   if (state.phase != Phase::tracking || is_open(state.bank.best().imu)) return;
   const bool is_wanted = state.time_ns <= doubt.suspicious_until_ns;
   for (const ImuModel model : {ImuModel::open_gyro, ImuModel::open_accel, ImuModel::open}) {
     const Hypothesis* const open = state.bank.find(model);
     if (is_wanted && open == nullptr) {
       Hypothesis& added = state.bank.spawn(state.bank.best());
-      assume(added, model);
+      set_imu_model(added, model);
     } else if (!is_wanted && open != nullptr) {
       state.bank.remove(open);
     }
   }
 }
 
-bool doubt_imu(State& state) {
-  constexpr double lead = 14.0;            // prior odds: most IMUs are right
-  constexpr double lead_of_tracks = 11.0;  // once the best is refuted
+bool switch_to_open_model(State& state) {
+  constexpr double min_evidence_margin = 14.0;     // prior odds: most IMUs are right
+  constexpr double min_margin_over_tracks = 11.0;  // once the best is refuted
   constexpr int min_rejected = 4;
   // A start that is not proven is more likely to be wrong than the IMU, unless nothing else explains the
   // fixes.
@@ -143,10 +143,13 @@ bool doubt_imu(State& state) {
     if (is_candidate && (open == nullptr || each.evidence > open->evidence)) open = &each;
   }
   if (open == nullptr) return false;
-  double most = state.doubt.shifted.evidence;
-  if (const Hypothesis* const other = other_track(state)) most = std::max(most, other->evidence);
-  if (!(open->evidence > std::max(state.bank.best().evidence + lead, most + lead_of_tracks))) return false;
-  continue_with(state, *open);
+  double max_evidence = state.doubt.shifted.evidence;
+  if (const Hypothesis* const other = other_track(state))
+    max_evidence = std::max(max_evidence, other->evidence);
+  if (!(open->evidence >
+        std::max(state.bank.best().evidence + min_evidence_margin, max_evidence + min_margin_over_tracks)))
+    return false;
+  adopt_open_model(state, *open);
   return true;
 }
 
@@ -164,16 +167,16 @@ double log_likelihood(const Vector3d& value_m, const Matrix3d& covariance_m2) {
 }  // namespace
 
 double ImuDoubt::add_scatter(const Innovation& innovation) {
-  constexpr double share = 1.0 / 6.0;
+  constexpr double smoothing_factor = 1.0 / 6.0;
   const bool is_known = scatter_m2.x() > 0.0;
   const Vector3d variances_m2 = scatter_m2.cwiseMax(innovation.covariance_m2.diagonal());
-  scatter_m2 += (is_known ? share : 1.0) * (innovation.value_world_m.cwiseAbs2() - scatter_m2);
+  scatter_m2 += (is_known ? smoothing_factor : 1.0) * (innovation.value_world_m.cwiseAbs2() - scatter_m2);
   return is_known ? log_likelihood(innovation.value_world_m, variances_m2.asDiagonal())
                   : wrong_fix_likelihood;
 }
 
 double ShiftedTrack::add(TimeNs time_ns, const Vector3d& offset_m, const Matrix3d& covariance_m2) {
-  constexpr double other_above = 16.0;
+  constexpr double chi2_restart_threshold = 16.0;
   constexpr double drift_std_mps = 0.2;
   constexpr double drift_change_mps_rts = 0.05;
   const double noise_m2 = covariance_m2.diagonal().maxCoeff();
@@ -186,7 +189,7 @@ double ShiftedTrack::add(TimeNs time_ns, const Vector3d& offset_m, const Matrix3
   const Matrix3d innovation_m2 = covariance_m2 + variance * Matrix3d::Identity();
   const double distance =
       Eigen::LLT<Matrix3d>(innovation_m2).matrixL().solve(offset_m - predicted_m).squaredNorm();
-  if (variance_m2 == 0.0 || distance > other_above) {
+  if (variance_m2 == 0.0 || distance > chi2_restart_threshold) {
     offset_world_m = offset_m;
     drift_world_mps.setZero();
     variance_m2 = noise_m2;

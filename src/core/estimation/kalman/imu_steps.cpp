@@ -5,10 +5,10 @@
 namespace sonopose::estimation::kalman {
 
 double nominal_imu_period_s(double before_s, double step_s) {
-  constexpr double share = 1.0 / 32.0;
+  constexpr double smoothing_factor = 1.0 / 32.0;
   constexpr double max_growth = 1.1;  // a gap counts little
   if (!(before_s > 0.0)) return step_s;
-  return before_s + share * (std::min(step_s, max_growth * before_s) - before_s);
+  return before_s + smoothing_factor * (std::min(step_s, max_growth * before_s) - before_s);
 }
 
 double ShockDetector::add(const Vector3d& step_reading_body, double duration_s, double smooth) {

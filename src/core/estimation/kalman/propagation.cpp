@@ -135,27 +135,27 @@ void Filter::begin_transition() {
 }
 
 void Filter::predict_without_imu(double duration_s, const UnknownMotion& motion) {
-  const double tau_s = motion.slowing_s;
-  const double left = std::exp(-duration_s / tau_s);
-  const double moving_s = tau_s * (1.0 - left);
+  const double tau_s = motion.velocity_time_constant_s;
+  const double decay = std::exp(-duration_s / tau_s);
+  const double moving_s = tau_s * (1.0 - decay);
   position_world_m += moving_s * velocity_world_mps;
-  velocity_world_mps *= left;
+  velocity_world_mps *= decay;
   acceleration_world_mps2.setZero();
   angular_velocity_body_radps.setZero();
 
   StateCovariance& P = covariance;  // NOLINT(readability-identifier-naming): the symbol of the equations
   P.middleRows<3>(at_position) += moving_s * P.middleRows<3>(at_velocity);
-  P.middleRows<3>(at_velocity) *= left;
+  P.middleRows<3>(at_velocity) *= decay;
   P.middleCols<3>(at_position) += moving_s * P.middleCols<3>(at_velocity);
-  P.middleCols<3>(at_velocity) *= left;
+  P.middleCols<3>(at_velocity) *= decay;
   delay_covariance.segment<3>(at_position) += moving_s * delay_covariance.segment<3>(at_velocity);
-  delay_covariance.segment<3>(at_velocity) *= left;
+  delay_covariance.segment<3>(at_velocity) *= decay;
   // Integrals of white acceleration with a decaying velocity.
   const double accel = motion.accel_mps2_rthz * motion.accel_mps2_rthz;
   P.diagonal().segment<3>(at_position).array() +=
-      accel * tau_s * tau_s * (duration_s - 2.0 * moving_s + 0.5 * tau_s * (1.0 - left * left));
+      accel * tau_s * tau_s * (duration_s - 2.0 * moving_s + 0.5 * tau_s * (1.0 - decay * decay));
   for (int i = 0; i < 3; ++i) P(at_position + i, at_velocity + i) += 0.5 * accel * moving_s * moving_s;
-  P.diagonal().segment<3>(at_velocity).array() += 0.5 * accel * tau_s * (1.0 - left * left);
+  P.diagonal().segment<3>(at_velocity).array() += 0.5 * accel * tau_s * (1.0 - decay * decay);
   P.diagonal().segment<3>(at_attitude).array() += motion.tilt_rad_rts * motion.tilt_rad_rts * duration_s;
   add_yaw_variance(motion.yaw_rad_rts * motion.yaw_rad_rts * duration_s);
   mirror_upper(P);

@@ -9,12 +9,12 @@ namespace sonopose::estimation::kalman {
 void Trend::add(TimeNs time_ns, const Vector3d& value) {
   constexpr double memory_s = 5.0;
   const double step_s = samples == 0 ? 0.0 : seconds_between(latest_ns, time_ns);
-  const double kept = std::exp(-std::max(0.0, step_s) / memory_s);
+  const double forgetting_factor = std::exp(-std::max(0.0, step_s) / memory_s);
   latest_ns = time_ns;
   time_mean_s -= step_s;
-  weight = kept * weight + 1.0;
-  time_squares_s2 *= kept;
-  products *= kept;
+  weight = forgetting_factor * weight + 1.0;
+  time_squares_s2 *= forgetting_factor;
+  products *= forgetting_factor;
   const double before_s = -time_mean_s;
   time_mean_s += before_s / weight;
   time_squares_s2 += before_s * -time_mean_s;

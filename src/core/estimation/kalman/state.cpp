@@ -10,8 +10,8 @@
 namespace sonopose::estimation::kalman {
 namespace {
 
-constexpr int still_fixes = 4;    // enough to measure that the velocity is zero
-constexpr double former_s = 8.0;  // time for which an abandoned track is kept
+constexpr int min_zero_velocity_fixes = 4;  // enough to measure that the velocity is zero
+constexpr double max_former_age_s = 8.0;    // time for which an abandoned track is kept
 
 /// Sets rate and acceleration of the latest step, since those of joined steps are means.
 void set_latest(NominalState& state, const Filter& filter, const ImuStep& latest) {
@@ -24,7 +24,7 @@ void set_latest(NominalState& state, const Filter& filter, const ImuStep& latest
 }
 
 /// Nominal state of this filter after these steps.
-NominalState moved(const Filter& filter, const ImuPreintegrator& steps) {
+NominalState nominal_after_steps(const Filter& filter, const ImuPreintegrator& steps) {
   const ImuStep step = steps.joined();
   NominalState after = filter.step(filter, step.rate_body_radps, step.force_body_mps2, step.duration_s).after;
   if (steps.has_several()) set_latest(after, filter, steps.latest());
@@ -39,7 +39,7 @@ bool can_join(const State& state, double duration_s) {
 }
 
 /// Joins the steps of a fast IMU for the filters. Code that changes them, or needs their state at the latest
-/// sample, calls `close_steps`, `propagate` or `nominal` first. `up_rate_radps` need not: a turn hardly
+/// sample, calls `close_steps`, `propagate` or `nominal` first. `yaw_rate_radps` need not: a turn hardly
 /// changes the component of its own rate about the vertical.
 void predict(State& state, const ImuStep& step) {
   if (!can_join(state, step.duration_s)) state.close_steps();
@@ -51,14 +51,14 @@ void predict(State& state, const ImuStep& step) {
 void turn_last_heading(State& state, const ImuMeasurement& sample) {
   HeadingGate& gate = state.headings;
   if (!gate.is_current) return;
-  if (sample.time_ns - gate.used_ns >= heading_kept_ns) {
+  if (sample.time_ns - gate.used_ns >= max_heading_age_ns) {
     gate.is_current = false;
     return;
   }
-  const double before_radps = up_rate_radps(state);
+  const double before_radps = yaw_rate_radps(state);
   const double dt_s = seconds_between(state.imu.time_ns, sample.time_ns);
   state.imu.rate_body_radps = sample.rate_body_radps;
-  gate.heading_world_rad += 0.5 * (before_radps + up_rate_radps(state)) * dt_s;
+  gate.heading_world_rad += 0.5 * (before_radps + yaw_rate_radps(state)) * dt_s;
 }
 
 void update_rest(State& state, const ImuMeasurement& sample, ImuOutcome& outcome) {
@@ -73,7 +73,7 @@ void update_rest(State& state, const ImuMeasurement& sample, ImuOutcome& outcome
   // If the bias is hardly known, this may be a slow, smooth turn.
   constexpr double known_bias_radps = 0.005;
   if (bias_std_radps > known_bias_radps &&
-      (!stands_still(state, few_fixes) ||
+      (!stands_still(state, min_rest_fixes) ||
        rest::headings_turn(rest, std::sqrt(state.noise.heading_rad2.variance))))
     return;
   state.propagate();
@@ -83,8 +83,8 @@ void update_rest(State& state, const ImuMeasurement& sample, ImuOutcome& outcome
     each.filter.update_direct(at_gyro_bias, rest.still_gyro_mean - each.filter.gyro_bias_body_radps,
                               outcome.still_rate_variance);
   }
-  if (!stands_still(state, still_fixes) || state.filter().velocity_world_mps.norm() > 0.1) return;
-  outcome.no_velocity_variance = rest::still_velocity_variance(rest, sample.time_ns);
+  if (!stands_still(state, min_zero_velocity_fixes) || state.filter().velocity_world_mps.norm() > 0.1) return;
+  outcome.zero_velocity_variance = rest::still_velocity_variance(rest, sample.time_ns);
 }
 
 /// Noise of a model. A rough IMU is at least as noisy as its samples show.
@@ -105,14 +105,14 @@ void bound_dead_reckoning(State& state, ImuOutcome& outcome) {
   constexpr TimeNs period_ns = 97'500'000;  // no multiple of a usual sample interval
   const TimeNs now_ns = state.imu.time_ns;
   if (state.phase == Phase::waiting || now_ns - state.fixes.used_ns < after_ns ||
-      now_ns - state.last_zero_velocity_ns < period_ns || outcome.no_velocity_variance > 0.0)
+      now_ns - state.last_zero_velocity_ns < period_ns || outcome.zero_velocity_variance > 0.0)
     return;
   state.last_zero_velocity_ns = now_ns;
-  outcome.no_velocity_variance = square(parameters_of(state.bank.best().imu).dead_reckoning_mps_rts) /
-                                 (1e-9 * static_cast<double>(period_ns));
+  outcome.zero_velocity_variance = square(parameters_of(state.bank.best().imu).dead_reckoning_mps_rts) /
+                                   (1e-9 * static_cast<double>(period_ns));
 }
 
-void slow_down(State& state, double variance_m2ps2) {
+void update_zero_velocity(State& state, double variance_m2ps2) {
   if (variance_m2ps2 == 0.0) return;
   state.propagate();
   for (Hypothesis& each : state.bank) {
@@ -129,7 +129,7 @@ bool stands_still(const State& state, int min_fixes) {
   return rest::fixes_stand_still(state.rest, fix_std_m, min_fixes);
 }
 
-double up_rate_radps(const State& state) {
+double yaw_rate_radps(const State& state) {
   const Vector3d& rate = state.imu.rate_body_radps;
   if (state.phase == Phase::waiting) return state.imu.mean_force_body_mps2.normalized().dot(rate);
   const Filter& filter = state.filter();
@@ -149,8 +149,8 @@ ImuOutcome State::on_imu(const settings::Settings& settings, const ImuMeasuremen
   if (imu.in_gap) headings.is_current = false;  // no rate shows how the body turned meanwhile
   if (phase == Phase::waiting) {
     constexpr double time_constant_s = 0.5;
-    const double share = is_first ? 1.0 : std::min(1.0, std::max(dt_s, 0.005) / time_constant_s);
-    imu.mean_force_body_mps2 += share * (sample.force_body_mps2 - imu.mean_force_body_mps2);
+    const double smoothing_factor = is_first ? 1.0 : std::min(1.0, std::max(dt_s, 0.005) / time_constant_s);
+    imu.mean_force_body_mps2 += smoothing_factor * (sample.force_body_mps2 - imu.mean_force_body_mps2);
   } else if (imu.in_gap) {
     end_imu_gap(*this, sample.time_ns);
   } else if (dt_s > 0.0) {
@@ -179,9 +179,10 @@ ImuOutcome State::on_imu(const settings::Settings& settings, const ImuMeasuremen
   ImuOutcome outcome;
   update_rest(*this, sample, outcome);
   bound_dead_reckoning(*this, outcome);
-  slow_down(*this, outcome.no_velocity_variance);
+  update_zero_velocity(*this, outcome.zero_velocity_variance);
   const Hypothesis* const former = bank.find(Track::former);
-  if (former != nullptr && seconds_between(former->explained_ns, time_ns) > former_s) bank.remove(former);
+  if (former != nullptr && seconds_between(former->explained_ns, time_ns) > max_former_age_s)
+    bank.remove(former);
   return outcome;
 }
 
@@ -211,7 +212,7 @@ bool State::covariance_is_old() const {
 NominalState State::nominal() const {
   if (phase == Phase::waiting) return {};
   if (imu.open_steps.empty()) return static_cast<const NominalState&>(filter());
-  return moved(filter(), imu.open_steps);
+  return nominal_after_steps(filter(), imu.open_steps);
 }
 
 NominalState State::nominal_after(const ImuStep& step) const {
@@ -220,7 +221,7 @@ NominalState State::nominal_after(const ImuStep& step) const {
   }
   ImuPreintegrator steps = imu.open_steps;
   steps.add(step);
-  return moved(filter(), steps);
+  return nominal_after_steps(filter(), steps);
 }
 
 void recover_if_not_finite(State& state) {

@@ -13,8 +13,8 @@ struct RangeCheck {
   std::optional<FieldFault>& fault;
 
   void operator()(const char* name, int count) const {
-    constexpr int most = 1'000'000'000;
-    if (count < 0 || count > most) report(name, "is not between 0 and 1e9");
+    constexpr int max_count = 1'000'000'000;
+    if (count < 0 || count > max_count) report(name, "is not between 0 and 1e9");
   }
   void operator()(const char* name, TimeNs time_ns) const {
     if (time_ns != 0 && !aiding::admission::is_time(time_ns)) report(name, "is not a valid time");
@@ -58,7 +58,7 @@ bool is_trend(const Trend& trend) {
 
 /// Checks the intervals and durations that the engine has learned.
 std::optional<FieldFault> find_timing_fault(const State& state) {
-  const auto is_between = [](double value, double most) { return value >= 0.0 && value <= most; };
+  const auto is_between = [](double value, double max) { return value >= 0.0 && value <= max; };
   constexpr double longest_gap_s = 5.0;  // largest value of outage.imu_gap_s
   if (!is_between(state.imu.nominal_imu_period_s, longest_gap_s)) {
     return FieldFault{"nominal_imu_period_s", "is not between 0 and 5 s"};

@@ -17,9 +17,9 @@ inline constexpr double chi2_reject_threshold = 30.0;
 inline constexpr double heading_chi2_reject_threshold =
     25.0;  // 1 degree of freedom: five standard deviations
 
-inline constexpr double wrong_fix_likelihood = -4.5;    // logarithm; the fix lies anywhere within metres
-inline constexpr TimeNs heading_kept_ns = 500'000'000;  // age at which a start may still use a heading
-inline constexpr int few_fixes = 2;                     // enough to distinguish a rest from a smooth cruise
+inline constexpr double wrong_fix_likelihood = -4.5;       // logarithm; the fix lies anywhere within metres
+inline constexpr TimeNs max_heading_age_ns = 500'000'000;  // age at which a start may still use a heading
+inline constexpr int min_rest_fixes = 2;  // enough to distinguish a rest from a smooth cruise
 
 constexpr double square(double x) {
   return x * x;
@@ -46,8 +46,8 @@ inline double log_likelihood(const Innovation& innovation) {
 
 /// Adds the log-likelihood of a fix that may also be wrong.
 inline void add_evidence(double& evidence, double log_likelihood) {
-  constexpr double kept = 0.85;
-  evidence = kept * evidence + std::max(log_likelihood, wrong_fix_likelihood);
+  constexpr double forgetting_factor = 0.85;
+  evidence = forgetting_factor * evidence + std::max(log_likelihood, wrong_fix_likelihood);
 }
 
 inline double squared_norm(const Filter::HeadingInnovation& innovation) {
@@ -74,7 +74,7 @@ struct JudgedFix {
 [[nodiscard]] Matrix3d covariance_of(const State& state, const FixMeasurement& fix);
 [[nodiscard]] bool stands_still(const State& state, int min_fixes);
 /// Rate of the body about the vertical.
-[[nodiscard]] double up_rate_radps(const State& state);
+[[nodiscard]] double yaw_rate_radps(const State& state);
 /// Registers that the followed track jumped to this fix.
 void note_jump(State& state, TimeNs fix_ns);
 /// Registers a fix that the followed track has used.
@@ -95,17 +95,17 @@ void correct_by_heading(const State& state, Filter& filter, const settings::Sett
 // Other tracks.
 [[nodiscard]] Hypothesis* other_track(State& state);
 void end_other_track(State& state, TimeNs now_ns);
-void keep_former(State& state, TimeNs left_ns, TimeNs left_for_ns);
+void store_former_track(State& state, TimeNs left_ns, TimeNs left_for_ns);
 void judge_rejected(State& state, const JudgedFix& judged, FixOutcome& outcome);
 void turn_map(State& state, const settings::Settings& settings, const HeadingMeasurement& heading,
               double innovation_rad);
 
 // The IMU.
 void choose_model(State& state);
-void explain(State& state, const JudgedFix& judged);
-void suspect_imu(State& state, bool is_suspicious);
+void update_evidence(State& state, const JudgedFix& judged);
+void update_open_models(State& state, bool is_suspicious);
 /// Makes an open model the best if it explains the rejected fixes or headings best.
-bool doubt_imu(State& state);
+bool switch_to_open_model(State& state);
 void predict_if_silent(State& state, const settings::Settings& settings, TimeNs measured_ns);
 void end_imu_gap(State& state, TimeNs to_ns);
 /// Discards filters that are not finite; the next fix then starts the estimate.

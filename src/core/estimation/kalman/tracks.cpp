@@ -10,18 +10,18 @@ namespace sonopose::estimation::kalman {
 namespace {
 
 constexpr TimeNs converging_ns = 500'000'000;  // after a jump
-constexpr int track_fixes = 3;                 // number of fixes that make a track
+constexpr int min_track_fixes = 3;             // number of fixes that make a track
 
 /// True if the other track explained the fixes alone for long enough.
-bool has_won(const State& state, const Hypothesis& other, TimeNs now_ns) {
+bool is_confirmed(const State& state, const Hypothesis& other, TimeNs now_ns) {
   constexpr int min_turned = 4;  // fixes and headings in a map that has turned
   constexpr double min_turned_s = 0.4;
-  constexpr double sees_turn_mps = 0.3;  // the fixes of a faster body show that its motion has turned
+  constexpr double min_turned_speed_mps = 0.3;  // the fixes of a faster body show that its motion has turned
   constexpr int min_fixes = 8;
   constexpr double sparse_s = 3.0;  // time after which a track of sparse fixes is enough
   const double alone_s = seconds_between(std::max(state.fixes.used_ns, other.began_ns), now_ns);
   if (other.track == Track::turned && std::min(other.explained, other.headings) >= min_turned &&
-      alone_s > min_turned_s && other.filter.velocity_world_mps.norm() > sees_turn_mps)
+      alone_s > min_turned_s && other.filter.velocity_world_mps.norm() > min_turned_speed_mps)
     return true;
   const double jump_m =
       (other.filter.tracked_position_world_m() - state.filter().tracked_position_world_m()).norm();
@@ -33,12 +33,12 @@ bool has_won(const State& state, const Hypothesis& other, TimeNs now_ns) {
   const double nearness = std::clamp((far_m - jump_m) / (far_m - near_m), 0.0, 1.0);
   const double needed_s = std::max(far_s + nearness * (near_s - far_s), state.wrong_tracks.wait_s(now_ns));
   return alone_s >= needed_s &&
-         (other.explained >= min_fixes || (other.explained >= track_fixes && alone_s > sparse_s));
+         (other.explained >= min_fixes || (other.explained >= min_track_fixes && alone_s > sparse_s));
 }
 
 /// True if the fixes contradict the first one: soon after a start the best filter accepts much.
 bool start_was_wrong(const State& state, const Hypothesis& other) {
-  return state.fixes.since_start < proven_fixes && other.explained >= track_fixes &&
+  return state.fixes.since_start < proven_fixes && other.explained >= min_track_fixes &&
          other.explained > state.fixes.since_start;
 }
 
@@ -57,7 +57,7 @@ void begin_other_track(State& state, const JudgedFix& judged) {
   f.decorrelate(at_position, 2.0 * judged.covariance_m2.diagonal());
   // The motion of the best filter did not explain the fixes. They may have drifted away before they returned;
   // its velocity is then that of the drift.
-  if (again) widen(f, {.velocity_mps = 0.3});
+  if (again) inflate(f, {.velocity_mps = 0.3});
 }
 
 /// Raises the noise after several consecutive rejected fixes that form no track. Otherwise it would stay
@@ -67,10 +67,10 @@ void learn_from_scatter(State& state, const JudgedFix& judged, const Innovation&
   constexpr int min_scattered_fixes = 6;
   constexpr double max_m = 2.0;  // four times the largest noise that is learned
   if (state.phase != Phase::tracking || judged.fix.has_covariance ||
-      state.fixes.rejected_in_row < min_scattered_fixes || other.explained >= track_fixes ||
+      state.fixes.rejected_in_row < min_scattered_fixes || other.explained >= min_track_fixes ||
       innovation.value_world_m.norm() > max_m)
     return;
-  state.noise.add_scattered_fix(judged.fix.quality_percent, innovation.value_world_m);
+  state.noise.add_rejected_fix(judged.fix.quality_percent, innovation.value_world_m);
 }
 
 /// Corrects the other track by a fix that it explains. A fix that it does not explain starts it, or counts as
@@ -108,13 +108,13 @@ void follow(State& state, const Hypothesis& track) {
 void promote_other_track(State& state) {
   const Hypothesis* const other = other_track(state);
   if (other->track == Track::turned) state.headings.accept();
-  keep_former(state, other->explained_ns, other->began_ns);
+  store_former_track(state, other->explained_ns, other->began_ns);
   follow(state, *other_track(state));
 }
 
 /// True if this fix lies on the abandoned track, which is then followed again. It takes three in a row, or
 /// one that is nearer to it than chance explains.
-bool take_back_former(State& state, const JudgedFix& judged) {
+bool resume_former_track(State& state, const JudgedFix& judged) {
   Hypothesis* const former = state.bank.find(Track::former);
   if (former == nullptr) return false;
   const Innovation& innovation = judged.innovation_of(state.bank, *former);
@@ -130,7 +130,7 @@ bool take_back_former(State& state, const JudgedFix& judged) {
   }
   const bool is_clear = innovation.squared_norm <= chi2_huber_threshold && sigmas > clear_sigmas;
   correct_scaled(former->filter, innovation, innovation.covariance_m2);
-  if (++former->explained_in_row < (is_clear ? 1 : track_fixes)) return false;
+  if (++former->explained_in_row < (is_clear ? 1 : min_track_fixes)) return false;
   state.wrong_tracks.add(seconds_between(former->began_ns, judged.fix.time_ns), judged.fix.time_ns);
   follow(state, *former);
   state.bank.remove(Track::former);
@@ -149,11 +149,11 @@ void judge_rejected(State& state, const JudgedFix& judged, FixOutcome& outcome) 
   outcome.flags = fix_outlier;
   state.fixes.rejected_world_m = judged.fix.position_world_m;
   state.fixes.rejected_ns = judged.fix.time_ns;
-  if (!take_back_former(state, judged)) {
+  if (!resume_former_track(state, judged)) {
     if (!other_track_explains(state, judged, outcome)) return;
     const Hypothesis& other = *other_track(state);
     const bool starts_again = start_was_wrong(state, other);
-    if (!starts_again && !has_won(state, other, judged.fix.time_ns)) return;
+    if (!starts_again && !is_confirmed(state, other, judged.fix.time_ns)) return;
     // While yaw is searched, the other track copies one of the starts, whose yaw is arbitrary.
     if (starts_again || state.phase == Phase::searching_yaw) {
       start_at(state, judged.fix, judged.settings);
@@ -170,13 +170,13 @@ void judge_rejected(State& state, const JudgedFix& judged, FixOutcome& outcome) 
 void end_other_track(State& state, TimeNs now_ns) {
   const Hypothesis* const other = other_track(state);
   if (other == nullptr) return;
-  if (other->explained >= track_fixes) {
+  if (other->explained >= min_track_fixes) {
     state.wrong_tracks.add(seconds_between(other->began_ns, other->explained_ns), now_ns);
   }
   state.bank.remove(other);
 }
 
-void keep_former(State& state, TimeNs left_ns, TimeNs left_for_ns) {
+void store_former_track(State& state, TimeNs left_ns, TimeNs left_for_ns) {
   state.bank.remove(Track::former);
   Hypothesis& former = state.bank.spawn(state.bank.best());
   former.track = Track::former;

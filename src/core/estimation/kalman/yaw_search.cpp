@@ -60,7 +60,7 @@ void search(State& state, const Filter& from, const Vector3d& up_body, double fi
 double yaw_of_last_heading_rad(const State& state, TimeNs fix_ns, const settings::Settings& settings) {
   const double since_sample_s = seconds_between(state.imu.time_ns, fix_ns);
   const double turned_rad =
-      since_sample_s < settings.outage.imu_gap_s ? since_sample_s * up_rate_radps(state) : 0.0;
+      since_sample_s < settings.outage.imu_gap_s ? since_sample_s * yaw_rate_radps(state) : 0.0;
   return state.headings.heading_world_rad + turned_rad - radians(settings.heading.mount_offset_deg);
 }
 
@@ -82,7 +82,7 @@ void start_at(State& state, const FixMeasurement& fix, const settings::Settings&
                                ? geometry::up_in_body(state.filter().q_body_to_world)
                                : state.imu.mean_force_body_mps2;
   const bool has_heading =
-      state.headings.is_current && fix.time_ns - state.headings.used_ns < heading_kept_ns;
+      state.headings.is_current && fix.time_ns - state.headings.used_ns < max_heading_age_ns;
   const double yaw_rad = has_heading ? yaw_of_last_heading_rad(state, fix.time_ns, settings) : 0.0;
   Filter start = initial_filter(state, at_rest);
   // Noise of a usual fix, or of this one if larger.
@@ -107,17 +107,17 @@ void start_at(State& state, const FixMeasurement& fix, const settings::Settings&
 /// Removes starts that fixes and headings contradict, and those that became equal to another one. The best
 /// one changes only if another is much more likely: the yaw must not jump while nothing is learned.
 void prune_starts(State& state) {
-  constexpr double contradicted = 14.0;
-  constexpr double merged_rad = radians(4.0);
-  constexpr double much_better = 2.0;
+  constexpr double max_score_deficit = 14.0;
+  constexpr double merge_angle_rad = radians(4.0);
+  constexpr double min_score_margin = 2.0;
   HypothesisBank& bank = state.bank;
   const auto is_start = [&](const Hypothesis& each) {
     return each.track == Track::followed && each.imu != ImuModel::open;
   };
   const auto yaw_of = [](const Hypothesis& each) { return geometry::yaw_of(each.filter.q_body_to_world); };
-  double most = -std::numeric_limits<double>::infinity();
+  double max_score = -std::numeric_limits<double>::infinity();
   for (const Hypothesis& each : bank) {
-    if (is_start(each)) most = std::max(most, each.score);
+    if (is_start(each)) max_score = std::max(max_score, each.score);
   }
   bool has_best = true;
   const auto end = [&](int i) {
@@ -126,13 +126,13 @@ void prune_starts(State& state) {
   };
   for (int i = bank.size() - 1; i >= 0; --i) {
     if (!is_start(bank[i])) continue;
-    if (!(bank[i].score > most - contradicted && bank[i].filter.is_finite())) {
+    if (!(bank[i].score > max_score - max_score_deficit && bank[i].filter.is_finite())) {
       end(i);
       continue;
     }
     for (int j = 0; j < i; ++j) {
       const double apart_rad = std::abs(geometry::wrap_angle(yaw_of(bank[i]) - yaw_of(bank[j])));
-      if (!is_start(bank[j]) || !(apart_rad < merged_rad)) continue;
+      if (!is_start(bank[j]) || !(apart_rad < merge_angle_rad)) continue;
       if (bank[i].score > bank[j].score) std::swap(bank[i], bank[j]);
       if (bank.best_index == i) bank.best_index = j;
       bank.remove(&bank[i]);
@@ -140,11 +140,12 @@ void prune_starts(State& state) {
     }
   }
   const int starts = static_cast<int>(std::count_if(bank.begin(), bank.end(), is_start));
-  double least = has_best ? bank.best().score + much_better : -std::numeric_limits<double>::infinity();
+  double min_score =
+      has_best ? bank.best().score + min_score_margin : -std::numeric_limits<double>::infinity();
   for (int i = 0; i < bank.size(); ++i) {
-    if (bank[i].track != Track::followed || !(bank[i].score > least)) continue;
+    if (bank[i].track != Track::followed || !(bank[i].score > min_score)) continue;
     bank.best_index = i;
-    least = bank[i].score;
+    min_score = bank[i].score;
   }
   if (starts > 1) return;
   if (bank.best().imu == ImuModel::open) {
@@ -161,9 +162,9 @@ Spread State::spread() const {
   Spread spread;
   if (phase != Phase::searching_yaw) return spread;
   const auto is_searched = [](const Hypothesis& each) { return each.track == Track::followed; };
-  double most = -std::numeric_limits<double>::infinity();
+  double max_score = -std::numeric_limits<double>::infinity();
   for (const Hypothesis& each : bank) {
-    if (is_searched(each)) most = std::max(most, each.score);
+    if (is_searched(each)) max_score = std::max(max_score, each.score);
   }
   const double yaw_rad = geometry::yaw_of(filter().q_body_to_world);
   constexpr double no_yaw_rad2 = std::numbers::pi * std::numbers::pi / 3.0;  // variance of a uniform angle
@@ -171,7 +172,7 @@ Spread State::spread() const {
   double yaw_rad2 = 0.0;
   for (const Hypothesis& each : bank) {
     if (!is_searched(each)) continue;
-    const double weight = std::exp(each.score - most);
+    const double weight = std::exp(each.score - max_score);
     weights += weight;
     if (each.imu == ImuModel::open) {
       yaw_rad2 += weight * no_yaw_rad2;

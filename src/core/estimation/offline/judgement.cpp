@@ -116,11 +116,11 @@ public:
       segment.states.push_back(
           {imu.time_ns, kalman::at_gyro_bias, state_.rest.still_gyro_mean, outcome.still_rate_variance});
     }
-    if (outcome.no_velocity_variance > 0.0) {
+    if (outcome.zero_velocity_variance > 0.0) {
       segment.states.push_back(
-          {imu.time_ns, kalman::at_velocity, Vector3d::Zero(), outcome.no_velocity_variance});
+          {imu.time_ns, kalman::at_velocity, Vector3d::Zero(), outcome.zero_velocity_variance});
     }
-    settle();
+    store_settled_filter();
   }
 
   void add(const FixMeasurement& fix, std::uint64_t sequence) {
@@ -137,7 +137,7 @@ public:
       judged.track_change =
           TrackChange{outcome.jump_world_m, outcome.velocity_change_world_mps, outcome.yaw_change_rad};
     }
-    if (state_.frozen_track.frozen && !before.frozen) take_back_repeated(before);
+    if (state_.frozen_track.frozen && !before.frozen) reject_repeated_fixes(before);
     segments_.back().fixes.push_back(judged);
   }
 
@@ -160,9 +160,9 @@ private:
   }
 
   void begin(TimeNs time_ns) {
-    constexpr double lead_s = 1.0;
+    constexpr double max_imu_lead_s = 1.0;
     const auto first = std::find_if(waiting_.begin(), waiting_.end(), [&](const ImuMeasurement& imu) {
-      return seconds_between(imu.time_ns, time_ns) <= lead_s;
+      return seconds_between(imu.time_ns, time_ns) <= max_imu_lead_s;
     });
     segments_.emplace_back().imu.assign(first, waiting_.end());
     waiting_.clear();
@@ -170,7 +170,7 @@ private:
   }
 
   /// Keeps the filter until some seconds after the yaw became known.
-  void settle() {
+  void store_settled_filter() {
     constexpr double settling_s = 5.0;
     if (state_.phase == kalman::Phase::tracking && tracking_since_ns_ == 0) {
       tracking_since_ns_ = state_.imu.time_ns;
@@ -184,7 +184,7 @@ private:
     segments_.back().settled_ns = state_.imu.time_ns;
   }
 
-  void take_back_repeated(const kalman::FrozenTrackDetector& detector) {
+  void reject_repeated_fixes(const kalman::FrozenTrackDetector& detector) {
     auto& fixes = segments_.back().fixes;
     const auto repeats = std::min(fixes.size(), static_cast<std::size_t>(detector.repeats));
     for (auto fix = fixes.end() - static_cast<std::ptrdiff_t>(repeats); fix != fixes.end(); ++fix) {

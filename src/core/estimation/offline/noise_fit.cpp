@@ -11,8 +11,8 @@ namespace {
 constexpr std::size_t parameter_count = 4;
 using Exponents = std::array<double, parameter_count>;  ///< exponents of factors 2^x on the defaults
 /// Fixes hardly show how little process noise there is, and the defaults are those of a good IMU.
-constexpr Exponents least{0.0, 0.0, 0.0, -1.0};
-constexpr Exponents greatest{8.0, 8.0, 8.0, 1.0};
+constexpr Exponents min_exponents{0.0, 0.0, 0.0, -1.0};
+constexpr Exponents max_exponents{8.0, 8.0, 8.0, 1.0};
 
 Noise noise_of(const Exponents& exponents) {
   Noise noise;
@@ -53,17 +53,17 @@ Noise fitted_noise(const settings::Settings& settings, std::span<const Segment> 
   const Segment part = beginning(*longest);
   if (!Forward::can_start(part)) return {};
   Exponents best{};
-  double most = log_likelihood(settings, part, noise_of(best));
+  double max_log_likelihood = log_likelihood(settings, part, noise_of(best));
   for (double step = 2.0; step >= 0.25; step *= 0.5) {
     for (bool improved = true; improved;) {
       improved = false;
       for (std::size_t i = 0; i < parameter_count; ++i) {
         for (const double change : {step, -step}) {
           Exponents next = best;
-          next[i] = std::clamp(next[i] + change, least[i], greatest[i]);
+          next[i] = std::clamp(next[i] + change, min_exponents[i], max_exponents[i]);
           const double likelihood = log_likelihood(settings, part, noise_of(next));
-          if (!(likelihood > most + 0.1)) continue;
-          most = likelihood;
+          if (!(likelihood > max_log_likelihood + 0.1)) continue;
+          max_log_likelihood = likelihood;
           best = next;
           improved = true;
           break;

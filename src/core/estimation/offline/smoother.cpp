@@ -13,22 +13,22 @@ struct Adjoint {
   StateCovariance information = StateCovariance::Zero();  ///< Λ
 
   /// Goes back over operations, last one first.
-  void undo(const std::vector<Operation>& operations) {
-    for (std::size_t i = operations.size(); i-- > 0;) undo(operations[i]);
+  void step_back(const std::vector<Operation>& operations) {
+    for (std::size_t i = operations.size(); i-- > 0;) step_back(operations[i]);
   }
 
   /// Goes back over one operation.
-  void undo(const Operation& operation) {
+  void step_back(const Operation& operation) {
     if (const auto* transition = std::get_if<StateCovariance>(&operation)) {
       error = transition->transpose() * error;
       multiply_by(*transition);
     } else {
-      undo(*std::get_if<Correction>(&operation));
+      step_back(*std::get_if<Correction>(&operation));
     }
   }
 
   /// Goes back over a correction: λ ← Hᵀ S⁻¹ ν + (I − K H)ᵀ λ,  Λ ← Hᵀ S⁻¹ H + (I − K H)ᵀ Λ (I − K H).
-  void undo(const Correction& correction) {
+  void step_back(const Correction& correction) {
     const kalman::FixJacobian& h = correction.jacobian;
     error += h.transpose() * (correction.weighted_innovation - correction.gain.transpose() * error);
     StateCovariance remaining = StateCovariance::Identity();
@@ -104,7 +104,7 @@ std::vector<SmoothedPose> smoothed(const settings::Settings& settings, const Seg
     }
     for (std::size_t i = count; i-- > 0;) {
       poses[first + i] = smoothed_pose(nodes[i].filter, adjoint, segment.imu[first + i].time_ns);
-      adjoint.undo(nodes[i].operations);
+      adjoint.step_back(nodes[i].operations);
     }
   }
   return poses;

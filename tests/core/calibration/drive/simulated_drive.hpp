@@ -32,7 +32,7 @@ inline SimulatedDrive drive_with(std::string_view scenario, const sim::SensorSet
   const double root_of_period = std::sqrt(1.0 / sensors.imu_rate_hz);
   return {{sim::record(installed, {.seed = seed, .duration_s = duration_s}).events},
           {sensors.pair_mount_offset_rad, -sensors.reported_delay_error_s, arm_m.x(), arm_m.y(), arm_m.z(),
-           sensors.fix_noise_m.most, sensors.fix_noise_m.most, sensors.heading_noise_rad,
+           sensors.fix_noise_m.max, sensors.fix_noise_m.max, sensors.heading_noise_rad,
            sensors.accel_noise_mps2 * root_of_period, sensors.gyro_noise_radps * root_of_period}};
 }
 

@@ -33,7 +33,7 @@ TEST_CASE("a horizontal velocity correction tilts the attitude towards it") {
     auto filter = filter_at(geometry::rotation_about_z(0.7));
     AlignmentState state;
     const Vector3d change_world_mps(0.16, 0.12, 0.0);
-    alignment::level(learning(), state, filter, change_world_mps);
+    alignment::correct_tilt(learning(), state, filter, change_world_mps);
     THEN("its specific force now has gain × change along the correction, and yaw has not moved") {
       const Vector3d force_body = Vector3d(0, 0, standard_gravity_mps2);
       const Vector3d acceleration_world = filter.orientation() * force_body;
@@ -48,10 +48,10 @@ TEST_CASE("a horizontal velocity correction tilts the attitude towards it") {
 TEST_CASE("a vertical velocity correction is learned as an offset, up to its limit") {
   auto filter = filter_at(Quaterniond::Identity());
   AlignmentState state;
-  alignment::level(learning(), state, filter, {0, 0, -0.04});
+  alignment::correct_tilt(learning(), state, filter, {0, 0, -0.04});
   CHECK(state.vertical_offset_mps2 == Approx(-0.02));
   CHECK(filter.orientation().isApprox(Quaterniond::Identity()));
-  for (int i = 0; i < 100; ++i) alignment::level(learning(), state, filter, {0, 0, -1.0});
+  for (int i = 0; i < 100; ++i) alignment::correct_tilt(learning(), state, filter, {0, 0, -1.0});
   CHECK(state.vertical_offset_mps2 == Approx(-AlignmentSettings{}.vertical_limit_mps2));
 }
 
@@ -62,7 +62,7 @@ TEST_CASE("a gain of zero learns nothing") {
   off.aiding_s = 0.0;
   auto filter = filter_at(Quaterniond::Identity());
   AlignmentState state;
-  alignment::level(off, state, filter, {1, 2, 3});
+  alignment::correct_tilt(off, state, filter, {1, 2, 3});
   CHECK(filter.orientation().coeffs() == Quaterniond::Identity().coeffs());
   CHECK(state == AlignmentState{});
 }
@@ -79,7 +79,7 @@ TEST_CASE("an acceleration that the fixes measure in another direction turns yaw
     FixVelocity measured;
     measured.ultrasonic_world_mps = {0, 0.4, 0};
     measured.inertial_world_mps = {0.4, 0, 0};
-    const YawTurn yaw = alignment::turn(settings, state, body, filter, measured, 0.25);
+    const YawTurn yaw = alignment::correct_yaw(settings, state, body, filter, measured, 0.25);
     const double turned_rad = yaw.turn_rad;
     THEN("yaw turns by the gain's share of 90 degrees, as far as the gain in speed stands out from noise") {
       const double certainty = 0.16 / (0.16 + 0.09);
@@ -97,7 +97,7 @@ TEST_CASE("an acceleration that the fixes measure in another direction turns yaw
   }
   GIVEN("0.4 m/s gained along x by the IMU, which the fixes have seen too") {
     state.gained_world_mps = {0.4, 0, 0};
-    const YawTurn yaw = alignment::turn(settings, state, body, filter, {}, 0.25);
+    const YawTurn yaw = alignment::correct_yaw(settings, state, body, filter, {}, 0.25);
     THEN("yaw does not turn, and it is known better by the gain's share") {
       CHECK(yaw.turn_rad == 0.0);
       CHECK(yaw.share == Approx(0.5 * 0.16 / (0.16 + 0.09)));
@@ -108,7 +108,7 @@ TEST_CASE("an acceleration that the fixes measure in another direction turns yaw
     FixVelocity measured;
     measured.ultrasonic_world_mps = {0, 0.4, 0};
     THEN("nothing is learned") {
-      const YawTurn yaw = alignment::turn(settings, state, body, filter, measured, 0.25);
+      const YawTurn yaw = alignment::correct_yaw(settings, state, body, filter, measured, 0.25);
       CHECK(yaw.turn_rad == 0.0);
       CHECK(yaw.share == 0.0);
       CHECK(geometry::yaw_of(filter.orientation()) == Approx(0.2));

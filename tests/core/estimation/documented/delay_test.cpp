@@ -48,18 +48,19 @@ TEST_CASE("item 6: a fix is extrapolated to the time of the engine's state, not 
   const Vector3d velocity(6, -1, 0);
   const auto body = test::moving_body(velocity);
   const UltrasonicFix fix = fix_with(0.104, 0.100);
-  const TimedFix timed = delay::shift(settings_with(true, DelaySource::measured), body, fix);
+  const TimedFix timed = delay::extrapolated(settings_with(true, DelaySource::measured), body, fix);
   CHECK(timed.measured_position_world_m == fix.position_world_m);
   CHECK((timed.shifted_position_world_m - fix.position_world_m - 0.104 * velocity).norm() < 1e-9);
 
-  const TimedFix still = delay::shift(settings_with(false, DelaySource::measured), body, fix);
+  const TimedFix still = delay::extrapolated(settings_with(false, DelaySource::measured), body, fix);
   CHECK(still.shifted_position_world_m == fix.position_world_m);
 }
 
 TEST_CASE("item 6: a correction of the velocity applies to the past as well") {
   auto body = test::moving_body({5, 0, 0});
   body.correct_velocity({1, 0, 0});
-  const TimedFix timed = delay::shift(settings_with(true, DelaySource::measured), body, fix_with(0.1, 0.096));
+  const TimedFix timed =
+      delay::extrapolated(settings_with(true, DelaySource::measured), body, fix_with(0.1, 0.096));
   CHECK((timed.shifted_position_world_m - Vector3d(10.6, 20, 1)).norm() < 1e-9);
 }
 
@@ -75,14 +76,15 @@ TEST_CASE("item 6: in a turn it follows the path, not the tangent") {
   body.velocity_world_mps = circle(0.0).velocity_world_mps;
   UltrasonicFix fix = fix_with(0.1, 0.096);
   fix.position_world_m = circle(-0.1).position_world_m;
-  const TimedFix timed = delay::shift(settings_with(true, DelaySource::measured), body, fix);
+  const TimedFix timed = delay::extrapolated(settings_with(true, DelaySource::measured), body, fix);
   CHECK((timed.shifted_position_world_m - circle(0.0).position_world_m).norm() < 1e-6);
 }
 
 TEST_CASE("item 6: without a path it uses the present velocity") {
   auto body = test::moving_body({2, 0, 0});
   body.history.clear();
-  const TimedFix timed = delay::shift(settings_with(true, DelaySource::measured), body, fix_with(0.1, 0.096));
+  const TimedFix timed =
+      delay::extrapolated(settings_with(true, DelaySource::measured), body, fix_with(0.1, 0.096));
   CHECK((timed.shifted_position_world_m - Vector3d(10.2, 20, 1)).norm() < 1e-9);
 }
 

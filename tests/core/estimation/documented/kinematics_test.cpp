@@ -15,12 +15,12 @@ TEST_CASE("the displacement between two past moments is the IMU's with the prese
   auto body = test::moving_body({2, 0, 0});
   const TimeNs from_ns = epoch_ns - to_ns(0.3);
   const TimeNs to_now_ns = epoch_ns - to_ns(0.1);
-  REQUIRE(body.moved(from_ns, to_now_ns).has_value());
-  CHECK((*body.moved(from_ns, to_now_ns) - Vector3d(0.4, 0, 0)).norm() < 1e-9);
+  REQUIRE(body.displacement_between(from_ns, to_now_ns).has_value());
+  CHECK((*body.displacement_between(from_ns, to_now_ns) - Vector3d(0.4, 0, 0)).norm() < 1e-9);
   body.correct_velocity({0, 1, 0});
   CHECK((body.velocity_world_mps - Vector3d(2, 1, 0)).norm() < 1e-15);
-  CHECK((*body.moved(from_ns, to_now_ns) - Vector3d(0.4, 0.2, 0)).norm() < 1e-9);
-  CHECK((*body.moved(to_now_ns, from_ns) + Vector3d(0.4, 0.2, 0)).norm() < 1e-9);
+  CHECK((*body.displacement_between(from_ns, to_now_ns) - Vector3d(0.4, 0.2, 0)).norm() < 1e-9);
+  CHECK((*body.displacement_between(to_now_ns, from_ns) + Vector3d(0.4, 0.2, 0)).norm() < 1e-9);
 }
 
 TEST_CASE("beyond the newest sample the present velocity applies") {
@@ -29,19 +29,19 @@ TEST_CASE("beyond the newest sample the present velocity applies") {
   body.correct_velocity({5, 0, 0});
   REQUIRE(body.velocity_world_mps.norm() < 1e-12);
   const TimeNs ahead_ns = epoch_ns + to_ns(0.02);
-  REQUIRE(body.moved(epoch_ns, ahead_ns).has_value());
-  CHECK(body.moved(epoch_ns, ahead_ns)->norm() < 1e-9);
-  CHECK(body.moved(ahead_ns, epoch_ns)->norm() < 1e-9);
-  CHECK(body.moved(epoch_ns - to_ns(0.1), ahead_ns)->norm() < 1e-9);
+  REQUIRE(body.displacement_between(epoch_ns, ahead_ns).has_value());
+  CHECK(body.displacement_between(epoch_ns, ahead_ns)->norm() < 1e-9);
+  CHECK(body.displacement_between(ahead_ns, epoch_ns)->norm() < 1e-9);
+  CHECK(body.displacement_between(epoch_ns - to_ns(0.1), ahead_ns)->norm() < 1e-9);
   body.correct_velocity({1, 0, 0});
-  CHECK((*body.moved(epoch_ns, ahead_ns) - Vector3d(0.02, 0, 0)).norm() < 1e-9);
+  CHECK((*body.displacement_between(epoch_ns, ahead_ns) - Vector3d(0.02, 0, 0)).norm() < 1e-9);
 }
 
 TEST_CASE("a moment before the history is unknown") {
   const auto body = test::moving_body({2, 0, 0});
-  CHECK_FALSE(body.moved(epoch_ns - to_ns(1.5), epoch_ns).has_value());
+  CHECK_FALSE(body.displacement_between(epoch_ns - to_ns(1.5), epoch_ns).has_value());
   CHECK_FALSE(body.yaw_at(epoch_ns - to_ns(1.5)).has_value());
-  CHECK_FALSE(Kinematics{}.moved(1, 2).has_value());
+  CHECK_FALSE(Kinematics{}.displacement_between(1, 2).has_value());
 }
 
 TEST_CASE("yaw in the past includes the present corrections") {
@@ -62,7 +62,7 @@ TEST_CASE("the inertial path is independent of the velocity corrections") {
   };
   driver.run(20.0);
   const auto& body = driver.engine.state().body;
-  const auto moved = body.moved(body.time_ns - to_ns(0.2), body.time_ns);
+  const auto moved = body.displacement_between(body.time_ns - to_ns(0.2), body.time_ns);
   REQUIRE(moved.has_value());
   CHECK(moved->x() == Approx(0.4).epsilon(0.1));
   CHECK(body.velocity_world_mps.x() == Approx(2.0).epsilon(0.1));

@@ -56,16 +56,16 @@ TEST_CASE("the reference is the last fix that was no outlier, carried along by o
   RunawayState state;
   TimedFix fix;
   fix.shifted_position_world_m = {1, 0, 0};
-  runaway::follow(state, fix, FixAssessment{});
+  runaway::update_reference(state, fix, FixAssessment{});
   CHECK(state.has_fix);
   CHECK(state.fix_position_world_m == Vector3d(1, 0, 0));
   FixAssessment outlier;
   outlier.outlier = true;
   fix.shifted_position_world_m = {1, 9, 0};
-  runaway::follow(state, fix, outlier);
+  runaway::update_reference(state, fix, outlier);
   CHECK(state.fix_position_world_m == Vector3d(1, 0, 0));
   outlier.rival_step_world_m = {0.5, 0, 0};
-  runaway::follow(state, fix, outlier);
+  runaway::update_reference(state, fix, outlier);
   CHECK(state.fix_position_world_m == Vector3d(1.5, 0, 0));
 }
 

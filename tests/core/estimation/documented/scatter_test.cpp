@@ -79,7 +79,7 @@ SCENARIO("item 13: an axis counts fully up to a noise of half of it, and then by
     fix.measured_position_world_m = Vector3d::Ones();
     fix.shifted_position_world_m = Vector3d::Ones();
     WHEN("it is weighed") {
-      scatter::weigh(share, body, fix);
+      scatter::scale_innovation(share, body, fix);
       THEN("it is taken at the share of that distance") {
         CHECK(fix.shifted_position_world_m.isApprox(Vector3d(1.0, 1.0, 0.25)));
         CHECK(fix.measured_position_world_m.isApprox(Vector3d(1.0, 1.0, 0.25)));

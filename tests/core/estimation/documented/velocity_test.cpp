@@ -44,7 +44,7 @@ VelocityState after(const TimedFix& fix) {
 /// The state in the middle of a long run.
 VelocityState settled() {
   VelocityState state;
-  state.velocities = VelocityState::enough_velocities;
+  state.velocities = VelocityState::averaged_velocities;
   return state;
 }
 
@@ -319,7 +319,7 @@ TEST_CASE("items 20–22: forced convergence corrects the velocity at its own we
 TEST_CASE("the second fix after a pause sets the velocity") {
   auto body = test::moving_body(Vector3d::Zero());
   VelocityState run = settled();
-  const Vector3d change = velocity::adopt(run, body, between({6, 1, 0}, Vector3d::Zero()));
+  const Vector3d change = velocity::initialise(run, body, between({6, 1, 0}, Vector3d::Zero()));
   CHECK((body.velocity_world_mps - Vector3d(6, 1, 0)).norm() < 1e-12);
   CHECK((change - Vector3d(6, 1, 0)).norm() < 1e-12);
 }

@@ -191,7 +191,7 @@ TEST_CASE("a time without samples may be crossed at once or in pieces") {
   CHECK(at_once.covariance == at_once.covariance.transpose());
   // Without slowing, the velocity is a random walk.
   Filter shortly = start;
-  shortly.predict_without_imu(0.01, {.slowing_s = 1e6, .accel_mps2_rthz = 2.0});
+  shortly.predict_without_imu(0.01, {.velocity_time_constant_s = 1e6, .accel_mps2_rthz = 2.0});
   CHECK(shortly.covariance(at_velocity, at_velocity) - 1e-4 == Approx(0.01 * 4.0));
 }
 

@@ -97,7 +97,7 @@ SCENARIO("a body at rest may show that the noise is large, but not that it is sm
     MeasurementNoise noise;
     learn(noise, 0.02, false, 400);
     for (int i = 0; i < 12; ++i) {
-      noise.add_scattered_fix(90.0, 0.2 * Vector3d(normal(random), normal(random), normal(random)));
+      noise.add_rejected_fix(90.0, 0.2 * Vector3d(normal(random), normal(random), normal(random)));
     }
     THEN("a dozen show that the noise is larger by far") {
       CHECK(std::sqrt(noise.fix_covariance_m2(90.0)(0, 0)) > 0.08);

@@ -20,7 +20,6 @@ namespace informed_filter_test {
 
 using namespace sonopose;
 using estimation::AnyEstimator;
-using estimation::EstimatorKind;
 
 class SquareMean {
 public:
@@ -48,8 +47,9 @@ Errors errors_in(const sim::Scenario& scenario, std::uint64_t seed) {
   sim::Random draw(seed);
   sensors.fix_noise_m = draw.uniform_in(sensors.fix_noise_m);
   sim::Simulator simulator(scenario, sensors, run);
-  std::array engines{AnyEstimator({}, {.kind = EstimatorKind::kalman}),
-                     AnyEstimator({}, {.kind = EstimatorKind::documented})};
+  settings::Settings documented;
+  documented.engine.engine = settings::EngineKind::documented;
+  std::array engines{AnyEstimator({}), AnyEstimator(documented)};
   std::optional<test::InformedFilter> informed;
   std::array<SquareMean, 3> errors;
   TimeNs begin_ns = 0;
