@@ -55,11 +55,10 @@ inline rules::Observations observed(const std::vector<Event>& events, const sett
     } else {
       probe.on(std::get<PairHeading>(event), now_ns);
     }
-    for (const auto& collated : estimator.collate(event, 1, {now_ns}, {now_ns})) {
-      const auto outcome = estimator.process(collated);
-      if (const auto* pose = std::get_if<FusedPose>(&outcome.result)) probe.on(*pose, now_ns);
-      if (const auto* report = std::get_if<FixReport>(&outcome.result)) probe.on(*report, now_ns);
-      estimator.finish_pending_work();
+    estimator.collate(event, 1, {now_ns}, {now_ns});
+    while (const auto outcome = estimator.process_next()) {
+      if (const auto* pose = std::get_if<FusedPose>(&outcome->result)) probe.on(*pose, now_ns);
+      if (const auto* report = std::get_if<FixReport>(&outcome->result)) probe.on(*report, now_ns);
     }
   }
   publish_statuses();

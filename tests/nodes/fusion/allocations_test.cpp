@@ -15,18 +15,18 @@ using namespace sonopose::fusion::test;
 SCENARIO("a live event does not allocate, even while a change waits and when it applies") {
   const auto events = walk(7, 10.0);
   const auto engine = GENERATE(settings::EngineKind::documented, settings::EngineKind::kalman);
-  process::Guarded<BeaconEstimators> estimators(config_of(engine), false);
+  threads::Guarded<BeaconEstimators> estimators(config_of(engine), false);
   std::size_t poses = 0;
   std::size_t changes = 0;
   const auto allocated_by = [&](std::size_t first, std::size_t last) {
     const std::size_t before = sonopose::test::allocations();
     for (std::size_t i = first; i < last; ++i) {
       const auto estimator = estimators.with([](auto& all) { return all.find_or_make(7); });
-      for (const auto& next : estimator->collate(events[i], 0, SteadyTime{available_at_ns(events[i])},
-                                                 SteadyTime{available_at_ns(events[i])})) {
-        const EventOutcome outcome = estimator->process(next);
-        if (std::holds_alternative<FusedPose>(outcome.result)) ++poses;
-        if (outcome.settings_changed) ++changes;
+      const SteadyTime arrival{available_at_ns(events[i])};
+      estimator->collate(events[i], 0, arrival, arrival);
+      while (const auto outcome = estimator->process_next()) {
+        if (std::holds_alternative<FusedPose>(outcome->result)) ++poses;
+        if (outcome->settings_changed) ++changes;
       }
     }
     return sonopose::test::allocations() - before;
@@ -54,9 +54,9 @@ SCENARIO("a live event does not allocate with any attitude filter") {
       if (auto* imu = std::get_if<ImuSample>(&event)) imu->magnetic_field_body_t = Vector3d(20e-6, 0, -40e-6);
       const std::size_t before = sonopose::test::allocations();
       const auto estimator = estimators.find_or_make(7);
-      for (const auto& next : estimator->collate(event, 0, SteadyTime{available_at_ns(event)},
-                                                 SteadyTime{available_at_ns(event)})) {
-        estimator->process(next);
+      const SteadyTime arrival{available_at_ns(event)};
+      estimator->collate(event, 0, arrival, arrival);
+      while (estimator->process_next()) {
       }
       return sonopose::test::allocations() - before;
     };

@@ -3,9 +3,9 @@
 
 #include "fusion/beacon_estimators.hpp"
 #include "fusion/settings_requests.hpp"
-#include "process/guarded.hpp"
 #include "sim/simulator.hpp"
 #include "support/bits.hpp"
+#include "threads/guarded.hpp"
 
 #include <algorithm>
 #include <iterator>
@@ -81,11 +81,11 @@ struct Feeder {
   void push(const Event& event) { push(event, SteadyTime{available_at_ns(event)}); }
   void push(const Event& event, SteadyTime arrival) {
     const auto estimator = estimators.with([&](auto& all) { return all.find_or_make(address_of(event)); });
-    for (const auto& next : estimator->collate(event, 0, arrival, arrival)) {
-      const EventOutcome outcome = estimator->process(next);
-      if (outcome.settings_changed) changes.push_back(*estimator->take_settings_change());
-      if (const auto* pose = std::get_if<FusedPose>(&outcome.result)) poses.push_back(*pose);
-      if (const auto* report = std::get_if<FixReport>(&outcome.result)) reports.push_back(*report);
+    estimator->collate(event, 0, arrival, arrival);
+    while (const auto outcome = estimator->process_next()) {
+      if (outcome->settings_changed) changes.push_back(*estimator->take_settings_change());
+      if (const auto* pose = std::get_if<FusedPose>(&outcome->result)) poses.push_back(*pose);
+      if (const auto* report = std::get_if<FixReport>(&outcome->result)) reports.push_back(*report);
     }
   }
   void push_all(const std::vector<Event>& events) {
@@ -106,7 +106,7 @@ struct Feeder {
     return found;
   }
 
-  process::Guarded<BeaconEstimators> estimators;
+  threads::Guarded<BeaconEstimators> estimators;
   SettingsRequests requests{estimators};
   std::vector<FusedPose> poses;
   std::vector<FixReport> reports;

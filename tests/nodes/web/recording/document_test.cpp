@@ -1,7 +1,7 @@
 #include "web/recording/document.hpp"
 
-#include "status_samples.hpp"
 #include "web/live/event_json.hpp"
+#include "web/status_samples.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
 #include <catch2/catch.hpp>

@@ -3,8 +3,8 @@
 #include "bus_log/recorded.hpp"
 #include "files/error.hpp"
 #include "sim/simulator.hpp"
-#include "status_samples.hpp"
 #include "support/temporary_folder.hpp"
+#include "web/status_samples.hpp"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
