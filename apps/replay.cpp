@@ -31,9 +31,9 @@ double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// Returns the name of the strapdown estimator, which is no engine of the settings; otherwise empty.
+/// Returns the name of strapdown integration, which is no engine of the settings; otherwise empty.
 std::string estimator_name(const evaluation::RunOptions& run) {
-  return run.estimator == estimation::EstimatorKind::strapdown ? "strapdown" : "";
+  return run.strapdown ? "strapdown" : "";
 }
 
 evaluation::RunResult timed_run(const recording::SensorLog& log, const evaluation::RunOptions& run,
@@ -92,8 +92,7 @@ int compare(const CLI::App& app, const apps::ReplayOptions& options) {
   if (options.plot) plot.emplace(*options.plot, options.log.string(), log);
   for (std::size_t i = 0; i < configs.size(); ++i) {
     const std::string name = options.compared[i].string();
-    evaluation::RunOptions run = options.run;
-    run.settings = configs[i].for_beacon(log.address);
+    const evaluation::RunOptions run = run_options(options, configs[i].for_beacon(log.address));
     plots::RunCurves* const curves = plot ? &plot->add_run(name, run.settings, estimator_name(run)) : nullptr;
     const auto add = [curves](const auto& sample) {
       if (curves != nullptr) curves->add(sample);
@@ -108,14 +107,15 @@ int compare(const CLI::App& app, const apps::ReplayOptions& options) {
 
 int replay_log(const CLI::App& app, const apps::ReplayOptions& options) {
   if (!options.compared.empty()) return compare(app, options);
-  evaluation::RunOptions run = options.run;
   const config::FusionConfig config = configuration(app, options);
-  if (options.load_state) run.start = evaluation::load_state(*options.load_state);
+  std::optional<evaluation::SavedState> start;
+  if (options.load_state) start = evaluation::load_state(*options.load_state);
 
   evaluation::Timing timing;
   const recording::SensorLog log = read_log(options, timing);
-  run.settings = config.for_beacon(log.address);
-  if (run.start) evaluation::check_fits(*run.start, log, options.load_state->string());
+  evaluation::RunOptions run = run_options(options, config.for_beacon(log.address));
+  run.start = start;
+  if (start) evaluation::check_fits(*start, log, options.load_state->string());
   std::optional<evaluation::OutputFolder> out;
   if (options.out) {
     using Covariances = evaluation::OutputFolder::Covariances;

@@ -1,8 +1,7 @@
 #include "replay_options.hpp"
 
 #include "choice.hpp"
-
-#include <fmt/format.h>
+#include "run.hpp"
 
 namespace sonopose::apps {
 
@@ -36,19 +35,19 @@ void add_replay_options(CLI::App& app, ReplayOptions& options) {
       ->type_name("FILE FILE")
       ->excludes("--config")
       ->excludes("--out");
-  auto* const engine = add_choice<std::optional<estimation::EstimatorKind>>(
-      app, "--engine", options.run.estimator,
-      {{"documented", estimation::EstimatorKind::documented},
-       {"kalman", estimation::EstimatorKind::kalman},
-       {"strapdown", estimation::EstimatorKind::strapdown}},
+  auto* const engine = add_choice<std::optional<ReplayEngine>>(
+      app, "--engine", options.engine,
+      {{"documented", ReplayEngine::documented},
+       {"kalman", ReplayEngine::kalman},
+       {"strapdown", ReplayEngine::strapdown}},
       "Instead of fusion.engine; strapdown: only the IMU, integrated from the truth");
   app.add_option("--init", "Start of strapdown: the first complete truth of the log")
       ->check(CLI::IsMember({"truth"}))
       ->needs(engine);
-  add_choice<estimation::strapdown::Rule>(
-      app, "--integration", options.run.strapdown_rule,
-      {{"previous", estimation::strapdown::Rule::previous}, {"mean", estimation::strapdown::Rule::mean}},
-      "What strapdown integrates over a step: the previous sample, or the mean of both samples")
+  using evaluation::strapdown::Rule;
+  add_choice<Rule>(app, "--integration", options.integration,
+                   {{"previous", Rule::previous}, {"mean", Rule::mean}},
+                   "What strapdown integrates over a step: the previous sample, or the mean of both samples")
       ->needs(engine);
   auto* const smooth = app.add_flag("--smooth", options.smooth,
                                     "Poses, scores and files from all measurements, those before and those "
@@ -64,12 +63,22 @@ void add_replay_options(CLI::App& app, ReplayOptions& options) {
 }
 
 config::FusionConfig configuration(const CLI::App& app, const ReplayOptions& options) {
+  if (options.save_state && options.engine == ReplayEngine::strapdown) {
+    throw config::ConfigError("--save-state: strapdown integration has no engine whose state can be saved");
+  }
   ConfigOptions config = options.config;
-  if (options.run.estimator && *options.run.estimator != estimation::EstimatorKind::strapdown) {
-    const auto index = static_cast<std::size_t>(*options.run.estimator);
-    config.assignments.push_back(fmt::format("fusion.engine={}", choices_of(*options.run.estimator)[index]));
+  if (options.engine && *options.engine != ReplayEngine::strapdown) {
+    config.assignments.emplace_back(*options.engine == ReplayEngine::kalman ? "fusion.engine=kalman"
+                                                                            : "fusion.engine=documented");
   }
   return configuration(app, config);
+}
+
+evaluation::RunOptions run_options(const ReplayOptions& options, const settings::Settings& settings) {
+  evaluation::RunOptions run = options.run;
+  run.settings = settings;
+  if (options.engine == ReplayEngine::strapdown) run.strapdown = options.integration;
+  return run;
 }
 
 }  // namespace sonopose::apps

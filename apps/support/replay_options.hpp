@@ -12,6 +12,9 @@
 
 namespace sonopose::apps {
 
+/// Choices of --engine: those of fusion.engine, and strapdown integration.
+enum class ReplayEngine { documented, kalman, strapdown };
+
 struct ReplayOptions {
   std::filesystem::path log;
   ConfigOptions config;
@@ -21,7 +24,9 @@ struct ReplayOptions {
   std::optional<std::filesystem::path> plot;
   std::optional<std::filesystem::path> save_state;
   std::optional<std::filesystem::path> load_state;
-  evaluation::RunOptions run;
+  std::optional<ReplayEngine> engine;
+  evaluation::strapdown::Rule integration = evaluation::strapdown::Rule::previous;
+  evaluation::RunOptions run;  ///< complete it with `run_options`
   bool smooth = false;
   bool json = false;
 };
@@ -30,5 +35,8 @@ void add_replay_options(CLI::App& app, ReplayOptions& options);
 
 /// Reads the configuration, with --engine instead of fusion.engine. Throws config::ConfigError.
 config::FusionConfig configuration(const CLI::App& app, const ReplayOptions& options);
+
+/// Options of a run with these settings.
+evaluation::RunOptions run_options(const ReplayOptions& options, const settings::Settings& settings);
 
 }  // namespace sonopose::apps

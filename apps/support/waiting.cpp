@@ -23,7 +23,7 @@ Waiting::Waiting(std::string what, double expected_s) : what_(std::move(what)), 
 Waiting::~Waiting() {
   if (!thread_.joinable()) return;
   {
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     ended_ = true;
   }
   change_.notify_one();
@@ -34,8 +34,12 @@ void Waiting::show() {
   using Clock = std::chrono::steady_clock;
   constexpr std::chrono::milliseconds period(100);
   const Clock::time_point began = Clock::now();
-  std::unique_lock lock(mutex_);
-  while (!change_.wait_for(lock, period, [this] { return ended_; })) {
+  threads::Lock lock(mutex_);
+  const auto has_ended = [this] {
+    mutex_.assert_held();
+    return ended_;
+  };
+  while (!change_.wait_for(lock, period, has_ended)) {
     const double passed_s = std::chrono::duration<double>(Clock::now() - began).count();
     const bool has_share = passed_s < expected_s_;
     progress_.at(has_share ? passed_s / expected_s_ : std::numeric_limits<double>::quiet_NaN(),

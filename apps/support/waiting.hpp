@@ -2,9 +2,9 @@
 // A progress line for work without a progress report.
 
 #include "progress.hpp"
+#include "threads/mutex.hpp"
 
 #include <condition_variable>
-#include <mutex>
 #include <string>
 #include <thread>
 
@@ -28,9 +28,9 @@ private:
   std::string what_;
   double expected_s_;
   Progress progress_;
-  std::mutex mutex_;  // guards ended_
-  std::condition_variable change_;
-  bool ended_ = false;
+  threads::Mutex mutex_;
+  std::condition_variable_any change_;
+  bool ended_ SONOPOSE_GUARDED_BY(mutex_) = false;
   std::thread thread_;
 };
 

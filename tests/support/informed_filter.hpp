@@ -45,7 +45,7 @@ public:
   }
 
   void correct(const UltrasonicFix& fix) {
-    const double noise_m = sensors_.fix_noise_m.most;
+    const double noise_m = sensors_.fix_noise_m.max;
     repeat_after(fix.emission_time_ns, [&](double ahead_s) {
       filter_.correct_fix(filter_.fix_innovation(fix.position_world_m,
                                                  noise_m * noise_m * Eigen::Matrix3d::Identity(), ahead_s));

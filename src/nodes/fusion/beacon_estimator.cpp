@@ -10,27 +10,35 @@ namespace sonopose::fusion {
 using transitions::Kind;
 
 BeaconEstimator::BeaconEstimator(BeaconAddress address, SettingsTimeline timeline, bool lossless)
-    : timeline_(std::move(timeline)), estimator_(timeline_.settings()), watch_(address) {
+    : timeline_(std::move(timeline)), estimator_(timeline_.settings()), detector_(address) {
   counted_.address = address;
-  pending_.add({.address = address, .kind = Kind::found});
+  transitions_.add({.address = address, .kind = Kind::found});
   if (lossless) collator_.emplace<collation::LosslessCollator>();
 }
 
-std::span<const collation::CollatedEvent> BeaconEstimator::collate(const Event& event, std::uint64_t bridge,
-                                                                   SteadyTime now, SteadyTime unpaused) {
-  heard_.on_sample(now);
+void BeaconEstimator::collate(const Event& event, std::uint64_t bridge, SteadyTime now, SteadyTime unpaused) {
+  presence_.on_sample(now);
   if (std::holds_alternative<ImuSample>(event)) {
     bridge_ = bridge;
     imu_silence_.on_sample(now);
     if (const auto lost_at = std::exchange(bridge_lost_at_, std::nullopt)) {
-      pending_.add({.address = counted_.address,
-                    .kind = Kind::bridge_lost,
-                    .begins = false,
-                    .lasted_s = seconds_between(*lost_at, now)});
+      transitions_.add({.address = counted_.address,
+                        .kind = Kind::bridge_lost,
+                        .begins = false,
+                        .lasted_s = seconds_between(*lost_at, now)});
     }
   }
-  if (auto* live = std::get_if<collation::Collator>(&collator_)) return live->push(event, unpaused);
-  return std::get<collation::LosslessCollator>(collator_).push(event);
+  auto* const live = std::get_if<collation::Collator>(&collator_);
+  in_order_ = live != nullptr ? live->push(event, unpaused)
+                              : std::get<collation::LosslessCollator>(collator_).push(event);
+}
+
+std::optional<EventOutcome> BeaconEstimator::process_next() noexcept {
+  estimator_.finish_pending_work();
+  if (in_order_.empty()) return std::nullopt;
+  const collation::CollatedEvent& next = in_order_.front();
+  in_order_ = in_order_.subspan(1);
+  return process(next);
 }
 
 EventOutcome BeaconEstimator::process(const collation::CollatedEvent& collated) noexcept {
@@ -55,9 +63,9 @@ EventOutcome BeaconEstimator::process(const collation::CollatedEvent& collated) 
     if ((report->flags & fix_too_late) != 0) ++counted_.fixes_late;
     if (is_down_weighted(*report)) ++counted_.fixes_down_weighted;
     refusals_.on(*report);
-    watch_.on(*report, pending_);
+    detector_.on(*report, transitions_);
   } else if (const auto* pose = std::get_if<FusedPose>(&outcome.result)) {
-    watch_.on(*pose, pending_);
+    detector_.on(*pose, transitions_);
     poses_.add(*pose);
   }
   return outcome;
@@ -68,16 +76,16 @@ void BeaconEstimator::on_bridge_lost(std::uint64_t bridge, SteadyTime now) noexc
   ++counted_.bridge_losses;
   if (bridge_lost_at_) return;
   bridge_lost_at_ = now;
-  pending_.add({.address = counted_.address, .kind = Kind::bridge_lost});
+  transitions_.add({.address = counted_.address, .kind = Kind::bridge_lost});
 }
 
 bool BeaconEstimator::find_silence_change(SteadyTime now, TimeNs deadline_ns) {
   const auto change = imu_silence_.find_change(now, deadline_ns);
   if (!change) return false;
-  pending_.add({.address = counted_.address,
-                .kind = Kind::imu_silent,
-                .begins = change->silent,
-                .lasted_s = change->lasted_s});
+  transitions_.add({.address = counted_.address,
+                    .kind = Kind::imu_silent,
+                    .begins = change->silent,
+                    .lasted_s = change->lasted_s});
   return true;
 }
 
@@ -94,7 +102,7 @@ std::optional<SettingsChange> BeaconEstimator::take_settings_change() {
 }
 
 bool BeaconEstimator::is_gone(SteadyTime now) const {
-  return heard_.is_gone(now);
+  return presence_.is_gone(now);
 }
 
 FusionStatus BeaconEstimator::status() const {

@@ -43,17 +43,13 @@ public:
   BeaconEstimator(BeaconAddress address, SettingsTimeline timeline, bool lossless);
 
   /// Sorts in an event that arrived at `now` from the writer with the publication handle `bridge`. `unpaused`
-  /// is `now` by collation::PauseCompensatedClock. Returns the events that are next in order; pass each to
-  /// `process`. The span is valid until the next call.
-  std::span<const collation::CollatedEvent> collate(const Event& event, std::uint64_t bridge, SteadyTime now,
-                                                    SteadyTime unpaused);
+  /// is `now` by collation::PauseCompensatedClock. Call `process_next` until it returns nothing.
+  void collate(const Event& event, std::uint64_t bridge, SteadyTime now, SteadyTime unpaused);
 
-  /// Applies the settings that are due at this event and passes the event to the estimator. Does not
+  /// Passes the next event in order to the estimator, with the settings that are due at it. Empty if none is
+  /// left. First does the work that the event before left for after its result was written. Does not
   /// allocate.
-  EventOutcome process(const collation::CollatedEvent& collated) noexcept;
-
-  /// Does the work that a fix or heading leaves for after its result is written.
-  void finish_pending_work() noexcept { estimator_.finish_pending_work(); }
+  std::optional<EventOutcome> process_next() noexcept;
 
   /// Resets the estimator but keeps the settings. Ignores a repeated request: same id as the last one, not 0.
   void reset(std::uint64_t request_id);
@@ -82,11 +78,11 @@ public:
 
   /// True if `find_silence_change` or `transitions` has a change.
   [[nodiscard]] bool has_unreported_change(SteadyTime now, TimeNs deadline_ns) const {
-    return !pending_.empty() || imu_silence_.has_changed(now, deadline_ns);
+    return !transitions_.empty() || imu_silence_.has_changed(now, deadline_ns);
   }
 
   /// Changes of state since they were last cleared.
-  [[nodiscard]] transitions::TransitionQueue& transitions() { return pending_; }
+  [[nodiscard]] transitions::TransitionQueue& transitions() { return transitions_; }
 
   /// True if nothing has arrived for so long that the estimate is worthless (presence::BeaconPresence).
   [[nodiscard]] bool is_gone(SteadyTime now) const;
@@ -107,23 +103,25 @@ public:
   [[nodiscard]] std::optional<collation::LosslessCollator::Gap> gap() const;
 
 private:
+  EventOutcome process(const collation::CollatedEvent& collated) noexcept;
   [[nodiscard]] const collation::CollatorCounters& order_counters() const;
 
   FusionStatus counted_;  ///< counters that nothing else keeps
   SettingsTimeline timeline_;
   estimation::AnyEstimator estimator_;
   std::variant<collation::Collator, collation::LosslessCollator> collator_;
+  std::span<const collation::CollatedEvent> in_order_;  ///< collated, not processed yet
   std::optional<std::uint64_t> last_sequence_;
   std::optional<std::uint64_t> settings_changed_at_;  ///< event number since the last take_settings_change()
   std::uint64_t last_reset_id_ = 0;
-  presence::BeaconPresence heard_;
+  presence::BeaconPresence presence_;
   presence::Silence imu_silence_;
   std::uint64_t bridge_ = 0;  ///< sender of the latest IMU sample
   std::optional<SteadyTime> bridge_lost_at_;
   FixRefusals refusals_;
   estimation::Digest poses_;
-  transitions::TransitionDetector watch_;
-  transitions::TransitionQueue pending_;
+  transitions::TransitionDetector detector_;
+  transitions::TransitionQueue transitions_;
 };
 
 }  // namespace sonopose::fusion

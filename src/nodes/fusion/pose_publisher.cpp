@@ -1,4 +1,4 @@
-#include "fusion/pose_output.hpp"
+#include "fusion/pose_publisher.hpp"
 
 #include "clocks/clocks.hpp"
 #include "process/realtime.hpp"
@@ -8,6 +8,7 @@
 #include <chrono>
 #include <pthread.h>
 #include <utility>
+#include <variant>
 
 namespace sonopose::fusion {
 namespace {
@@ -15,25 +16,37 @@ namespace {
 using dds::policy::Liveliness;
 using dds::policy::LivelinessKind;
 using dds::policy::OwnershipStrength;
+using threads::Lock;
 
 std::optional<Standby> standby_of(const std::optional<StandbyOptions>& options, TimeNs stall_ns) {
   return options ? std::optional<Standby>(std::in_place, *options, stall_ns) : std::nullopt;
 }
 
-sonopose_FusedPose key_of(BeaconAddress address) {
-  sonopose_FusedPose key{};
+template <class T>
+T key_of(BeaconAddress address) {
+  T key{};
   key.address = address;
   return key;
 }
 
 }  // namespace
 
-PoseOutput::PoseOutput(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
-                       dds::topics::Delivery delivery, const std::optional<StandbyOptions>& standby,
-                       TimeNs input_deadline_ns, process::EndpointCounters& counters)
-    : standby_(standby_of(standby, input_deadline_ns)), predictor_(input_deadline_ns), listener_(counters) {
+PosePublisher::PosePublisher(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+                             dds::topics::Delivery delivery, const std::optional<StandbyOptions>& standby,
+                             TimeNs input_deadline_ns, Overload& overload,
+                             process::EndpointCounters& counters, const std::atomic<bool>& stopping)
+    : is_live_(delivery != dds::topics::Delivery::lossless),
+      is_standby_(standby.has_value()),
+      overload_(overload),
+      stopping_(stopping),
+      standby_(standby_of(standby, input_deadline_ns)),
+      predictor_(input_deadline_ns),
+      pose_listener_(counters),
+      report_listener_(counters),
+      report_writer_(
+          dds::topics::make_writer(participant, qos, dds::topics::report, &report_listener_, delivery)) {
   const auto make = [&](const dds::Qos& changes) {
-    return dds::topics::make_writer(participant, qos, dds::topics::pose, &listener_, delivery, changes);
+    return dds::topics::make_writer(participant, qos, dds::topics::pose, &pose_listener_, delivery, changes);
   };
   if (standby) {
     writer_ = make(dds::Qos() << OwnershipStrength{standby->strength});
@@ -46,40 +59,58 @@ PoseOutput::PoseOutput(const dds::DomainParticipant& participant, const dds::qos
   const auto liveliness = effective.policy<Liveliness>().value_or(Liveliness{});
   is_manual_ = liveliness.kind == LivelinessKind::manual_by_topic;
   lease_ns_ = liveliness.lease_duration.count();
-  is_live_ = delivery != dds::topics::Delivery::lossless;
   if (!is_live_) return;
   predicting_thread_ = std::jthread([this](const std::stop_token& stop) { serve_predictions(stop); });
   ::pthread_setname_np(predicting_thread_.native_handle(), process::predicting_thread_name);
 }
 
-PoseOutput::~PoseOutput() = default;
+PosePublisher::~PosePublisher() = default;
 
-void PoseOutput::set_period(BeaconAddress address, TimeNs period_ns) noexcept {
-  {
-    const std::lock_guard lock(mutex_);
-    if (!predictor_.set_period(address, period_ns)) return;
-    due_times_changed_ = true;
+// From an event to its pose
+
+void PosePublisher::publish(EventOutcome& outcome, BeaconAddress address, TimeNs in_ns) noexcept {
+  if (outcome.settings_changed) set_period(address, outcome.prediction_period_ns);
+  if (auto* pose = std::get_if<FusedPose>(&outcome.result)) {
+    pose->fusion_in_time_ns = in_ns;
+    if (!overload_.is_overloaded()) return publish(*pose);
+    if (held_back_ && held_back_->address != address) publish_held_back();
+    if (held_back_) count_skipped(address);
+    held_back_ = *pose;
+  } else if (const auto* report = std::get_if<FixReport>(&outcome.result)) {
+    const auto sample = dds::topics::to_idl(*report);
+    write_until_accepted([&] { return report_writer_.try_write(sample); });
   }
-  wake_.notify_one();
 }
 
-PoseOutput::Route PoseOutput::route(FusedPose& pose, SteadyTime now) noexcept {
+void PosePublisher::publish_held_back() noexcept {
+  if (!held_back_) return;
+  FusedPose& pose = *held_back_;
+  if (is_due(pose)) {
+    pose.status |= status_overloaded;
+    publish(pose);
+  } else {
+    count_skipped(pose.address);
+  }
+  held_back_.reset();
+}
+
+/// Publishes a pose. Lateness is judged at this moment: the process may have been stopped since it took the
+/// sample.
+void PosePublisher::publish(FusedPose& pose) noexcept {
+  if (PoseWriter* const writer = admit(pose, clocks::steady_now())) write(*writer, pose);
+}
+
+/// Returns the writer of a pose; null if a standby skips it as the backlog of a pause. Releases the beacon if
+/// necessary.
+PosePublisher::PoseWriter* PosePublisher::admit(FusedPose& pose, SteadyTime now) noexcept {
   Standby::Step step{FusionRole::sole, false};
-  TimeNs late_ns = 0;
   bool first_due = false;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     Delay& delay = delays_[pose.address];
+    const TimeNs late_ns = is_live_ ? measure_delay(pose, delay, now) : 0;
     delay.latest_ns = pose.time_ns;
-    // Steady time, so that a step of this host's clock delays nothing.
-    late_ns =
-        is_live_ ? delay.lateness.on_sample(saturated_difference(now.ns, pose.imu_bridge_time_ns), now) : 0;
-    const TimeNs transit_ns = saturated_difference(pose.imu_bridge_time_ns, pose.time_ns);
-    const bool left_late = is_live_ && delay.bridge_backlog.on_sample(transit_ns, now);
-    if (late_ns > to_ns(late_after_s) || left_late) {
-      pose.status |= status_late;
-      ++delay.poses_late;
-    }
+    overload_.on_pose(late_ns, now);
     first_due = predictor_.on_pose(pose, now);
     due_times_changed_ |= first_due;
     if (standby_) {
@@ -89,109 +120,154 @@ PoseOutput::Route PoseOutput::route(FusedPose& pose, SteadyTime now) noexcept {
   }
   if (first_due) wake_.notify_one();
   if (step.release) release(pose.address);
-  return {step.skip ? nullptr : &writer_of(step.role), late_ns};
+  return step.skip ? nullptr : &writer_of(step.role);
 }
 
-bool PoseOutput::is_due(const FusedPose& pose, TimeNs spacing_ns) const noexcept {
-  const std::lock_guard lock(mutex_);
+/// Returns how much later than usual the sample of a pose arrived. Marks and counts the pose if that is more
+/// than `late_after_s`, or if the sample left a stopped bridge that late.
+TimeNs PosePublisher::measure_delay(FusedPose& pose, Delay& delay, SteadyTime now) const noexcept {
+  // Steady time, so that a step of this host's clock delays nothing.
+  const TimeNs late_ns = delay.lateness.on_sample(saturated_difference(now.ns, pose.imu_bridge_time_ns), now);
+  const TimeNs transit_ns = saturated_difference(pose.imu_bridge_time_ns, pose.time_ns);
+  const bool left_late = delay.bridge_backlog.on_sample(transit_ns, now);
+  if (late_ns > to_ns(late_after_s) || left_late) {
+    pose.status |= status_late;
+    ++delay.poses_late;
+  }
+  return late_ns;
+}
+
+/// True if the beacon's latest pose is old enough for another one during an overload.
+bool PosePublisher::is_due(const FusedPose& pose) noexcept {
+  const Lock lock(mutex_);
   const auto found = delays_.find(pose.address);
   if (found == delays_.end()) return true;
   const TimeNs since_ns = saturated_difference(pose.time_ns, found->second.latest_ns);
-  return since_ns < 0 || since_ns >= spacing_ns;
+  return since_ns < 0 || since_ns >= overload_.pose_spacing_ns();
 }
 
-void PoseOutput::count_skipped(BeaconAddress address) noexcept {
-  const std::lock_guard lock(mutex_);
+void PosePublisher::count_skipped(BeaconAddress address) noexcept {
+  const Lock lock(mutex_);
   ++delays_[address].poses_skipped;
 }
 
-dds::ReturnCode PoseOutput::write(dds::DataWriter<sonopose_FusedPose>& writer, FusedPose& pose) noexcept {
-  pose.fusion_out_time_ns = clocks::host_now();
-  const dds::ReturnCode code = writer.try_write(dds::topics::to_idl(pose));
-  if (code >= 0) written_ns_.store(clocks::steady_now().ns, std::memory_order_relaxed);
-  return code;
+/// Stamps and writes a pose.
+void PosePublisher::write(PoseWriter& writer, FusedPose& pose) noexcept {
+  write_until_accepted([&] {
+    pose.fusion_out_time_ns = clocks::host_now();
+    const dds::ReturnCode code = writer.try_write(dds::topics::to_idl(pose));
+    if (code >= 0) written_ns_.store(clocks::steady_now().ns, std::memory_order_relaxed);
+    return code;
+  });
 }
 
-dds::DataWriter<sonopose_FusedPose>& PoseOutput::writer_of(FusionRole role) noexcept {
+/// Writes; in lossless mode repeats `attempt` until a slow consumer has space.
+void PosePublisher::write_until_accepted(const auto& attempt) noexcept {
+  if (!is_live_ && stopping_) return;  // each attempt may wait for a consumer
+  const auto give_up = [this] {
+    if (is_live_ || stopping_) return true;
+    waited_ = true;
+    return false;
+  };
+  if (dds::retry_unless(give_up, attempt) < 0) unwritten_.fetch_add(1, std::memory_order_relaxed);
+}
+
+// Ownership and liveliness
+
+PosePublisher::PoseWriter& PosePublisher::writer_of(FusionRole role) noexcept {
   return role == FusionRole::sole || role == FusionRole::serving ? writer_ : warming_writer_;
 }
 
-void PoseOutput::release(BeaconAddress address) noexcept {
-  writer_.try_unregister_instance(key_of(address));
+void PosePublisher::release(BeaconAddress address) noexcept {
+  writer_.try_unregister_instance(key_of<sonopose_FusedPose>(address));
 }
 
-void PoseOutput::poll(SteadyTime now, bool busy) noexcept {
+void PosePublisher::poll(SteadyTime now, bool busy) noexcept {
   // A pose asserts its writer's liveliness, which saves a message and its acknowledgement.
   if (is_manual_ && !busy && !asserted_until(now)) {
     writer_.try_assert_liveliness();
-    if (standby_) warming_writer_.try_assert_liveliness();
+    if (is_standby_) warming_writer_.try_assert_liveliness();
   }
-  if (!standby_) return;
+  if (!is_standby_) return;
   stalled_.clear();
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     standby_->find_stalled(now, stalled_);
   }
   for (const BeaconAddress address : stalled_) release(address);
 }
 
-TimeNs PoseOutput::tick_ns() const noexcept {
-  constexpr TimeNs longest_ns = 20'000'000;
-  return is_manual_ ? std::min(longest_ns, lease_ns_ / 5) : longest_ns;
+TimeNs PosePublisher::tick_ns() const noexcept {
+  constexpr TimeNs max_ns = 20'000'000;
+  return is_manual_ ? std::min(max_ns, lease_ns_ / 5) : max_ns;
 }
 
-std::optional<SteadyTime> PoseOutput::asserted_until(SteadyTime now) const noexcept {
+std::optional<SteadyTime> PosePublisher::asserted_until(SteadyTime now) const noexcept {
   const TimeNs before_ns = now.ns - written_ns_.load(std::memory_order_relaxed);
-  if (standby_ || before_ns >= tick_ns()) return std::nullopt;
+  if (is_standby_ || before_ns >= tick_ns()) return std::nullopt;
   return now + (5 * tick_ns() / 2 - before_ns);  // half a lease is left when poses end
 }
 
-SteadyTime PoseOutput::poll_by(SteadyTime now) const noexcept {
-  if (!standby_) return asserted_until(now).value_or(now + tick_ns());
-  const std::lock_guard lock(mutex_);
+SteadyTime PosePublisher::poll_by(SteadyTime now) noexcept {
+  if (!is_standby_) return asserted_until(now).value_or(now + tick_ns());
+  const Lock lock(mutex_);
   return std::min(now + tick_ns(), std::max(standby_->next_stall(), now + 1'000'000));
 }
 
-void PoseOutput::hand_over() noexcept {
+void PosePublisher::hand_over() noexcept {
   predicting_thread_ = {};
-  const std::lock_guard lock(mutex_);
+  const Lock lock(mutex_);
   if (standby_) standby_->step_down();
 }
 
-void PoseOutput::unregister(BeaconAddress address) noexcept {
+void PosePublisher::unregister(BeaconAddress address) noexcept {
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     if (standby_) standby_->forget(address);
     predictor_.forget(address);
     delays_.erase(address);
   }
-  writer_.try_unregister_instance(key_of(address));
-  if (standby_) warming_writer_.try_unregister_instance(key_of(address));
+  if (!is_live_) return;
+  release(address);
+  if (is_standby_) warming_writer_.try_unregister_instance(key_of<sonopose_FusedPose>(address));
+  report_writer_.try_unregister_instance(key_of<sonopose_FixReport>(address));
 }
 
-FusionRole PoseOutput::role(BeaconAddress address) const noexcept {
-  const std::lock_guard lock(mutex_);
+FusionRole PosePublisher::role(BeaconAddress address) const {
   return standby_ ? standby_->role(address) : FusionRole::sole;
 }
 
-std::uint64_t PoseOutput::poses_late(BeaconAddress address) const noexcept {
-  const std::lock_guard lock(mutex_);
+PosePublisher::BeaconOutput PosePublisher::output_of(BeaconAddress address) noexcept {
+  const Lock lock(mutex_);
+  BeaconOutput output{.role = role(address)};
   const auto found = delays_.find(address);
-  return found == delays_.end() ? 0 : found->second.poses_late;
+  if (found == delays_.end()) return output;
+  output.poses_late = found->second.poses_late;
+  output.poses_skipped = found->second.poses_skipped;
+  return output;
 }
 
-std::uint64_t PoseOutput::poses_skipped(BeaconAddress address) const noexcept {
-  const std::lock_guard lock(mutex_);
-  const auto found = delays_.find(address);
-  return found == delays_.end() ? 0 : found->second.poses_skipped;
+// Predicted poses
+
+/// Predicts a beacon's poses every `period_ns`, starting with its next pose; 0: never.
+void PosePublisher::set_period(BeaconAddress address, TimeNs period_ns) noexcept {
+  {
+    const Lock lock(mutex_);
+    if (!predictor_.set_period(address, period_ns)) return;
+    due_times_changed_ = true;
+  }
+  wake_.notify_one();
 }
 
-void PoseOutput::serve_predictions(const std::stop_token& stop) {
+void PosePublisher::serve_predictions(const std::stop_token& stop) {
   std::vector<FusedPose> due;
   while (!stop.stop_requested()) {
     const std::optional<SteadyTime> next = write_predictions(due);
-    const auto due_times_changed = [this] { return std::exchange(due_times_changed_, false); };
-    std::unique_lock lock(mutex_);
+    const auto due_times_changed = [this] {
+      mutex_.assert_held();
+      return std::exchange(due_times_changed_, false);
+    };
+    Lock lock(mutex_);
     if (!next) {
       wake_.wait(lock, stop, due_times_changed);
     } else {
@@ -201,17 +277,16 @@ void PoseOutput::serve_predictions(const std::stop_token& stop) {
   }
 }
 
-std::optional<SteadyTime> PoseOutput::write_predictions(std::vector<FusedPose>& due) {
+std::optional<SteadyTime> PosePublisher::write_predictions(std::vector<FusedPose>& due) {
   due.clear();
   std::optional<SteadyTime> next;
   {
-    const std::lock_guard lock(mutex_);
+    const Lock lock(mutex_);
     next = predictor_.predict(clocks::steady_now(), [&](const FusedPose& pose) { due.push_back(pose); });
   }
   for (FusedPose& pose : due) {
-    const FusionRole as = role(pose.address);
-    if (as == FusionRole::stalled) continue;
-    if (write(writer_of(as), pose) < 0) unwritten_.fetch_add(1, std::memory_order_relaxed);
+    const FusionRole as = output_of(pose.address).role;
+    if (as != FusionRole::stalled) write(writer_of(as), pose);
   }
   return next;
 }

@@ -1,19 +1,22 @@
 #pragma once
 /// \file
-/// Writes the poses of a fusion process: selects each pose's ownership strength, asserts liveliness, and
-/// writes predicted poses between IMU samples.
+/// Publishes the results of the estimators: poses, predicted poses between IMU samples, and the report of
+/// each fix.
 
+#include "fusion/beacon_estimator.hpp"
 #include "fusion/bridge_backlog.hpp"
 #include "fusion/lateness.hpp"
+#include "fusion/overload.hpp"
 #include "fusion/pose_predictor.hpp"
 #include "fusion/standby.hpp"
 #include "process/endpoint_counters.hpp"
+#include "threads/mutex.hpp"
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
 #include <atomic>
 #include <condition_variable>
-#include <mutex>
+#include <cstdint>
 #include <optional>
 #include <thread>
 #include <unordered_map>
@@ -21,51 +24,41 @@
 
 namespace sonopose::fusion {
 
-/// Output of poses. One thread delivers poses, another calls `poll` and `hand_over`, and a third writes
-/// predicted poses. No lock is held during a write.
+/// Output of a fusion process. It chooses the ownership strength of each pose, marks late poses, and asserts
+/// liveliness. No lock is held during a write. One thread at a time calls `publish` and `publish_held_back`;
+/// any thread calls the others.
 ///
 /// A standby process has two writers: one with its own strength for the beacons that it serves, and one of
 /// strength 0 for those that warm up. Ownership strength belongs to a writer, and changing it is not ordered
 /// with the samples. With two writers, each beacon is claimed and released within its own stream.
-class PoseOutput {
+class PosePublisher {
 public:
   /// `input_deadline_ns`: silence of an IMU after which its pose is not predicted and its beacon is released.
-  PoseOutput(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
-             dds::topics::Delivery delivery, const std::optional<StandbyOptions>& standby,
-             TimeNs input_deadline_ns, process::EndpointCounters& counters);
-  PoseOutput(const PoseOutput&) = delete;
-  PoseOutput& operator=(const PoseOutput&) = delete;
-  ~PoseOutput();
+  /// Lossless writers wait for consumers until `stopping` is set. All references must outlive it.
+  PosePublisher(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+                dds::topics::Delivery delivery, const std::optional<StandbyOptions>& standby,
+                TimeNs input_deadline_ns, Overload& overload, process::EndpointCounters& counters,
+                const std::atomic<bool>& stopping);
+  PosePublisher(const PosePublisher&) = delete;
+  PosePublisher& operator=(const PosePublisher&) = delete;
+  ~PosePublisher();
 
-  /// Predicts this beacon's poses every `period_ns`, starting with its next pose; 0: never.
-  void set_period(BeaconAddress address, TimeNs period_ns) noexcept;
+  /// Publishes the result of an event that the fusion took at the host time `in_ns`. During an overload,
+  /// holds a pose back in case a newer one follows.
+  void publish(EventOutcome& outcome, BeaconAddress address, TimeNs in_ns) noexcept;
 
-  /// Writer of a pose, and lateness of its sample above the usual.
-  struct Route {
-    dds::DataWriter<sonopose_FusedPose>* writer = nullptr;  ///< null: the pose is skipped and counted
-    TimeNs late_ns = 0;
-  };
-  /// Selects the route of a pose that is written at `now`. Releases the beacon if necessary. A standby skips
-  /// the backlog of a pause. Live, marks and counts a late pose: its sample arrived more than `late_after_s`
-  /// later than usual, or left a stopped bridge that late.
-  Route route(FusedPose& pose, SteadyTime now) noexcept;
+  /// Publishes the pose that was held back, unless another was written shortly before.
+  void publish_held_back() noexcept;
+
+  /// Lateness of a sample above the usual after which its pose is marked as late.
   static constexpr double late_after_s = sonopose_LATE_AFTER;
 
-  /// True if this pose is at least `spacing_ns` after the beacon's latest routed pose.
-  [[nodiscard]] bool is_due(const FusedPose& pose, TimeNs spacing_ns) const noexcept;
-
-  /// Counts a pose that is not written because there is a newer one.
-  void count_skipped(BeaconAddress address) noexcept;
-
-  /// Stamps and writes a pose.
-  dds::ReturnCode write(dds::DataWriter<sonopose_FusedPose>& writer, FusedPose& pose) noexcept;
-
   /// Asserts manual liveliness unless `busy` or a pose has done so, and releases stalled beacons. Call it by
-  /// `poll_by`.
+  /// `poll_by`, from one thread.
   void poll(SteadyTime now, bool busy) noexcept;
 
   /// Latest time of the next `poll`.
-  [[nodiscard]] SteadyTime poll_by(SteadyTime now) const noexcept;
+  [[nodiscard]] SteadyTime poll_by(SteadyTime now) noexcept;
 
   /// Time until which `poll` has nothing to do, because a pose has asserted liveliness within the last tick.
   /// Empty without such a pose, and for a standby, whose beacons may stall.
@@ -78,22 +71,30 @@ public:
   /// is missed.
   void hand_over() noexcept;
 
-  /// Forgets and unregisters this beacon, so that readers learn that its poses end.
+  /// Forgets a beacon and, if live, unregisters it, so that readers learn that its poses and reports end.
+  /// Lossless writers would block until there is space; their consumers learn it when the writers end.
   void unregister(BeaconAddress address) noexcept;
 
-  [[nodiscard]] bool is_standby() const { return standby_.has_value(); }
-  [[nodiscard]] FusionRole role(BeaconAddress address) const noexcept;
-  [[nodiscard]] std::uint64_t poses_late(BeaconAddress address) const noexcept;
-  [[nodiscard]] std::uint64_t poses_skipped(BeaconAddress address) const noexcept;
+  /// State of a beacon's poses, for its status.
+  struct BeaconOutput {
+    FusionRole role = FusionRole::sole;
+    std::uint64_t poses_late = 0;
+    std::uint64_t poses_skipped = 0;
+  };
+  [[nodiscard]] BeaconOutput output_of(BeaconAddress address) noexcept;
+
+  [[nodiscard]] bool is_standby() const { return is_standby_; }
   [[nodiscard]] std::int32_t strength() const { return strength_; }
   [[nodiscard]] TimeNs lease_ns() const { return lease_ns_; }
+
+  /// Number of poses and reports that DDS did not accept.
   [[nodiscard]] std::uint64_t unwritten() const { return unwritten_; }
 
+  /// True if it has waited for a lossless consumer since the last call.
+  bool take_waited() { return waited_.exchange(false); }
+
 private:
-  void serve_predictions(const std::stop_token& stop);
-  std::optional<SteadyTime> write_predictions(std::vector<FusedPose>& due);
-  void release(BeaconAddress address) noexcept;
-  dds::DataWriter<sonopose_FusedPose>& writer_of(FusionRole role) noexcept;
+  using PoseWriter = dds::DataWriter<sonopose_FusedPose>;
 
   struct Delay {
     Lateness lateness;
@@ -103,23 +104,46 @@ private:
     std::uint64_t poses_skipped = 0;
   };
 
-  mutable std::mutex mutex_;  // guards standby_, predictor_ and delays_; not held during a write
-  std::optional<Standby> standby_;
-  PosePredictor predictor_;
-  std::unordered_map<BeaconAddress, Delay> delays_;
-  std::condition_variable_any wake_;  // wakes the predicting thread early
-  bool due_times_changed_ = false;
-  std::vector<BeaconAddress> stalled_;  // kept for its capacity
-  std::atomic<std::uint64_t> unwritten_ = 0;
-  std::atomic<std::int64_t> written_ns_ = 0;  // steady time of the latest pose
+  void set_period(BeaconAddress address, TimeNs period_ns) noexcept;
+  void publish(FusedPose& pose) noexcept;
+  [[nodiscard]] PoseWriter* admit(FusedPose& pose, SteadyTime now) noexcept;
+  TimeNs measure_delay(FusedPose& pose, Delay& delay, SteadyTime now) const noexcept;
+  [[nodiscard]] bool is_due(const FusedPose& pose) noexcept;
+  void count_skipped(BeaconAddress address) noexcept;
+  void write(PoseWriter& writer, FusedPose& pose) noexcept;
+  void write_until_accepted(const auto& attempt) noexcept;
+  void serve_predictions(const std::stop_token& stop);
+  std::optional<SteadyTime> write_predictions(std::vector<FusedPose>& due);
+  void release(BeaconAddress address) noexcept;
+  PoseWriter& writer_of(FusionRole role) noexcept;
+  [[nodiscard]] FusionRole role(BeaconAddress address) const SONOPOSE_REQUIRES(mutex_);
 
-  process::CountingWriterListener<sonopose_FusedPose> listener_;
-  dds::DataWriter<sonopose_FusedPose> writer_;
-  dds::DataWriter<sonopose_FusedPose> warming_writer_;
+  const bool is_live_;  // false: log time differs from clock time
+  const bool is_standby_;
   std::int32_t strength_ = 0;
   TimeNs lease_ns_ = 0;
   bool is_manual_ = false;
-  bool is_live_ = true;  // false: log time differs from clock time
+  Overload& overload_;
+  const std::atomic<bool>& stopping_;
+
+  threads::Mutex mutex_;
+  std::optional<Standby> standby_ SONOPOSE_GUARDED_BY(mutex_);
+  PosePredictor predictor_ SONOPOSE_GUARDED_BY(mutex_);
+  std::unordered_map<BeaconAddress, Delay> delays_ SONOPOSE_GUARDED_BY(mutex_);
+  bool due_times_changed_ SONOPOSE_GUARDED_BY(mutex_) = false;
+  std::condition_variable_any wake_;  // wakes the predicting thread early
+
+  std::optional<FusedPose> held_back_;  // publishing thread only
+  std::vector<BeaconAddress> stalled_;  // polling thread only; kept for its capacity
+  std::atomic<std::uint64_t> unwritten_ = 0;
+  std::atomic<bool> waited_ = false;
+  std::atomic<std::int64_t> written_ns_ = 0;  // steady time of the latest pose
+
+  process::CountingWriterListener<sonopose_FusedPose> pose_listener_;
+  process::CountingWriterListener<sonopose_FixReport> report_listener_;
+  PoseWriter writer_;
+  PoseWriter warming_writer_;
+  dds::DataWriter<sonopose_FixReport> report_writer_;
   std::jthread predicting_thread_;
 };
 

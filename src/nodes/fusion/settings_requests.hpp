@@ -3,7 +3,7 @@
 /// Carries out requests to change settings.
 
 #include "fusion/beacon_estimators.hpp"
-#include "process/guarded.hpp"
+#include "threads/guarded.hpp"
 #include <sonopose/samples/live_settings.hpp>
 
 #include <deque>
@@ -14,7 +14,7 @@ namespace sonopose::fusion {
 /// that poses do not wait.
 class SettingsRequests {
 public:
-  explicit SettingsRequests(process::Guarded<BeaconEstimators>& estimators) : estimators_(estimators) {}
+  explicit SettingsRequests(threads::Guarded<BeaconEstimators>& estimators) : estimators_(estimators) {}
 
   /// Checks a request and applies all of it or, if the reply refuses it, nothing. A repeated request gets the
   /// first reply.
@@ -23,7 +23,7 @@ public:
 private:
   void carry_out(const SettingsRequest& request, SettingsReply& reply);
 
-  process::Guarded<BeaconEstimators>& estimators_;
+  threads::Guarded<BeaconEstimators>& estimators_;
   std::deque<SettingsReply> replies_;  ///< latest replies
 };
 

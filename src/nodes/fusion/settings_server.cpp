@@ -19,7 +19,7 @@ namespace sonopose::fusion {
 namespace topics = dds::topics;
 
 SettingsServer::SettingsServer(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
-                               process::Guarded<BeaconEstimators>& estimators, presence::AddressSet addresses)
+                               threads::Guarded<BeaconEstimators>& estimators, presence::AddressSet addresses)
     : estimators_(estimators),
       addresses_(std::move(addresses)),
       requests_(estimators),

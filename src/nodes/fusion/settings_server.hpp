@@ -5,7 +5,7 @@
 #include "fusion/beacon_estimators.hpp"
 #include "fusion/settings_requests.hpp"
 #include "presence/address_set.hpp"
-#include "process/guarded.hpp"
+#include "threads/guarded.hpp"
 #include "transitions/bounded_log.hpp"
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/binding/waitset.hpp>
@@ -24,7 +24,7 @@ class SettingsServer {
 public:
   /// Answers requests for `addresses` and for all beacons.
   SettingsServer(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
-                 process::Guarded<BeaconEstimators>& estimators, presence::AddressSet addresses);
+                 threads::Guarded<BeaconEstimators>& estimators, presence::AddressSet addresses);
   SettingsServer(const SettingsServer&) = delete;
   SettingsServer& operator=(const SettingsServer&) = delete;
   /// Publishes the last changes.
@@ -48,7 +48,7 @@ private:
   void publish(const SettingsChange& change);
   void write(const auto& attempt);
 
-  process::Guarded<BeaconEstimators>& estimators_;
+  threads::Guarded<BeaconEstimators>& estimators_;
   presence::AddressSet addresses_;
   SettingsRequests requests_;
   static constexpr std::uint64_t max_logged_per_minute = 60;

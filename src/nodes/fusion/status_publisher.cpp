@@ -18,12 +18,12 @@ namespace sonopose::fusion {
 namespace topics = dds::topics;
 
 StatusPublisher::StatusPublisher(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
-                                 process::Guarded<BeaconEstimators>& estimators, const PoseOutput& output,
+                                 threads::Guarded<BeaconEstimators>& estimators, PosePublisher& publisher,
                                  const Overload& overload, process::EndpointCounters& endpoints,
                                  transitions::TransitionLog& log)
     : fusion_id_(process::random_id()),
       estimators_(estimators),
-      output_(output),
+      publisher_(publisher),
       overload_(overload),
       endpoints_(endpoints),
       log_(log),
@@ -55,11 +55,12 @@ void StatusPublisher::publish_status(BeaconAddress address, std::uint64_t unwrit
   if (!status) return;
   status->fusion_id = fusion_id_;
   status->time_ns = clocks::host_now();
-  status->role = output_.role(address);
-  status->strength = output_.strength();
+  const PosePublisher::BeaconOutput output = publisher_.output_of(address);
+  status->role = output.role;
+  status->strength = publisher_.strength();
   status->overloaded = overload_.is_overloaded();
-  status->poses_late = output_.poses_late(address);
-  status->poses_skipped = output_.poses_skipped(address);
+  status->poses_late = output.poses_late;
+  status->poses_skipped = output.poses_skipped;
   status->poses_unwritten = unwritten + unwritten_;
   status->pose_deadlines_missed = endpoints_.offered_deadlines_missed;
   status->liveliness_lost = endpoints_.liveliness_lost;

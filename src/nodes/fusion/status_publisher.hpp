@@ -5,9 +5,9 @@
 #include "fusion/beacon_estimators.hpp"
 #include "fusion/gap_detector.hpp"
 #include "fusion/overload.hpp"
-#include "fusion/pose_output.hpp"
+#include "fusion/pose_publisher.hpp"
 #include "process/endpoint_counters.hpp"
-#include "process/guarded.hpp"
+#include "threads/guarded.hpp"
 #include "transitions/increase_log.hpp"
 #include "transitions/transition_log.hpp"
 #include <sonopose/dds/binding/participant.hpp>
@@ -22,7 +22,7 @@ namespace sonopose::fusion {
 class StatusPublisher {
 public:
   StatusPublisher(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
-                  process::Guarded<BeaconEstimators>& estimators, const PoseOutput& output,
+                  threads::Guarded<BeaconEstimators>& estimators, PosePublisher& publisher,
                   const Overload& overload, process::EndpointCounters& endpoints,
                   transitions::TransitionLog& log);
 
@@ -51,8 +51,8 @@ private:
   void log_overload();
 
   std::uint64_t fusion_id_;
-  process::Guarded<BeaconEstimators>& estimators_;
-  const PoseOutput& output_;
+  threads::Guarded<BeaconEstimators>& estimators_;
+  PosePublisher& publisher_;
   const Overload& overload_;
   process::EndpointCounters& endpoints_;
   transitions::TransitionLog& log_;

@@ -18,7 +18,7 @@ mcap::Chunk ChunkQueue::make_chunk() const {
 }
 
 bool ChunkQueue::add(const mcap::Message& message, std::span<const std::byte> head) noexcept {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   const std::size_t bytes = mcap::Chunk::bytes_of(head.size() + message.data.size());
   if (current_.records().size() + bytes > max_bytes_) return false;
   current_.add(message, head);
@@ -27,7 +27,7 @@ bool ChunkQueue::add(const mcap::Message& message, std::span<const std::byte> he
 
 void ChunkQueue::exchange(mcap::Chunk& chunk) {
   chunk.clear();
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   std::swap(current_, chunk);
 }
 

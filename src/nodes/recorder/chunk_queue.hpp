@@ -3,9 +3,9 @@
 /// Queue of messages from the receiving threads to the writing thread.
 
 #include "mcap/chunk.hpp"
+#include "threads/mutex.hpp"
 
 #include <cstddef>
-#include <mutex>
 #include <span>
 
 namespace sonopose::recorder {
@@ -30,8 +30,8 @@ public:
 private:
   std::size_t max_bytes_;
   std::size_t max_messages_;
-  std::mutex mutex_;
-  mcap::Chunk current_;
+  threads::Mutex mutex_;
+  mcap::Chunk current_ SONOPOSE_GUARDED_BY(mutex_);
 };
 
 }  // namespace sonopose::recorder

@@ -71,33 +71,33 @@ std::filesystem::path FileSeries::file_of(std::size_t number) const {
 }
 
 std::filesystem::path FileSeries::part() const {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   return current_ ? current_->name.part() : file_of(next_number()) += ".part";
 }
 
 std::array<std::uint16_t, 3> FileSeries::input_channel_ids() const {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   return {channel_id_of(options_.channels, "sonopose/imu"), channel_id_of(options_.channels, "sonopose/fix"),
           channel_id_of(options_.channels, "sonopose/heading")};
 }
 
 std::uint16_t FileSeries::ends_channel_id() const {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   return channel_id_of(options_.channels, bus_log::instance_ends_topic);
 }
 
 std::string FileSeries::topic(std::uint16_t channel_id) const {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   return options_.channels.at(channel_id - 1U).topic;
 }
 
 void FileSeries::open() {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   begin_file();
 }
 
 std::uint16_t FileSeries::add_channel(ChannelSpec channel) {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   if (current_) add_to_file(channel);
   const bool is_latched = channel.is_latched;
   options_.channels.push_back(std::move(channel));
@@ -143,7 +143,7 @@ void FileSeries::write_head() {
 }
 
 void FileSeries::write(const mcap::Chunk& chunk, const ArrivalSpan& taken, const TapCounts& counts) {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   if (chunk.is_empty()) return;
   try {
     prepare_for(chunk, taken);
@@ -229,14 +229,14 @@ void FileSeries::write_losses(const TapCounts& counts) {
 }
 
 void FileSeries::count_from(const TapCounts& counts) {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   if (current_) return;
   counts_at_start_ = counts;
   counts_reported_ = counts;
 }
 
 void FileSeries::finish(const std::string& reason, const TapCounts& counts, const mcap::TextMap& more) {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   end_file(reason, counts, more);
 }
 
@@ -281,32 +281,32 @@ void FileSeries::end_file(const std::string& reason, const TapCounts& counts, co
 }
 
 void FileSeries::remember(const mcap::Chunk& chunk) {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   latched_.on(chunk);
 }
 
 void FileSeries::count_lost(std::uint64_t messages) {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   lost_ += messages;
 }
 
 std::vector<std::filesystem::path> FileSeries::files() const {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   return files_;
 }
 
 std::uint64_t FileSeries::message_count() const {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   return finished_messages_ + (current_ ? current_->writer.statistics().message_count - repeated_ : 0);
 }
 
 std::uint64_t FileSeries::byte_count() const {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   return finished_bytes_ + (current_ ? current_->writer.bytes_written() : 0);
 }
 
 std::uint64_t FileSeries::lost_disk() const {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   return lost_now();
 }
 

@@ -9,12 +9,12 @@
 #include "recorder/settings_log.hpp"
 #include "recorder/topic_tap.hpp"
 #include "recording/part_file.hpp"
+#include "threads/mutex.hpp"
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -109,39 +109,45 @@ private:
     mcap::Writer writer;
   };
 
-  // Call these with the mutex held.
-  void begin_file();
-  void write_head();
-  std::uint16_t add_to_file(const ChannelSpec& channel);
-  void end_file(const std::string& reason, const TapCounts& counts, const mcap::TextMap& more);
-  [[nodiscard]] std::uint64_t lost_now() const;
-  [[nodiscard]] std::filesystem::path file_of(std::size_t number) const;
-  [[nodiscard]] std::size_t next_number() const;
-  void prepare_for(const mcap::Chunk& chunk, const ArrivalSpan& taken);
+  void begin_file() SONOPOSE_REQUIRES(mutex_);
+  void write_head() SONOPOSE_REQUIRES(mutex_);
+  std::uint16_t add_to_file(const ChannelSpec& channel) SONOPOSE_REQUIRES(mutex_);
+  void end_file(const std::string& reason, const TapCounts& counts, const mcap::TextMap& more)
+      SONOPOSE_REQUIRES(mutex_);
+  [[nodiscard]] std::uint64_t lost_now() const SONOPOSE_REQUIRES(mutex_);
+  [[nodiscard]] std::filesystem::path file_of(std::size_t number) const SONOPOSE_REQUIRES(mutex_);
+  [[nodiscard]] std::size_t next_number() const SONOPOSE_REQUIRES(mutex_);
+  void prepare_for(const mcap::Chunk& chunk, const ArrivalSpan& taken) SONOPOSE_REQUIRES(mutex_);
   /// Limit that requires another file before the chunk; null if the chunk fits into this one.
-  [[nodiscard]] const char* limit_of(const mcap::Chunk& chunk, const ArrivalSpan& taken) const;
-  [[nodiscard]] std::uint64_t metadata_bytes(const mcap::Chunk& chunk) const;
-  void write_latched(const mcap::Chunk& before);
-  void count_repeated();
-  void write_chunk(const mcap::Chunk& chunk);
-  void write_losses(const TapCounts& counts);
+  [[nodiscard]] const char* limit_of(const mcap::Chunk& chunk, const ArrivalSpan& taken) const
+      SONOPOSE_REQUIRES(mutex_);
+  [[nodiscard]] std::uint64_t metadata_bytes(const mcap::Chunk& chunk) const SONOPOSE_REQUIRES(mutex_);
+  void write_latched(const mcap::Chunk& before) SONOPOSE_REQUIRES(mutex_);
+  void count_repeated() SONOPOSE_REQUIRES(mutex_);
+  void write_chunk(const mcap::Chunk& chunk) SONOPOSE_REQUIRES(mutex_);
+  void write_losses(const TapCounts& counts) SONOPOSE_REQUIRES(mutex_);
 
-  mutable std::mutex mutex_;  // guards the members below
-  SeriesOptions options_;
-  std::optional<File> current_;
-  TapCounts counts_at_start_;  ///< counts at the start of the current file
-  TapCounts counts_reported_;  ///< counts last written to the current file
-  LatchedSamples latched_;
-  SettingsLog settings_;
-  std::optional<SteadyTime> began_;  ///< start of the current file, if it has a message
-  std::uint64_t repeated_ = 0;       ///< earlier messages that the current file repeats
-  std::uint64_t repeated_lost_ = 0;  ///< repeated messages that the disk lost: an earlier file has them
-  std::vector<std::filesystem::path> files_;
-  std::size_t last_number_ = 0;  ///< number of the current file, or of the previous one
-  std::uint64_t finished_messages_ = 0;
-  std::uint64_t finished_bytes_ = 0;
-  std::uint64_t lost_ = 0;           ///< lost by the disk; the current writer counts its own
-  std::uint64_t lost_at_start_ = 0;  ///< value at the start of the current file
+  mutable threads::Mutex mutex_;
+  SeriesOptions options_ SONOPOSE_GUARDED_BY(mutex_);
+  std::optional<File> current_ SONOPOSE_GUARDED_BY(mutex_);
+  TapCounts counts_at_start_ SONOPOSE_GUARDED_BY(mutex_);  ///< counts at the start of the current file
+  TapCounts counts_reported_ SONOPOSE_GUARDED_BY(mutex_);  ///< counts last written to the current file
+  LatchedSamples latched_ SONOPOSE_GUARDED_BY(mutex_);
+  SettingsLog settings_ SONOPOSE_GUARDED_BY(mutex_);
+  /// Start of the current file, if it has a message.
+  std::optional<SteadyTime> began_ SONOPOSE_GUARDED_BY(mutex_);
+  /// Earlier messages that the current file repeats.
+  std::uint64_t repeated_ SONOPOSE_GUARDED_BY(mutex_) = 0;
+  /// Repeated messages that the disk lost: an earlier file has them.
+  std::uint64_t repeated_lost_ SONOPOSE_GUARDED_BY(mutex_) = 0;
+  std::vector<std::filesystem::path> files_ SONOPOSE_GUARDED_BY(mutex_);
+  /// Number of the current file, or of the previous one.
+  std::size_t last_number_ SONOPOSE_GUARDED_BY(mutex_) = 0;
+  std::uint64_t finished_messages_ SONOPOSE_GUARDED_BY(mutex_) = 0;
+  std::uint64_t finished_bytes_ SONOPOSE_GUARDED_BY(mutex_) = 0;
+  /// Lost by the disk; the current writer counts its own.
+  std::uint64_t lost_ SONOPOSE_GUARDED_BY(mutex_) = 0;
+  std::uint64_t lost_at_start_ SONOPOSE_GUARDED_BY(mutex_) = 0;  ///< value at the start of the current file
 };
 
 }  // namespace sonopose::recorder

@@ -28,14 +28,14 @@ void Pipeline::record(TapTopic topic, std::uint16_t channel_id, const MakeReader
   const TapTarget target{.queue = queue_, .channel_id = channel_id, .ends_channel_id = ends_channel_id_};
   TopicTap* tap = nullptr;
   {
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     tap = taps_.emplace_back(std::make_unique<TopicTap>(std::move(topic), target)).get();
   }
   tap->open(make_reader(tap));
 }
 
 TapCounts Pipeline::counts() const {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   TapCounts sum;
   for (const auto& tap : taps_) sum += tap->counts();
   sum.events_missing = gaps_.missing();
@@ -43,21 +43,26 @@ TapCounts Pipeline::counts() const {
 }
 
 std::map<std::string, std::uint64_t> Pipeline::received() const {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   std::map<std::string, std::uint64_t> by_topic;
   for (const auto& tap : taps_) by_topic[tap->name()] = tap->counts().received;
   return by_topic;
 }
 
 std::uint64_t Pipeline::incompatible() const {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   std::uint64_t sum = 0;
   for (const auto& tap : taps_) sum += tap->incompatible();
   return sum;
 }
 
 std::exception_ptr Pipeline::finish(const mcap::TextMap& more, std::exception_ptr failure) {
-  for (const auto& tap : taps_) tap->close();
+  std::vector<TopicTap*> taps;
+  {
+    const threads::Lock lock(mutex_);
+    for (const auto& tap : taps_) taps.push_back(tap.get());
+  }
+  for (TopicTap* const tap : taps) tap->close();
   writing_.finish();
   if (writing_.failure()) failure = writing_.failure();
   std::string reason = "stopped";

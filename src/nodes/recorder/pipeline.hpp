@@ -7,6 +7,7 @@
 #include "recorder/file_series.hpp"
 #include "recorder/topic_tap.hpp"
 #include "recorder/write_thread.hpp"
+#include "threads/mutex.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -14,7 +15,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -65,8 +65,8 @@ private:
   FileSeries series_;
   EventGaps gaps_;  ///< used by the writing thread
   std::uint16_t ends_channel_id_;
-  mutable std::mutex mutex_;  // guards taps_
-  std::vector<std::unique_ptr<TopicTap>> taps_;
+  mutable threads::Mutex mutex_;
+  std::vector<std::unique_ptr<TopicTap>> taps_ SONOPOSE_GUARDED_BY(mutex_);
   WriteThread writing_;  ///< last, so that it ends first
 };
 

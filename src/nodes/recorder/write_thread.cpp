@@ -30,7 +30,7 @@ void WriteThread::finish() {
 }
 
 std::exception_ptr WriteThread::failure() const {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   return failure_;
 }
 
@@ -40,7 +40,7 @@ void WriteThread::serve(const std::stop_token& end) {
   bool is_last = false;
   while (!is_last) {
     {
-      std::unique_lock lock(mutex_);
+      threads::Lock lock(mutex_);
       sleep_.wait_for(lock, end, chunk_period, [] { return false; });
     }
     is_last = end.stop_requested();  // before the exchange: nothing is queued after it
@@ -81,7 +81,7 @@ void WriteThread::write(const mcap::Chunk& chunk, const ArrivalSpan& taken, Trig
       if (cause != TriggerCause::none) write_last(cause);
     }
   } catch (const std::exception&) {
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     failure_ = std::current_exception();
     parts_.failed.wake();
   }

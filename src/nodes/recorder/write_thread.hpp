@@ -8,11 +8,11 @@
 #include "recorder/file_series.hpp"
 #include "recorder/last_seconds.hpp"
 #include "recorder/trigger.hpp"
+#include "threads/mutex.hpp"
 
 #include <condition_variable>
 #include <exception>
 #include <functional>
-#include <mutex>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -60,9 +60,9 @@ private:
   Parts parts_;
   std::uint32_t ends_sequence_ = 0;
   TapCounts counts_before_;  ///< counts at the previous exchange
-  mutable std::mutex mutex_;
+  mutable threads::Mutex mutex_;
   std::condition_variable_any sleep_;
-  std::exception_ptr failure_;
+  std::exception_ptr failure_ SONOPOSE_GUARDED_BY(mutex_);
   std::jthread thread_;  ///< last, so that it ends first
 };
 

@@ -2,6 +2,7 @@
 /// \file
 /// The open pages: initial texts for each, and texts for all.
 
+#include "threads/mutex.hpp"
 #include "web/http/server.hpp"
 #include <sonopose/samples/samples.hpp>
 
@@ -9,7 +10,6 @@
 #include <deque>
 #include <functional>
 #include <map>
-#include <mutex>
 #include <string>
 #include <vector>
 
@@ -39,10 +39,10 @@ public:
 
 private:
   Send send_;
-  mutable std::mutex mutex_;  ///< guards the members below
-  std::vector<http::ClientId> clients_;
-  std::deque<std::string> events_;
-  std::map<std::string, std::string> latest_;
+  mutable threads::Mutex mutex_;
+  std::vector<http::ClientId> clients_ SONOPOSE_GUARDED_BY(mutex_);
+  std::deque<std::string> events_ SONOPOSE_GUARDED_BY(mutex_);
+  std::map<std::string, std::string> latest_ SONOPOSE_GUARDED_BY(mutex_);
 };
 
 }  // namespace sonopose::web

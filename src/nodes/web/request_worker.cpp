@@ -35,7 +35,7 @@ RequestWorker::RequestWorker(dds::DomainOptions domain, std::optional<std::files
 
 RequestWorker::~RequestWorker() {
   {
-    const std::lock_guard lock(mutex_);  // otherwise the notification may precede the wait
+    const threads::Lock lock(mutex_);  // otherwise the notification may precede the wait
     stop_.request();
   }
   changed_.notify_all();
@@ -43,7 +43,7 @@ RequestWorker::~RequestWorker() {
 
 void RequestWorker::change(ChangeRequest request, Answer answer) {
   {
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     if (jobs_.size() < max_waiting) {
       jobs_.push_back({std::move(request), std::move(answer)});
       changed_.notify_one();
@@ -55,12 +55,17 @@ void RequestWorker::change(ChangeRequest request, Answer answer) {
 
 void RequestWorker::run() {
   while (true) {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return !jobs_.empty() || stop_.requested(); });
-    if (stop_.requested()) return;
-    const Job job = std::move(jobs_.front());
-    jobs_.pop_front();
-    lock.unlock();
+    Job job;
+    {
+      threads::Lock lock(mutex_);
+      changed_.wait(lock, [this] {
+        mutex_.assert_held();
+        return !jobs_.empty() || stop_.requested();
+      });
+      if (stop_.requested()) return;
+      job = std::move(jobs_.front());
+      jobs_.pop_front();
+    }
     Reply reply{.id = job.request.id, .reason = {}};
     try {
       reply = carry_out(job.request);
@@ -96,13 +101,13 @@ Reply RequestWorker::carry_out(const ChangeRequest& request) {
 
 void RequestWorker::examine(const ExamineRequest& request) {
   {
-    const std::lock_guard lock(examination_mutex_);
+    const threads::Lock lock(examination_mutex_);
     if (examination_) return;
     examination_ = Examination{.began = clocks::steady_now(), .duration_s = request.seconds};
   }
   doctor_thread_ = std::jthread([this, seconds = request.seconds] {
     const std::optional<std::string> findings = examined(seconds);
-    const std::lock_guard lock(examination_mutex_);
+    const threads::Lock lock(examination_mutex_);
     examination_.reset();
     if (findings) publish_(*findings);
   });
@@ -119,7 +124,7 @@ std::optional<std::string> RequestWorker::examined(double seconds) const {
 }
 
 void RequestWorker::report_progress(const std::function<void(double share)>& report) const {
-  const std::lock_guard lock(examination_mutex_);
+  const threads::Lock lock(examination_mutex_);
   if (!examination_) return;
   report(
       std::min(1.0, seconds_between(examination_->began, clocks::steady_now()) / examination_->duration_s));

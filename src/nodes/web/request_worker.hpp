@@ -3,6 +3,7 @@
 /// Carries out the page's requests on its own threads: they wait for a fusion or for the doctor.
 
 #include "process/stop_signal.hpp"
+#include "threads/mutex.hpp"
 #include "web/page_messages.hpp"
 #include "web/page_requests.hpp"
 #include <sonopose/dds/binding/domain.hpp>
@@ -12,7 +13,6 @@
 #include <deque>
 #include <filesystem>
 #include <functional>
-#include <mutex>
 #include <optional>
 #include <thread>
 
@@ -65,11 +65,11 @@ private:
   Examine examine_;
   Publish publish_;
   process::StopSignal stop_;
-  std::mutex mutex_;  ///< guards the next two
+  threads::Mutex mutex_;
   std::condition_variable_any changed_;
-  std::deque<Job> jobs_;
-  mutable std::mutex examination_mutex_;  ///< guards the next
-  std::optional<Examination> examination_;
+  std::deque<Job> jobs_ SONOPOSE_GUARDED_BY(mutex_);
+  mutable threads::Mutex examination_mutex_;
+  std::optional<Examination> examination_ SONOPOSE_GUARDED_BY(examination_mutex_);
   std::jthread settings_thread_;
   std::jthread doctor_thread_;
 };

@@ -5,6 +5,7 @@
 #include "observation/bus/bus_watch.hpp"
 #include "observation/bus/views_json.hpp"
 #include "presence/beacon_admission.hpp"
+#include "threads/mutex.hpp"
 #include "transitions/transition_log.hpp"
 #include "web/foxglove/topic_feed.hpp"
 #include "web/held_events.hpp"
@@ -26,7 +27,6 @@
 #include <chrono>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -63,7 +63,7 @@ public:
   RequestWorker& worker() { return worker_; }
 
   void send_time() {
-    const std::lock_guard lock(feed_mutex_);
+    const threads::Lock lock(feed_mutex_);
     feed_.send_time(clocks::host_now());
   }
 
@@ -92,25 +92,25 @@ public:
     if (protocol == page_protocol) {
       return pages_.on_open(client, {text_of(hello_), state_.latest(clocks::host_now())});
     }
-    const std::lock_guard lock(feed_mutex_);
+    const threads::Lock lock(feed_mutex_);
     feed_.on_open(client);
   }
 
   void on_message(http::ClientId client, bool is_text, std::string_view message) override {
     if (pages_.has(client)) return on_page_message(client, message);
-    const std::lock_guard lock(feed_mutex_);
+    const threads::Lock lock(feed_mutex_);
     feed_.on_message(client, is_text, message);
   }
 
   void on_close(http::ClientId client) override {
     pages_.on_close(client);
-    const std::lock_guard lock(feed_mutex_);
+    const threads::Lock lock(feed_mutex_);
     feed_.on_close(client);
   }
 
   void on_dropped(http::ClientId client, std::uint64_t total) override {
     if (pages_.has(client)) return send(client, dropped_text(total));
-    const std::lock_guard lock(feed_mutex_);
+    const threads::Lock lock(feed_mutex_);
     feed_.on_dropped(client, total);
   }
 
@@ -137,8 +137,8 @@ private:
   SiteFiles files_;
   Hello hello_;
   PageClients pages_;
-  std::mutex feed_mutex_;  ///< guards the next
-  foxglove::TopicFeed feed_;
+  threads::Mutex feed_mutex_;
+  foxglove::TopicFeed feed_ SONOPOSE_GUARDED_BY(feed_mutex_);
   RequestWorker worker_;
 };
 

@@ -3,10 +3,10 @@
 /// The listeners to the log of this process.
 
 #include "logging/log.hpp"
+#include "threads/mutex.hpp"
 
 #include <cstdint>
 #include <deque>
-#include <mutex>
 #include <string>
 #include <vector>
 
@@ -37,8 +37,8 @@ private:
     bool is_new = true;
   };
 
-  std::mutex mutex_;  // guards the rest
-  std::vector<Entry> entries_;
+  threads::Mutex mutex_;
+  std::vector<Entry> entries_ SONOPOSE_GUARDED_BY(mutex_);
 };
 
 /// The listeners of this process.

@@ -5,6 +5,7 @@
 #include "logging/spdlog_entry.hpp"
 #include "logging/standard_error.hpp"
 #include "logging/waiting_calls.hpp"
+#include "threads/mutex.hpp"
 #include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
@@ -13,7 +14,6 @@
 #include <chrono>
 #include <deque>
 #include <memory>
-#include <mutex>
 #include <pthread.h>
 #include <spdlog/async.h>
 #include <spdlog/async_logger.h>
@@ -147,11 +147,11 @@ struct Parts {
   std::shared_ptr<spdlog::async_logger> logger;
 };
 
-std::mutex session_mutex;
-std::shared_ptr<Parts> session;  // null without one
+threads::Mutex session_mutex;
+std::shared_ptr<Parts> session SONOPOSE_GUARDED_BY(session_mutex);  // null without one
 
 std::shared_ptr<Parts> current() {
-  const std::lock_guard lock(session_mutex);
+  const threads::Lock lock(session_mutex);
   return session;
 }
 
@@ -175,7 +175,7 @@ Listening::~Listening() {
 
 Session::Session(Level least, std::size_t capacity) {
   auto parts = std::make_shared<Parts>(least, capacity);
-  const std::lock_guard lock(session_mutex);
+  const threads::Lock lock(session_mutex);
   session = std::move(parts);
 }
 
@@ -183,7 +183,7 @@ Session::Session(Level least, std::size_t capacity) {
 Session::~Session() {
   std::shared_ptr<Parts> parts;
   {
-    const std::lock_guard lock(session_mutex);
+    const threads::Lock lock(session_mutex);
     parts.swap(session);
   }
 }

@@ -123,7 +123,7 @@ protected:
 
 private:
   void finish(FlushNumber number) {
-    const std::lock_guard lock(flushes_.mutex);
+    const threads::Lock lock(flushes_.mutex);
     flushes_.finished = number;
     flushes_.changed.notify_all();
   }
@@ -168,7 +168,7 @@ std::size_t StandardError::dropped() const {
 }
 
 StandardError::FlushNumber StandardError::next_flush() {
-  const std::lock_guard lock(flushes_.mutex);
+  const threads::Lock lock(flushes_.mutex);
   return ++flushes_.requested;
 }
 
@@ -177,9 +177,11 @@ void StandardError::flush(FlushNumber number) {
 }
 
 void StandardError::wait_for_flush(FlushNumber number) {
-  std::unique_lock lock(flushes_.mutex);
-  flushes_.changed.wait_for(lock, write_timeout,
-                            [&] { return static_cast<std::int32_t>(flushes_.finished - number) >= 0; });
+  threads::Lock lock(flushes_.mutex);
+  flushes_.changed.wait_for(lock, write_timeout, [&] {
+    flushes_.mutex.assert_held();
+    return static_cast<std::int32_t>(flushes_.finished - number) >= 0;
+  });
 }
 
 }  // namespace sonopose::logging

@@ -3,6 +3,7 @@
 /// Standard error that may block for a while: a stopped terminal, or a pipe that nobody reads.
 
 #include "logging/log.hpp"
+#include "threads/mutex.hpp"
 
 #include <atomic>
 #include <chrono>
@@ -10,7 +11,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <string_view>
 
 namespace spdlog {
@@ -72,10 +72,10 @@ public:
 
 private:
   struct Flushes {
-    std::mutex mutex;  // guards the rest
-    std::condition_variable changed;
-    FlushNumber requested = 0;
-    FlushNumber finished = 0;
+    threads::Mutex mutex;
+    std::condition_variable_any changed;
+    FlushNumber requested SONOPOSE_GUARDED_BY(mutex) = 0;
+    FlushNumber finished SONOPOSE_GUARDED_BY(mutex) = 0;
   };
   class Sink;
 

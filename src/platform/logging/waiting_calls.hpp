@@ -2,11 +2,12 @@
 /// \file
 /// Queues calls for the thread of the log.
 
+#include "threads/mutex.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <functional>
-#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -21,7 +22,7 @@ public:
 
   /// Returns the call's number; empty if it is dropped.
   std::optional<Number> add(std::function<void()> call) {
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     if (calls_.size() == most) {
       ++dropped_;
       return std::nullopt;
@@ -40,12 +41,12 @@ public:
         ++failed;
       }
     }
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     return std::exchange(dropped_, 0) + failed;
   }
 
   [[nodiscard]] Number latest() const {
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     return latest_;
   }
 
@@ -57,17 +58,17 @@ private:
 
   /// Returns the first call up to this number; null if there is none.
   std::function<void()> take_up_to(Number number) {
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     if (calls_.empty() || static_cast<std::int32_t>(number - calls_.front().number) < 0) return nullptr;
     std::function<void()> call = std::move(calls_.front().make);
     calls_.pop_front();
     return call;
   }
 
-  mutable std::mutex mutex_;  // guards the rest
-  std::deque<Call> calls_;
-  Number latest_ = 0;
-  std::size_t dropped_ = 0;
+  mutable threads::Mutex mutex_;
+  std::deque<Call> calls_ SONOPOSE_GUARDED_BY(mutex_);
+  Number latest_ SONOPOSE_GUARDED_BY(mutex_) = 0;
+  std::size_t dropped_ SONOPOSE_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace sonopose::logging

@@ -72,7 +72,7 @@ ErrorLines::~ErrorLines() {
 }
 
 std::vector<std::string> ErrorLines::take() {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   return std::exchange(new_lines_, {});
 }
 
@@ -91,7 +91,7 @@ void ErrorLines::read_lines() {
 
 void ErrorLines::on_line(const std::string& line) {
   if (!on_terminal_) write_all(original_fd_, line + "\n");
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   if (new_lines_.size() < text::KeptLines::max_lines) new_lines_.push_back(line);
 }
 

@@ -2,9 +2,9 @@
 /// \file
 /// Collects standard error while a screen is shown: text of any library would destroy the screen.
 
+#include "threads/mutex.hpp"
 #include <sonopose/text/kept_lines.hpp>
 
-#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -35,8 +35,8 @@ private:
   int original_fd_ = -1;
   int read_fd_ = -1;
   bool on_terminal_ = false;
-  std::mutex mutex_;                    // guards new_lines_
-  std::vector<std::string> new_lines_;  ///< lines for take()
+  threads::Mutex mutex_;
+  std::vector<std::string> new_lines_ SONOPOSE_GUARDED_BY(mutex_);  ///< lines for take()
   text::KeptLines kept_;  ///< kept for the end; used by the reading thread, then by the destructor
   std::thread reader_;
 };

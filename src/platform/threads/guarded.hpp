@@ -5,7 +5,7 @@
 #include <mutex>
 #include <utility>
 
-namespace sonopose::process {
+namespace sonopose::threads {
 
 /// Gives access to a value only under its mutex.
 template <class T>
@@ -26,4 +26,4 @@ private:
   T value_;
 };
 
-}  // namespace sonopose::process
+}  // namespace sonopose::threads

@@ -19,9 +19,9 @@ void merge(ArrivalMark& into, const ArrivalMark& next) {
 
 Arrivals arrivals_of(const recording::SensorLog& log) {
   const TimeNs begin_ns = log.events.empty() ? 0 : available_at_ns(log.events.front());
-  Thinned<HeadingMark> headings(Arrivals::most,
+  Thinned<HeadingMark> headings(Arrivals::max_marks,
                                 [](HeadingMark& into, const HeadingMark& next) { into = next; });
-  Thinned<ArrivalMark> fixes(Arrivals::most, merge);
+  Thinned<ArrivalMark> fixes(Arrivals::max_marks, merge);
   for (const Event& event : log.events) {
     if (const auto* heading = std::get_if<PairHeading>(&event)) {
       if (!heading->valid) continue;

@@ -22,7 +22,7 @@ struct ArrivalMark {
 };
 
 struct Arrivals {
-  static constexpr std::size_t most = 384;
+  static constexpr std::size_t max_marks = 384;
   std::vector<HeadingMark> headings;
   std::vector<ArrivalMark> fixes;
 };

@@ -34,10 +34,10 @@ void merge_moments(Moment& into, const Moment& next) {
 }
 
 void merge_fixes(FixMark& into, const FixMark& next) {
-  constexpr std::uint32_t remarkable = fix_stuck_forced | fix_stale_recovered | fix_first;
+  constexpr std::uint32_t ranked_flags = fix_stuck_forced | fix_stale_recovered | fix_first;
   const auto rank = [](const FixMark& fix) {
     const bool is_known = !std::isnan(fix.innovation_m);
-    return std::tuple{fix.verdict == FixVerdict::rejected, (fix.flags & remarkable) != 0,
+    return std::tuple{fix.verdict == FixVerdict::rejected, (fix.flags & ranked_flags) != 0,
                       is_known ? fix.innovation_m : 0.0};
   };
   const std::uint32_t seen_flags = into.seen_flags | next.seen_flags;

@@ -17,8 +17,9 @@ using statistics::quantile;
 /// axis is logarithmic if rare errors are far larger than usual, as in outages.
 std::string error_axis(const std::vector<double>& errors_m, double top_m) {
   constexpr double min_top_cm = 5.0;
-  constexpr double dwarfed = 12.0;
-  if (quantile(errors_m, 0.99) > dwarfed * quantile(errors_m, 0.5) && quantile(errors_m, 0.5) > 0.0) {
+  constexpr double max_linear_ratio = 12.0;
+  if (quantile(errors_m, 0.99) > max_linear_ratio * quantile(errors_m, 0.5) &&
+      quantile(errors_m, 0.5) > 0.0) {
     return fmt::format("set logscale y\nset yrange [0.3:{:.3g}]\n",
                        std::max(min_top_cm, 120.0 * quantile(errors_m, 1.0)));
   }

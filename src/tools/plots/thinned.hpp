@@ -9,14 +9,14 @@
 
 namespace sonopose::plots {
 
-/// A series of at most `most` entries, each of the same number of consecutive values. `merge(into, next)`
-/// joins two.
+/// A series of at most `max_entries` entries, each of the same number of consecutive values. `merge(into,
+/// next)` joins two.
 template <class T>
 class Thinned {
 public:
   using Merge = std::function<void(T& into, const T& next)>;
 
-  Thinned(std::size_t most, Merge merge) : max_(most), merge_(std::move(merge)) {}
+  Thinned(std::size_t max_entries, Merge merge) : max_(max_entries), merge_(std::move(merge)) {}
 
   void add(const T& value) {
     if (in_last_ > 0 && in_last_ < per_entry_) {

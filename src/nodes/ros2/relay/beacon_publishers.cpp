@@ -20,6 +20,10 @@ ros2::TFMessage message_of(ros2::TransformStamped& transform) {
   return {{1, 1, &transform, false}};
 }
 
+std::optional<TimeNs> next_stamp(threads::Guarded<ros2::RisingStamp>& stamps, TimeNs time_ns) {
+  return stamps.with([time_ns](ros2::RisingStamp& stamp) { return stamp.next(time_ns); });
+}
+
 }  // namespace
 
 std::optional<double> fix_std_of(const EffectiveSettings& settings) {
@@ -78,7 +82,7 @@ void BeaconPublishers::on(const ImuSample& sample) {
   std::optional<FusedPose> early_pose;
   bool has_overdue_fix = false;
   {
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     early_pose = pairing_.on(sample);
     has_overdue_fix = fixes_.has_overdue(clocks::steady_now());
   }
@@ -102,20 +106,20 @@ void BeaconPublishers::on(const FusedPose& pose) {
   fused_at_ = clocks::steady_now();
   publish_odometry(pose);  // first, because vehicle control may depend on it
   {
-    const std::lock_guard lock(watch_mutex_);
+    const threads::Lock lock(watch_mutex_);
     watch_.on(pose, transitions_);
   }
   if ((pose.status & status_predicted) != 0) return;  // a predicted pose has no IMU sample
   std::optional<ImuSample> sample;
   {
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     sample = pairing_.on(pose, clocks::steady_now());
   }
   if (sample) publish_imu(*sample, pose);
 }
 
 transitions::TransitionQueue BeaconPublishers::take_transitions() {
-  const std::lock_guard lock(watch_mutex_);
+  const threads::Lock lock(watch_mutex_);
   return std::exchange(transitions_, {});
 }
 
@@ -133,12 +137,12 @@ void BeaconPublishers::publish_odometry(const FusedPose& pose) {
 }
 
 std::optional<ros2::Mount> BeaconPublishers::mount() const {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   return mount_;
 }
 
 bool BeaconPublishers::set_mount(const ros2::Mount& mount) {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   const bool is_same = mount_ && mount_->imu_in_base_m == mount.imu_in_base_m &&
                        mount_->q_imu_to_base.coeffs() == mount.q_imu_to_base.coeffs();
   mount_ = mount;
@@ -152,7 +156,7 @@ void BeaconPublishers::publish_imu(const ImuSample& sample, const FusedPose& pos
 }
 
 std::uint64_t BeaconPublishers::imu_data_lost() const {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   return pairing_.given_up();
 }
 
@@ -166,7 +170,7 @@ void BeaconPublishers::publish_transform(const ros2::Odometry& odometry, TimeNs 
   }
   std::optional<ros2::Transform> base_in_odom;
   {
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     base_in_odom = other_odometry_.at(stamp_ns);
   }
   lacks_odometry_ = !base_in_odom;
@@ -177,7 +181,7 @@ void BeaconPublishers::publish_transform(const ros2::Odometry& odometry, TimeNs 
 }
 
 void BeaconPublishers::on_odometry(TimeNs time_ns, const ros2::Transform& base_in_odom) {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   other_odometry_.add(time_ns, base_in_odom);
 }
 
@@ -189,7 +193,7 @@ void BeaconPublishers::on(const UltrasonicFix& fix) {
   const bool fusion_runs = fused_at != SteadyTime{} && now - fused_at < fusion_gone_ns;
   ros2::relay::FixQueue::Ready ready;
   {
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     ready = fixes_.on(fix, now, fusion_runs);
   }
   publish(ready);
@@ -197,13 +201,13 @@ void BeaconPublishers::on(const UltrasonicFix& fix) {
 
 void BeaconPublishers::on(const FixReport& report) {
   {
-    const std::lock_guard lock(watch_mutex_);
+    const threads::Lock lock(watch_mutex_);
     watch_.on(report, transitions_);
   }
   if (!report.position_world_m.allFinite()) return;
   ros2::relay::FixQueue::Ready ready;
   {
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     ready = fixes_.on(report);
   }
   publish(ready);
@@ -212,7 +216,7 @@ void BeaconPublishers::on(const FixReport& report) {
 void BeaconPublishers::handle_overdue() {
   ros2::relay::FixQueue::Ready ready;
   {
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     ready = fixes_.overdue(clocks::steady_now());
     pairing_.drop_overdue(clocks::steady_now());
   }
@@ -239,17 +243,12 @@ ros2::Covariance3 BeaconPublishers::covariance_of(const ReadyFix& fix) const {
   return ros2::fix_covariance(learned_m > 0 ? learned_m : fix_std_m_.load(), fix.weight);
 }
 
-std::optional<TimeNs> BeaconPublishers::next_stamp(ros2::RisingStamp& stamp, TimeNs time_ns) {
-  const std::lock_guard lock(mutex_);
-  return stamp.next(time_ns);
-}
-
 void BeaconPublishers::on(const Estimate& estimate) {
   learned_fix_std_m_ = estimate.fix_noise_m ? estimate.fix_noise_m->value : 0.0;
 }
 
 void BeaconPublishers::add_to_path(const ros2::Odometry& odometry, TimeNs stamp_ns) {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   if (!path_points_.empty() && saturated_difference(stamp_ns, path_points_.back().time_ns) < path_step_ns) {
     if (stamp_ns > path_points_.back().time_ns) return;
     path_points_.clear();  // the clock was stepped back
@@ -263,7 +262,7 @@ void BeaconPublishers::publish_path() {
   if (path_.is_nil()) return;
   std::vector<ros2::PoseStamped> poses;
   {
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     poses.reserve(path_points_.size());
     for (const PathPoint& point : path_points_) {
       poses.push_back({ros2::header_of(point.time_ns, frames_.map), point.pose});

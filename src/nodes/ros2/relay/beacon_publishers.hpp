@@ -5,6 +5,8 @@
 #include "ros2/relay/imu_pairing.hpp"
 #include "ros2/relay/odometry_buffer.hpp"
 #include "ros2/relay/relay.hpp"
+#include "threads/guarded.hpp"
+#include "threads/mutex.hpp"
 #include "transitions/transition_detector.hpp"
 #include <sonopose/ros2/messages/beacon_topics.hpp>
 #include <sonopose/ros2/messages/messages.hpp>
@@ -15,7 +17,6 @@
 
 #include <atomic>
 #include <deque>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -75,7 +76,6 @@ private:
   void publish_odometry(const FusedPose& pose);
   void publish_imu(const ImuSample& sample, const FusedPose& pose);
   void publish(const ros2::relay::FixQueue::Ready& fixes);
-  std::optional<TimeNs> next_stamp(ros2::RisingStamp& stamp, TimeNs time_ns);
   void publish_transform(const ros2::Odometry& odometry, TimeNs stamp_ns);
   void add_to_path(const ros2::Odometry& odometry, TimeNs stamp_ns);
 
@@ -105,24 +105,26 @@ private:
   std::atomic<bool> has_magnetic_ = false;         ///< a sample had a magnetic field
   std::atomic<bool> has_magnetic_writer_ = false;  ///< the writer exists
 
-  std::mutex watch_mutex_;  ///< guards the next two
-  transitions::TransitionDetector watch_;
-  transitions::TransitionQueue transitions_;
+  threads::Guarded<ros2::RisingStamp> raw_stamp_;
+  threads::Guarded<ros2::RisingStamp> imu_stamp_;
+  /// No slack: a pose older than a published one is useless.
+  threads::Guarded<ros2::RisingStamp> pose_stamp_{0};
+  threads::Guarded<ros2::RisingStamp> fix_stamp_;
 
-  mutable std::mutex mutex_;  ///< guards the members below
-  std::optional<ros2::Mount> mount_;
-  ros2::relay::ImuPairing pairing_;
-  ros2::RisingStamp raw_stamp_;
-  ros2::RisingStamp imu_stamp_;
-  ros2::RisingStamp pose_stamp_{0};  ///< no slack: a pose older than a published one is useless
-  ros2::RisingStamp fix_stamp_;
-  ros2::relay::FixQueue fixes_;
-  ros2::relay::OdometryBuffer other_odometry_;
+  threads::Mutex watch_mutex_;
+  transitions::TransitionDetector watch_ SONOPOSE_GUARDED_BY(watch_mutex_);
+  transitions::TransitionQueue transitions_ SONOPOSE_GUARDED_BY(watch_mutex_);
+
+  mutable threads::Mutex mutex_;
+  std::optional<ros2::Mount> mount_ SONOPOSE_GUARDED_BY(mutex_);
+  ros2::relay::ImuPairing pairing_ SONOPOSE_GUARDED_BY(mutex_);
+  ros2::relay::FixQueue fixes_ SONOPOSE_GUARDED_BY(mutex_);
+  ros2::relay::OdometryBuffer other_odometry_ SONOPOSE_GUARDED_BY(mutex_);
   struct PathPoint {
     TimeNs time_ns;
     ros2::Pose pose;
   };
-  std::deque<PathPoint> path_points_;
+  std::deque<PathPoint> path_points_ SONOPOSE_GUARDED_BY(mutex_);
 };
 
 }  // namespace sonopose::ros2::relay

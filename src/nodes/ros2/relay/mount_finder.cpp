@@ -14,8 +14,9 @@ MountFinder::MountFinder(ros2::Node& node, Log& log, std::function<void()> wake)
 
 void MountFinder::Listener::on_data_available(dds::DataReader<ros2::TFMessage>& reader) noexcept {
   {
-    const std::lock_guard lock(finder_.mutex_);
+    const threads::Lock lock(finder_.mutex_);
     reader.try_take_each([this](const ros2::TFMessage& message, const dds::SampleInfo&) {
+      finder_.mutex_.assert_held();
       if (!finder_.transforms_.add(message)) finder_.has_surplus_ = true;
     });
   }
@@ -27,7 +28,7 @@ void MountFinder::assign_to(BeaconPublishers& publishers) {
   std::optional<ros2::Transform> found;
   bool has_surplus = false;
   {
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     found = transforms_.find(frames.base, frames.imu);
     has_surplus = has_surplus_;
   }

@@ -4,11 +4,11 @@
 
 #include "ros2/relay/beacon_publishers.hpp"
 #include "ros2/relay/log.hpp"
+#include "threads/mutex.hpp"
 #include <sonopose/ros2/messages/static_transforms.hpp>
 #include <sonopose/ros2/node/node.hpp>
 
 #include <functional>
-#include <mutex>
 
 namespace sonopose::ros2::relay {
 
@@ -33,10 +33,10 @@ private:
 
   Log& log_;
   std::function<void()> wake_;
-  std::mutex mutex_;  ///< guards the transforms
-  ros2::StaticTransforms transforms_;
-  bool has_surplus_ = false;  ///< under the mutex
-  bool reported_ = false;     ///< main thread only
+  threads::Mutex mutex_;
+  ros2::StaticTransforms transforms_ SONOPOSE_GUARDED_BY(mutex_);
+  bool has_surplus_ SONOPOSE_GUARDED_BY(mutex_) = false;
+  bool reported_ = false;  ///< main thread only
   Listener listener_{*this};
   dds::DataReader<ros2::TFMessage> reader_;  ///< last, because its listener uses the others
 };

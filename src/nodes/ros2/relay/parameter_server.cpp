@@ -96,7 +96,7 @@ ParameterServer::ParameterServer(ros2::Node& node, const dds::DomainParticipant&
 }
 
 void ParameterServer::offer_services(ros2::Node& node, bool offered) {
-  const std::lock_guard lock(services_mutex_);
+  const threads::Lock lock(services_mutex_);
   if (offered == services_.has_value()) return;
   if (offered) {
     services_.emplace(node, wake_);
@@ -109,7 +109,7 @@ void ParameterServer::offer_services(ros2::Node& node, bool offered) {
 bool ParameterServer::serve() {
   take_settings();
   apply_startup_settings();
-  const std::lock_guard lock(services_mutex_);
+  const threads::Lock lock(services_mutex_);
   if (!services_) return false;
   Services& of = *services_;
   bool waits = of.list.serve([this](const auto& request, const auto& reply) { list(request, reply); });

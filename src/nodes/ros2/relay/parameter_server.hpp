@@ -8,6 +8,7 @@
 #include "ros2/relay/parameters.hpp"
 #include "ros2/relay/startup_settings.hpp"
 #include "settings_client/settings_client.hpp"
+#include "threads/mutex.hpp"
 #include <sonopose/dds/qos/provider.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/ros2/messages/service_types.hpp>
@@ -15,7 +16,6 @@
 
 #include <filesystem>
 #include <functional>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
@@ -97,8 +97,8 @@ private:
   bool applied_startup_ = false;
   SettingsByBeacon effective_;
   ParameterEvents events_;
-  std::mutex services_mutex_;
-  std::optional<Services> services_;
+  threads::Mutex services_mutex_;
+  std::optional<Services> services_ SONOPOSE_GUARDED_BY(services_mutex_);
   // The reader is last, so that its listener is destroyed after it.
   presence::BeaconAdmission admission_;
   SettingsListener settings_listener_;

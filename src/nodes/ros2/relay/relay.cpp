@@ -14,6 +14,7 @@
 #include "ros2/relay/ros_clock.hpp"
 #include "ros2/relay/surroundings.hpp"
 #include "ros2/relay/transform_tree.hpp"
+#include "threads/mutex.hpp"
 #include "transitions/transition_log.hpp"
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
@@ -28,7 +29,6 @@
 #include <exception>
 #include <functional>
 #include <map>
-#include <mutex>
 #include <stdexcept>
 #include <stop_token>
 #include <thread>
@@ -203,8 +203,8 @@ private:
                            .tree = tree_,
                            .wakeup = wakeup_,
                            .log = log_}};
-  std::mutex mutex_;                            ///< guards the settings
-  std::map<BeaconAddress, double> fix_stds_m_;  ///< settings of the fusion
+  threads::Mutex mutex_;
+  std::map<BeaconAddress, double> fix_stds_m_ SONOPOSE_GUARDED_BY(mutex_);  ///< settings of the fusion
 
   // Readers are last, so that they are destroyed first and no callback uses a destroyed member.
   TfListener tf_listener_{*this};
@@ -285,7 +285,7 @@ void Relay::Impl::on(const EffectiveSettings& settings) {
   const auto fix_std_m = fix_std_of(settings);
   if (!fix_std_m) return;
   {
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     fix_stds_m_[settings.address] = *fix_std_m;
   }
   if (const auto publishers = beacons_.find(settings.address)) publishers->set_fix_std(*fix_std_m);
@@ -311,7 +311,7 @@ void Relay::Impl::open_topics(const process::StopSignal& stop) {
   const OpenTopics::Opened opened = open_topics_.open_requested(stop);
   if (opened.empty()) return;
   {
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     for (const auto& [address, publishers] : opened) {
       const auto known = fix_stds_m_.find(address);
       if (known != fix_stds_m_.end()) publishers->set_fix_std(known->second);

@@ -7,7 +7,7 @@
 namespace sonopose::ros2::relay {
 
 RelayedBeacons::Publishers RelayedBeacons::find_or_request(BeaconAddress address, SteadyTime now) {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   const auto [found, is_new] = beacons_.try_emplace(address);
   Beacon& beacon = found->second;
   beacon.heard.on_sample(now);
@@ -19,14 +19,14 @@ RelayedBeacons::Publishers RelayedBeacons::find_or_request(BeaconAddress address
 }
 
 RelayedBeacons::Publishers RelayedBeacons::find(BeaconAddress address) {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   const auto found = beacons_.find(address);
   return found == beacons_.end() ? nullptr : found->second.publishers;
 }
 
 std::map<BeaconAddress, RelayedBeacons::Publishers> RelayedBeacons::all() {
   std::map<BeaconAddress, Publishers> all;
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   for (const auto& [address, beacon] : beacons_) {
     if (beacon.publishers) all.emplace(address, beacon.publishers);
   }
@@ -35,7 +35,7 @@ std::map<BeaconAddress, RelayedBeacons::Publishers> RelayedBeacons::all() {
 
 std::vector<BeaconAddress> RelayedBeacons::requested() {
   std::vector<BeaconAddress> requested;
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   if (!std::exchange(has_requests_, false)) return requested;
   for (const auto& [address, beacon] : beacons_) {
     if (!beacon.publishers) requested.push_back(address);
@@ -44,7 +44,7 @@ std::vector<BeaconAddress> RelayedBeacons::requested() {
 }
 
 void RelayedBeacons::add(BeaconAddress address, Publishers publishers) {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   if (const auto found = beacons_.find(address); found != beacons_.end()) {
     found->second.publishers = std::move(publishers);
   }
@@ -61,7 +61,7 @@ RelayedBeacons::Publishers RelayedBeacons::take_kept(BeaconAddress address) {
 
 std::vector<RelayedBeacons::Gone> RelayedBeacons::remove_gone(SteadyTime now) {
   std::vector<Gone> gone;
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   std::erase_if(beacons_, [&](auto& entry) {
     auto& [address, beacon] = entry;
     if (!beacon.heard.is_gone(now)) return false;
@@ -80,7 +80,7 @@ std::vector<RelayedBeacons::Gone> RelayedBeacons::remove_gone(SteadyTime now) {
 std::vector<BeaconAddress> RelayedBeacons::remove_surplus() {
   std::size_t present = 0;
   {
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     present = beacons_.size();
   }
   std::vector<BeaconAddress> surplus;

@@ -5,11 +5,11 @@
 #include "presence/beacon_presence.hpp"
 #include "process/stop_signal.hpp"
 #include "ros2/relay/beacon_publishers.hpp"
+#include "threads/mutex.hpp"
 
 #include <cstddef>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 namespace sonopose::ros2::relay {
@@ -71,9 +71,9 @@ private:
   std::size_t max_beacons_;
   std::vector<Kept> kept_;           ///< longest gone first; main thread only
   std::vector<Publishers> removed_;  ///< main thread only
-  std::mutex mutex_;                 ///< guards the members below
-  std::map<BeaconAddress, Beacon> beacons_;
-  bool has_requests_ = false;
+  threads::Mutex mutex_;
+  std::map<BeaconAddress, Beacon> beacons_ SONOPOSE_GUARDED_BY(mutex_);
+  bool has_requests_ SONOPOSE_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace sonopose::ros2::relay

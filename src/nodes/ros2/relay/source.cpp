@@ -5,6 +5,7 @@
 #include "process/endpoint_counters.hpp"
 #include "ros2/relay/input_monitor.hpp"
 #include "ros2/relay/stamp_clock.hpp"
+#include "threads/mutex.hpp"
 #include <sonopose/dds/binding/discovery.hpp>
 #include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/ros2/messages/frames.hpp>
@@ -19,7 +20,6 @@
 #include <chrono>
 #include <iterator>
 #include <map>
-#include <mutex>
 #include <set>
 
 namespace sonopose::ros2::relay {
@@ -112,7 +112,7 @@ public:
     InputMonitor::Lines lines;
     std::uint64_t dropped = 0;
     {
-      const std::lock_guard lock(mutex_);
+      const threads::Lock lock(mutex_);
       lines.swap(new_lines_);
       std::swap(dropped, lines_dropped_);
     }
@@ -206,7 +206,7 @@ private:
   void subscribe(Streams<T> AllStreams::*streams, InputState& input) {
     auto created = std::make_unique<Stream<T>>(node_, input.option.topic, input);
     waitset_ += created->has_data;
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     (new_streams_.*streams).push_back(std::move(created));
   }
 
@@ -215,7 +215,7 @@ private:
       std::move(from.begin(), from.end(), std::back_inserter(to));
       from.clear();
     };
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     move(new_streams_.imus, streams_.imus);
     move(new_streams_.points, streams_.points);
     move(new_streams_.poses, streams_.poses);
@@ -263,7 +263,7 @@ private:
       for (const auto& input : inputs_) input->monitor.update(endpoints_of(*input), now, lines_);
     }
     if (lines_.empty()) return;
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     for (InputMonitor::Line& line : lines_) {
       if (new_lines_.size() < max_lines) {
         new_lines_.push_back(std::move(line));
@@ -303,11 +303,11 @@ private:
   dds::Discovery discovery_;                         ///< likewise
   SteadyTime search_due_;                            ///< likewise
   std::vector<std::unique_ptr<InputState>> inputs_;  ///< constant after construction
-  std::mutex mutex_;                                 ///< guards the next three
-  AllStreams new_streams_;                           ///< not yet used by run()
-  InputMonitor::Lines new_lines_;                    ///< not yet formatted
-  std::uint64_t lines_dropped_ = 0;                  ///< dropped since the last log_changes()
-  AllStreams streams_;                               ///< used by run() only
+  threads::Mutex mutex_;
+  AllStreams new_streams_ SONOPOSE_GUARDED_BY(mutex_);           ///< not yet used by run()
+  InputMonitor::Lines new_lines_ SONOPOSE_GUARDED_BY(mutex_);    ///< not yet formatted
+  std::uint64_t lines_dropped_ SONOPOSE_GUARDED_BY(mutex_) = 0;  ///< dropped since the last log_changes()
+  AllStreams streams_;                                           ///< used by run() only
   dds::WaitSet waitset_;
   std::map<BeaconAddress, Beacon> beacons_;
   ros2::RisingStamp reception_;

@@ -8,12 +8,12 @@
 #include "presence/beacon_presence.hpp"
 #include "presence/silence.hpp"
 #include "process/endpoint_counters.hpp"
+#include "threads/mutex.hpp"
 #include <sonopose/dds/binding/data_reader.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 
 #include <algorithm>
 #include <cstdint>
-#include <mutex>
 #include <optional>
 #include <type_traits>
 #include <unordered_map>
@@ -34,12 +34,12 @@ public:
 
   template <class Sample>
   void on(const Sample& sample) {
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     mark_heard(sample.address).observer.on(sample);
   }
 
   void on(const FusedPose& pose, TimeNs received_ns, dds::InstanceHandle writer) {
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     Beacon& beacon = mark_heard(pose.address);
     beacon.observer.on(pose, received_ns);
     beacon.pose_writer = writer;
@@ -47,7 +47,7 @@ public:
   }
 
   void on(const FusionStatus& status, dds::InstanceHandle writer) {
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     served_.on(status, writer);
     mark_heard(status.address).observer.on(status);
   }
@@ -59,7 +59,7 @@ public:
   /// Reports that a pose writer lost its liveliness. The beacons that it wrote last are lost until another
   /// writer takes over.
   void on_pose_writer_lost(dds::InstanceHandle lost) {
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     for (auto& [address, beacon] : beacons_) {
       if (beacon.pose_writer == lost) beacon.observer.on_pose_lost();
     }
@@ -82,7 +82,7 @@ public:
   std::vector<PoseSilence> silence_changes() {
     std::vector<PoseSilence> changes;
     const SteadyTime now = clocks::steady_now();
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     for (auto& [address, beacon] : beacons_) {
       if (const auto change = beacon.pose_silence.find_change(now, pose_deadline_ns_)) {
         changes.push_back({*change, address});
@@ -95,8 +95,9 @@ public:
   /// address.
   std::vector<BeaconView> remove_gone(SteadyTime now, TimeNs now_ns) {
     std::vector<BeaconView> gone;
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     std::erase_if(beacons_, [&](const auto& entry) {
+      mutex_.assert_held();
       const auto& [address, beacon] = entry;
       if (!beacon.heard.is_gone(now)) return false;
       gone.push_back(beacon.observer.summary(address, now_ns));
@@ -109,7 +110,7 @@ public:
   }
 
   ServedBeacons served() {
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     for (const auto& [address, beacon] : beacons_) {
       if (beacon.pose_writer) served_.on_pose(address, *beacon.pose_writer);
     }
@@ -139,7 +140,7 @@ private:
   };
 
   /// Marks a beacon as heard, and returns it.
-  Beacon& mark_heard(BeaconAddress address) {
+  Beacon& mark_heard(BeaconAddress address) SONOPOSE_REQUIRES(mutex_) {
     Beacon& beacon = beacons_[address];
     beacon.heard.on_sample(clocks::steady_now());
     return beacon;
@@ -147,7 +148,7 @@ private:
 
   /// Returns `view(address, observer)` of each beacon, ordered by address.
   std::vector<BeaconView> views_of(const auto& view) {
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     std::vector<std::pair<BeaconAddress, BeaconObserver*>> observers;
     observers.reserve(beacons_.size());
     for (auto& [address, beacon] : beacons_) observers.emplace_back(address, &beacon.observer);
@@ -159,14 +160,14 @@ private:
   }
 
   void visit(BeaconAddress address, const auto& change) {
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     if (const auto found = beacons_.find(address); found != beacons_.end()) change(found->second.observer);
   }
 
   TimeNs pose_deadline_ns_;
-  std::mutex mutex_;  // guards the members below
-  std::unordered_map<BeaconAddress, Beacon> beacons_;
-  ServedBeacons served_;
+  threads::Mutex mutex_;
+  std::unordered_map<BeaconAddress, Beacon> beacons_ SONOPOSE_GUARDED_BY(mutex_);
+  ServedBeacons served_ SONOPOSE_GUARDED_BY(mutex_);
 };
 
 /// Passes samples and statuses of one topic to the observers. A derived class may override `on_gone`, and

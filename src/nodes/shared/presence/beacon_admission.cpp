@@ -12,7 +12,7 @@ BeaconAdmission::BeaconAdmission(AddressSet addresses, std::size_t max_beacons)
     : addresses_(std::move(addresses)), max_beacons_(max_beacons) {}
 
 bool BeaconAdmission::accepts(BeaconAddress address) noexcept {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   if (admitted_[address]) return true;
   if (!addresses_.contains(address)) return false;
   const bool may_be_known = known_[address] || known_.count() < max_replacements * max_beacons_;
@@ -27,17 +27,17 @@ bool BeaconAdmission::accepts(BeaconAddress address) noexcept {
 }
 
 bool BeaconAdmission::has(BeaconAddress address) noexcept {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   return admitted_[address];
 }
 
 void BeaconAdmission::forget(BeaconAddress address) noexcept {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   admitted_[address] = false;
 }
 
 std::optional<std::string> BeaconAdmission::refusals() {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   const std::size_t count = refused_.count();
   if (count == 0 || count < 10 * reported_count_) return std::nullopt;
   reported_count_ = count;
@@ -45,11 +45,11 @@ std::optional<std::string> BeaconAdmission::refusals() {
 }
 
 std::optional<std::string> BeaconAdmission::warning() {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   return refused_.none() ? std::nullopt : std::optional(refusal_text());
 }
 
-/// Text about refusals. Call it with the mutex held.
+/// Text about refusals.
 std::string BeaconAdmission::refusal_text() const {
   return fmt::format("{} ignored: the limit is {} at a time and {} since the start (--max-beacons)",
                      text::count_text(refused_.count(), "address is", "addresses are"),

@@ -3,13 +3,13 @@
 /// Bounds the number of beacons of a process.
 
 #include "presence/address_set.hpp"
+#include "threads/mutex.hpp"
 #include <sonopose/dds/topics/topics.hpp>
 
 #include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <mutex>
 #include <optional>
 #include <string>
 
@@ -42,18 +42,19 @@ public:
   std::optional<std::string> warning();
 
 private:
-  [[nodiscard]] std::string refusal_text() const;
+  [[nodiscard]] std::string refusal_text() const SONOPOSE_REQUIRES(mutex_);
 
   static constexpr std::size_t addresses_ever = std::size_t{std::numeric_limits<BeaconAddress>::max()} + 1;
   using Flags = std::bitset<addresses_ever>;
 
   AddressSet addresses_;
   std::size_t max_beacons_;
-  std::mutex mutex_;  // guards the members below
-  Flags admitted_;
-  Flags known_;  ///< ever admitted: DDS keeps an instance of each until its writers have ended
-  Flags refused_;
-  std::size_t reported_count_ = 0;
+  threads::Mutex mutex_;
+  Flags admitted_ SONOPOSE_GUARDED_BY(mutex_);
+  /// Ever admitted: DDS keeps an instance of each until its writers have ended.
+  Flags known_ SONOPOSE_GUARDED_BY(mutex_);
+  Flags refused_ SONOPOSE_GUARDED_BY(mutex_);
+  std::size_t reported_count_ SONOPOSE_GUARDED_BY(mutex_) = 0;
 };
 
 /// Accepts the beacons that another topic has admitted, for topics without measurements.

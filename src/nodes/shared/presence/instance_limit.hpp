@@ -2,6 +2,7 @@
 /// \file
 /// Bounds the instances of topics with a second key, such as the id of a fusion.
 
+#include "threads/mutex.hpp"
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/samples/samples.hpp>
 #include <sonopose/text/count_text.hpp>
@@ -12,7 +13,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
@@ -70,7 +70,7 @@ public:
       if (addresses_ != nullptr && !addresses_->accepts(sample.address)) return false;
     }
     const Id id{Traits::group_of(sample), Traits::key_of(sample)};
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     std::vector<Key>& present = present_[id.first];
     if (std::find(present.begin(), present.end(), id.second) != present.end()) return true;
     const bool may_be_known = ever_.size() < max_ever || ever_.contains(id);
@@ -87,7 +87,7 @@ public:
 
   /// Frees the place of an instance that is gone.
   void forget(const T& key) noexcept {
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     const auto present = present_.find(Traits::group_of(key));
     if (present == present_.end()) return;
     std::erase(present->second, Traits::key_of(key));
@@ -97,7 +97,7 @@ public:
   /// A message for the user when the first sample is refused, and each time ten times as many are. Otherwise
   /// empty.
   std::optional<std::string> refusals() {
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     if (refused_ == 0 || refused_ < 10 * reported_) return std::nullopt;
     reported_ = refused_;
     return fmt::format("{} ignored: {}", text::count_text(refused_, "sample is", "samples are"),
@@ -106,7 +106,7 @@ public:
 
   /// Final message with the number of instances that were never accepted; empty if there were none.
   std::optional<std::string> warning() {
-    const std::lock_guard lock(mutex_);
+    const threads::Lock lock(mutex_);
     if (refused_ids_.empty()) return std::nullopt;
     return fmt::format("{} not observed: {}",
                        text::count_text(refused_ids_.size(), Traits::one_was, Traits::several_were),
@@ -124,12 +124,12 @@ private:
   }
 
   dds::topics::AddressFilter* addresses_;
-  std::mutex mutex_;  // guards the members below
-  std::map<typename Traits::Group, std::vector<Key>> present_;
-  std::set<Id> ever_;
-  std::set<Id> refused_ids_;  ///< at most max_ever
-  std::uint64_t refused_ = 0;
-  std::uint64_t reported_ = 0;
+  threads::Mutex mutex_;
+  std::map<typename Traits::Group, std::vector<Key>> present_ SONOPOSE_GUARDED_BY(mutex_);
+  std::set<Id> ever_ SONOPOSE_GUARDED_BY(mutex_);
+  std::set<Id> refused_ids_ SONOPOSE_GUARDED_BY(mutex_);  ///< at most max_ever
+  std::uint64_t refused_ SONOPOSE_GUARDED_BY(mutex_) = 0;
+  std::uint64_t reported_ SONOPOSE_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace sonopose::presence

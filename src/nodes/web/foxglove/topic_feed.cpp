@@ -1,6 +1,7 @@
 #include "web/foxglove/topic_feed.hpp"
 
 #include "clocks/clocks.hpp"
+#include "threads/mutex.hpp"
 #include "web/foxglove/protocol.hpp"
 #include <sonopose/dds/topics/serialized_topics.hpp>
 #include <sonopose/idl/text.hpp>
@@ -9,7 +10,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <mutex>
 #include <utility>
 
 namespace sonopose::web::foxglove {
@@ -22,7 +22,7 @@ public:
   void add(const dds::DomainParticipant& participant, const dds::qos::Provider& qos, Client client,
            SubscriptionId id) {
     {
-      const std::lock_guard lock(mutex_);
+      const threads::Lock lock(mutex_);
       subscribers_.emplace_back(client, id);
       if (subscribers_.size() > 1 && !topic_.is_latched(qos)) return;
     }
@@ -34,7 +34,7 @@ public:
   void remove(Client client, SubscriptionId id) {
     bool is_last = false;
     {
-      const std::lock_guard lock(mutex_);
+      const threads::Lock lock(mutex_);
       std::erase(subscribers_, std::pair(client, id));
       is_last = subscribers_.empty();
     }
@@ -45,7 +45,7 @@ public:
     const TimeNs received_ns = clocks::host_now();
     reader.try_take_each(
         [&](const dds::SerializedSample& sample, const dds::SampleInfo&) {
-          const std::lock_guard lock(mutex_);
+          const threads::Lock lock(mutex_);
           for (const auto& [client, id] : subscribers_) {
             send_(client, message_data(id, received_ns, sample.bytes()), false);
           }
@@ -56,8 +56,8 @@ public:
 private:
   const dds::topics::SerializedTopic& topic_;
   const Send& send_;
-  std::mutex mutex_;  ///< guards the next
-  std::vector<std::pair<Client, SubscriptionId>> subscribers_;
+  threads::Mutex mutex_;
+  std::vector<std::pair<Client, SubscriptionId>> subscribers_ SONOPOSE_GUARDED_BY(mutex_);
   dds::SerializedReader reader_;  ///< last, because its listener is this object
 };
 

@@ -2,6 +2,7 @@
 #include "web/http/server.hpp"
 
 #include "logging/log.hpp"
+#include "threads/mutex.hpp"
 #include "web/http/interfaces.hpp"
 #include "web/http/refusal.hpp"
 
@@ -18,7 +19,6 @@
 #include <deque>
 #include <list>
 #include <map>
-#include <mutex>
 #include <stdexcept>
 #include <thread>
 #include <utility>
@@ -131,8 +131,8 @@ private:
   std::size_t websockets_ = 0;
   std::list<HttpConnection*> requesting_;  ///< longest without a request first
   std::atomic<std::size_t> posted_bytes_ = 0;
-  std::mutex drops_mutex_;  ///< guards the next
-  std::map<ClientId, std::uint64_t> drops_;
+  threads::Mutex drops_mutex_;
+  std::map<ClientId, std::uint64_t> drops_ SONOPOSE_GUARDED_BY(drops_mutex_);
   RefusalLog refusal_log_;
   RefusalLog protocol_log_;  ///< refusals of WebSockets that passed the rules
   // No concurrency hint of 1: with it, work posted by the serving thread runs after later work of other
@@ -412,7 +412,7 @@ void Server::Parts::send(std::vector<ClientId> clients, SharedText text, bool is
   const std::size_t size = text->size();
   if (posted_bytes_.fetch_add(size) + size > options_.max_posted_bytes && loss == Loss::allowed) {
     posted_bytes_ -= size;
-    const std::lock_guard lock(drops_mutex_);
+    const threads::Lock lock(drops_mutex_);
     for (const ClientId id : clients) ++drops_[id];
     return;
   }
@@ -430,7 +430,7 @@ void Server::Parts::send(std::vector<ClientId> clients, SharedText text, bool is
 void Server::Parts::take_drops() {
   std::map<ClientId, std::uint64_t> drops;
   {
-    const std::lock_guard lock(drops_mutex_);
+    const threads::Lock lock(drops_mutex_);
     drops.swap(drops_);
   }
   for (const auto& [id, count] : drops) {

@@ -118,7 +118,7 @@ LiveState::Beacon& LiveState::beacon(BeaconAddress address) {
 }
 
 void LiveState::on(const FusedPose& pose) noexcept {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   Beacon& beacon = this->beacon(pose.address);
   beacon.pose = pose;
   beacon.has_pose = true;
@@ -126,7 +126,7 @@ void LiveState::on(const FusedPose& pose) noexcept {
 }
 
 void LiveState::on(const TruthSample& truth) noexcept {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   Beacon& beacon = this->beacon(truth.address);
   beacon.truth = truth;
   beacon.has_truth = true;
@@ -134,7 +134,7 @@ void LiveState::on(const TruthSample& truth) noexcept {
 
 void LiveState::on(const FixReport& report) noexcept {
   if (report.hypothesis != 0) return;  // poses come from the main hypothesis
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   Beacon& beacon = this->beacon(report.address);
   beacon.watch.on(report, beacon.pending);
   if (beacon.fixes.size() == max_fixes) beacon.fixes.erase(beacon.fixes.begin());
@@ -143,7 +143,7 @@ void LiveState::on(const FixReport& report) noexcept {
 
 std::string LiveState::take_frame(TimeNs now_ns) {
   Frame frame(now_ns);
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   for (auto& [address, beacon] : beacons_) {
     frame.add(address, beacon.has_pose ? &beacon.pose : nullptr, beacon.has_truth ? &beacon.truth : nullptr,
               beacon.fixes);
@@ -156,7 +156,7 @@ std::string LiveState::take_frame(TimeNs now_ns) {
 
 std::string LiveState::latest(TimeNs now_ns) const {
   Frame frame(now_ns);
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   for (const auto& [address, beacon] : beacons_) {
     frame.add(address, beacon.pose.time_ns != 0 ? &beacon.pose : nullptr,
               beacon.truth.time_ns != 0 ? &beacon.truth : nullptr, {});
@@ -166,7 +166,7 @@ std::string LiveState::latest(TimeNs now_ns) const {
 
 std::vector<std::pair<BeaconAddress, transitions::TransitionQueue>> LiveState::take_transitions() {
   std::vector<std::pair<BeaconAddress, transitions::TransitionQueue>> taken;
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   for (auto& [address, beacon] : beacons_) {
     if (beacon.pending.empty()) continue;
     taken.emplace_back(address, beacon.pending);
@@ -176,7 +176,7 @@ std::vector<std::pair<BeaconAddress, transitions::TransitionQueue>> LiveState::t
 }
 
 void LiveState::forget(BeaconAddress address) {
-  const std::lock_guard lock(mutex_);
+  const threads::Lock lock(mutex_);
   beacons_.erase(address);
 }
 

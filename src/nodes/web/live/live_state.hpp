@@ -3,12 +3,12 @@
 /// Each beacon's content of the page between two seconds, and its text.
 
 #include "observation/bus/bus_watch.hpp"
+#include "threads/mutex.hpp"
 #include "transitions/transition.hpp"
 #include "transitions/transition_detector.hpp"
 
 #include <cstddef>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -53,10 +53,10 @@ private:
     transitions::TransitionQueue pending;
   };
 
-  Beacon& beacon(BeaconAddress address);
+  Beacon& beacon(BeaconAddress address) SONOPOSE_REQUIRES(mutex_);
 
-  mutable std::mutex mutex_;  ///< guards the members below
-  std::map<BeaconAddress, Beacon> beacons_;
+  mutable threads::Mutex mutex_;
+  std::map<BeaconAddress, Beacon> beacons_ SONOPOSE_GUARDED_BY(mutex_);
 };
 
 }  // namespace sonopose::web::live

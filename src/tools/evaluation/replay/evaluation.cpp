@@ -209,8 +209,8 @@ PredictionSummary prediction_of(const std::vector<CaseResult>& runs) {
           .wheel_speed_rms_mps = median_known(runs, [](Score run) { return run.wheel_speed_mps.error.rms; })};
 }
 
-void raise(std::optional<double>& most, double value) {
-  most = std::max(most.value_or(value), value);
+void update_max(std::optional<double>& max, double value) {
+  max = std::max(max.value_or(value), value);
 }
 
 }  // namespace
@@ -269,13 +269,13 @@ Summary summarise(const std::vector<CaseResult>& runs) {
       median(each(runs, [](const CaseResult& run) { return run.extrapolated_m.rmse; }));
   for (const CaseResult& run : runs) {
     for (const OutageResult& outage : run.outages) {
-      raise(summary.slowest_recovery_s, outage.recovery_s);
+      update_max(summary.slowest_recovery_s, outage.recovery_s);
       if (outage.drift_allowed_m > 0.0) {
-        raise(summary.worst_drift_share, outage.drift_m / outage.drift_allowed_m);
+        update_max(summary.worst_drift_share, outage.drift_m / outage.drift_allowed_m);
       }
     }
     for (const RelocationResult& relocation : run.relocations) {
-      raise(summary.slowest_recovery_s, relocation.settled_s);
+      update_max(summary.slowest_recovery_s, relocation.settled_s);
     }
   }
   return summary;

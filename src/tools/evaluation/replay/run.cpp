@@ -3,6 +3,7 @@
 #include "estimation/digest.hpp"
 #include "evaluation/score/comparison.hpp"
 #include <sonopose/estimation/snapshot_fields.hpp>
+#include <sonopose/samples/outputs.hpp>
 
 #include <algorithm>
 #include <stdexcept>
@@ -47,6 +48,7 @@ public:
     if (const auto* report = std::get_if<FixReport>(&output)) add(*report);
   }
 
+  estimation::Digest& digest() { return digest_; }
   RunResult& result() { return result_; }
 
   RunResult finished() {
@@ -54,9 +56,6 @@ public:
     result_.last_fix_m = comparison_.last_fix_m();
     result_.extrapolated_m = comparison_.extrapolated_m();
     result_.prediction = prediction_.score();
-    // The strapdown state is its last pose, which the digest already contains.
-    const auto& snapshot = result_.end.snapshot;
-    if (estimation::kind_of(snapshot) != estimation::EstimatorKind::strapdown) digest_.add(snapshot);
     result_.state_hash = digest_.text();
     return std::move(result_);
   }
@@ -69,20 +68,14 @@ private:
   RunResult result_;
 };
 
-estimation::EstimatorOptions estimator_options(const recording::SensorLog& log, const RunOptions& options) {
-  estimation::EstimatorOptions estimator{.kind = options.estimator, .strapdown_rule = options.strapdown_rule};
-  if (options.estimator == estimation::EstimatorKind::strapdown && !options.start) {
-    const auto start = first_complete_truth(log);
-    if (!start) {
-      throw std::invalid_argument(
-          "the strapdown engine starts from the truth, and the recording has no truth.csv with a row that "
-          "has "
-          "position, attitude and velocity");
-    }
-    estimator.strapdown_start = {start->time_ns, start->position_world_m, start->velocity_world_mps,
-                                 start->q_body_to_world};
+strapdown::State strapdown_start(const recording::SensorLog& log) {
+  const auto start = first_complete_truth(log);
+  if (!start) {
+    throw std::invalid_argument(
+        "strapdown integration starts from the truth, and the recording has no truth.csv with a row that has "
+        "position, attitude and velocity");
   }
-  return estimator;
+  return {start->time_ns, start->position_world_m, start->velocity_world_mps, start->q_body_to_world};
 }
 
 void check_start(const recording::SensorLog& log, const RunOptions& options) {
@@ -92,15 +85,15 @@ void check_start(const recording::SensorLog& log, const RunOptions& options) {
                                 ", but the recording has only " + std::to_string(log.events.size()) +
                                 " events: it is of another recording");
   }
-  const auto kind = options.estimator.value_or(estimation::kind_of(options.settings.engine.engine));
-  if (estimation::kind_of(options.start->snapshot) != kind) {
+  if (options.strapdown || estimation::kind_of(options.start->snapshot) != options.settings.engine.engine) {
     throw std::invalid_argument("the saved state is of another kind of estimator");
   }
 }
 
-/// Passes the recording's events to the estimator, within the start and end of the options.
-RunResult run_through(const recording::SensorLog& log, const RunOptions& options, Results& results,
-                      estimation::AnyEstimator& estimator) {
+/// Passes the recording's events within the start and end of the options to `process`, which returns an
+/// estimation::EventResult.
+void run_through(const recording::SensorLog& log, const RunOptions& options, Results& results,
+                 const auto& process) {
   RunResult& result = results.result();
   const TimeNs begin_ns = available_at_ns(log.events.front());
   std::uint64_t last_sequence = options.start ? options.start->sequence : 0;
@@ -118,9 +111,7 @@ RunResult run_through(const recording::SensorLog& log, const RunOptions& options
     const TimeNs now_ns = available_at_ns(event);
     if (const auto* fix = std::get_if<UltrasonicFix>(&event)) results.add(*fix);
     if (sequence_of(event) <= skipped) continue;
-    results.predict(event, estimator);
-    results.add(estimation::process(estimator, event));
-    estimator.finish_pending_work();  // as in the live fusion
+    results.add(process(event));
     ++result.events;
     if (const auto* imu = std::get_if<ImuSample>(&event)) {
       if (imu->sensor_time_ns < last_imu_ns) ++result.imu_stamps_back;
@@ -131,11 +122,40 @@ RunResult run_through(const recording::SensorLog& log, const RunOptions& options
     last_ns = std::max(last_ns, now_ns);
   }
   if (first_ns) result.duration_s = seconds_between(*first_ns, last_ns);
-  result.end = {.snapshot = estimator.snapshot(),
-                .sequence = last_sequence,
-                .beacon = address_of(log.events.front()),
-                .first_event_ns = begin_ns};
-  return results.finished();
+  result.end.sequence = last_sequence;
+  result.end.beacon = address_of(log.events.front());
+  result.end.first_event_ns = begin_ns;
+}
+
+void run_engine(const recording::SensorLog& log, const RunOptions& options, Results& results) {
+  estimation::AnyEstimator estimator(options.settings);
+  if (options.start) estimator.restore(options.start->snapshot);
+  const EstimatorCounters before = estimator.counters();
+  run_through(log, options, results, [&](const Event& event) {
+    results.predict(event, estimator);
+    const auto output = estimation::process(estimator, event);
+    estimator.finish_pending_work();  // as in the live fusion
+    return output;
+  });
+  results.result().end.snapshot = estimator.snapshot();
+  results.digest().add(results.result().end.snapshot);
+  results.result().counters = estimator.counters() - before;
+}
+
+void run_strapdown(const recording::SensorLog& log, const RunOptions& options, Results& results) {
+  strapdown::Integrator integrator(options.settings, strapdown_start(log), *options.strapdown);
+  run_through(log, options, results, [&](const Event& event) -> estimation::EventResult {
+    if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
+      FixReport report = report_on(*fix, integrator.state().time_ns);
+      report.shifted_position_world_m = fix->position_world_m;
+      return report;
+    }
+    if (const auto* imu = std::get_if<ImuSample>(&event)) {
+      if (const auto pose = integrator.predict(*imu)) return *pose;
+    }
+    return {};
+  });
+  results.result().counters = integrator.counters();
 }
 
 }  // namespace
@@ -152,13 +172,13 @@ std::optional<TruthSample> first_complete_truth(const recording::SensorLog& log)
 RunResult run(const recording::SensorLog& log, const RunOptions& options, const Observer& observer) {
   if (log.events.empty()) throw std::invalid_argument("the recording has no samples");
   check_start(log, options);
-  estimation::AnyEstimator estimator(options.settings, estimator_options(log, options));
-  if (options.start) estimator.restore(options.start->snapshot);
-  const EstimatorCounters before = estimator.counters();
   Results results(log, options, observer);
-  RunResult result = run_through(log, options, results, estimator);
-  result.counters = estimator.counters() - before;
-  return result;
+  if (options.strapdown) {
+    run_strapdown(log, options, results);
+  } else {
+    run_engine(log, options, results);
+  }
+  return results.finished();
 }
 
 }  // namespace sonopose::evaluation

@@ -3,6 +3,7 @@
 /// Runs the live fusion's estimator over a recording, without bus and clock. The same recording and settings
 /// give the same bits.
 
+#include "evaluation/replay/strapdown.hpp"
 #include "evaluation/score/fix_flag_counts.hpp"
 #include "evaluation/score/prediction_errors.hpp"
 #include "evaluation/score/score.hpp"
@@ -31,8 +32,7 @@ struct SavedState {
 
 struct RunOptions {
   settings::Settings settings{};
-  std::optional<estimation::EstimatorKind> estimator{};  ///< empty: the setting fusion.engine
-  estimation::strapdown::Rule strapdown_rule = estimation::strapdown::Rule::previous;
+  std::optional<strapdown::Rule> strapdown{};  ///< integrate the IMU alone, instead of running an engine
   double after_s = 0;               ///< score poses from this time after the recording's first event on
   std::optional<double> until_s{};  ///< stop before the first two consecutive events that are later than this
   std::optional<SavedState> start{};  ///< continue from this state with the following events
@@ -67,12 +67,12 @@ struct RunResult {
   PredictionScore prediction;
   std::optional<Smoothing> smoothing{};  ///< set if `fused` is the score of the smoothed poses
   std::string state_hash;                ///< digest of every pose and of the final state
-  SavedState end;
+  SavedState end;                        ///< of an engine
 };
 
-/// Runs an estimator over a recording. The strapdown estimator starts from the first complete truth sample.
-/// Throws std::invalid_argument if the recording has no samples, or no truth for the strapdown estimator.
-/// Also throws if `options.start` belongs to another recording or another kind of estimator.
+/// Runs an engine over a recording, or strapdown integration from the first complete truth sample. Throws
+/// std::invalid_argument if the recording has no samples, or strapdown integration has no truth to start from
+/// or is to continue a saved state. Also throws if `options.start` belongs to another recording or engine.
 RunResult run(const recording::SensorLog& log, const RunOptions& options, const Observer& observer = {});
 
 /// Returns the first truth sample with position, attitude and velocity; empty if none is complete.

@@ -19,11 +19,11 @@ bool is_logarithmic(const Variable& variable) {
   return variable.low > 0.0 && variable.high > 10.0 * variable.low;
 }
 
-/// Sets the variable to the value at `place`, 0 to 1, of its range.
-void set_at(settings::Settings& settings, const Variable& variable, double place) {
+/// Sets the variable to the value at `position`, 0 to 1, of its range.
+void set_at(settings::Settings& settings, const Variable& variable, double position) {
   const double ratio = variable.high / variable.low;
-  const double value = is_logarithmic(variable) ? variable.low * std::pow(ratio, place)
-                                                : variable.low + (variable.high - variable.low) * place;
+  const double value = is_logarithmic(variable) ? variable.low * std::pow(ratio, position)
+                                                : variable.low + (variable.high - variable.low) * position;
   const bool whole = std::holds_alternative<int>(settings::get(settings, variable.key));
   if (whole) {
     settings::set(settings, variable.key, static_cast<int>(std::lround(value)));
@@ -32,7 +32,7 @@ void set_at(settings::Settings& settings, const Variable& variable, double place
   }
 }
 
-double place_of(const settings::Settings& settings, const Variable& variable) {
+double position_in_range(const settings::Settings& settings, const Variable& variable) {
   const double value =
       std::clamp(number_of(settings::get(settings, variable.key)), variable.low, variable.high);
   if (is_logarithmic(variable)) {
@@ -86,26 +86,28 @@ Found search(const settings::Settings& start, const std::vector<Variable>& varia
              const std::function<bool(int)>& goes_on) {
   sim::Random random(seed);
   std::vector<double> best;
-  for (const Variable& variable : variables) best.push_back(place_of(start, variable));
+  for (const Variable& variable : variables) best.push_back(position_in_range(start, variable));
   const settings::Settings begin = within(start, variables);
   Found found{begin, cost(begin)};
-  constexpr double widest = 0.35;
-  constexpr double narrowest = 0.03;
+  constexpr double max_step = 0.35;
+  constexpr double min_step = 0.03;
   for (int round = 0; round < rounds && !variables.empty() && goes_on(round); ++round) {
-    const double width = widest + (narrowest - widest) * round / rounds;
-    std::vector<double> places = best;
+    const double step = max_step + (min_step - max_step) * round / rounds;
+    std::vector<double> positions = best;
     const int changes = 1 + static_cast<int>(3.0 * random.uniform());
     for (int i = 0; i < changes; ++i) {
-      double& place = places[static_cast<std::size_t>(random.uniform() * static_cast<double>(places.size()))];
-      place = std::clamp(place + width * (2.0 * random.uniform() - 1.0), 0.0, 1.0);
+      double& position =
+          positions[static_cast<std::size_t>(random.uniform() * static_cast<double>(positions.size()))];
+      position = std::clamp(position + step * (2.0 * random.uniform() - 1.0), 0.0, 1.0);
     }
     settings::Settings candidate = begin;
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      if (places[i] != place_of(begin, variables[i])) set_at(candidate, variables[i], places[i]);
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      if (positions[i] != position_in_range(begin, variables[i]))
+        set_at(candidate, variables[i], positions[i]);
     }
     const double candidate_cost = cost(candidate);
     if (!(candidate_cost < found.cost)) continue;
-    best = places;
+    best = positions;
     found = {candidate, candidate_cost};
     on_better(round, found);
   }

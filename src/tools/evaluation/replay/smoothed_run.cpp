@@ -16,8 +16,7 @@ using estimation::offline::Segment;
 using estimation::offline::SmoothedPose;
 
 void check_options(const RunOptions& options) {
-  const auto kind = options.estimator.value_or(estimation::kind_of(options.settings.engine.engine));
-  if (kind != estimation::EstimatorKind::kalman) {
+  if (options.strapdown || options.settings.engine.engine != settings::EngineKind::kalman) {
     throw std::invalid_argument("only the Kalman engine can be smoothed: set fusion.engine = \"kalman\"");
   }
   if (options.start) {

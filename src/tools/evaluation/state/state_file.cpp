@@ -100,7 +100,7 @@ std::string content_of(const std::filesystem::path& file) {
 }  // namespace
 
 std::string state_text(const SavedState& saved) {
-  const estimation::EstimatorKind kind = estimation::kind_of(saved.snapshot);
+  const settings::EngineKind kind = estimation::kind_of(saved.snapshot);
   OrderedJson file;
   file["format"] = format_name;
   file["version"] = format_version;
@@ -124,7 +124,7 @@ SavedState parse_state(std::string_view text, const std::string& name) {
   saved.beacon = static_cast<BeaconAddress>(beacon);
   if (saved.beacon != beacon) file.fail("beacon", "is " + std::to_string(beacon) + ", which is no address");
   file.read("first_event_ns", saved.first_event_ns);
-  estimation::EstimatorKind kind{};
+  settings::EngineKind kind{};
   file.read("estimator", kind);
   saved.snapshot = estimation::initial_snapshot(kind);
   estimation::reset_counter_of(saved.snapshot) = file.count32("reset_counter");

@@ -19,20 +19,20 @@ std::string kind_error(const json& value, std::string_view wanted) {
 
 /// Returns false for numbers that no real run reaches, and that may overflow in the next events.
 bool is_in_range(double number) {
-  constexpr double most = 1e12;
-  return std::abs(number) <= most;
+  constexpr double max_magnitude = 1e12;
+  return std::abs(number) <= max_magnitude;
 }
 
 /// Returns what is impossible about a filter's field. No real run ends with larger numbers, and larger ones
 /// may overflow.
 template <class Field>
 std::string_view fault_of(std::string_view name, const Field& field) {
-  constexpr double most = 1e9;
+  constexpr double max_magnitude = 1e9;
   if constexpr (std::is_same_v<Field, double>) {
     if (name.ends_with("_s") && field < 0.0) return "is a negative time";
-    if (std::abs(field) > most) return "is beyond 1e9";
+    if (std::abs(field) > max_magnitude) return "is beyond 1e9";
   } else if constexpr (std::is_same_v<Field, Vector3d> || std::is_same_v<Field, Eigen::Matrix3d>) {
-    if (field.cwiseAbs().maxCoeff() > most) return "is beyond 1e9";
+    if (field.cwiseAbs().maxCoeff() > max_magnitude) return "is beyond 1e9";
   }
   return {};
 }

@@ -156,7 +156,7 @@ TEST_CASE("pure integration starts at the first complete truth and needs one") {
     log.truth[i].velocity_world_mps.setConstant(std::numeric_limits<double>::quiet_NaN());
   }
   Outputs outputs;
-  const RunOptions options{.estimator = estimation::EstimatorKind::strapdown};
+  const RunOptions options{.strapdown = evaluation::strapdown::Rule::previous};
   const auto result = run_and_record(log, options, outputs);
   CHECK(outputs.poses.front().time_ns == log.truth[100].time_ns);
   CHECK(outputs.poses.front().position_world_m == log.truth[100].position_world_m);

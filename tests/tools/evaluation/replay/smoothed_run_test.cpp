@@ -95,8 +95,9 @@ SCENARIO("what cannot be smoothed is refused with the reason") {
   GIVEN("a recording") {
     const recording::SensorLog log = sample_log("walk", 2.0);
     THEN("another engine, a saved state and an estimated delay are refused") {
-      CHECK_THROWS_WITH(evaluation::run_smoothed(log, {.estimator = estimation::EstimatorKind::documented}),
-                        Contains("Kalman"));
+      evaluation::RunOptions documented;
+      documented.settings.engine.engine = settings::EngineKind::documented;
+      CHECK_THROWS_WITH(evaluation::run_smoothed(log, documented), Contains("Kalman"));
       evaluation::RunOptions continued;
       continued.start = evaluation::run(log, {}).end;
       CHECK_THROWS_WITH(evaluation::run_smoothed(log, continued), Contains("saved state"));

@@ -1,4 +1,5 @@
-#include <sonopose/estimation/strapdown/engine.hpp>
+#include "evaluation/replay/strapdown.hpp"
+
 #include <sonopose/geometry/rotation.hpp>
 
 #include <catch2/catch.hpp>
@@ -6,10 +7,10 @@
 #include <cmath>
 #include <numbers>
 
-namespace strapdown_engine_test {
+namespace strapdown_test {
 
 using namespace sonopose;
-using namespace sonopose::estimation::strapdown;
+using namespace sonopose::evaluation::strapdown;
 
 constexpr TimeNs start_ns = 1'700'000'000'000'000'000;
 
@@ -45,7 +46,7 @@ struct Helix {
 };
 
 State after(double duration_s, double step_s, Rule rule) {
-  Engine strapdown({}, Helix::state(0.0), rule);
+  Integrator strapdown({}, Helix::state(0.0), rule);
   const int steps = static_cast<int>(std::lround(duration_s / step_s));
   for (int k = 0; k <= steps; ++k) strapdown.predict(Helix::imu(k * step_s));
   return strapdown.state();
@@ -87,7 +88,8 @@ TEST_CASE("the document's rule is of first order in the step, the mean rule of s
 TEST_CASE("one step is the document's equations 1 to 4 with the values of sample k-1") {
   // Level, facing world Y, at 2 m/s along X; accelerated forwards by 1 m/s² and turning left at 1 rad/s.
   const double quarter = std::numbers::pi / 2;
-  Engine strapdown({}, {start_ns, {1, 2, 3}, {2, 0, 0}, geometry::rotation_about_z(quarter)}, Rule::previous);
+  Integrator strapdown({}, {start_ns, {1, 2, 3}, {2, 0, 0}, geometry::rotation_about_z(quarter)},
+                       Rule::previous);
   ImuSample imu;
   imu.sensor_time_ns = start_ns;
   imu.specific_force_body_mps2 = {1, 0, standard_gravity_mps2};
@@ -108,7 +110,7 @@ TEST_CASE("one step is the document's equations 1 to 4 with the values of sample
 TEST_CASE("the increment stands on the right: a tilted body turns about its own axis") {
   // Nose straight down: body X is world −Z. A roll about body X turns it about the vertical.
   const Quaterniond nose_down = geometry::rotation_by({0, std::numbers::pi / 2, 0});
-  Engine strapdown({}, {start_ns, {0, 0, 0}, {0, 0, 0}, nose_down}, Rule::previous);
+  Integrator strapdown({}, {start_ns, {0, 0, 0}, {0, 0, 0}, nose_down}, Rule::previous);
   ImuSample imu;
   imu.sensor_time_ns = start_ns + to_ns(1.0);
   imu.specific_force_body_mps2 = {0, 0, 1};
@@ -119,7 +121,7 @@ TEST_CASE("the increment stands on the right: a tilted body turns about its own 
 }
 
 TEST_CASE("the first step begins at the start, not at the sample before it") {
-  Engine strapdown({}, {start_ns, {0, 0, 0}, {1, 0, 0}, Quaterniond::Identity()}, Rule::previous);
+  Integrator strapdown({}, {start_ns, {0, 0, 0}, {1, 0, 0}, Quaterniond::Identity()}, Rule::previous);
   ImuSample imu;
   imu.specific_force_body_mps2 = {0, 0, standard_gravity_mps2};
   imu.sensor_time_ns = start_ns - to_ns(0.006);
@@ -130,4 +132,4 @@ TEST_CASE("the first step begins at the start, not at the sample before it") {
   CHECK(strapdown.state().position_world_m.x() == Approx(0.004));
 }
 
-}  // namespace strapdown_engine_test
+}  // namespace strapdown_test

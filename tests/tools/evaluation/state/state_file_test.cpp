@@ -19,7 +19,7 @@ using nlohmann::json;
 /// A state of the documented engine in which every group has changed.
 evaluation::SavedState busy_state() {
   evaluation::RunOptions options;
-  options.estimator = estimation::EstimatorKind::documented;
+  options.settings.engine.engine = settings::EngineKind::documented;
   options.until_s = 13.0;
   return evaluation::run(sample_log("outlier_bursts"), options).end;
 }
@@ -74,16 +74,16 @@ TEST_CASE("a run of the Kalman engine that continues from a file ends like the w
   }
 }
 
-TEST_CASE("the state of a strapdown run comes back too, and continues like the whole run") {
+TEST_CASE("a state does not continue another engine, nor strapdown integration") {
   const recording::SensorLog log = sample_log("walk", 4.0);
-  const evaluation::RunOptions whole{.estimator = estimation::EstimatorKind::strapdown};
-  evaluation::RunOptions half = whole;
-  half.until_s = 2.0;
-  evaluation::RunOptions rest = whole;
-  rest.start = evaluation::parse_state(evaluation::state_text(evaluation::run(log, half).end), "s.json");
-  CHECK(evaluation::run(log, rest).end == evaluation::run(log, whole).end);
-  rest.estimator = estimation::EstimatorKind::documented;
-  CHECK_THROWS_WITH(evaluation::run(log, rest), Contains("another kind"));
+  evaluation::RunOptions options;
+  options.settings.engine.engine = settings::EngineKind::kalman;
+  options.start = evaluation::run(log, options).end;
+  options.settings.engine.engine = settings::EngineKind::documented;
+  CHECK_THROWS_WITH(evaluation::run(log, options), Contains("another kind"));
+  options.settings.engine.engine = settings::EngineKind::kalman;
+  options.strapdown = evaluation::strapdown::Rule::previous;
+  CHECK_THROWS_WITH(evaluation::run(log, options), Contains("another kind"));
 }
 
 TEST_CASE("a state fits the recording of its run, and no other") {
@@ -129,7 +129,7 @@ TEST_CASE("a file that is no saved state is refused with file and field") {
   CHECK_THAT(error_message_after([](json& file) { file["version"] = 99; }),
              Contains("s.json: version: is 99, this program reads version"));
   CHECK_THAT(error_message_after([](json& file) { file["estimator"] = "guess"; }),
-             Contains("s.json: estimator: is \"guess\" instead of documented or strapdown"));
+             Contains("s.json: estimator: is \"guess\" instead of documented or kalman"));
   CHECK_THAT(error_message_after([](json& file) { file.erase("sequence"); }),
              Contains("sequence: is missing"));
   CHECK_THAT(error_message_after([](json& file) { file["colour"] = 1; }),

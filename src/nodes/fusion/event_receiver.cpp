@@ -1,0 +1,195 @@
+#include "fusion/event_receiver.hpp"
+
+#include "clocks/clocks.hpp"
+#include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/dds/topics/conversions.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <exception>
+#include <memory>
+#include <optional>
+
+namespace sonopose::fusion {
+namespace {
+
+namespace topics = dds::topics;
+using threads::Lock;
+
+constexpr std::uint64_t FusionStatus::*counter_of(const sonopose_ImuSample& /*stream*/) {
+  return &FusionStatus::imu_deadlines_missed;
+}
+constexpr std::uint64_t FusionStatus::*counter_of(const sonopose_UltrasonicFix& /*stream*/) {
+  return &FusionStatus::fix_deadlines_missed;
+}
+constexpr std::uint64_t FusionStatus::*counter_of(const sonopose_PairHeading& /*stream*/) {
+  return &FusionStatus::heading_deadlines_missed;
+}
+
+}  // namespace
+
+EventReceiver::EventReceiver(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+                             topics::Delivery delivery, presence::BeaconAdmission& admission,
+                             const Targets& targets, Overload& overload, process::EndpointCounters& endpoints,
+                             const std::atomic<bool>& stopping)
+    : input_deadline_ns_(input_deadline_ns(qos)),
+      targets_(targets),
+      endpoints_(endpoints),
+      stopping_(stopping),
+      overload_(overload) {
+  const bool lossless = delivery == topics::Delivery::lossless;
+  const auto input = [&](const auto& topic, auto& listener) {
+    return topics::make_reader(participant, qos, topic, lossless ? nullptr : &listener, delivery, &admission);
+  };
+  fix_reader_ = input(topics::fix, fix_listener_);
+  heading_reader_ = input(topics::heading, heading_listener_);
+  imu_reader_ = input(topics::imu, imu_listener_);
+  reset_reader_ = topics::make_reader(participant, qos, topics::reset, &reset_listener_);
+  if (lossless) {
+    lossless_thread_ = std::jthread([this](const std::stop_token& stop) { serve_lossless(stop); });
+  } else {
+    backlog_thread_.start([this] { take_backlog(); }, [this] { on_caught_up(); });
+  }
+}
+
+EventReceiver::~EventReceiver() {
+  lossless_thread_ = {};
+  backlog_thread_.stop();
+  imu_reader_.close();
+  fix_reader_.close();
+  heading_reader_.close();
+  reset_reader_.close();
+}
+
+TimeNs EventReceiver::input_deadline_ns(const dds::qos::Provider& qos) {
+  constexpr TimeNs max_ns = 1'000'000'000;
+  return std::min(max_ns, dds::deadline_of(qos.datareader_qos(topics::imu.profile)).count());
+}
+
+template <class T>
+void EventReceiver::on_data(dds::DataReader<T>& reader) noexcept {
+  if (overload_.is_deferring()) return backlog_thread_.wake();
+  const Lock lock(taking_);
+  const SteadyTime now = clocks::steady_now();
+  unpaused_clock_.on_poll(now);
+  take(reader, now);
+  postpone_poll(now);
+}
+
+template <class T>
+void EventReceiver::take(dds::DataReader<T>& reader, SteadyTime now) noexcept {
+  const TimeNs in_ns = clocks::host_now();
+  is_working_ = true;
+  reader.try_take_each([&](const T& sample, const dds::SampleInfo& info) {
+    taking_.assert_held();
+    if (stopping_) return;  // a lossless reader may buffer minutes of samples
+    process(topics::from_idl(sample), info.publication_handle(), in_ns, now);
+  });
+  targets_.publisher.publish_held_back();
+  is_working_ = false;
+}
+
+/// Passes an event, and those that waited for it, to the estimator and its results to the publisher. The lock
+/// of the estimators is held twice for a sample: for its pose, and for the work that the pose need not await.
+void EventReceiver::process(const Event& event, dds::InstanceHandle bridge, TimeNs in_ns,
+                            SteadyTime now) noexcept {
+  try {
+    const BeaconAddress address = address_of(event);
+    std::shared_ptr<BeaconEstimator> estimator;
+    auto outcome = targets_.estimators.with([&](auto& all) {
+      taking_.assert_held();
+      estimator = all.find_or_make(address);
+      estimator->collate(event, bridge.value, now, unpaused_clock_.time());
+      return estimator->process_next();
+    });
+    while (outcome) {
+      targets_.publisher.publish(*outcome, address, in_ns);
+      if (outcome->settings_changed) targets_.settings.on_change();
+      outcome = targets_.estimators.with([&](auto&) { return estimator->process_next(); });
+    }
+  } catch (...) {
+    // No memory for a new beacon. Terminating here keeps the reason, which g++ 12 loses if the exception
+    // leaves an inlined noexcept function.
+    std::terminate();
+  }
+}
+
+void EventReceiver::postpone_poll(SteadyTime now) noexcept {
+  const auto asserted_until = targets_.publisher.asserted_until(now);
+  if (!asserted_until || now - postponed_at_ < targets_.publisher.tick_ns()) return;
+  postponed_at_ = now;
+  const bool must_report = targets_.estimators.with(
+      [&](const auto& all) { return all.have_unreported_changes(now, input_deadline_ns_); });
+  poll_alarm_.set(must_report ? now : *asserted_until);
+}
+
+/// Drains all readers, last stream first, so that an event's predecessors are already in a reader.
+void EventReceiver::take_backlog() noexcept {
+  const Lock lock(taking_);
+  const SteadyTime now = clocks::steady_now();
+  unpaused_clock_.on_poll(now);
+  overload_.on_round(now, clocks::thread_time_ns());
+  take(heading_reader_, now);
+  take(fix_reader_, clocks::steady_now());
+  take(imu_reader_, clocks::steady_now());
+}
+
+void EventReceiver::on_caught_up() noexcept {
+  const Lock lock(taking_);
+  overload_.on_caught_up(clocks::steady_now());
+}
+
+void EventReceiver::update() noexcept {
+  if (overload_.is_deferring()) backlog_thread_.wake();
+}
+
+void EventReceiver::serve_lossless(const std::stop_token& stop) {
+  const dds::ReadCondition imu(imu_reader_);
+  const dds::ReadCondition fix(fix_reader_);
+  const dds::ReadCondition heading(heading_reader_);
+  dds::WaitSet waitset;
+  waitset += imu;
+  waitset += fix;
+  waitset += heading;
+  while (!stop.stop_requested()) {
+    waitset.wait(std::chrono::milliseconds(100));
+    const Lock lock(taking_);
+    take(imu_reader_, clocks::steady_now());
+    take(fix_reader_, clocks::steady_now());
+    take(heading_reader_, clocks::steady_now());
+  }
+}
+
+void EventReceiver::on_data(dds::DataReader<sonopose_ResetCommand>& reader) noexcept {
+  reader.try_take_each([this](const sonopose_ResetCommand& command, const dds::SampleInfo&) {
+    targets_.estimators.with([&](auto& all) { all.reset(command.address, command.request_id); });
+  });
+}
+
+template <class T>
+void EventReceiver::on_deadline_missed(dds::DataReader<T>& reader,
+                                       const dds::RequestedDeadlineMissedStatus& status) noexcept {
+  if constexpr (requires(const T& stream) { counter_of(stream); }) {
+    T key{};
+    if (status.total_count_change <= 0 || reader.try_key_value(key, {status.last_instance_handle}) < 0)
+      return;
+    targets_.estimators.with([&](auto& all) {
+      BeaconEstimator* const estimator = all.find(key.address);
+      if (estimator == nullptr) return;
+      estimator->on_deadline_missed(counter_of(key), static_cast<std::uint64_t>(status.total_count_change));
+    });
+  }
+}
+
+void EventReceiver::on_bridge_liveliness(const dds::LivelinessChangedStatus& status) noexcept {
+  if (status.not_alive_count_change <= 0) return;
+  const SteadyTime now = clocks::steady_now();
+  targets_.estimators.with([&](auto& all) {
+    all.for_each([&](BeaconAddress, BeaconEstimator& estimator) {
+      estimator.on_bridge_lost(status.last_publication_handle, now);
+    });
+  });
+}
+
+}  // namespace sonopose::fusion

@@ -1,0 +1,121 @@
+#pragma once
+/// \file
+/// Receives the events of all beacons: from a sample in a DDS reader to its pose at the publisher.
+
+#include "fusion/backlog_thread.hpp"
+#include "fusion/beacon_estimators.hpp"
+#include "fusion/overload.hpp"
+#include "fusion/pose_publisher.hpp"
+#include "fusion/settings_server.hpp"
+#include "presence/beacon_admission.hpp"
+#include "process/endpoint_counters.hpp"
+#include "process/stop_signal.hpp"
+#include "threads/guarded.hpp"
+#include "threads/mutex.hpp"
+#include <sonopose/collation/pause_compensated_clock.hpp>
+#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/topics/topics.hpp>
+
+#include <atomic>
+#include <thread>
+#include <type_traits>
+
+namespace sonopose::fusion {
+
+/// Takes events, passes each to its beacon's estimator, and passes the results on. Live, Cyclone's receiving
+/// thread does all of this; under load, a thread for the backlog. Lossless events have a thread of their own.
+class EventReceiver {
+public:
+  /// Where events go. All must outlive the receiver.
+  struct Targets {
+    threads::Guarded<BeaconEstimators>& estimators;  ///< the lock guards each estimator too
+    PosePublisher& publisher;
+    SettingsServer& settings;
+  };
+
+  /// Starts receiving. Once `stopping` is set, it takes no further events.
+  EventReceiver(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+                dds::topics::Delivery delivery, presence::BeaconAdmission& admission, const Targets& targets,
+                Overload& overload, process::EndpointCounters& endpoints, const std::atomic<bool>& stopping);
+  EventReceiver(const EventReceiver&) = delete;
+  EventReceiver& operator=(const EventReceiver&) = delete;
+  ~EventReceiver();
+
+  /// Silence of the IMU after which its last sample is no longer used: its deadline, at most a second.
+  [[nodiscard]] static TimeNs input_deadline_ns(const dds::qos::Provider& qos);
+
+  /// True while an event is processed.
+  [[nodiscard]] bool is_working() const { return is_working_; }
+
+  /// While in the future: the latest time of the next PosePublisher::poll. Receiving sets it while poses
+  /// flow, so that the polling thread does not wake for nothing.
+  [[nodiscard]] process::Alarm& poll_alarm() { return poll_alarm_; }
+
+  /// Ends a deferral that no sample ends. Call it once a second.
+  void update() noexcept;
+
+private:
+  /// Passes on the samples and status changes of one topic, on the receiving thread.
+  template <class T>
+  class Listener final : public process::CountingReaderListener<T> {
+  public:
+    explicit Listener(EventReceiver& receiver)
+        : process::CountingReaderListener<T>(receiver.endpoints_), receiver_(receiver) {}
+    void on_data_available(dds::DataReader<T>& reader) noexcept override { receiver_.on_data(reader); }
+    void on_requested_deadline_missed(dds::DataReader<T>& reader,
+                                      const dds::RequestedDeadlineMissedStatus& status) noexcept override {
+      receiver_.on_deadline_missed(reader, status);
+    }
+    void on_liveliness_changed(dds::DataReader<T>& /*reader*/,
+                               const dds::LivelinessChangedStatus& status) noexcept override {
+      if (std::is_same_v<T, sonopose_ImuSample>) receiver_.on_bridge_liveliness(status);
+    }
+
+  private:
+    EventReceiver& receiver_;
+  };
+
+  template <class T>
+  void on_data(dds::DataReader<T>& reader) noexcept;
+  void on_data(dds::DataReader<sonopose_ResetCommand>& reader) noexcept;
+  template <class T>
+  void on_deadline_missed(dds::DataReader<T>& reader,
+                          const dds::RequestedDeadlineMissedStatus& status) noexcept;
+  void on_bridge_liveliness(const dds::LivelinessChangedStatus& status) noexcept;
+  template <class T>
+  void take(dds::DataReader<T>& reader, SteadyTime now) noexcept SONOPOSE_REQUIRES(taking_);
+  void process(const Event& event, dds::InstanceHandle bridge, TimeNs in_ns, SteadyTime now) noexcept
+      SONOPOSE_REQUIRES(taking_);
+  void postpone_poll(SteadyTime now) noexcept SONOPOSE_REQUIRES(taking_);
+  void take_backlog() noexcept;
+  void on_caught_up() noexcept;
+  void serve_lossless(const std::stop_token& stop);
+
+  const TimeNs input_deadline_ns_;
+  Targets targets_;
+  process::EndpointCounters& endpoints_;
+  const std::atomic<bool>& stopping_;
+  std::atomic<bool> is_working_ = false;
+  process::Alarm poll_alarm_;
+
+  // Held by the thread that takes samples: Cyclone's receiving thread, one of those below, or that of a
+  // writer in this process.
+  threads::Mutex taking_;
+  Overload& overload_;  // while held: what Overload asks of one thread at a time
+  collation::PauseCompensatedClock unpaused_clock_ SONOPOSE_GUARDED_BY(taking_);
+  SteadyTime postponed_at_ SONOPOSE_GUARDED_BY(taking_);  // time of the last postponement
+
+  Listener<sonopose_ImuSample> imu_listener_{*this};
+  Listener<sonopose_UltrasonicFix> fix_listener_{*this};
+  Listener<sonopose_PairHeading> heading_listener_{*this};
+  Listener<sonopose_ResetCommand> reset_listener_{*this};
+  // Readers last: their listeners may be called before the constructor ends.
+  dds::DataReader<sonopose_ImuSample> imu_reader_;
+  dds::DataReader<sonopose_UltrasonicFix> fix_reader_;
+  dds::DataReader<sonopose_PairHeading> heading_reader_;
+  dds::DataReader<sonopose_ResetCommand> reset_reader_;
+  std::jthread lossless_thread_;
+  BacklogThread backlog_thread_;
+};
+
+}  // namespace sonopose::fusion
