@@ -3,8 +3,8 @@
 /// Converts packets of all beacons of a line to samples.
 
 #include "marvelmind/beacon_assembler.hpp"
-#include "marvelmind/event_sink.hpp"
 #include "marvelmind/packet.hpp"
+#include "marvelmind/sink_ref.hpp"
 #include <sonopose/samples/samples.hpp>
 #include <sonopose/samples/status.hpp>
 

@@ -3,8 +3,8 @@
 /// Converts the packets of one beacon to samples.
 
 #include "marvelmind/clock_set.hpp"
-#include "marvelmind/event_sink.hpp"
 #include "marvelmind/packet.hpp"
+#include "marvelmind/sink_ref.hpp"
 #include <sonopose/samples/samples.hpp>
 #include <sonopose/samples/status.hpp>
 

@@ -2,8 +2,8 @@
 /// \file
 /// Converts samples to packets, as a real beacon would have sent them.
 
-#include "marvelmind/event_sink.hpp"
 #include "marvelmind/packet.hpp"
+#include "marvelmind/sink_ref.hpp"
 #include <sonopose/samples/samples.hpp>
 
 #include <cstdint>

@@ -76,7 +76,7 @@ public:
         bytes_(std::move(bytes)),
         watch_(std::move(watch)),
         beacons_(options.max_beacons) {
-    if (options.capture) capture_.emplace(*options.capture, publication::WhenFull::lose);
+    if (options.capture) capture_.emplace(*options.capture, publication::FullQueuePolicy::lose);
   }
 
   void run(publication::SampleSink& sink, const process::StopSignal& stop) override {

@@ -16,7 +16,7 @@ namespace sonopose::bridge {
 class Capture {
 public:
   /// Throws files::IoError if the file cannot be opened. Later errors end the capture and are logged.
-  Capture(const std::filesystem::path& file, publication::WhenFull when_full)
+  Capture(const std::filesystem::path& file, publication::FullQueuePolicy when_full)
       : writer_({"the capture", "byte"}, capacity, when_full,
                 [to = std::make_shared<transport::CaptureFile>(file)](std::span<const std::uint8_t> bytes) {
                   to->append(bytes);

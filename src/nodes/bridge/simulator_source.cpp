@@ -26,7 +26,7 @@ namespace {
 /// Writes the bytes that a real beacon would have sent.
 class BeaconCapture {
 public:
-  BeaconCapture(const std::filesystem::path& file, publication::WhenFull when_full, TimeNs wake_up_ns)
+  BeaconCapture(const std::filesystem::path& file, publication::FullQueuePolicy when_full, TimeNs wake_up_ns)
       : capture_(file, when_full), disassembler_({.beacon_zero_ns = wake_up_ns}) {}
 
   void on(const Event& event) {
@@ -188,8 +188,8 @@ public:
       : pacer_(options.rate), beacons_(options, simulated_start_ns) {
     // A beacon wakes up before it measures, so its first stamp is not negative.
     constexpr TimeNs awake_before_ns = 1'000'000'000;
-    const publication::WhenFull when_full =
-        options.rate == 0.0 ? publication::WhenFull::wait : publication::WhenFull::lose;
+    const publication::FullQueuePolicy when_full =
+        options.rate == 0.0 ? publication::FullQueuePolicy::wait : publication::FullQueuePolicy::lose;
     if (options.capture) capture_.emplace(*options.capture, when_full, simulated_start_ns - awake_before_ns);
   }
 

@@ -50,8 +50,8 @@ bool CsvReader::next_row() {
     row_ = trimmed(*line);
   } while (row_.empty());
   const std::size_t count = split(row_);
-  const std::size_t least = layout_.short_rows ? layout_.min_columns : header_columns_;
-  if (count < least || count > header_columns_) {
+  const std::size_t min_count = layout_.short_rows ? layout_.min_columns : header_columns_;
+  if (count < min_count || count > header_columns_) {
     fail_line("has " + std::to_string(count) + " columns where the header has " +
               std::to_string(header_columns_));
   }

@@ -37,8 +37,8 @@ std::string& program_name() {
 class Distributor final : public spdlog::sinks::base_sink<spdlog::details::null_mutex> {
 public:
   /// `pool`: source of dropped entries. It joins the thread that calls this sink, so it outlives all calls.
-  Distributor(Level least, thread_pool& pool, StandardError& error)
-      : min_(least), pool_(pool), error_(error) {}
+  Distributor(Level min_level, thread_pool& pool, StandardError& error)
+      : min_(min_level), pool_(pool), error_(error) {}
 
   /// The waiting calls. Each is made when the mark with its number is read.
   WaitingCalls& waiting() { return waiting_; }
@@ -112,23 +112,23 @@ private:
 
 thread_local Distributor* Distributor::on_this_thread = nullptr;
 
-/// The parts of a session, shared so that a line in progress keeps them alive.
-struct Parts {
-  Parts(Level least, std::size_t capacity)
+/// The state of a session, shared so that a line in progress keeps it alive.
+struct SessionState {
+  SessionState(Level min_level, std::size_t capacity)
       : error(capacity),
         pool(std::make_shared<thread_pool>(Session::default_capacity, 1,
                                            [] { ::pthread_setname_np(::pthread_self(), "log"); })),
-        distributor(std::make_shared<Distributor>(least, *pool, error)),
+        distributor(std::make_shared<Distributor>(min_level, *pool, error)),
         logger(std::make_shared<spdlog::async_logger>("", distributor, pool,
                                                       spdlog::async_overflow_policy::overrun_oldest)) {
-    logger->set_level(spdlog_level(least));
+    logger->set_level(spdlog_level(min_level));
   }
-  Parts(const Parts&) = delete;
-  Parts& operator=(const Parts&) = delete;
-  Parts(Parts&&) = delete;
-  Parts& operator=(Parts&&) = delete;
-  /// Joins the thread before the parts that it uses end.
-  ~Parts() {
+  SessionState(const SessionState&) = delete;
+  SessionState& operator=(const SessionState&) = delete;
+  SessionState(SessionState&&) = delete;
+  SessionState& operator=(SessionState&&) = delete;
+  /// Joins the thread before what it uses ends.
+  ~SessionState() {
     logger.reset();
     pool.reset();
   }
@@ -148,9 +148,9 @@ struct Parts {
 };
 
 threads::Mutex session_mutex;
-std::shared_ptr<Parts> session SONOPOSE_GUARDED_BY(session_mutex);  // null without one
+std::shared_ptr<SessionState> session SONOPOSE_GUARDED_BY(session_mutex);  // null without one
 
-std::shared_ptr<Parts> current() {
+std::shared_ptr<SessionState> current() {
   const threads::Lock lock(session_mutex);
   return session;
 }
@@ -173,32 +173,32 @@ Listening::~Listening() {
   listeners().remove(listener_);
 }
 
-Session::Session(Level least, std::size_t capacity) {
-  auto parts = std::make_shared<Parts>(least, capacity);
+Session::Session(Level min_level, std::size_t capacity) {
+  auto state = std::make_shared<SessionState>(min_level, capacity);
   const threads::Lock lock(session_mutex);
-  session = std::move(parts);
+  session = std::move(state);
 }
 
 /// Each thread pool writes its queued lines before it ends. The lock is released first, since a call may log.
 Session::~Session() {
-  std::shared_ptr<Parts> parts;
+  std::shared_ptr<SessionState> state;
   {
     const threads::Lock lock(session_mutex);
-    parts.swap(session);
+    state.swap(session);
   }
 }
 
 std::size_t Session::dropped() const {
-  const auto parts = current();
-  return parts ? parts->pool->overrun_counter() + parts->error.dropped() : 0;
+  const auto state = current();
+  return state ? state->pool->overrun_counter() + state->error.dropped() : 0;
 }
 
 void write(Level level, std::string_view text) noexcept {
   try {
     if (Distributor* const distributor = Distributor::of_this_thread()) {
       distributor->write_own(level, text);
-    } else if (const auto parts = current()) {
-      parts->logger->log(spdlog_level(level), spdlog::string_view_t(text.data(), text.size()));
+    } else if (const auto state = current()) {
+      state->logger->log(spdlog_level(level), spdlog::string_view_t(text.data(), text.size()));
     } else {
       write_at_once(level, text);
     }
@@ -209,10 +209,10 @@ void write(Level level, std::string_view text) noexcept {
 void later(std::function<void()> log) noexcept {
   try {
     if (Distributor::of_this_thread() != nullptr) return log();
-    const auto parts = current();
-    if (!parts) return log();
-    if (const auto number = parts->distributor->waiting().add(std::move(log))) {
-      parts->logger->log(mark(call_mark, *number), spdlog::level::critical, spdlog::string_view_t());
+    const auto state = current();
+    if (!state) return log();
+    if (const auto number = state->distributor->waiting().add(std::move(log))) {
+      state->logger->log(mark(call_mark, *number), spdlog::level::critical, spdlog::string_view_t());
     }
   } catch (...) {  // NOLINT(bugprone-empty-catch): there is no memory for the line
   }
@@ -222,7 +222,7 @@ void failure(std::string_view text) noexcept {
   write(Level::failure, text);
   try {
     if (Distributor* const distributor = Distributor::of_this_thread()) return distributor->flush_own();
-    if (const auto parts = current()) parts->flush();
+    if (const auto state = current()) state->flush();
   } catch (...) {  // NOLINT(bugprone-empty-catch): there is no memory to wait with
   }
 }

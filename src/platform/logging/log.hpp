@@ -33,7 +33,7 @@ public:
 
   /// Drops lines below `least` without counting them. `capacity`: lines that may wait for standard error.
   /// Throws std::runtime_error if no thread can be created.
-  explicit Session(Level least, std::size_t capacity = default_capacity);
+  explicit Session(Level min_level, std::size_t capacity = default_capacity);
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
   /// Writes the waiting lines. Gives up after a second in which standard error took none.

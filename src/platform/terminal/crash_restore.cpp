@@ -34,12 +34,12 @@ struct Saved {
 Saved saved;
 
 /// The latest text on standard error, in a form that a crash handler can read, unlike a container.
-struct Kept {
+struct RecentErrorText {
   std::array<char, 16384> text{};
   std::atomic<std::size_t> size = 0;  ///< bytes ever written; each is stored at its number modulo the length
   std::atomic<int> pipe_fd = -1;
 };
-Kept kept;
+RecentErrorText recent_text;
 static_assert(std::atomic<std::size_t>::is_always_lock_free && std::atomic<int>::is_always_lock_free &&
               std::atomic<bool>::is_always_lock_free);
 
@@ -55,14 +55,14 @@ void write_to_error(const char* text, std::size_t size) noexcept {
 
 /// Makes only async-signal-safe calls.
 void write_kept() noexcept {
-  const int fd = kept.pipe_fd;
+  const int fd = recent_text.pipe_fd;
   if (fd < 0) return;
-  const std::size_t size = kept.size;
-  const std::size_t length = std::min(size, kept.text.size());
-  const std::size_t begin = (size - length) % kept.text.size();
-  const std::size_t first = std::min(length, kept.text.size() - begin);
-  write_to_error(kept.text.data() + begin, first);
-  write_to_error(kept.text.data(), length - first);
+  const std::size_t size = recent_text.size;
+  const std::size_t length = std::min(size, recent_text.text.size());
+  const std::size_t begin = (size - length) % recent_text.text.size();
+  const std::size_t first = std::min(length, recent_text.text.size() - begin);
+  write_to_error(recent_text.text.data() + begin, first);
+  write_to_error(recent_text.text.data(), length - first);
   constexpr int max_reads = 64;  // other threads may continue to write
   std::array<char, 1024> rest{};
   for (int i = 0; i < max_reads; ++i) {
@@ -122,15 +122,15 @@ CrashRestore::CrashRestore(int terminal_fd, int error_fd) {
 }
 
 void CrashRestore::read_from(int fd) noexcept {
-  kept.size = 0;
-  kept.pipe_fd = fd;
+  recent_text.size = 0;
+  recent_text.pipe_fd = fd;
 }
 
 void CrashRestore::keep(std::string_view text) noexcept {
-  if (text.size() > kept.text.size()) text.remove_prefix(text.size() - kept.text.size());
-  std::size_t size = kept.size;
-  for (const char byte : text) kept.text[size++ % kept.text.size()] = byte;
-  kept.size = size;
+  if (text.size() > recent_text.text.size()) text.remove_prefix(text.size() - recent_text.text.size());
+  std::size_t size = recent_text.size;
+  for (const char byte : text) recent_text.text[size++ % recent_text.text.size()] = byte;
+  recent_text.size = size;
 }
 
 void CrashRestore::restore_now() noexcept {

@@ -18,7 +18,7 @@ constexpr std::size_t capacity = 1U << 15U;
 }  // namespace
 
 BackgroundRecording::BackgroundRecording(const std::filesystem::path& folder, recording::LogSettings settings,
-                                         WhenFull when_full)
+                                         FullQueuePolicy when_full)
     : recorder_(std::make_shared<BeaconRecorder>(folder, std::move(settings))),
       writer_({"the recording", "sample"}, capacity, when_full,
               [recorder = recorder_](std::span<const Sample> samples) {

@@ -22,7 +22,7 @@ public:
 
   /// `settings`: settings of the source. Throws files::IoError like `BeaconRecorder`.
   BackgroundRecording(const std::filesystem::path& folder, recording::LogSettings settings,
-                      WhenFull when_full);
+                      FullQueuePolicy when_full);
 
   /// Ends the waits of the source for the disk soon after the stop. `stop` must outlive this object.
   void obey(const process::StopSignal& stop) { writer_.obey(stop); }

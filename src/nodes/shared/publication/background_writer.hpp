@@ -29,7 +29,7 @@
 namespace sonopose::publication {
 
 /// Behaviour if the disk is slower than the source.
-enum class WhenFull : std::uint8_t {
+enum class FullQueuePolicy : std::uint8_t {
   lose,  ///< loses and counts the item: for live data
   wait   ///< waits for space: for data that can wait
 };
@@ -52,7 +52,7 @@ public:
 
   /// `write` takes items in order and throws if it cannot write them. It must own what it uses: a stalled
   /// disk may block it beyond the life of this object, until the process ends.
-  BackgroundWriter(Words words, std::size_t capacity, WhenFull when_full, Write write)
+  BackgroundWriter(Words words, std::size_t capacity, FullQueuePolicy when_full, Write write)
       : when_full_(when_full),
         queue_(std::make_shared<Queue>(std::move(words), capacity, std::move(write))),
         thread_([queue = queue_](const std::stop_token& end) { queue->serve(end); }) {}
@@ -68,7 +68,7 @@ public:
 
   /// Takes all items, at most `capacity`, or loses all. Does not allocate. One thread only.
   void push(std::span<const Item> items) {
-    while (when_full_ == WhenFull::wait && !queue_->can_take(items.size()) && may_wait()) {
+    while (when_full_ == FullQueuePolicy::wait && !queue_->can_take(items.size()) && may_wait()) {
       std::this_thread::sleep_for(wait_period);
     }
     queue_->push(items);
@@ -187,7 +187,7 @@ private:
     SteadyTime give_up = clocks::steady_now() + max_delay_ns;
     while (!queue_->ended) {
       const SteadyTime now = clocks::steady_now();
-      if (when_full_ == WhenFull::wait && !is_stopped()) give_up = now + max_delay_ns;
+      if (when_full_ == FullQueuePolicy::wait && !is_stopped()) give_up = now + max_delay_ns;
       if (now >= give_up) return abandon();
       std::this_thread::sleep_for(wait_period);
     }
@@ -200,7 +200,7 @@ private:
     thread_.detach();
   }
 
-  WhenFull when_full_;
+  FullQueuePolicy when_full_;
   const process::StopSignal* stop_ = nullptr;
   std::optional<SteadyTime> stopped_at_;  ///< when a push first saw the stop
   std::shared_ptr<Queue> queue_;

@@ -165,7 +165,7 @@ SensorPublisher::Publisher::Publisher(const PublisherOptions& options)
   stationary_writer_ = dds::topics::make_writer(participant_, qos_, topics::stationary_beacon);
   if (options.record_folder) {
     recording_.emplace(*options.record_folder, options.source_settings,
-                       lossless_ ? WhenFull::wait : WhenFull::lose);
+                       lossless_ ? FullQueuePolicy::wait : FullQueuePolicy::lose);
   }
 }
 

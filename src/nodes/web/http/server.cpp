@@ -53,17 +53,17 @@ constexpr int send_buffer_bytes = 262'144;
 
 }  // namespace
 
-class Server::Parts {
+class Server::Impl {
 public:
-  explicit Parts(ServerOptions options) : options_(std::move(options)), acceptor_(context_) {
+  explicit Impl(ServerOptions options) : options_(std::move(options)), acceptor_(context_) {
     listen();
     const tcp::endpoint local = acceptor_.local_endpoint();
     options_.endpoint.port = local.port();
     rules_ = {.endpoint = options_.endpoint, .token = options_.token, .origins = options_.origins};
   }
-  Parts(const Parts&) = delete;
-  Parts& operator=(const Parts&) = delete;
-  ~Parts() = default;
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+  ~Impl() = default;
 
   void start(Handler& handler) {
     handler_ = &handler;
@@ -146,9 +146,9 @@ private:
 };
 
 /// One connection after its handshake.
-class Server::Parts::WebSocketConnection : public std::enable_shared_from_this<WebSocketConnection> {
+class Server::Impl::WebSocketConnection : public std::enable_shared_from_this<WebSocketConnection> {
 public:
-  WebSocketConnection(Parts& server, beast::tcp_stream&& stream, ClientId id)
+  WebSocketConnection(Impl& server, beast::tcp_stream&& stream, ClientId id)
       : server_(server), id_(id), stream_(std::move(stream)) {
     ++server_.websockets_;
   }
@@ -241,7 +241,7 @@ private:
     beast::get_lowest_layer(stream_).close();
   }
 
-  Parts& server_;
+  Impl& server_;
   ClientId id_;
   websocket::stream<beast::tcp_stream> stream_;
   beast::flat_buffer buffer_;
@@ -254,9 +254,9 @@ private:
 };
 
 /// One connection until it becomes a WebSocket or ends.
-class Server::Parts::HttpConnection : public std::enable_shared_from_this<HttpConnection> {
+class Server::Impl::HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 public:
-  HttpConnection(Parts& server, tcp::socket&& socket)
+  HttpConnection(Impl& server, tcp::socket&& socket)
       : server_(server),
         stream_(std::move(socket)),
         place_(server.requesting_.insert(server.requesting_.end(), this)) {}
@@ -396,7 +396,7 @@ private:
     stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
   }
 
-  Parts& server_;
+  Impl& server_;
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_{65'536};
   std::list<HttpConnection*>::iterator place_;
@@ -408,7 +408,7 @@ private:
   std::optional<message::response_serializer<message::span_body<const char>>> serializer_;
 };
 
-void Server::Parts::send(std::vector<ClientId> clients, SharedText text, bool is_text, Loss loss) {
+void Server::Impl::send(std::vector<ClientId> clients, SharedText text, bool is_text, Loss loss) {
   const std::size_t size = text->size();
   if (posted_bytes_.fetch_add(size) + size > options_.max_posted_bytes && loss == Loss::allowed) {
     posted_bytes_ -= size;
@@ -427,7 +427,7 @@ void Server::Parts::send(std::vector<ClientId> clients, SharedText text, bool is
   });
 }
 
-void Server::Parts::take_drops() {
+void Server::Impl::take_drops() {
   std::map<ClientId, std::uint64_t> drops;
   {
     const threads::Lock lock(drops_mutex_);
@@ -438,7 +438,7 @@ void Server::Parts::take_drops() {
   }
 }
 
-bool Server::Parts::make_room() {
+bool Server::Impl::make_room() {
   if (requesting_.size() <= options_.max_requesting) return true;
   const auto waiting = std::find_if(requesting_.begin(), requesting_.end(),
                                     [](const HttpConnection* each) { return each->is_waiting(); });
@@ -447,7 +447,7 @@ bool Server::Parts::make_room() {
   return true;
 }
 
-void Server::Parts::accept() {
+void Server::Impl::accept() {
   acceptor_.async_accept([this](ErrorCode error, tcp::socket socket) {
     if (error) {  // such as too many open files: retry later
       retry_.expires_after(std::chrono::milliseconds(200));
@@ -470,15 +470,15 @@ SharedText shared_text(std::string text) {
   return std::make_shared<const std::string>(std::move(text));
 }
 
-Server::Server(const ServerOptions& options) : parts_(std::make_unique<Parts>(options)) {}
+Server::Server(const ServerOptions& options) : impl_(std::make_unique<Impl>(options)) {}
 Server::~Server() = default;
 
 const Endpoint& Server::endpoint() const {
-  return parts_->endpoint();
+  return impl_->endpoint();
 }
 
 std::vector<std::string> Server::urls() const {
-  const std::string query = parts_->token().empty() ? "" : "?token=" + parts_->token();
+  const std::string query = impl_->token().empty() ? "" : "?token=" + impl_->token();
   std::vector<std::string> urls;
   for (const Endpoint& each : reachable(endpoint())) {
     urls.push_back("http://" + http::text_of(each) + "/" + query);
@@ -487,15 +487,15 @@ std::vector<std::string> Server::urls() const {
 }
 
 void Server::send(std::vector<ClientId> clients, SharedText message, bool is_text, Loss loss) {
-  parts_->send(std::move(clients), std::move(message), is_text, loss);
+  impl_->send(std::move(clients), std::move(message), is_text, loss);
 }
 
 Serving::Serving(Server& server, Handler& handler) : server_(server) {
-  server_.parts_->start(handler);
+  server_.impl_->start(handler);
 }
 
 Serving::~Serving() {
-  server_.parts_->stop();
+  server_.impl_->stop();
 }
 
 }  // namespace sonopose::web::http

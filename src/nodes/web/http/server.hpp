@@ -103,8 +103,8 @@ public:
 
 private:
   friend class Serving;
-  class Parts;
-  std::unique_ptr<Parts> parts_;
+  class Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 /// Serves on its own thread during its life; once for each server. The handler is not called afterwards.

@@ -24,7 +24,7 @@ void push_up_to(int count, Writer& writer) {
 SCENARIO("everything is written in order, also if the queue is short and the writer slow") {
   GIVEN("a writer with a queue of 64 that lets its source wait") {
     std::vector<int> written;
-    Writer writer(words, 64, WhenFull::wait, [&](std::span<const int> items) {
+    Writer writer(words, 64, FullQueuePolicy::wait, [&](std::span<const int> items) {
       written.insert(written.end(), items.begin(), items.end());
     });
     WHEN("ten times as much is pushed at once") {
@@ -44,10 +44,11 @@ SCENARIO("a disk that stands still loses what exceeds the queue, and does not de
   GIVEN("a writer that waits for its disk") {
     std::promise<void> disk_continues;
     std::vector<int> written;
-    Writer writer(words, 64, WhenFull::lose, [&, wait = disk_continues.get_future().share()](auto items) {
-      wait.wait();
-      written.insert(written.end(), items.begin(), items.end());
-    });
+    Writer writer(words, 64, FullQueuePolicy::lose,
+                  [&, wait = disk_continues.get_future().share()](auto items) {
+                    wait.wait();
+                    written.insert(written.end(), items.begin(), items.end());
+                  });
     WHEN("more is pushed than fits") {
       push_up_to(100, writer);
       THEN("the rest is lost and counted, and the end reports it") {
@@ -66,8 +67,8 @@ SCENARIO("a disk that stands still does not delay the end") {
     const auto wait_for_disk = [wait = disk_continues.get_future().share()](auto) { wait.wait(); };
     process::StopSignal stop;
     {
-      Writer losing(words, 64, WhenFull::lose, wait_for_disk);
-      Writer waiting(words, 64, WhenFull::wait, wait_for_disk);
+      Writer losing(words, 64, FullQueuePolicy::lose, wait_for_disk);
+      Writer waiting(words, 64, FullQueuePolicy::wait, wait_for_disk);
       for (Writer* const writer : {&losing, &waiting}) {
         writer->obey(stop);
         push_up_to(40, *writer);
@@ -95,7 +96,7 @@ SCENARIO("a disk that stands still does not delay the end") {
 SCENARIO("data that can wait is written to a slow disk to its end") {
   std::vector<int> written;
   {
-    Writer writer(words, 8192, WhenFull::wait, [&written](std::span<const int> items) {
+    Writer writer(words, 8192, FullQueuePolicy::wait, [&written](std::span<const int> items) {
       std::this_thread::sleep_for(std::chrono::milliseconds(550));
       written.insert(written.end(), items.begin(), items.end());
     });
@@ -107,7 +108,7 @@ SCENARIO("data that can wait is written to a slow disk to its end") {
 
 SCENARIO("an error ends the writing and nothing else") {
   GIVEN("a writer whose disk is full after the first items") {
-    for (const WhenFull when_full : {WhenFull::lose, WhenFull::wait}) {
+    for (const FullQueuePolicy when_full : {FullQueuePolicy::lose, FullQueuePolicy::wait}) {
       int calls = 0;
       Writer writer(words, 64, when_full, [&](std::span<const int>) {
         ++calls;

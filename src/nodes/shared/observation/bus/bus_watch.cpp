@@ -31,9 +31,9 @@ void log_silences(const std::vector<PoseSilence>& changes) {
 
 }  // namespace
 
-class BusWatch::Parts {
+class BusWatch::Impl {
 public:
-  Parts(const BusWatchOptions& options, SampleHook* hook)
+  Impl(const BusWatchOptions& options, SampleHook* hook)
       : qos_(options.qos_file),
         participant_(options.domain),
         observers_(dds::deadline_of(qos_.datareader_qos(topics::pose.profile)).count()),
@@ -101,27 +101,27 @@ private:
 };
 
 BusWatch::BusWatch(const BusWatchOptions& options, SampleHook* hook)
-    : parts_(std::make_unique<Parts>(options, hook)) {}
+    : impl_(std::make_unique<Impl>(options, hook)) {}
 BusWatch::~BusWatch() = default;
 
 const dds::DomainParticipant& BusWatch::participant() const {
-  return parts_->participant();
+  return impl_->participant();
 }
 
 const dds::qos::Provider& BusWatch::qos() const {
-  return parts_->qos();
+  return impl_->qos();
 }
 
 std::vector<PoseSilence> BusWatch::poll() {
-  return parts_->poll();
+  return impl_->poll();
 }
 
 BusSnapshot BusWatch::take_snapshot() {
-  return parts_->take_snapshot();
+  return impl_->take_snapshot();
 }
 
 std::vector<BeaconView> BusWatch::summaries() {
-  return parts_->summaries();
+  return impl_->summaries();
 }
 
 }  // namespace sonopose::observation::bus

@@ -74,8 +74,8 @@ public:
   std::vector<BeaconView> summaries();
 
 private:
-  class Parts;
-  std::unique_ptr<Parts> parts_;
+  class Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace sonopose::observation::bus

@@ -29,7 +29,7 @@ private:
 };
 
 /// Time of taking samples.
-enum class Taking : std::uint8_t {
+enum class TakeTime : std::uint8_t {
   on_arrival,  ///< one by one in the receive threads, for the time of arrival
   in_batches   ///< by `take`, which costs less
 };
@@ -40,7 +40,7 @@ struct Subscription {
   Subscription(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
                const dds::topics::Entry<T>& entry, BeaconObservers& observers,
                presence::BeaconAdmission& admission, process::EndpointCounters& endpoints, SampleHook* hook,
-               Taking taking)
+               TakeTime taking)
       : listener(observers, endpoints, hook),
         reader(dds::topics::make_reader(participant, qos, entry, &listener, dds::topics::Delivery::live,
                                         &admission, mask_of(taking))) {}
@@ -52,9 +52,9 @@ struct Subscription {
   dds::DataReader<T> reader;
 
 private:
-  static dds::StatusMask mask_of(Taking taking) {
+  static dds::StatusMask mask_of(TakeTime taking) {
     const auto all = dds::StatusMask::all();
-    return taking == Taking::on_arrival ? all : all.without(dds::StatusMask::data_available());
+    return taking == TakeTime::on_arrival ? all : all.without(dds::StatusMask::data_available());
   }
 };
 
@@ -95,16 +95,17 @@ struct Subscriptions {
   Subscriptions(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
                 BeaconObservers& observers, presence::BeaconAdmission& admission,
                 process::EndpointCounters& endpoints, SampleHook* hook, bool has_reports)
-      : pose(participant, qos, dds::topics::pose, observers, admission, endpoints, hook, Taking::on_arrival),
+      : pose(participant, qos, dds::topics::pose, observers, admission, endpoints, hook,
+             TakeTime::on_arrival),
         truth(participant, qos, dds::topics::truth, observers, admission, endpoints, hook,
-              Taking::in_batches),
+              TakeTime::in_batches),
         beacon_status(participant, qos, dds::topics::beacon_status, observers, admission, endpoints, hook,
-                      Taking::in_batches),
+                      TakeTime::in_batches),
         estimate(participant, qos, dds::topics::estimate, observers, admission, endpoints, hook),
         fusion_status(participant, qos, dds::topics::fusion_status, observers, admission, endpoints, hook) {
     if (has_reports) {
       report.emplace(participant, qos, dds::topics::report, observers, admission, endpoints, hook,
-                     Taking::in_batches);
+                     TakeTime::in_batches);
     }
   }
 
