@@ -32,7 +32,7 @@ double seconds_since(Clock::time_point begin) {
 }
 
 /// Returns the name of strapdown integration, which is no engine of the settings; otherwise empty.
-std::string estimator_name(const evaluation::RunOptions& run) {
+std::string run_name(const evaluation::RunOptions& run) {
   return run.strapdown ? "strapdown" : "";
 }
 
@@ -93,7 +93,7 @@ int compare(const CLI::App& app, const apps::ReplayOptions& options) {
   for (std::size_t i = 0; i < configs.size(); ++i) {
     const std::string name = options.compared[i].string();
     const evaluation::RunOptions run = run_options(options, configs[i].for_beacon(log.address));
-    plots::RunCurves* const curves = plot ? &plot->add_run(name, run.settings, estimator_name(run)) : nullptr;
+    plots::RunCurves* const curves = plot ? &plot->add_run(name, run.settings, run_name(run)) : nullptr;
     const auto add = [curves](const auto& sample) {
       if (curves != nullptr) curves->add(sample);
     };
@@ -114,8 +114,10 @@ int replay_log(const CLI::App& app, const apps::ReplayOptions& options) {
   evaluation::Timing timing;
   const recording::SensorLog log = read_log(options, timing);
   evaluation::RunOptions run = run_options(options, config.for_beacon(log.address));
-  run.start = start;
-  if (start) evaluation::check_fits(*start, log, options.load_state->string());
+  if (start) {
+    evaluation::check_fits(*start, log, options.load_state->string());
+    run.start = start;
+  }
   std::optional<evaluation::OutputFolder> out;
   if (options.out) {
     using Covariances = evaluation::OutputFolder::Covariances;
@@ -124,8 +126,7 @@ int replay_log(const CLI::App& app, const apps::ReplayOptions& options) {
   std::optional<plots::Plot> plot;
   if (options.plot) plot.emplace(*options.plot, options.log.string(), log);
   plots::RunCurves* const curves =
-      plot ? &plot->add_run(options.smooth ? "smoothed" : "fused", run.settings, estimator_name(run))
-           : nullptr;
+      plot ? &plot->add_run(options.smooth ? "smoothed" : "fused", run.settings, run_name(run)) : nullptr;
   const auto write = [&](const auto& sample) {
     if (out) out->write(sample);
     if (curves != nullptr) curves->add(sample);

@@ -77,7 +77,11 @@ config::FusionConfig configuration(const CLI::App& app, const ReplayOptions& opt
 evaluation::RunOptions run_options(const ReplayOptions& options, const settings::Settings& settings) {
   evaluation::RunOptions run = options.run;
   run.settings = settings;
-  if (options.engine == ReplayEngine::strapdown) run.strapdown = options.integration;
+  if (options.engine == ReplayEngine::strapdown) {
+    run.strapdown = options.integration;
+  } else if (options.engine) {  // also against the file's settings of one beacon
+    run.settings.engine.engine = static_cast<settings::EngineKind>(*options.engine);
+  }
   return run;
 }
 

@@ -12,7 +12,7 @@
 
 namespace sonopose::apps {
 
-/// Choices of --engine: those of fusion.engine, and strapdown integration.
+/// Choices of --engine: those of settings::EngineKind in their order, and strapdown integration.
 enum class ReplayEngine { documented, kalman, strapdown };
 
 struct ReplayOptions {

@@ -6,8 +6,10 @@
 #include <sonopose/estimation/estimator.hpp>
 #include <sonopose/estimation/kalman/engine.hpp>
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <type_traits>
 #include <variant>
 
 namespace sonopose::estimation {
@@ -47,6 +49,9 @@ private:
   std::variant<documented::Engine, kalman::Engine> estimator_;  // in the order of settings::EngineKind
 };
 
+static_assert(std::is_same_v<
+              std::variant_alternative_t<static_cast<std::size_t>(settings::EngineKind::kalman), AnySnapshot>,
+              kalman::Snapshot>);
 static_assert(Estimator<documented::Engine>);
 static_assert(Estimator<kalman::Engine>);
 static_assert(Estimator<AnyEstimator>);

@@ -21,9 +21,9 @@ bool are_alike(const MagneticSettings& settings, const FieldComponents<Scalar>& 
 }
 
 template <class Scalar>
-void move_towards(FieldComponents<Scalar>& shape, const FieldComponents<Scalar>& seen, Scalar share) {
-  shape.level_t += share * (seen.level_t - shape.level_t);
-  shape.up_t += share * (seen.up_t - shape.up_t);
+void move_towards(FieldComponents<Scalar>& components, const FieldComponents<Scalar>& seen, Scalar share) {
+  components.level_t += share * (seen.level_t - components.level_t);
+  components.up_t += share * (seen.up_t - components.up_t);
 }
 
 /// Updates the candidate: a field that stays the same while the body turns belongs to the place, not to the

@@ -70,8 +70,8 @@ double median_of(std::vector<double>& values) {
   return *middle;
 }
 
-/// Standard deviation of white noise from which a mean is as inaccurate as from these residuals. Errors that
-/// persist, as those of a compass near iron, count for less than as many independent ones.
+/// Standard deviation of white noise with which a mean would be as uncertain as with these residuals. Errors
+/// that persist, as those of a compass near iron, count less than as many independent ones.
 double persistent_noise_of(const std::vector<double>& residuals) {
   double squares = 0;
   double products = 0;
@@ -300,6 +300,7 @@ private:
     for (const Vector3d& residual : residuals_) {
       cost += cost_of(residual.squaredNorm() / (min_noise_m * min_noise_m));
     }
+    // The least noise, as for the fixes: costs of different fits can only be compared with a common noise.
     for (const double residual : heading_residuals_) {
       cost += cost_of(residual * residual / (min_heading_noise_rad * min_heading_noise_rad));
     }
@@ -368,7 +369,7 @@ std::optional<SegmentFit> fit_segment(const Segment& segment, const Vector3d& si
 
 std::optional<SegmentFit> fit_segment_with_mount(const Segment& segment, double mount_rad) {
   Solver solver(segment, mount_rad);
-  const auto begun = solver.begin(0.0, 1);
+  const auto begun = solver.begin(0.0, 0);
   return begun ? solver.finish(begun->second) : std::nullopt;
 }
 

@@ -97,6 +97,7 @@ std::optional<Piece> piece_of(const Window& window, TimeNs begin_ns, TimeNs end_
   piece.delay_s = {fit->delay_s, fit->delay_std_s};
   piece.mount_rad = mount_of(*fit, segment);
   if (piece.mount_rad) {
+    // Without such a fit, nothing is held against the configured mount.
     const auto configured = detail::fit_segment_with_mount(segment, window.mount_rad);
     if (configured) piece.mount_log_likelihood = configured->cost - fit->cost;
   }

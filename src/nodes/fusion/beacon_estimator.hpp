@@ -41,13 +41,16 @@ class BeaconEstimator {
 public:
   /// `lossless`: wait for a missing event indefinitely instead of for a few milliseconds.
   BeaconEstimator(BeaconAddress address, SettingsTimeline timeline, bool lossless);
+  BeaconEstimator(const BeaconEstimator&) = delete;
+  BeaconEstimator& operator=(const BeaconEstimator&) = delete;
+  ~BeaconEstimator() = default;
 
   /// Sorts in an event that arrived at `now` from the writer with the publication handle `bridge`. `unpaused`
   /// is `now` by collation::PauseCompensatedClock. Call `process_next` until it returns nothing.
   void collate(const Event& event, std::uint64_t bridge, SteadyTime now, SteadyTime unpaused);
 
   /// Passes the next event in order to the estimator, with the settings that are due at it. Empty if none is
-  /// left. First does the work that the event before left for after its result was written. Does not
+  /// left. First finishes the work that the previous event left until its result was published. Does not
   /// allocate.
   std::optional<EventOutcome> process_next() noexcept;
 

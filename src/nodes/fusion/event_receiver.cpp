@@ -4,7 +4,6 @@
 #include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 
-#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <exception>
@@ -31,9 +30,9 @@ constexpr std::uint64_t FusionStatus::*counter_of(const sonopose_PairHeading& /*
 
 EventReceiver::EventReceiver(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
                              topics::Delivery delivery, presence::BeaconAdmission& admission,
-                             const Targets& targets, Overload& overload, process::EndpointCounters& endpoints,
-                             const std::atomic<bool>& stopping)
-    : input_deadline_ns_(input_deadline_ns(qos)),
+                             const Targets& targets, TimeNs input_deadline_ns, Overload& overload,
+                             process::EndpointCounters& endpoints, const std::atomic<bool>& stopping)
+    : input_deadline_ns_(input_deadline_ns),
       targets_(targets),
       endpoints_(endpoints),
       stopping_(stopping),
@@ -60,11 +59,6 @@ EventReceiver::~EventReceiver() {
   fix_reader_.close();
   heading_reader_.close();
   reset_reader_.close();
-}
-
-TimeNs EventReceiver::input_deadline_ns(const dds::qos::Provider& qos) {
-  constexpr TimeNs max_ns = 1'000'000'000;
-  return std::min(max_ns, dds::deadline_of(qos.datareader_qos(topics::imu.profile)).count());
 }
 
 template <class T>

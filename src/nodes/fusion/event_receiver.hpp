@@ -26,36 +26,35 @@ namespace sonopose::fusion {
 /// thread does all of this; under load, a thread for the backlog. Lossless events have a thread of their own.
 class EventReceiver {
 public:
-  /// Where events go. All must outlive the receiver.
+  /// Recipients of events. All must outlive the receiver.
   struct Targets {
     threads::Guarded<BeaconEstimators>& estimators;  ///< the lock guards each estimator too
     PosePublisher& publisher;
     SettingsServer& settings;
   };
 
-  /// Starts receiving. Once `stopping` is set, it takes no further events.
+  /// Starts receiving. `input_deadline_ns`: silence of an IMU that must be reported. Once `stopping` is set,
+  /// it takes no further events.
   EventReceiver(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
                 dds::topics::Delivery delivery, presence::BeaconAdmission& admission, const Targets& targets,
-                Overload& overload, process::EndpointCounters& endpoints, const std::atomic<bool>& stopping);
+                TimeNs input_deadline_ns, Overload& overload, process::EndpointCounters& endpoints,
+                const std::atomic<bool>& stopping);
   EventReceiver(const EventReceiver&) = delete;
   EventReceiver& operator=(const EventReceiver&) = delete;
   ~EventReceiver();
 
-  /// Silence of the IMU after which its last sample is no longer used: its deadline, at most a second.
-  [[nodiscard]] static TimeNs input_deadline_ns(const dds::qos::Provider& qos);
-
   /// True while an event is processed.
   [[nodiscard]] bool is_working() const { return is_working_; }
 
-  /// While in the future: the latest time of the next PosePublisher::poll. Receiving sets it while poses
-  /// flow, so that the polling thread does not wake for nothing.
+  /// Latest time of the polling thread's next poll, while in the future. Receiving sets it while poses flow,
+  /// so that this thread does not wake for nothing.
   [[nodiscard]] process::Alarm& poll_alarm() { return poll_alarm_; }
 
   /// Ends a deferral that no sample ends. Call it once a second.
   void update() noexcept;
 
 private:
-  /// Passes on the samples and status changes of one topic, on the receiving thread.
+  /// Passes on the samples and status changes of one topic, on the receive thread.
   template <class T>
   class Listener final : public process::CountingReaderListener<T> {
   public:
@@ -98,10 +97,10 @@ private:
   std::atomic<bool> is_working_ = false;
   process::Alarm poll_alarm_;
 
-  // Held by the thread that takes samples: Cyclone's receiving thread, one of those below, or that of a
+  // Held by the thread that takes samples: Cyclone's receive thread, one of those below, or that of a
   // writer in this process.
   threads::Mutex taking_;
-  Overload& overload_;  // while held: what Overload asks of one thread at a time
+  Overload& overload_;  // its functions for one thread at a time: only while held
   collation::PauseCompensatedClock unpaused_clock_ SONOPOSE_GUARDED_BY(taking_);
   SteadyTime postponed_at_ SONOPOSE_GUARDED_BY(taking_);  // time of the last postponement
 

@@ -40,6 +40,12 @@ std::string end_of(BeaconAddress address, BeaconEstimator& estimator) {
                      text::count_text(estimator.status().events_lost, "event"));
 }
 
+/// Silence of the IMU after which its last sample is no longer used: its deadline, at most a second.
+TimeNs input_deadline_ns(const dds::qos::Provider& qos) {
+  constexpr TimeNs max_ns = 1'000'000'000;
+  return std::min(max_ns, dds::deadline_of(qos.datareader_qos(dds::topics::imu.profile)).count());
+}
+
 /// Options of the domain. Live, a stalled consumer must not block the fusion.
 dds::DomainOptions domain_options(const FusionOptions& options) {
   dds::DomainOptions domain = options.domain;
@@ -105,7 +111,7 @@ FusionNode::Impl::Impl(const FusionOptions& options)
       participant_(domain_options(options)),
       qos_(options.qos_file),
       delivery_(options.lossless ? dds::topics::Delivery::lossless : dds::topics::Delivery::live),
-      input_deadline_ns_(EventReceiver::input_deadline_ns(qos_)),
+      input_deadline_ns_(input_deadline_ns(qos_)),
       estimators_(options.config, options.lossless),
       pose_publisher_(participant_, qos_, delivery_, options.standby, input_deadline_ns_, overload_,
                       endpoints_, stopping_),
@@ -113,8 +119,8 @@ FusionNode::Impl::Impl(const FusionOptions& options)
                         transition_log_),
       settings_server_(participant_, qos_, estimators_, options.addresses) {
   receiver_.emplace(participant_, qos_, delivery_, admission_,
-                    EventReceiver::Targets{estimators_, pose_publisher_, settings_server_}, overload_,
-                    endpoints_, stopping_);
+                    EventReceiver::Targets{estimators_, pose_publisher_, settings_server_},
+                    input_deadline_ns_, overload_, endpoints_, stopping_);
 }
 
 FusionNode::Impl::~Impl() {
@@ -200,8 +206,8 @@ void FusionNode::Impl::finish_log() {
 void FusionNode::Impl::hand_over() {
   pose_publisher_.hand_over();
   if (!pose_publisher_.is_standby()) return;
-  constexpr TimeNs longest_ns = 1'000'000'000;  // for a profile with a long lease or none
-  const SteadyTime until = clocks::steady_now() + std::min(pose_publisher_.lease_ns(), longest_ns);
+  constexpr TimeNs max_ns = 1'000'000'000;  // for a profile with a long lease or none
+  const SteadyTime until = clocks::steady_now() + std::min(pose_publisher_.lease_ns(), max_ns);
   for (SteadyTime now = clocks::steady_now(); now < until; now = clocks::steady_now()) {
     poll();
     std::this_thread::sleep_for(

@@ -9,7 +9,7 @@
 
 namespace sonopose::fusion {
 
-/// Load of the fusion. Normally the receiving thread fuses each event immediately. When samples arrive late,
+/// Load of the fusion. Normally the receive thread fuses each event immediately. When samples arrive late,
 /// it only receives, so that the socket does not overflow, and the backlog thread fuses the backlog. If that
 /// thread falls behind too, the process is overloaded: poses of each beacon are written less often. Every
 /// event is still fused.
@@ -19,7 +19,7 @@ class Overload {
 public:
   /// Lateness of a pose above the usual at which events are deferred.
   static constexpr TimeNs late_after_ns = 20'000'000;
-  /// Time without a late pose after which the receiving thread fuses again.
+  /// Time without a late pose after which the receive thread fuses again.
   static constexpr TimeNs calm_after_ns = 1'000'000'000;
   /// Processor time of the backlog thread after which the spacing grows if poses are still late. Elapsed time
   /// would also count a single suspension, after which the thread catches up.
@@ -61,7 +61,7 @@ public:
     deferring_.store(false, std::memory_order_relaxed);
   }
 
-  /// True if the backlog thread takes events, instead of the receiving thread.
+  /// True if the backlog thread takes events, instead of the receive thread.
   [[nodiscard]] bool is_deferring() const noexcept { return deferring_.load(std::memory_order_relaxed); }
   /// Shortest time between two poses of a beacon; 0 unless overloaded.
   [[nodiscard]] TimeNs pose_spacing_ns() const noexcept {

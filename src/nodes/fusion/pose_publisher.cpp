@@ -66,7 +66,7 @@ PosePublisher::PosePublisher(const dds::DomainParticipant& participant, const dd
 
 PosePublisher::~PosePublisher() = default;
 
-// From an event to its pose
+// Poses and reports
 
 void PosePublisher::publish(EventOutcome& outcome, BeaconAddress address, TimeNs in_ns) noexcept {
   if (outcome.settings_changed) set_period(address, outcome.prediction_period_ns);
@@ -104,13 +104,13 @@ void PosePublisher::publish(FusedPose& pose) noexcept {
 /// necessary.
 PosePublisher::PoseWriter* PosePublisher::admit(FusedPose& pose, SteadyTime now) noexcept {
   Standby::Step step{FusionRole::sole, false};
+  TimeNs late_ns = 0;
   bool first_due = false;
   {
     const Lock lock(mutex_);
     Delay& delay = delays_[pose.address];
-    const TimeNs late_ns = is_live_ ? measure_delay(pose, delay, now) : 0;
+    if (is_live_) late_ns = measure_delay(pose, delay, now);
     delay.latest_ns = pose.time_ns;
-    overload_.on_pose(late_ns, now);
     first_due = predictor_.on_pose(pose, now);
     due_times_changed_ |= first_due;
     if (standby_) {
@@ -118,6 +118,7 @@ PosePublisher::PoseWriter* PosePublisher::admit(FusedPose& pose, SteadyTime now)
       if (step.skip) ++delay.poses_skipped;
     }
   }
+  overload_.on_pose(late_ns, now);
   if (first_due) wake_.notify_one();
   if (step.release) release(pose.address);
   return step.skip ? nullptr : &writer_of(step.role);
@@ -138,7 +139,7 @@ TimeNs PosePublisher::measure_delay(FusedPose& pose, Delay& delay, SteadyTime no
 }
 
 /// True if the beacon's latest pose is old enough for another one during an overload.
-bool PosePublisher::is_due(const FusedPose& pose) noexcept {
+bool PosePublisher::is_due(const FusedPose& pose) const noexcept {
   const Lock lock(mutex_);
   const auto found = delays_.find(pose.address);
   if (found == delays_.end()) return true;
@@ -208,7 +209,7 @@ std::optional<SteadyTime> PosePublisher::asserted_until(SteadyTime now) const no
   return now + (5 * tick_ns() / 2 - before_ns);  // half a lease is left when poses end
 }
 
-SteadyTime PosePublisher::poll_by(SteadyTime now) noexcept {
+SteadyTime PosePublisher::poll_by(SteadyTime now) const noexcept {
   if (!is_standby_) return asserted_until(now).value_or(now + tick_ns());
   const Lock lock(mutex_);
   return std::min(now + tick_ns(), std::max(standby_->next_stall(), now + 1'000'000));
@@ -237,7 +238,7 @@ FusionRole PosePublisher::role(BeaconAddress address) const {
   return standby_ ? standby_->role(address) : FusionRole::sole;
 }
 
-PosePublisher::BeaconOutput PosePublisher::output_of(BeaconAddress address) noexcept {
+PosePublisher::BeaconOutput PosePublisher::output_of(BeaconAddress address) const noexcept {
   const Lock lock(mutex_);
   BeaconOutput output{.role = role(address)};
   const auto found = delays_.find(address);

@@ -24,9 +24,9 @@
 
 namespace sonopose::fusion {
 
-/// Output of a fusion process. It chooses the ownership strength of each pose, marks late poses, and asserts
-/// liveliness. No lock is held during a write. One thread at a time calls `publish` and `publish_held_back`;
-/// any thread calls the others.
+/// Publishes poses and fix reports. It chooses the ownership strength of each pose, marks late poses, and
+/// asserts liveliness. It holds no lock of its own during a write. One thread at a time calls `publish` and
+/// `publish_held_back`, one thread `poll` and `hand_over`; any thread calls the others.
 ///
 /// A standby process has two writers: one with its own strength for the beacons that it serves, and one of
 /// strength 0 for those that warm up. Ownership strength belongs to a writer, and changing it is not ordered
@@ -54,11 +54,11 @@ public:
   static constexpr double late_after_s = sonopose_LATE_AFTER;
 
   /// Asserts manual liveliness unless `busy` or a pose has done so, and releases stalled beacons. Call it by
-  /// `poll_by`, from one thread.
+  /// `poll_by`.
   void poll(SteadyTime now, bool busy) noexcept;
 
   /// Latest time of the next `poll`.
-  [[nodiscard]] SteadyTime poll_by(SteadyTime now) noexcept;
+  [[nodiscard]] SteadyTime poll_by(SteadyTime now) const noexcept;
 
   /// Time until which `poll` has nothing to do, because a pose has asserted liveliness within the last tick.
   /// Empty without such a pose, and for a standby, whose beacons may stall.
@@ -81,7 +81,7 @@ public:
     std::uint64_t poses_late = 0;
     std::uint64_t poses_skipped = 0;
   };
-  [[nodiscard]] BeaconOutput output_of(BeaconAddress address) noexcept;
+  [[nodiscard]] BeaconOutput output_of(BeaconAddress address) const noexcept;
 
   [[nodiscard]] bool is_standby() const { return is_standby_; }
   [[nodiscard]] std::int32_t strength() const { return strength_; }
@@ -108,7 +108,7 @@ private:
   void publish(FusedPose& pose) noexcept;
   [[nodiscard]] PoseWriter* admit(FusedPose& pose, SteadyTime now) noexcept;
   TimeNs measure_delay(FusedPose& pose, Delay& delay, SteadyTime now) const noexcept;
-  [[nodiscard]] bool is_due(const FusedPose& pose) noexcept;
+  [[nodiscard]] bool is_due(const FusedPose& pose) const noexcept;
   void count_skipped(BeaconAddress address) noexcept;
   void write(PoseWriter& writer, FusedPose& pose) noexcept;
   void write_until_accepted(const auto& attempt) noexcept;
@@ -126,7 +126,7 @@ private:
   Overload& overload_;
   const std::atomic<bool>& stopping_;
 
-  threads::Mutex mutex_;
+  mutable threads::Mutex mutex_;
   std::optional<Standby> standby_ SONOPOSE_GUARDED_BY(mutex_);
   PosePredictor predictor_ SONOPOSE_GUARDED_BY(mutex_);
   std::unordered_map<BeaconAddress, Delay> delays_ SONOPOSE_GUARDED_BY(mutex_);

@@ -18,12 +18,12 @@ namespace sonopose::fusion {
 namespace topics = dds::topics;
 
 StatusPublisher::StatusPublisher(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
-                                 threads::Guarded<BeaconEstimators>& estimators, PosePublisher& publisher,
-                                 const Overload& overload, process::EndpointCounters& endpoints,
-                                 transitions::TransitionLog& log)
+                                 threads::Guarded<BeaconEstimators>& estimators,
+                                 const PosePublisher& pose_publisher, const Overload& overload,
+                                 process::EndpointCounters& endpoints, transitions::TransitionLog& log)
     : fusion_id_(process::random_id()),
       estimators_(estimators),
-      publisher_(publisher),
+      pose_publisher_(pose_publisher),
       overload_(overload),
       endpoints_(endpoints),
       log_(log),
@@ -55,9 +55,9 @@ void StatusPublisher::publish_status(BeaconAddress address, std::uint64_t unwrit
   if (!status) return;
   status->fusion_id = fusion_id_;
   status->time_ns = clocks::host_now();
-  const PosePublisher::BeaconOutput output = publisher_.output_of(address);
+  const PosePublisher::BeaconOutput output = pose_publisher_.output_of(address);
   status->role = output.role;
-  status->strength = publisher_.strength();
+  status->strength = pose_publisher_.strength();
   status->overloaded = overload_.is_overloaded();
   status->poses_late = output.poses_late;
   status->poses_skipped = output.poses_skipped;

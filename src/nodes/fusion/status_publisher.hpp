@@ -22,7 +22,7 @@ namespace sonopose::fusion {
 class StatusPublisher {
 public:
   StatusPublisher(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
-                  threads::Guarded<BeaconEstimators>& estimators, PosePublisher& publisher,
+                  threads::Guarded<BeaconEstimators>& estimators, const PosePublisher& pose_publisher,
                   const Overload& overload, process::EndpointCounters& endpoints,
                   transitions::TransitionLog& log);
 
@@ -52,7 +52,7 @@ private:
 
   std::uint64_t fusion_id_;
   threads::Guarded<BeaconEstimators>& estimators_;
-  PosePublisher& publisher_;
+  const PosePublisher& pose_publisher_;
   const Overload& overload_;
   process::EndpointCounters& endpoints_;
   transitions::TransitionLog& log_;

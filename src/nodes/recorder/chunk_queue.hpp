@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Queue of messages from the receiving threads to the writing thread.
+/// Queue of messages from the receive threads to the writing thread.
 
 #include "mcap/chunk.hpp"
 #include "threads/mutex.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Ends of instances in the queue: the receiving thread only copies them, the writing thread turns them into
+/// Ends of instances in the queue: the receive thread only copies them, the writing thread turns them into
 /// text.
 
 #include "bus_log/instance_end.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Takes the samples of one topic, on the receiving thread.
+/// Takes the samples of one topic, on the receive thread.
 
 #include "presence/address_set.hpp"
 #include "recorder/chunk_queue.hpp"

@@ -32,7 +32,7 @@ private:
   std::atomic<TriggerCause> cause_ = TriggerCause::none;
 };
 
-/// Sees the samples of one topic, on the receiving thread.
+/// Sees the samples of one topic, on the receive thread.
 class TopicTrigger {
 public:
   TopicTrigger() = default;

@@ -130,7 +130,7 @@ void Realtime::give_priority(int priority, const RealtimeCalls& calls) {
   constexpr int calling_thread = 0;
   give("main thread", calling_thread);
   const std::vector<NamedThread> threads = calls.threads();
-  // These threads share mutexes with the receiving thread: avoid priority inversion.
+  // These threads share mutexes with the receive thread: avoid priority inversion.
   for (const NamedThread& thread : threads) {
     if (thread.name == predicting_thread_name) give("predicting thread", thread.id);
     if (thread.name == backlog_thread_name) give("backlog thread", thread.id);

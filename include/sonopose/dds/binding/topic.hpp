@@ -47,7 +47,7 @@ public:
   const std::string& name() const noexcept { return name_; }
 
   /// Restricts readers made with this topic from now on to samples for which `accepts(sample, argument)` is
-  /// true. It is called on the receiving thread, before an instance is made. `argument` must outlive the
+  /// true. It is called on the receive thread, before an instance is made. `argument` must outlive the
   /// readers. `sample` is a const T*.
   void set_filter(bool (*accepts)(const void* sample, void* argument), void* argument) {
     check("dds_set_topic_filter_and_arg", name_, dds_set_topic_filter_and_arg(handle(), accepts, argument));

@@ -93,7 +93,7 @@ inline void join_partition(Qos& qos, const DomainParticipant& participant) {
   if (!participant.partition().empty()) qos << policy::Partition{{participant.partition()}};
 }
 
-/// Decides which beacons a process receives, before DDS keeps anything of them. Called on receiving threads.
+/// Decides which beacons a process receives, before DDS keeps anything of them. Called on receive threads.
 class AddressFilter {
 public:
   AddressFilter() = default;

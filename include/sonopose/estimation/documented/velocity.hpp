@@ -31,7 +31,7 @@ struct VelocityState {
   int count = 0;
   std::array<PastFix, capacity> rivals;  ///< latest outliers that agree with each other, newest first
   int rival_count = 0;
-  int velocities = 0;  ///< velocity corrections of this run, up to enough_velocities
+  int velocities = 0;  ///< velocity corrections of this run, up to averaged_velocities
 
   /// Number of corrections after which the velocity no longer averages the first velocities of the run.
   static constexpr int averaged_velocities = 7;

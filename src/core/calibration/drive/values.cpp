@@ -18,7 +18,8 @@ struct Row {
   Quantity quantity;
   Unknown unknown;
   bool is_logarithm;
-  double max_half_width;  ///< of the interval, or its logarithm's; that of a delay depends on the drive
+  double max_half_width;  ///< largest half of the interval, or of its logarithm; that of a delay depends on
+                          ///< the drive
   const char* missing;
 };
 

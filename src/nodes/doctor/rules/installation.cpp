@@ -74,7 +74,7 @@ bool shows_inverted(const Piece& piece, std::size_t axis) {
   return are_few(inverted.outliers, piece, max_outliers_of_sign);
 }
 
-/// Weighted mean of independent estimates around `origin`. Not more accurate than `min_std`, nor than their
+/// Weighted mean of independent estimates. Not more accurate than `min_std`, nor than their
 /// spread.
 Measured mean_of(const std::vector<Measured>& all, double min_std) {
   double weights = 0;

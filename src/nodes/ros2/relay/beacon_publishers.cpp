@@ -20,8 +20,8 @@ ros2::TFMessage message_of(ros2::TransformStamped& transform) {
   return {{1, 1, &transform, false}};
 }
 
-std::optional<TimeNs> next_stamp(threads::Guarded<ros2::RisingStamp>& stamps, TimeNs time_ns) {
-  return stamps.with([time_ns](ros2::RisingStamp& stamp) { return stamp.next(time_ns); });
+std::optional<TimeNs> next_stamp(threads::Guarded<ros2::RisingStamp>& stamp, TimeNs time_ns) {
+  return stamp.with([time_ns](ros2::RisingStamp& rising) { return rising.next(time_ns); });
 }
 
 }  // namespace

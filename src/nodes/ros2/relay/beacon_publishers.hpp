@@ -27,7 +27,7 @@ namespace sonopose::ros2::relay {
 std::optional<double> fix_std_of(const EffectiveSettings& settings);
 
 /// Publishers of one beacon. `on` runs on Cyclone's receive thread or, for samples that this process
-/// publishes, on the bridge's thread. The mutex is held for computations only, never while writing.
+/// publishes, on the bridge's thread. Locks are held for computations only, never while writing.
 class BeaconPublishers {
 public:
   /// Creates the writers. `tf`: writer of transforms, nil in mode off; must outlive this object. `in_tree`:

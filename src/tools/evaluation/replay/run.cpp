@@ -24,8 +24,9 @@ public:
   void add(const UltrasonicFix& fix) { comparison_.add(fix); }
 
   /// Takes an event before the estimator does.
-  void predict(const Event& event, const estimation::AnyEstimator& estimator) {
-    prediction_.add(event, estimator);
+  template <class... Estimator>
+  void predict(const Event& event, const Estimator&... estimator) {
+    prediction_.add(event, estimator...);
   }
 
   void add(const FusedPose& pose) {
@@ -145,6 +146,7 @@ void run_engine(const recording::SensorLog& log, const RunOptions& options, Resu
 void run_strapdown(const recording::SensorLog& log, const RunOptions& options, Results& results) {
   strapdown::Integrator integrator(options.settings, strapdown_start(log), *options.strapdown);
   run_through(log, options, results, [&](const Event& event) -> estimation::EventResult {
+    results.predict(event);
     if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
       FixReport report = report_on(*fix, integrator.state().time_ns);
       report.shifted_position_world_m = fix->position_world_m;

@@ -67,7 +67,7 @@ struct RunResult {
   PredictionScore prediction;
   std::optional<Smoothing> smoothing{};  ///< set if `fused` is the score of the smoothed poses
   std::string state_hash;                ///< digest of every pose and of the final state
-  SavedState end;                        ///< of an engine
+  SavedState end;                        ///< without a snapshot after strapdown integration
 };
 
 /// Runs an engine over a recording, or strapdown integration from the first complete truth sample. Throws
