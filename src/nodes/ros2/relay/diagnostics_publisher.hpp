@@ -9,6 +9,7 @@
 #include "ros2/relay/relayed_beacons.hpp"
 #include "ros2/relay/ros_clock.hpp"
 #include "ros2/relay/source.hpp"
+#include <sonopose/ros2/messages/diagnostics.hpp>
 
 #include <cstdint>
 #include <map>

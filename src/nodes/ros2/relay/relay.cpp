@@ -2,22 +2,20 @@
 
 #include "observation/beacon_observers.hpp"
 #include "presence/beacon_admission.hpp"
-#include "presence/instance_limit.hpp"
 #include "process_log/log_publisher.hpp"
 #include "publication/sensor_publisher.hpp"
 #include "ros2/relay/diagnostics_publisher.hpp"
 #include "ros2/relay/log.hpp"
 #include "ros2/relay/mount_finder.hpp"
+#include "ros2/relay/native_receiver.hpp"
 #include "ros2/relay/open_topics.hpp"
 #include "ros2/relay/parameter_server.hpp"
 #include "ros2/relay/relayed_beacons.hpp"
 #include "ros2/relay/ros_clock.hpp"
 #include "ros2/relay/surroundings.hpp"
 #include "ros2/relay/transform_tree.hpp"
-#include "threads/mutex.hpp"
 #include "transitions/transition_log.hpp"
 #include <sonopose/dds/binding/participant.hpp>
-#include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/ros2/messages/static_transforms.hpp>
 
@@ -28,7 +26,6 @@
 #include <chrono>
 #include <exception>
 #include <functional>
-#include <map>
 #include <stdexcept>
 #include <stop_token>
 #include <thread>
@@ -71,39 +68,6 @@ public:
   void run(const process::StopSignal& stop);
 
 private:
-  /// Passes samples of one native topic to the publishers of their beacon.
-  template <class T>
-  class PublishingListener final : public process::CountingReaderListener<T> {
-  public:
-    explicit PublishingListener(Impl& relay)
-        : process::CountingReaderListener<T>(relay.endpoints_), relay_(relay) {}
-    void on_data_available(dds::DataReader<T>& reader) noexcept override {
-      reader.try_take_each(
-          [this](const T& sample, const dds::SampleInfo& info) {
-            relay_.on(dds::topics::from_idl(sample));
-            if (!info.alive()) relay_.on_gone(sample);
-          },
-          [this](const T& key, const dds::SampleInfo& info) {
-            if (!info.alive()) relay_.on_gone(key);
-          });
-    }
-
-  private:
-    Impl& relay_;
-  };
-
-  /// Publishes poses, and observes them for diagnostics.
-  class PoseListener final : public observation::ObservingListener<sonopose_FusedPose> {
-  public:
-    explicit PoseListener(Impl& relay)
-        : ObservingListener(relay.observers_, relay.endpoints_), relay_(relay) {}
-
-  private:
-    void on_sample(const FusedPose& pose) noexcept override { relay_.on(pose); }
-
-    Impl& relay_;
-  };
-
   class TfListener final : public dds::DataReaderListener<ros2::TFMessage> {
   public:
     explicit TfListener(Impl& relay) : relay_(relay) {}
@@ -116,46 +80,6 @@ private:
     Impl& relay_;
   };
 
-  /// A native topic: its listener and its reader.
-  template <class T, class Listener>
-  struct Subscription {
-    template <class... Arguments>
-    explicit Subscription(Arguments&... arguments) : listener(arguments...) {}
-    Listener listener;
-    dds::DataReader<T> reader;
-  };
-  template <class T>
-  using PublishedTopic = Subscription<T, PublishingListener<T>>;
-  template <class T>
-  using ObservedTopic = Subscription<T, observation::ObservingListener<T>>;
-
-  /// Observes the statuses of fusions, and bounds their number.
-  class FusionStatusListener final : public observation::ObservingListener<sonopose_FusionStatus> {
-  public:
-    explicit FusionStatusListener(Impl& relay)
-        : ObservingListener(relay.observers_, relay.endpoints_), limit_(relay.fusion_limit_) {}
-
-  private:
-    void on_gone(const sonopose_FusionStatus& key) noexcept override { limit_.forget(key); }
-
-    presence::InstanceLimit<sonopose_FusionStatus>& limit_;
-  };
-
-  template <class T, class Listener>
-  static bool has_writer(Subscription<T, Listener>& subscription) {
-    return subscription.reader.subscription_matched_status().current_count > 0;
-  }
-
-  /// Passes on samples, fixes, reports and poses.
-  template <class Sample>
-  void on(const Sample& sample) {
-    const auto publishers = beacons_.find_or_request(sample.address, clocks::steady_now());
-    if (publishers) publishers->on(sample);
-  }
-  void on_gone(const sonopose_Estimate& key) { estimate_limit_.forget(key); }
-  void on_gone(const auto& /*key*/) {}
-  void on(const Estimate& estimate);
-  void on(const EffectiveSettings& settings);
   void on_transforms(const ros2::TFMessage& message);
 
   template <class Action>
@@ -171,10 +95,6 @@ private:
 
   RelayOptions options_;
   presence::BeaconAdmission admission_;
-  presence::AdmittedOnly admitted_only_{admission_};
-  presence::InstanceLimit<sonopose_FusionStatus> fusion_limit_{&admitted_only_};
-  presence::InstanceLimit<sonopose_Estimate> estimate_limit_{&admitted_only_};
-  presence::BeaconAdmission settings_admission_;  ///< settings may arrive before any sample, and only once
   dds::DomainParticipant participant_;
   dds::qos::Provider qos_;
   process_log::LogPublisher log_publisher_{participant_, qos_};
@@ -203,21 +123,12 @@ private:
                            .tree = tree_,
                            .wakeup = wakeup_,
                            .log = log_}};
-  threads::Mutex mutex_;
-  std::map<BeaconAddress, double> fix_stds_m_ SONOPOSE_GUARDED_BY(mutex_);  ///< settings of the fusion
 
   // Readers are last, so that they are destroyed first and no callback uses a destroyed member.
   TfListener tf_listener_{*this};
   dds::DataReader<ros2::TFMessage> tf_reader_;
   std::unique_ptr<MountFinder> mount_finder_;  ///< null if the mount is known
-  PublishedTopic<sonopose_ImuSample> imu_{*this};
-  PublishedTopic<sonopose_UltrasonicFix> fix_{*this};
-  Subscription<sonopose_FusedPose, PoseListener> pose_{*this};
-  PublishedTopic<sonopose_FixReport> report_{*this};
-  PublishedTopic<sonopose_EffectiveSettings> settings_{*this};
-  PublishedTopic<sonopose_Estimate> estimate_{*this};
-  ObservedTopic<sonopose_BeaconStatus> beacon_status_{observers_, endpoints_};
-  Subscription<sonopose_FusionStatus, FusionStatusListener> fusion_status_{*this};
+  std::optional<NativeReceiver> receiver_;
 };
 
 Relay::Relay(const RelayOptions& options) : impl_(std::make_unique<Impl>(options)) {}
@@ -230,8 +141,6 @@ void Relay::run(const process::StopSignal& stop) {
 Relay::Impl::Impl(const RelayOptions& options)
     : options_(with_lease(options)),
       admission_(options.addresses, options.max_beacons),
-      settings_admission_(options.addresses,
-                          options.max_beacons * presence::BeaconAdmission::max_replacements),
       participant_(options_.domain, ros2::participant_qos(options.enclave)),
       qos_(options.qos_file),
       node_(participant_, qos_, options.names, options.distro.value_or(ros2::layout_without_others)),
@@ -257,38 +166,14 @@ Relay::Impl::Impl(const RelayOptions& options)
     mount_finder_ = std::make_unique<MountFinder>(node_, log_, [this] { wakeup_.wake(); });
   }
   node_.announce();
-  const auto subscribe = [this](auto& subscription, const auto& topic, auto& filter) {
-    subscription.reader = dds::topics::make_reader(participant_, qos_, topic, &subscription.listener,
-                                                   dds::topics::Delivery::live, &filter);
-  };
-  subscribe(imu_, topics::imu, admission_);
-  subscribe(fix_, topics::fix, admission_);
-  subscribe(pose_, topics::pose, admission_);
-  subscribe(report_, topics::report, admission_);
-  subscribe(settings_, topics::settings, settings_admission_);
-  subscribe(estimate_, topics::estimate, estimate_limit_);
-  subscribe(beacon_status_, topics::beacon_status, admitted_only_);
-  subscribe(fusion_status_, topics::fusion_status, fusion_limit_);
+  receiver_.emplace(participant_, qos_, options, admission_,
+                    NativeReceiver::Targets{beacons_, observers_, endpoints_});
 }
 
 /// Calls `action` without the lock.
 template <class Action>
 void Relay::Impl::for_each_beacon(const Action& action) {
   for (const auto& [address, publishers] : beacons_.all()) action(*publishers);
-}
-
-void Relay::Impl::on(const Estimate& estimate) {
-  if (const auto publishers = beacons_.find(estimate.address)) publishers->on(estimate);
-}
-
-void Relay::Impl::on(const EffectiveSettings& settings) {
-  const auto fix_std_m = fix_std_of(settings);
-  if (!fix_std_m) return;
-  {
-    const threads::Lock lock(mutex_);
-    fix_stds_m_[settings.address] = *fix_std_m;
-  }
-  if (const auto publishers = beacons_.find(settings.address)) publishers->set_fix_std(*fix_std_m);
 }
 
 /// Takes transforms on the receive thread, from any program: nearly all belong to others.
@@ -310,19 +195,13 @@ void Relay::Impl::on_transforms(const ros2::TFMessage& message) {
 void Relay::Impl::open_topics(const process::StopSignal& stop) {
   const OpenTopics::Opened opened = open_topics_.open_requested(stop);
   if (opened.empty()) return;
-  {
-    const threads::Lock lock(mutex_);
-    for (const auto& [address, publishers] : opened) {
-      const auto known = fix_stds_m_.find(address);
-      if (known != fix_stds_m_.end()) publishers->set_fix_std(known->second);
-    }
-  }
+  for (const auto& [address, publishers] : opened) receiver_->assign_fix_std_to(*publishers, address);
   publish_mounts();
 }
 
 void Relay::Impl::remove_gone() {
   const SteadyTime now = clocks::steady_now();
-  for (const auto& text : {admission_.refusals(), fusion_limit_.refusals(), estimate_limit_.refusals()}) {
+  for (const auto& text : receiver_->refusals()) {
     if (text) log_.warning(*text);
   }
   for (const BeaconAddress address : open_topics_.remove_gone(now)) transition_log_.forget(address);
@@ -387,7 +266,7 @@ void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>
     if (clocks::steady_now() < next_status) continue;
     next_status = clocks::steady_now() + status_period_ns;
     if (!source_) readers_due = next_status;
-    surroundings_.check_processes(has_writer(imu_), has_writer(pose_));
+    surroundings_.check_processes(receiver_->has_bridge(), receiver_->has_fusion());
     log_transitions();
     if (source_) source_->log_changes();
     remove_gone();

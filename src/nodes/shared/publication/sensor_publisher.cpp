@@ -4,23 +4,21 @@
 #include "logging/later.hpp"
 #include "logging/log.hpp"
 #include "presence/silence.hpp"
-#include "process/endpoint_counters.hpp"
 #include "process/random_id.hpp"
 #include "process_log/log_publisher.hpp"
 #include "publication/background_recording.hpp"
 #include "publication/deadline_count.hpp"
 #include "publication/other_bridges.hpp"
 #include "publication/stationary_map.hpp"
+#include "publication/topic_writers.hpp"
 #include "transitions/increase_log.hpp"
 #include "transitions/transition_log.hpp"
 #include <sonopose/dds/binding/participant.hpp>
-#include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -31,8 +29,6 @@
 
 namespace sonopose::publication {
 namespace {
-
-namespace topics = dds::topics;
 
 /// Options of the domain. A live bridge does not wait for a stalled fusion.
 dds::DomainOptions domain_options(const PublisherOptions& options) {
@@ -57,12 +53,12 @@ public:
   void on_stationary(const StationaryBeacon& beacon) override;
   void on_gone(BeaconAddress address) override;
   void on(const LineStatus& status) override;
-  void flush() override;
+  void flush() override { writers_.flush(); }
   void tick() override;
 
   /// Ends lossless writes and the waits below when `stop` is requested.
   void obey(const process::StopSignal& stop) {
-    stop_ = &stop;
+    writers_.obey(stop);
     if (recording_) recording_->obey(stop);
   }
   void publish_statuses(SteadyTime now);
@@ -70,8 +66,8 @@ public:
     logging::later([log = transition_log_] { log->finish(); });
     log_unwritten(true);
   }
-  void wait_for_readers();
-  void wait_until_read();
+  void wait_for_readers() { writers_.wait_for_readers(); }
+  void wait_until_read() { writers_.wait_until_read(); }
   /// Throws files::IoError if samples were not recorded.
   void finish_recording() {
     if (recording_) recording_->finish();
@@ -89,8 +85,8 @@ private:
   };
 
   struct Beacon {
-    explicit Beacon(const Publisher& publisher)
-        : imu(publisher.imu_writer_), fix(publisher.fix_writer_), heading(publisher.heading_writer_) {}
+    explicit Beacon(const TopicWriters& writers)
+        : imu(writers.imu()), fix(writers.fix()), heading(writers.heading()) {}
 
     std::uint64_t next_sequence = 1;
     Stream imu;
@@ -100,9 +96,6 @@ private:
   };
 
   Beacon& beacon_of(BeaconAddress address);
-  void unregister(BeaconAddress address);
-  template <class T>
-  void write(dds::DataWriter<T>& writer, const T& sample);
   void publish(ImuSample imu, Beacon& beacon);
   void publish(const UltrasonicFix& fix, Beacon& beacon);
   void publish(const PairHeading& heading, Beacon& beacon);
@@ -111,25 +104,12 @@ private:
   void log(const transitions::Transition& transition, SteadyTime now);
   void log_unwritten(bool is_last = false);
   void log_silence(BeaconAddress address, transitions::Kind kind, Stream& stream, SteadyTime now);
-  [[nodiscard]] bool stopped() const { return stop_ != nullptr && stop_->requested(); }
 
   bool lossless_;
-  bool batch_;
-  const process::StopSignal* stop_ = nullptr;
   dds::DomainParticipant participant_;
   dds::qos::Provider qos_;
-  std::optional<process_log::LogPublisher> log_publisher_;
-  process::EndpointCounters endpoints_;
-  process::CountingWriterListener<sonopose_ImuSample> imu_listener_{endpoints_};
-  process::CountingWriterListener<sonopose_UltrasonicFix> fix_listener_{endpoints_};
-  process::CountingWriterListener<sonopose_PairHeading> heading_listener_{endpoints_};
-  dds::DataWriter<sonopose_ImuSample> imu_writer_;
-  dds::DataWriter<sonopose_UltrasonicFix> fix_writer_;
-  dds::DataWriter<sonopose_PairHeading> heading_writer_;
-  dds::DataWriter<sonopose_TruthSample> truth_writer_;
-  dds::DataWriter<sonopose_BeaconStatus> status_writer_;
-  dds::DataWriter<sonopose_LineStatus> line_writer_;
-  dds::DataWriter<sonopose_StationaryBeacon> stationary_writer_;
+  std::unique_ptr<process_log::LogPublisher> log_publisher_;
+  TopicWriters writers_;
   OtherBridges others_;
   std::optional<BackgroundRecording> recording_;
   std::map<BeaconAddress, Beacon> beacons_;
@@ -139,7 +119,6 @@ private:
   StationaryMap map_;
   SteadyTime status_due_;
   SteadyTime status_last_;
-  std::uint64_t unwritten_ = 0;
   transitions::IncreaseLog unwritten_log_;
   /// Used in logging::later() only: the sample thread formats no lines.
   std::shared_ptr<transitions::TransitionLog> transition_log_ =
@@ -148,21 +127,14 @@ private:
 
 SensorPublisher::Publisher::Publisher(const PublisherOptions& options)
     : lossless_(options.lossless),
-      batch_(options.batch),
       participant_(domain_options(options)),
       qos_(options.qos_file),
+      log_publisher_(options.publishes_log ? std::make_unique<process_log::LogPublisher>(participant_, qos_)
+                                           : nullptr),
+      writers_(participant_, qos_, lossless_ ? dds::topics::Delivery::lossless : dds::topics::Delivery::live,
+               options.batch),
       others_(participant_, qos_),
       status_last_(clocks::steady_now()) {
-  if (options.publishes_log) log_publisher_.emplace(participant_, qos_);
-  const auto delivery = lossless_ ? dds::topics::Delivery::lossless : dds::topics::Delivery::live;
-  imu_writer_ = dds::topics::make_writer(participant_, qos_, topics::imu, &imu_listener_, delivery);
-  fix_writer_ = dds::topics::make_writer(participant_, qos_, topics::fix, &fix_listener_, delivery);
-  heading_writer_ =
-      dds::topics::make_writer(participant_, qos_, topics::heading, &heading_listener_, delivery);
-  truth_writer_ = dds::topics::make_writer(participant_, qos_, topics::truth);
-  status_writer_ = dds::topics::make_writer(participant_, qos_, topics::beacon_status);
-  line_writer_ = dds::topics::make_writer(participant_, qos_, topics::line_status);
-  stationary_writer_ = dds::topics::make_writer(participant_, qos_, topics::stationary_beacon);
   if (options.record_folder) {
     recording_.emplace(*options.record_folder, options.source_settings,
                        lossless_ ? FullQueuePolicy::wait : FullQueuePolicy::lose);
@@ -170,28 +142,9 @@ SensorPublisher::Publisher::Publisher(const PublisherOptions& options)
 }
 
 SensorPublisher::Publisher::~Publisher() {
-  for (const auto& entry : beacons_) unregister(entry.first);
-  for (const auto& entry : lines_) line_writer_.try_unregister_instance(dds::topics::to_idl(entry.second));
-  for (const auto& entry : map_.beacons()) {
-    stationary_writer_.try_unregister_instance(dds::topics::to_idl(entry.second));
-  }
-}
-
-/// Unregisters a beacon, so that its instances miss no deadlines at the readers. A lossless writer would
-/// block here until its readers have received everything; its end has the same effect.
-void SensorPublisher::Publisher::unregister(BeaconAddress address) {
-  const auto unregister_at = [address]<class T>(dds::DataWriter<T>& writer) {
-    T key{};
-    key.address = address;
-    writer.try_unregister_instance(key);
-  };
-  if (!lossless_) {
-    unregister_at(imu_writer_);
-    unregister_at(fix_writer_);
-    unregister_at(heading_writer_);
-  }
-  unregister_at(truth_writer_);
-  unregister_at(status_writer_);
+  for (const auto& entry : beacons_) writers_.unregister(entry.first);
+  for (const auto& entry : lines_) writers_.unregister(entry.second);
+  for (const auto& entry : map_.beacons()) writers_.unregister(entry.second);
 }
 
 // Samples
@@ -211,16 +164,16 @@ void SensorPublisher::Publisher::on(const Event& event) {
 
 void SensorPublisher::Publisher::on(const TruthSample& truth) {
   beacon_of(truth.address);
-  write(truth_writer_, dds::topics::to_idl(truth));
+  writers_.write(truth);
   if (recording_) recording_->push(truth);
 }
 
 void SensorPublisher::Publisher::on_stationary(const StationaryBeacon& beacon) {
-  if (map_.update(beacon)) write(stationary_writer_, dds::topics::to_idl(beacon));
+  if (map_.update(beacon)) writers_.write(beacon);
 }
 
 SensorPublisher::Publisher::Beacon& SensorPublisher::Publisher::beacon_of(BeaconAddress address) {
-  const auto [found, is_new] = beacons_.try_emplace(address, *this);
+  const auto [found, is_new] = beacons_.try_emplace(address, writers_);
   Beacon& beacon = found->second;
   if (!is_new) return beacon;
   beacon.status.address = address;
@@ -238,7 +191,7 @@ void SensorPublisher::Publisher::on_gone(BeaconAddress address) {
   const auto found = beacons_.find(address);
   if (found == beacons_.end()) return;
   next_sequences_[address] = found->second.next_sequence;
-  unregister(address);
+  writers_.unregister(address);
   others_.forget(address);
   beacons_.erase(found);
   logging::later([address, log = transition_log_] {
@@ -250,34 +203,17 @@ void SensorPublisher::Publisher::on_gone(BeaconAddress address) {
 void SensorPublisher::Publisher::publish(ImuSample imu, Beacon& beacon) {
   beacon.imu.count_sample();
   imu.bridge_time_ns = clocks::host_now();
-  write(imu_writer_, dds::topics::to_idl(imu));
+  writers_.write(imu);
 }
 
 void SensorPublisher::Publisher::publish(const UltrasonicFix& fix, Beacon& beacon) {
   beacon.fix.count_sample();
-  write(fix_writer_, dds::topics::to_idl(fix));
+  writers_.write(fix);
 }
 
 void SensorPublisher::Publisher::publish(const PairHeading& heading, Beacon& beacon) {
   beacon.heading.count_sample();
-  write(heading_writer_, dds::topics::to_idl(heading));
-}
-
-template <class T>
-void SensorPublisher::Publisher::write(dds::DataWriter<T>& writer, const T& sample) {
-  const auto give_up = [this] { return !lossless_ || stopped(); };
-  if (dds::retry_unless(give_up, [&] { return writer.try_write(sample); }) < 0) ++unwritten_;
-}
-
-void SensorPublisher::Publisher::flush() {
-  if (!batch_) return;
-  imu_writer_.flush();
-  fix_writer_.flush();
-  heading_writer_.flush();
-  truth_writer_.flush();
-  status_writer_.flush();
-  line_writer_.flush();
-  stationary_writer_.flush();
+  writers_.write(heading);
 }
 
 SensorPublisher::Publisher::Stream::Stream(const dds::Entity& writer)
@@ -306,7 +242,7 @@ void SensorPublisher::Publisher::on(const LineStatus& status) {
 
 void SensorPublisher::Publisher::publish(LineStatus& line) {
   line.time_ns = clocks::host_now();
-  write(line_writer_, dds::topics::to_idl(line));
+  writers_.write(line);
 }
 
 void SensorPublisher::Publisher::tick() {
@@ -317,7 +253,7 @@ void SensorPublisher::Publisher::tick() {
 
 void SensorPublisher::Publisher::publish_statuses(SteadyTime now) {
   constexpr TimeNs period_ns = 1'000'000'000;
-  others_.update(status_writer_.instance_handle());
+  others_.update(writers_.status().instance_handle());
   for (auto& [address, beacon] : beacons_) {
     publish_status(beacon, now);
     log_silence(address, transitions::Kind::imu_silent, beacon.imu, now);
@@ -345,11 +281,11 @@ void SensorPublisher::Publisher::publish_status(Beacon& beacon, SteadyTime now) 
   status.imu_deadlines_missed = beacon.imu.deadlines.count(now);
   status.fix_deadlines_missed = beacon.fix.deadlines.count(now);
   status.heading_deadlines_missed = beacon.heading.deadlines.count(now);
-  status.liveliness_lost = endpoints_.liveliness_lost;
-  status.readers_incompatible = endpoints_.incompatible_qos;
-  status.samples_unwritten = unwritten_;
+  status.liveliness_lost = writers_.endpoints().liveliness_lost;
+  status.readers_incompatible = writers_.endpoints().incompatible_qos;
+  status.samples_unwritten = writers_.unwritten();
   status.samples_unrecorded = recording_ ? recording_->lost() : 0;
-  write(status_writer_, dds::topics::to_idl(status));
+  writers_.write(status);
 }
 
 void SensorPublisher::Publisher::log(const transitions::Transition& transition, SteadyTime now) {
@@ -357,8 +293,9 @@ void SensorPublisher::Publisher::log(const transitions::Transition& transition, 
 }
 
 void SensorPublisher::Publisher::log_unwritten(bool is_last) {
+  const std::uint64_t unwritten = writers_.unwritten();
   const auto more =
-      is_last ? unwritten_log_.finish(unwritten_) : unwritten_log_.update(unwritten_, clocks::steady_now());
+      is_last ? unwritten_log_.finish(unwritten) : unwritten_log_.update(unwritten, clocks::steady_now());
   if (!more) return;
   logging::later([count = *more] {
     logging::warning(
@@ -374,41 +311,6 @@ void SensorPublisher::Publisher::log_silence(BeaconAddress address, transitions:
   const auto change = stream.silence.find_change(now, silence_limit_ns);
   if (!change) return;
   log({.address = address, .kind = kind, .begins = change->silent, .lasted_s = change->lasted_s}, now);
-}
-
-// Start and end of a recording
-
-void SensorPublisher::Publisher::wait_for_readers() {
-  const auto all_matched = [this] {
-    return imu_writer_.publication_matched_status().current_count > 0 &&
-           fix_writer_.publication_matched_status().current_count > 0 &&
-           heading_writer_.publication_matched_status().current_count > 0;
-  };
-  constexpr TimeNs poll_period_ns = 20'000'000;
-  constexpr TimeNs report_after_ns = 3'000'000'000;
-  const SteadyTime began = clocks::steady_now();
-  bool reported = false;
-  while (!all_matched()) {
-    if (stop_->wait_until(clocks::steady_now() + poll_period_ns)) return;
-    if (!reported && clocks::steady_now() - began > report_after_ns) {
-      logging::warning("waiting for a reader (is sonopose-fusion running?)");
-      reported = true;
-    }
-  }
-}
-
-void SensorPublisher::Publisher::wait_until_read() {
-  const auto wait = [this](auto& writer) {
-    constexpr std::chrono::milliseconds step{200};
-    constexpr int max_steps = 150;
-    for (int i = 0; i < max_steps && !stopped(); ++i) {
-      if (writer.wait_for_acknowledgments(step)) return;
-    }
-  };
-  wait(imu_writer_);
-  wait(fix_writer_);
-  wait(heading_writer_);
-  wait(truth_writer_);
 }
 
 SensorPublisher::SensorPublisher(const PublisherOptions& options)

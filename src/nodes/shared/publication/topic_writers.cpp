@@ -1,0 +1,83 @@
+#include "publication/topic_writers.hpp"
+
+#include "clocks/clocks.hpp"
+#include "logging/log.hpp"
+
+#include <chrono>
+
+namespace sonopose::publication {
+
+TopicWriters::TopicWriters(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+                           dds::topics::Delivery delivery, bool batch)
+    : lossless_(delivery == dds::topics::Delivery::lossless),
+      batch_(batch),
+      imu_(make_writer(participant, qos, dds::topics::imu, &imu_listener_, delivery)),
+      fix_(make_writer(participant, qos, dds::topics::fix, &fix_listener_, delivery)),
+      heading_(make_writer(participant, qos, dds::topics::heading, &heading_listener_, delivery)),
+      truth_(make_writer(participant, qos, dds::topics::truth)),
+      status_(make_writer(participant, qos, dds::topics::beacon_status)),
+      line_(make_writer(participant, qos, dds::topics::line_status)),
+      stationary_(make_writer(participant, qos, dds::topics::stationary_beacon)) {}
+
+void TopicWriters::flush() {
+  if (!batch_) return;
+  imu_.flush();
+  fix_.flush();
+  heading_.flush();
+  truth_.flush();
+  status_.flush();
+  line_.flush();
+  stationary_.flush();
+}
+
+/// Leaves out lossless streams: their writers would block here until their readers have received everything.
+/// The end of the writers has the same effect.
+void TopicWriters::unregister(BeaconAddress address) {
+  const auto unregister_at = [address]<class T>(dds::DataWriter<T>& writer) {
+    T key{};
+    key.address = address;
+    writer.try_unregister_instance(key);
+  };
+  if (!lossless_) {
+    unregister_at(imu_);
+    unregister_at(fix_);
+    unregister_at(heading_);
+  }
+  unregister_at(truth_);
+  unregister_at(status_);
+}
+
+void TopicWriters::wait_for_readers() {
+  const auto all_matched = [this] {
+    return imu_.publication_matched_status().current_count > 0 &&
+           fix_.publication_matched_status().current_count > 0 &&
+           heading_.publication_matched_status().current_count > 0;
+  };
+  constexpr TimeNs poll_period_ns = 20'000'000;
+  constexpr TimeNs report_after_ns = 3'000'000'000;
+  const SteadyTime began = clocks::steady_now();
+  bool reported = false;
+  while (!all_matched()) {
+    if (stop_->wait_until(clocks::steady_now() + poll_period_ns)) return;
+    if (!reported && clocks::steady_now() - began > report_after_ns) {
+      logging::warning("waiting for a reader (is sonopose-fusion running?)");
+      reported = true;
+    }
+  }
+}
+
+void TopicWriters::wait_until_read() {
+  const auto wait = [this](auto& writer) {
+    constexpr std::chrono::milliseconds step{200};
+    constexpr int max_steps = 150;
+    for (int i = 0; i < max_steps && !stopped(); ++i) {
+      if (writer.wait_for_acknowledgments(step)) return;
+    }
+  };
+  wait(imu_);
+  wait(fix_);
+  wait(heading_);
+  wait(truth_);
+}
+
+}  // namespace sonopose::publication
