@@ -15,10 +15,8 @@ using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
-#if defined(__SANITIZE_THREAD__)
+#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
 constexpr std::size_t beacons = 5;  // each costs many times as much
-#elif defined(__SANITIZE_ADDRESS__)
-constexpr std::size_t beacons = 20;
 #else
 constexpr std::size_t beacons = 80;
 #endif
