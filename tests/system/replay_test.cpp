@@ -213,6 +213,8 @@ SCENARIO("the beacon that a log names is the one whose settings apply") {
   CHECK(hash({}) == unchanged);
   CHECK(hash(own) != unchanged);
   CHECK(hash({"--set", "beacon.12.heading.mount_offset_deg=5", "--beacon", "7"}) == unchanged);
+  CHECK(hash({"--set", "beacon.12.fusion.engine=kalman", "--engine", "documented"}) ==
+        hash({"--engine", "documented"}));
   std::filesystem::remove(recording / "log/meta.toml");
   for (const std::string engine : {"documented", "kalman"}) {
     const std::string without = hash({"--engine", engine});

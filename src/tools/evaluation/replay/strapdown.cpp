@@ -5,6 +5,7 @@
 #include <sonopose/settings/preset.hpp>
 
 #include <limits>
+#include <utility>
 
 namespace sonopose::evaluation::strapdown {
 namespace {
@@ -13,8 +14,8 @@ const Vector3d gravity_world_mps2{0.0, 0.0, -standard_gravity_mps2};
 
 }  // namespace
 
-Integrator::Integrator(const settings::Settings& settings, const State& start, Rule rule)
-    : settings_(settings::resolved(settings)), rule_(rule), state_(start) {
+Integrator::Integrator(const settings::Settings& settings, State start, Rule rule)
+    : settings_(settings::resolved(settings)), rule_(rule), state_(std::move(start)) {
   state_.q_body_to_world.normalize();
 }
 

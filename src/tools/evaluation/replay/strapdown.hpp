@@ -32,7 +32,7 @@ enum class Rule : std::uint8_t {
 class Integrator {
 public:
   /// Starts from a known state (section 2) and normalises its quaternion.
-  Integrator(const settings::Settings& settings, const State& start, Rule rule);
+  Integrator(const settings::Settings& settings, State start, Rule rule);
 
   /// One step to the sample's time:
   ///   p ← p + Δt·v + ½Δt²·(R(q)·a + g)   (1)
