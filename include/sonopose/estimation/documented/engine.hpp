@@ -68,6 +68,7 @@ private:
 
   std::uint32_t reject(const UltrasonicFix& fix);
   bool is_default_position(const UltrasonicFix& fix);
+  void move_to(const TimedFix& fix, FixReport& report);
   void reset_position(const TimedFix& fix, FixReport& report);
   bool reset_velocity(TimedFix& fix, FixReport& report);
   void correct_pose(const TimedFix& fix, FixReport& report);

@@ -64,18 +64,23 @@ bool Engine::is_default_position(const UltrasonicFix& fix) {
   return true;
 }
 
-/// Sets the position from the first fix of a run, and restores full trust.
-void Engine::reset_position(const TimedFix& fix, FixReport& report) {
-  const bool first = state_.outage.last_valid_fix_ns == 0;
-  report.flags |= first ? fix_first : fix_stale_recovered;
+/// Sets the position to this fix, and trusts it fully.
+void Engine::move_to(const TimedFix& fix, FixReport& report) {
   report.jump_world_m = fix.shifted_position_world_m - state_.body.position_world_m;
-  if (!first) report.innovation_world_m = report.jump_world_m;
   report.weight = 1.0;
   report.trust = 1.0;
   state_.body.position_world_m = fix.shifted_position_world_m;
   state_.drift = DriftState{};
   state_.runaway = {true, fix.shifted_position_world_m};
   trust::restart(state_.trust, fix);
+}
+
+/// Starts a run at its first fix.
+void Engine::reset_position(const TimedFix& fix, FixReport& report) {
+  const bool first = state_.outage.last_valid_fix_ns == 0;
+  report.flags |= first ? fix_first : fix_stale_recovered;
+  move_to(fix, report);
+  if (!first) report.innovation_world_m = report.jump_world_m;
   uncertainty::reset_position(settings_.uncertainty, state_.uncertainty);
   // Just after a start at rest the velocity is known to be zero.
   const bool velocity_known =
@@ -98,13 +103,7 @@ bool Engine::reset_velocity(TimedFix& fix, FixReport& report) {
   report.velocity_change_world_mps = velocity::initialise(state_.velocity, state_.body, *measured);
   delay::extrapolate_to_now(settings_.delay, state_.body, fix);
   report.shifted_position_world_m = fix.shifted_position_world_m;
-  report.jump_world_m = fix.shifted_position_world_m - state_.body.position_world_m;
-  report.weight = 1.0;
-  report.trust = 1.0;
-  state_.body.position_world_m = fix.shifted_position_world_m;
-  state_.drift = DriftState{};
-  state_.runaway = {true, fix.shifted_position_world_m};
-  trust::restart(state_.trust, fix);
+  move_to(fix, report);
   uncertainty::correct(settings_.uncertainty, state_.uncertainty, 1.0, 1.0, 1.0, measured->interval_s);
   state_.outage.init_phase = InitPhase::tracking;
   return true;
