@@ -2,8 +2,8 @@
 # GIVEN an installation of this build in an empty folder
 # WHEN the examples are configured with find_package(sonopose) alone, built and started; the consumer in plain C with
 #   nothing but the installed IDL and loopback configuration, and the embedded engine with nothing but Eigen
-# THEN the consumers receive poses of the installed bridge and of the example producer, and those of ROS 2 from the relay;
-#   the embedded engine stays within 1 cm of its fixes.
+# THEN the consumers receive poses of the installed bridge and, on its circle, of the example producer, and those of
+#   ROS 2 from the relay; the embedded engine stays within 1 cm of its fixes, and an optional component dds is missing.
 set -euo pipefail
 build=$1 source=$2 cmake=$3
 work=$(mktemp -d)
@@ -26,9 +26,19 @@ for example in consumer producer ros2_listener_cyclone; do
   build_example $example -DCMAKE_PREFIX_PATH="$work/prefix" ${flags:+-DCMAKE_CXX_FLAGS=-fsanitize=$flags}
 done
 build_example c_consumer -DSONOPOSE_IDL="$share/idl/sonopose.idl"
-build_example embedded -DCMAKE_PREFIX_PATH="$work/prefix" ${flags:+-DCMAKE_CXX_FLAGS=-fsanitize=$flags} \
-  -DCMAKE_DISABLE_FIND_PACKAGE_CycloneDDS=ON -DCMAKE_DISABLE_FIND_PACKAGE_pugixml=ON \
-  -DCMAKE_DISABLE_FIND_PACKAGE_fmt=ON -DCMAKE_DISABLE_FIND_PACKAGE_Threads=ON
+eigen_only=(-DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_DISABLE_FIND_PACKAGE_CycloneDDS=ON
+  -DCMAKE_DISABLE_FIND_PACKAGE_pugixml=ON -DCMAKE_DISABLE_FIND_PACKAGE_fmt=ON -DCMAKE_DISABLE_FIND_PACKAGE_Threads=ON)
+build_example embedded "${eigen_only[@]}" ${flags:+-DCMAKE_CXX_FLAGS=-fsanitize=$flags}
+mkdir "$work/optional"
+cat >"$work/optional/CMakeLists.txt" <<'END'
+cmake_minimum_required(VERSION 3.25)
+project(optional LANGUAGES C CXX)
+find_package(sonopose REQUIRED COMPONENTS estimation OPTIONAL_COMPONENTS dds)
+if(sonopose_dds_FOUND)
+  message(FATAL_ERROR "dds is found without Cyclone DDS")
+endif()
+END
+"$cmake" -S "$work/optional" -B "$work/optional/build" -G Ninja "${eigen_only[@]}" >/dev/null
 
 "$work/embedded/sonopose_embedded" | tee "$work/embedded.log" | tail -n 1
 tail -n 1 "$work/embedded.log" |
@@ -48,6 +58,7 @@ kill -INT "${pids[2]}"
 wait "${pids[2]}"
 unset 'pids[2]'
 "$work/producer/sonopose_producer" & pids+=($!)
-CYCLONEDDS_URI=file://$share/cyclonedds-loopback.xml timeout 200 "$work/c_consumer/sonopose_c_consumer" 50 >"$work/poses"
-tail -n 1 "$work/poses"
-[ "$(wc -l <"$work/poses")" -ge 50 ]
+CYCLONEDDS_URI=file://$share/cyclonedds-loopback.xml \
+  timeout 200 "$work/c_consumer/sonopose_c_consumer" 500 >"$work/poses"
+tail -n 1 "$work/poses" | tee "$work/pose"
+awk '$1 == "42:" { exit !((sqrt($2^2 + $3^2) - 2)^2 < 0.2^2 && ($4 - 0.5)^2 < 0.2^2) } { exit 1 }' "$work/pose"
