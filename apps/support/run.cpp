@@ -71,6 +71,24 @@ std::string mistake_in(const CLI::App& app, const CLI::ParseError& error) {
   return fmt::format("{}: unknown command{}", unknown.front(), suggestion(unknown.front(), commands));
 }
 
+/// Joins an option and its optional value, which CLI11 would give to a required positional argument.
+std::vector<std::string> with_joined_values(const CLI::App& app, const std::vector<std::string>& arguments) {
+  std::vector<std::string> joined;
+  bool takes_value = false;
+  for (const std::string& argument : arguments) {
+    if (takes_value && !argument.starts_with('-')) {
+      joined.back() += "=" + argument;
+      takes_value = false;
+      continue;
+    }
+    joined.push_back(argument);
+    const CLI::Option* const option = app.get_option_no_throw(argument);
+    takes_value = option != nullptr && argument.starts_with('-') && option->get_items_expected_min() == 0 &&
+                  option->get_items_expected_max() == 1;
+  }
+  return joined;
+}
+
 /// Prints a requested text. Returns the exit code.
 int print(const std::string& text) {
   try {
@@ -124,13 +142,13 @@ Program::Program(std::string_view verb, const std::string& details)
 
 Program::~Program() = default;
 
-CLI::Validator number_between(double least, double most) {
-  const bool open = most == std::numeric_limits<double>::max();
-  const std::string range = open ? fmt::format("{} or more", least) : fmt::format("{} - {}", least, most);
+CLI::Validator number_between(double min, double max) {
+  const bool open = max == std::numeric_limits<double>::max();
+  const std::string range = open ? fmt::format("{} or more", min) : fmt::format("{} - {}", min, max);
   return {[=](const std::string& text) {
             double value = 0.0;
             if (!CLI::detail::lexical_cast(text, value)) return fmt::format("'{}' is not a number", text);
-            const bool good = value >= least && value <= most;
+            const bool good = value >= min && value <= max;
             return good ? std::string() : fmt::format("Value {} not in range [{}]", text, range);
           },
           "[" + range + "]"};
@@ -165,7 +183,7 @@ int run(CLI::App& app, const std::vector<std::string>& arguments, const std::fun
   program_name() = app.get_name();
   logging::set_program(app.get_name());
   try {
-    parse(app, arguments);
+    parse(app, with_joined_values(app, arguments));
   } catch (const Printed& asked) {
     return print(asked.what());
   } catch (const CLI::Success& asked) {  // --help, --version

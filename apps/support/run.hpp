@@ -31,7 +31,7 @@ public:
 };
 
 /// Accepts a number in this range. Unlike CLI::Range, refuses texts that are not numbers, such as nan.
-CLI::Validator number_between(double least, double most = std::numeric_limits<double>::max());
+CLI::Validator number_between(double min, double max = std::numeric_limits<double>::max());
 
 /// Accepts an integer from 0 to 10⁹, such as a seed. Without a limit, CLI11 reads -1 as the largest number.
 CLI::Validator natural_number();

@@ -278,10 +278,12 @@ TEST_CASE("The settings have a help of their own") {
     CHECK_THAT(all.output, Contains("heading.mount_offset_deg") && Contains("calibration.axes"));
   }
   const auto fusion = beside_front_door("sonopose-fusion");
-  const Result group = run(fusion, {"--help-settings", "documented.attitude.mahony"});
-  CHECK(group.code == 0);
-  CHECK_THAT(group.output, Contains("documented.attitude.mahony.kp") && !Contains("attitude.ahrs") &&
-                               !Contains("documented.drift."));
+  for (const auto& program : {fusion, beside_front_door("sonopose-replay")}) {  // one with a positional
+    const Result group = run(program, {"--help-settings", "documented.attitude.mahony"});
+    CHECK(group.code == 0);
+    CHECK_THAT(group.output, Contains("documented.attitude.mahony.kp") && !Contains("attitude.ahrs") &&
+                                 !Contains("documented.drift."));
+  }
   CHECK_THAT(refusal(fusion, {"--help-settings", "headign"}),
              Contains("--help-settings: headign") && Contains("did you mean heading?"));
 }
