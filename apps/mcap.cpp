@@ -67,7 +67,8 @@ int copy(const Options& options, mcap::Selection::Damaged damaged) {
                                      [&](double share) { progress.at(share, "copying"); }});
   progress.clear();
   warn(result.damages);
-  fmt::print("{}: {}, {}\n", options.out.string(), text::count_text(result.messages, "message"),
+  fmt::print("{}: {} of {}, {}\n", options.out.string(), result.messages,
+             text::count_text(result.stated, "message"),
              text::count_text(result.metadata, "metadata record"));
   return 0;
 }

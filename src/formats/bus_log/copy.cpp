@@ -82,6 +82,8 @@ public:
       const auto sums = mcap::verify(input.reader);
       result_.damages.insert(result_.damages.end(), sums.begin(), sums.end());
     }
+    result_.stated = std::max(total_, result_.messages);
+    require_messages();
     return std::move(result_);
   }
 
@@ -92,6 +94,14 @@ private:
   std::vector<mcap::Metadata> metadata_of(const mcap::Reader& reader) {
     const bool is_skipping = damaged_ == mcap::Selection::Damaged::skip;
     return is_skipping ? reader.metadata(result_.damages) : reader.metadata();
+  }
+
+  /// Refuses a copy without messages, unless the inputs have none.
+  void require_messages() const {
+    if (result_.messages > 0 || (total_ == 0 && result_.damages.empty())) return;
+    const std::string reason = result_.damages.empty() ? "" : "; " + result_.damages.front();
+    throw files::IoError(fmt::format("{}: none of its {} messages is selected or readable{}",
+                                     inputs_.front().reader.name(), total_, reason));
   }
 
   void report_progress() const {
@@ -127,7 +137,7 @@ private:
   mcap::Selection::Damaged damaged_;
   const std::function<void(double)>& on_progress_;
   std::deque<Input> inputs_;
-  std::uint64_t total_ = 0;  ///< messages in all inputs
+  std::uint64_t total_ = 0;  ///< messages that all inputs say they have
   CopyResult result_;
 };
 

@@ -25,6 +25,7 @@ struct CopyRequest {
 
 struct CopyResult {
   std::uint64_t messages = 0;
+  std::uint64_t stated = 0;  ///< number of messages that the inputs say they have
   std::uint64_t metadata = 0;
   std::uint64_t attachments = 0;     ///< attachments in the inputs, which are not copied
   std::vector<std::string> damages;  ///< descriptions of what was left out or is wrong
@@ -33,7 +34,7 @@ struct CopyResult {
 /// Copies one input in its own order, and merges several by log time. At equal times, earlier inputs come
 /// first. All metadata comes first, and channels without messages are kept. The output is called OUTPUT.part
 /// while it is written. Throws files::IoError and removes the output, for example if the inputs have
-/// different profiles.
+/// different profiles, or no message of theirs is selected or readable.
 CopyResult copy(const CopyRequest& request);
 
 }  // namespace sonopose::bus_log

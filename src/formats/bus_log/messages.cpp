@@ -98,8 +98,16 @@ std::optional<BeaconAddress> beacon_of_end(const mcap::Message& message) {
   return static_cast<BeaconAddress>(address);
 }
 
-std::string full_name(const std::string& topic) {
-  return topic.find('/') == std::string::npos ? std::string(prefix) + topic : topic;
+/// The topic of the file that the user names, with or without what precedes the name. Throws files::IoError.
+std::string topic_of(const mcap::Reader& reader, const std::string& name) {
+  for (const std::string& topic : {name, std::string(prefix) + name, "/" + name}) {
+    const auto has_name = [&](const auto& entry) { return entry.second.topic == topic; };
+    if (std::ranges::any_of(reader.channels(), has_name)) return topic;
+  }
+  std::vector<std::string_view> known;
+  for (const auto& [id, channel] : reader.channels()) known.push_back(channel.topic);
+  throw files::IoError(
+      fmt::format("{}: has no topic {}; it has {}", reader.name(), name, fmt::join(known, ", ")));
 }
 
 mcap::Selection selection_of(const mcap::Reader& reader, const Choice& choice,
@@ -108,15 +116,7 @@ mcap::Selection selection_of(const mcap::Reader& reader, const Choice& choice,
   selection.order = order;
   selection.damaged = damaged;
   std::vector<std::string> wanted;
-  for (const std::string& topic : choice.topics) {
-    wanted.push_back(full_name(topic));
-    const auto has_name = [&](const auto& entry) { return entry.second.topic == wanted.back(); };
-    if (std::ranges::any_of(reader.channels(), has_name)) continue;
-    std::vector<std::string_view> known;
-    for (const auto& [id, channel] : reader.channels()) known.push_back(channel.topic);
-    throw files::IoError(
-        fmt::format("{}: has no topic {}; it has {}", reader.name(), topic, fmt::join(known, ", ")));
-  }
+  for (const std::string& topic : choice.topics) wanted.push_back(topic_of(reader, topic));
   if (!wanted.empty()) {
     selection.channel = [wanted](const mcap::Channel& channel) {
       return std::ranges::find(wanted, channel.topic) != wanted.end();

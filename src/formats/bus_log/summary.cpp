@@ -1,6 +1,7 @@
 #include "bus_log/summary.hpp"
 
 #include <sonopose/text/count_text.hpp>
+#include <sonopose/text/escaped.hpp>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -52,11 +53,12 @@ double rate_of(std::uint64_t count, double duration_s) {
 }  // namespace
 
 std::string summary_text(const mcap::Reader& reader, const std::vector<std::string>& more) {
+  using text::escaped;
   const mcap::Statistics& statistics = reader.statistics();
   const double duration_s = seconds_of(statistics.log_times);
   std::string text = fmt::format("file      {}, {:.1f} MB\nwritten   by {}, profile \"{}\"\n", reader.name(),
-                                 static_cast<double>(reader.size_bytes()) / 1e6, reader.contents().library,
-                                 reader.contents().profile);
+                                 static_cast<double>(reader.size_bytes()) / 1e6,
+                                 escaped(reader.contents().library), escaped(reader.contents().profile));
   if (!statistics.log_times.is_empty()) {
     text +=
         fmt::format("begins    {}\nends      {}, after {:.3f} s\n", utc_text(statistics.log_times.start_ns),
@@ -67,19 +69,21 @@ std::string summary_text(const mcap::Reader& reader, const std::vector<std::stri
                       reader.contents().is_indexed ? "with an index" : "without an index");
   for (const mcap::Channel* channel : channels_of(reader)) {
     const std::uint64_t count = count_of(reader, channel->id);
-    text += fmt::format("{:<28} {:>10} {:>9.1f} Hz  {} {}\n", channel->topic, count,
-                        rate_of(count, duration_s), channel->message_encoding, schema_of(reader, *channel));
+    text += fmt::format("{:<28} {:>10} {:>9.1f} Hz  {} {}\n", escaped(channel->topic), count,
+                        rate_of(count, duration_s), escaped(channel->message_encoding),
+                        escaped(schema_of(reader, *channel)));
   }
   std::vector<std::string> damages = reader.damages();
   damages.insert(damages.end(), more.begin(), more.end());
   for (const mcap::Metadata& metadata : reader.metadata(damages)) {
-    text += fmt::format("\n{}\n", metadata.name);
+    text += fmt::format("\n{}\n", escaped(metadata.name));
     for (const auto& [key, value] : metadata.values) {
       const bool is_long = value.find('\n') != std::string::npos;
-      text += fmt::format("  {} {}\n", key, is_long ? fmt::format("({} characters)", value.size()) : value);
+      text += fmt::format("  {} {}\n", escaped(key),
+                          is_long ? fmt::format("({} characters)", value.size()) : escaped(value));
     }
   }
-  for (const std::string& damage : damages) text += fmt::format("\ndamaged: {}", damage);
+  for (const std::string& damage : damages) text += fmt::format("\ndamaged: {}", escaped(damage));
   return damages.empty() ? text : text + "\n";
 }
 

@@ -153,6 +153,17 @@ ChunkIndex decode_chunk_index(Fields fields) {
   return index;
 }
 
+std::vector<std::uint64_t> decode_message_index(Fields fields) {
+  fields.number<std::uint16_t>("channel_id");
+  Fields records = fields.sized("records");
+  std::vector<std::uint64_t> log_times_ns;
+  while (!records.is_at_end()) {
+    log_times_ns.push_back(records.number<std::uint64_t>("records"));
+    records.number<std::uint64_t>("records");  // the place in the chunk
+  }
+  return log_times_ns;
+}
+
 Statistics decode_statistics(Fields fields) {
   Statistics statistics;
   statistics.message_count = fields.number<std::uint64_t>("message_count");

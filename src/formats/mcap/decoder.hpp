@@ -127,6 +127,7 @@ Channel decode_channel(Fields& fields);  ///< records a repeated key in `fields`
 Message decode_message(Fields fields);
 ChunkFields decode_chunk(Fields& fields);  ///< leaves what follows the size of the records
 ChunkIndex decode_chunk_index(Fields fields);
+std::vector<std::uint64_t> decode_message_index(Fields fields);  ///< log times of its messages
 Statistics decode_statistics(Fields fields);
 Metadata decode_metadata(Fields& fields);  ///< records a repeated key in `fields`
 MetadataIndex decode_metadata_index(Fields fields);

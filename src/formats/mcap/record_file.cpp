@@ -87,15 +87,6 @@ void check_decompressed(Decompressed result, const ChunkFields& chunk, std::span
   }
 }
 
-void check_times(const LoadedBlock& loaded, const TimeSpan& times, const Fields& fields) {
-  for (const LoadedBlock::Item& item : loaded.messages) {
-    if (item.log_time_ns >= times.start_ns && item.log_time_ns <= times.end_ns) continue;
-    fields.fail("message_start_time", "and message_end_time are " + std::to_string(times.start_ns) + " and " +
-                                          std::to_string(times.end_ns) + ", but a message has log time " +
-                                          std::to_string(item.log_time_ns));
-  }
-}
-
 }  // namespace
 
 Message LoadedBlock::message(const Item& item) const {
@@ -173,7 +164,6 @@ LoadedBlock RecordFile::load_chunk(const Block& block, Definitions* definitions)
       decompress(*compression, compressed, static_cast<std::size_t>(chunk.uncompressed_size), loaded.records);
   if (!is_cut) check_decompressed(result, chunk, loaded.records, fields);
   BlockWalk(loaded, {name(), 0, block.offset}, is_cut, definitions).walk();
-  check_times(loaded, chunk.log_times, fields);
   return loaded;
 }
 

@@ -4,6 +4,7 @@
 #include "mcap/scan.hpp"
 
 #include <algorithm>
+#include <ranges>
 #include <utility>
 
 namespace sonopose::mcap {
@@ -27,7 +28,7 @@ public:
     std::ranges::sort(contents_.blocks, {}, &Block::offset);
     std::ranges::sort(contents_.metadata, {}, &Extent::offset);
     require_separate();
-    check_channels();
+    if (!has_all_channels() || !read_between_chunks()) return std::nullopt;
     return std::move(contents_);
   }
 
@@ -130,21 +131,64 @@ private:
            (contents_.statistics.message_count == 0 || !contents_.blocks.empty());
   }
 
-  void check_channels() const {
-    const auto require = [this](std::uint16_t channel_id) {
-      if (contents_.channels.contains(channel_id)) return;
-      file_.place(summary_start_).fail("the summary has no channel " + std::to_string(channel_id));
+  /// A summary need not repeat the channels.
+  [[nodiscard]] bool has_all_channels() const {
+    const auto is_known = [this](std::uint16_t channel_id) {
+      return contents_.channels.contains(channel_id);
     };
-    for (const Block& block : contents_.blocks) {
-      for (const std::uint16_t channel_id : block.channels) require(channel_id);
+    return std::ranges::all_of(
+               contents_.blocks,
+               [&](const Block& block) { return std::ranges::all_of(block.channels, is_known); }) &&
+           std::ranges::all_of(contents_.statistics.channel_message_counts | std::views::keys, is_known);
+  }
+
+  /// Reads the records between the chunks. Returns false if there are messages: the summary does not have
+  /// them.
+  bool read_between_chunks() {
+    std::vector<Block>& blocks = contents_.blocks;
+    const std::uint64_t data_at = magic.size() + file_.prefix(magic.size(), file_.size()).record_length();
+    bool has_messages =
+        has_messages_in(data_at, blocks.empty() ? summary_start_ : blocks.front().offset, nullptr);
+    for (std::size_t i = 0; i < blocks.size() && !has_messages; ++i) {
+      const std::uint64_t end = i + 1 < blocks.size() ? blocks[i + 1].offset : summary_start_;
+      has_messages = has_messages_in(blocks[i].offset + blocks[i].length, end, &blocks[i]);
+      contents_.statistics.log_times.include(blocks[i].log_times);
     }
-    for (const auto& [channel_id, count] : contents_.statistics.channel_message_counts) require(channel_id);
+    return !has_messages;
+  }
+
+  /// Reads the records of a span, up to damage. Indexes of messages belong to the chunk `before`.
+  bool has_messages_in(std::uint64_t at, std::uint64_t end, Block* before) {
+    try {
+      while (at < end) {
+        const Prefix prefix = file_.prefix(at, end);
+        if (prefix.opcode == Opcode::message) return true;
+        if (prefix.opcode == Opcode::data_end) return false;
+        if (prefix.opcode == Opcode::message_index && before != nullptr) include_times(*before, at, prefix);
+        at += prefix.record_length();
+      }
+    } catch (const FormatError&) {  // NOLINT(bugprone-empty-catch): the chunks can still be read
+    }
+    return false;
+  }
+
+  /// Widens the times of a chunk: writers have stated wrong ones in its header.
+  void include_times(Block& block, std::uint64_t at, const Prefix& prefix) {
+    constexpr std::uint64_t max_bytes = 64U << 20U;  // of a long file, trust the headers
+    index_bytes_ += prefix.length;
+    if (index_bytes_ > max_bytes) return;
+    const Bytes content = file_.content(at, Opcode::message_index);
+    for (const std::uint64_t time_ns :
+         decode_message_index(Fields(content, Opcode::message_index, file_.place(at)))) {
+      block.log_times.include(time_ns);
+    }
   }
 
   const RecordFile& file_;
   Contents contents_;
   std::uint64_t footer_at_ = 0;
   std::uint64_t summary_start_ = 0;
+  std::uint64_t index_bytes_ = 0;  ///< size of the indexes of messages that were read
   bool has_statistics_ = false;
   MemoryLimit memory_;
 };

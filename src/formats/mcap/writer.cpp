@@ -347,11 +347,11 @@ void Writer::close() {
     append(end);
   } catch (...) {
     if (!first_error) first_error = std::current_exception();
-    Bytes least;
-    put_data_end(least, data_crc_);
-    put_footer(least, 0, 0, 0);
+    Bytes ending;
+    put_data_end(ending, data_crc_);
+    put_footer(ending, 0, 0, 0);
     try {
-      append(least);
+      append(ending);
     } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): the first error says why
     }
   }

@@ -57,7 +57,8 @@ SCENARIO("messages of a recording are selected") {
   }
   GIVEN("another beacon") {
     THEN("there is nothing of it") {
-      CHECK(copy({{file}, folder / "none.mcap", {{}, 7}}).messages == 0);
+      CHECK_THROWS_WITH(copy({{file}, folder / "none.mcap", {{}, 7}}), Contains("none of its "));
+      CHECK_FALSE(exists(folder / "none.mcap"));
     }
   }
   GIVEN("a reset of all beacons beside those of others, and the choice of one beacon") {
