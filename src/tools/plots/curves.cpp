@@ -93,11 +93,14 @@ void RunCurves::add(const FusedPose& pose) {
   moment.speed_mps = pose.velocity_world_mps.norm();
   moment.trust = pose.trust;
   moment.status = pose.status;
-  if (const auto truth = truth_.at(pose.time_ns)) {
+  const FusedPose before = std::exchange(before_, pose);
+  if (const auto truth = truth_.at_or_since(before.time_ns, pose.time_ns)) {
+    const FusedPose compared =
+        truth->time_ns == pose.time_ns ? pose : evaluation::between(before, pose, truth->time_ns);
     moment.true_position_world_m = truth->position_world_m;
     moment.true_yaw_rad = geometry::yaw_of(truth->q_body_to_world);
     moment.true_speed_mps = truth->velocity_world_mps.norm();
-    moment.error_m = (pose.position_world_m - truth->position_world_m).norm();
+    moment.error_m = (compared.position_world_m - truth->position_world_m).norm();
     if (const auto fix_world_m = baseline_.last_fix()) {
       moment.last_fix_error_m = (*fix_world_m - truth->position_world_m).norm();
     }
@@ -153,10 +156,10 @@ Histogram RunCurves::histogram() const {
 
 double RunCurves::speed_since_last_used(const FixReport& fix) const {
   constexpr double min_interval_s = 0.05;  // shorter intervals show mostly noise
-  constexpr double widest_gap_s = 0.5;
+  constexpr double max_gap_s = 0.5;
   if (!last_used_ || (fix.flags & fix_used) == 0) return unknown;
   const double interval_s = seconds_between(last_used_->emission_time_ns, fix.emission_time_ns);
-  if (!(interval_s > min_interval_s && interval_s < widest_gap_s)) return unknown;
+  if (!(interval_s > min_interval_s && interval_s < max_gap_s)) return unknown;
   return (fix.position_world_m - last_used_->position_world_m).norm() / interval_s;
 }
 

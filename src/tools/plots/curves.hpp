@@ -110,6 +110,7 @@ private:
   double mount_offset_rad_;
   TimeNs begin_ns_;
   evaluation::TruthTrack truth_;
+  FusedPose before_{};  ///< the pose before
   evaluation::Baseline baseline_;
   std::optional<FixReport> last_used_;
   Vector3d direction_world_ = Vector3d::UnitX();  ///< direction of the latest horizontal motion

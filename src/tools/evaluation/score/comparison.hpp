@@ -28,6 +28,7 @@ private:
   Scorer scorer_;
   TruthTrack truth_;
   TimeNs from_ns_;
+  TimeNs before_ns_ = 0;  ///< time of the pose before; 0 without one
   Baseline baseline_;
   std::vector<double> last_fix_m_;
   std::vector<double> extrapolated_m_;

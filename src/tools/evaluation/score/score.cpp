@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 namespace sonopose::evaluation {
 namespace {
 
+constexpr double max_interpolated_s = 0.1;  // over which truth or poses are interpolated
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
 double root_mean_square(const std::vector<double>& errors) {
@@ -18,7 +20,7 @@ double root_mean_square(const std::vector<double>& errors) {
   return std::sqrt(squares / static_cast<double>(errors.size()));
 }
 
-TruthSample between(const TruthSample& before, const TruthSample& after, double share) {
+TruthSample interpolated(const TruthSample& before, const TruthSample& after, double share) {
   TruthSample sample = before;
   sample.position_world_m += share * (after.position_world_m - before.position_world_m);
   sample.velocity_world_mps += share * (after.velocity_world_mps - before.velocity_world_mps);
@@ -46,7 +48,6 @@ AttitudeError error_of(const Quaterniond& q_estimate, const Quaterniond& q_truth
 }
 
 std::optional<TruthSample> TruthTrack::at(TimeNs time_ns) {
-  constexpr double widest_gap_s = 0.1;
   if (truth_.empty() || time_ns > truth_.back().time_ns) return std::nullopt;
   while (truth_[next_].time_ns < time_ns) ++next_;
   while (next_ > 0 && truth_[next_ - 1].time_ns >= time_ns) --next_;
@@ -55,26 +56,53 @@ std::optional<TruthSample> TruthTrack::at(TimeNs time_ns) {
   if (next_ == 0) return std::nullopt;
   const TruthSample& before = truth_[next_ - 1];
   const double span_s = seconds_between(before.time_ns, after.time_ns);
-  if (span_s > widest_gap_s) return std::nullopt;
-  TruthSample sample = between(before, after, seconds_between(before.time_ns, time_ns) / span_s);
+  if (span_s > max_interpolated_s) return std::nullopt;
+  TruthSample sample = interpolated(before, after, seconds_between(before.time_ns, time_ns) / span_s);
   sample.time_ns = time_ns;
   return sample;
 }
 
+std::optional<TruthSample> TruthTrack::at_or_since(TimeNs before_ns, TimeNs time_ns) {
+  if (auto truth = at(time_ns)) return truth;
+  if (before_ns >= time_ns || seconds_between(before_ns, time_ns) > max_interpolated_s) return std::nullopt;
+  const auto later = std::upper_bound(
+      truth_.begin(), truth_.end(), time_ns,
+      [](TimeNs searched_ns, const TruthSample& each) { return searched_ns < each.time_ns; });
+  if (later == truth_.begin() || std::prev(later)->time_ns <= before_ns) return std::nullopt;
+  return *std::prev(later);
+}
+
+FusedPose between(const FusedPose& before, const FusedPose& after, TimeNs time_ns) {
+  const double span_s = seconds_between(before.time_ns, after.time_ns);
+  const double share = seconds_between(before.time_ns, time_ns) / span_s;
+  FusedPose pose = after;
+  pose.time_ns = time_ns;
+  pose.position_world_m =
+      before.position_world_m + share * (after.position_world_m - before.position_world_m);
+  pose.velocity_world_mps =
+      before.velocity_world_mps + share * (after.velocity_world_mps - before.velocity_world_mps);
+  pose.q_body_to_world = before.q_body_to_world.slerp(share, after.q_body_to_world);
+  return pose;
+}
+
 void Scorer::add(const FusedPose& pose) {
   if (pose.time_ns < from_ns_) return;
-  const auto truth = track_.at(pose.time_ns);
+  const auto truth = track_.at_or_since(before_.time_ns, pose.time_ns);
   if (!truth || !truth->position_world_m.allFinite()) ++without_truth_;
-  if (!truth) return;
-  if (truth->position_world_m.allFinite()) {
+  if (truth) add(truth->time_ns == pose.time_ns ? pose : between(before_, pose, truth->time_ns), *truth);
+  before_ = pose;
+}
+
+void Scorer::add(const FusedPose& pose, const TruthSample& truth) {
+  if (truth.position_world_m.allFinite()) {
     times_ns_.push_back(pose.time_ns);
-    position_m_.push_back((pose.position_world_m - truth->position_world_m).norm());
+    position_m_.push_back((pose.position_world_m - truth.position_world_m).norm());
   }
-  if (truth->velocity_world_mps.allFinite()) {
-    velocity_mps_.push_back((pose.velocity_world_mps - truth->velocity_world_mps).norm());
+  if (truth.velocity_world_mps.allFinite()) {
+    velocity_mps_.push_back((pose.velocity_world_mps - truth.velocity_world_mps).norm());
   }
-  if (truth->q_body_to_world.coeffs().allFinite()) {
-    const AttitudeError error = error_of(pose.q_body_to_world, truth->q_body_to_world);
+  if (truth.q_body_to_world.coeffs().allFinite()) {
+    const AttitudeError error = error_of(pose.q_body_to_world, truth.q_body_to_world);
     yaw_rad_.push_back(error.heading_rad);
     tilt_rad_.push_back(error.inclination_rad);
   }

@@ -41,6 +41,10 @@ public:
   /// first sample, after the last, and in gaps longer than 0.1 s.
   std::optional<TruthSample> at(TimeNs time_ns);
 
+  /// The same; where the truth is sparse, its last sample after `before_ns`, at most 0.1 s before, and up to
+  /// `time_ns`.
+  std::optional<TruthSample> at_or_since(TimeNs before_ns, TimeNs time_ns);
+
 private:
   std::span<const TruthSample> truth_;
   std::size_t next_ = 0;
@@ -58,7 +62,11 @@ struct Score {
   std::vector<TimeNs> times_ns;
 };
 
-/// Collects the errors of poses.
+/// The pose at a time between two others.
+FusedPose between(const FusedPose& before, const FusedPose& after, TimeNs time_ns);
+
+/// Collects the errors of poses, in order of time. Sparse truth is compared with the pose interpolated to its
+/// stamp.
 class Scorer {
 public:
   /// Ignores poses before `from_ns`. `truth` must outlive the scorer.
@@ -69,8 +77,11 @@ public:
   [[nodiscard]] Score score() const;
 
 private:
+  void add(const FusedPose& pose, const TruthSample& truth);
+
   TruthTrack track_;
   TimeNs from_ns_;
+  FusedPose before_{};
   std::size_t without_truth_ = 0;
   std::vector<TimeNs> times_ns_;
   std::vector<double> position_m_;

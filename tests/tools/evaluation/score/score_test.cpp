@@ -52,6 +52,19 @@ TEST_CASE("the position error is the distance to the interpolated truth, not ali
   CHECK(score.position_m.max == Approx(1.2));
 }
 
+TEST_CASE("sparse truth is compared with the poses around its stamps") {
+  const std::vector<TruthSample> truth{truth_at(1.004, {0, 0, 0}), truth_at(1.204, {0.2, 0, 0}),
+                                       truth_at(1.404, {0.4, 0.3, 0})};
+  Scorer scorer(truth, 0);
+  // Along x at 1 m/s, exactly on the first two.
+  for (int i = 0; i <= 50; ++i) scorer.add(pose_at(1.0 + 0.01 * i, {-0.004 + 0.01 * i, 0, 0}));
+  const auto score = scorer.score();
+  CHECK(score.poses == 3);
+  CHECK(score.poses_without_truth == 48);
+  CHECK(score.position_m.max == Approx(0.3));
+  CHECK(score.position_m.rmse == Approx(0.3 / std::sqrt(3.0)));
+}
+
 TEST_CASE("a pose with a wrong time does not affect the score of other poses") {
   const std::vector<TruthSample> truth{truth_at(1.0, {0, 0, 0}), truth_at(1.1, {1, 0, 0}),
                                        truth_at(1.2, {2, 0, 0})};
