@@ -47,10 +47,15 @@ public:
   Tracker(typename F::Settings settings, FieldUse field) : settings_(std::move(settings)), field_(field) {}
 
   /// Processes one sample. Returns false and does nothing if it is not a measurement (not finite or beyond
-  /// any sensor's range) or is earlier than the previous one.
+  /// any sensor's range) or is earlier than the previous one. After `max_backward_samples` of those in a row
+  /// the clock was set back: the filter goes on from there.
   bool on(const ImuSample& imu) {
-    if (!is_measurement(imu) || (started_ && imu.sensor_time_ns < time_ns_)) return false;
-    const double dt_s = started_ ? seconds_between(time_ns_, imu.sensor_time_ns) : 0.0;
+    if (!is_measurement(imu)) return false;
+    const bool is_backward = started_ && imu.sensor_time_ns < time_ns_;
+    backward_in_row_ = is_backward ? backward_in_row_ + 1 : 0;
+    if (is_backward && backward_in_row_ < max_backward_samples) return false;
+    const double dt_s = started_ && !is_backward ? seconds_between(time_ns_, imu.sensor_time_ns) : 0.0;
+    backward_in_row_ = 0;
     const Measurement<double> measurement = field_.measurement_of(imu, dt_s);
     if (!started_) filter_.reset(first_orientation(measurement));
     started_ = true;
@@ -68,6 +73,7 @@ private:
   F filter_;
   bool started_ = false;
   TimeNs time_ns_ = 0;
+  int backward_in_row_ = 0;
 };
 
 }  // namespace sonopose::attitude

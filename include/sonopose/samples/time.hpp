@@ -12,6 +12,10 @@ namespace sonopose {
 /// Nanoseconds: a duration, or a time of the host's clock since the Unix epoch.
 using TimeNs = std::int64_t;
 
+/// Number of samples in a row that are earlier than one before, after which the sensor's clock has been set
+/// back: half a second of a beacon's samples.
+inline constexpr int max_backward_samples = 50;
+
 /// A time of the host's clock: nanoseconds since the Unix epoch. A plain number, because estimation
 /// integrates it.
 using HostTime = TimeNs;

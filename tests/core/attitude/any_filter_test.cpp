@@ -65,6 +65,18 @@ TEST_CASE("a tracker takes the step from the stamps, and leaves out what is no m
   CHECK(geometry::yaw_of(tracker.filter().orientation()) == Approx(0.2));
 }
 
+TEST_CASE("a tracker goes on from a clock that was set back") {
+  Tracker<Gyro> tracker({}, {});
+  const Vector3d rate_radps(0, 0, 0.5);
+  for (int i = 0; i <= 100; ++i) CHECK(tracker.on(sample_at(10.0 + 0.01 * i, rate_radps)));
+  int rejected = 0;
+  for (int i = 0; i < 100; ++i) rejected += tracker.on(sample_at(0.01 * i, rate_radps)) ? 0 : 1;
+  CHECK(rejected == max_backward_samples - 1);
+  // One second before the step; after it from the sample that was believed.
+  CHECK(geometry::yaw_of(tracker.filter().orientation()) ==
+        Approx(0.5 + 0.5 * 0.01 * (100 - max_backward_samples)));
+}
+
 TEST_CASE("a tracker starts level, and with a magnetometer pointing as it says") {
   const Quaterniond truth = geometry::rotation_of(geometry::EulerAngles<double>{0.3, -0.2, 2.5});
   ImuSample imu = sample_at(0.0, Vector3d::Zero());

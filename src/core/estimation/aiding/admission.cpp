@@ -43,19 +43,18 @@ bool admits(const AdmissionSettings& settings, TimeNs now_ns, const ImuSample& i
 }
 
 bool is_time_jump(AdmissionState& state, TimeNs now_ns, const ImuSample& imu) {
-  constexpr double longest_step_s = 2.0;
+  constexpr double max_step_s = 2.0;
   const TimeNs announced_ns = state.announced_ns;
   state.announced_ns = 0;
-  if (now_ns == 0 || seconds_between(now_ns, imu.sensor_time_ns) <= longest_step_s) return false;
+  if (now_ns == 0 || seconds_between(now_ns, imu.sensor_time_ns) <= max_step_s) return false;
   const bool confirmed = announced_ns != 0 && imu.sensor_time_ns >= announced_ns &&
-                         seconds_between(announced_ns, imu.sensor_time_ns) <= longest_step_s;
+                         seconds_between(announced_ns, imu.sensor_time_ns) <= max_step_s;
   if (confirmed) return false;
   state.announced_ns = imu.sensor_time_ns;
   return true;
 }
 
 bool needs_time_reset(AdmissionState& state, TimeNs now_ns, const ImuSample& imu) {
-  constexpr int max_backward_samples = 50;  // half a second of a beacon's samples
   const bool backward = imu.sensor_time_ns > 0 && imu.sensor_time_ns < now_ns;
   state.backward_in_row = backward ? state.backward_in_row + 1 : 0;
   return state.backward_in_row >= max_backward_samples;

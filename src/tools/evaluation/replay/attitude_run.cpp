@@ -105,6 +105,11 @@ std::string attitude_text(const std::vector<AttitudeResult>& results) {
                                  "heading", "inclination");
   for (const AttitudeResult& result : results) text += row(result, width);
   if (results.size() > 1) text += row(mean_of(results), width);
+  for (const AttitudeResult& result : results) {
+    if (result.rejected == 0) continue;
+    text += fmt::format("{}: {} of {} samples rejected: earlier than the one before, or no measurement\n",
+                        result.name, result.rejected, result.samples);
+  }
   return text;
 }
 
