@@ -2,6 +2,7 @@
 
 #include "evaluation/replay/attitude_run.hpp"
 #include "evaluation/report/trajectory_file.hpp"
+#include "logging/log.hpp"
 #include "recording/attitude_log.hpp"
 #include "support/config_options.hpp"
 #include "support/progress.hpp"
@@ -68,6 +69,7 @@ void check_names(const std::vector<Path>& logs) {
 evaluation::AttitudeResult run_log(const Path& folder, const Options& options,
                                    const settings::Settings& settings, apps::Progress& progress) {
   const recording::AttitudeLog log = recording::read_attitude_log(folder, options.beacon);
+  for (const std::string& warning : log.warnings) logging::warning(warning);
   const bool has_field = std::any_of(log.imu.begin(), log.imu.end(), [](const ImuSample& imu) {
     return imu.magnetic_field_body_t.has_value();
   });

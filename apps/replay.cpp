@@ -110,7 +110,6 @@ int replay_log(const CLI::App& app, const apps::ReplayOptions& options) {
   const config::FusionConfig config = configuration(app, options);
   std::optional<evaluation::SavedState> start;
   if (options.load_state) start = evaluation::load_state(*options.load_state);
-
   evaluation::Timing timing;
   const recording::SensorLog log = read_log(options, timing);
   evaluation::RunOptions run = run_options(options, config.for_beacon(log.address));
@@ -136,6 +135,8 @@ int replay_log(const CLI::App& app, const apps::ReplayOptions& options) {
   if (options.save_state) evaluation::save_state(*options.save_state, result.end);
   draw(plot);
   fmt::print("{}", report(result, timing, options.json));
+  if (result.counters.fixes_used == 0 && result.counters.fixes_rejected > 0)
+    throw std::runtime_error("no fix was used");
   return 0;
 }
 

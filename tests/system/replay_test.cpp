@@ -358,6 +358,38 @@ SCENARIO("one wrong IMU stamp affects only that sample, and the report counts it
   CHECK(report_of({recording.log(), "--until", "10"})["imu_samples"].get<int>() > 980);
 }
 
+SCENARIO("a replay that used no fix says why and fails") {
+  const Recording recording;
+  const auto imu = std::filesystem::path(recording.log()) / "imu.csv";
+  GIVEN("an IMU whose header names a unit of time that its stamps do not have") {
+    std::string rows = read_text(imu);
+    write_text(imu, rows.replace(rows.find("[ns]"), 4, "[ms]"));
+    THEN("the stamps are refused, with the row") {
+      CHECK_THAT(refusal({recording.log()}), Contains("/imu.csv:2: column 1 (timestamp [ms])") &&
+                                                 Contains("is not a time between 1 and 2^62"));
+    }
+  }
+  GIVEN("an IMU of another clock") {
+    std::istringstream rows(read_text(imu));
+    std::string earlier;
+    for (std::string row; std::getline(rows, row);) {
+      if (row.starts_with("17")) row.replace(0, 2, "16");
+      earlier += row + "\n";
+    }
+    write_text(imu, earlier);
+    const std::string error = refusal({recording.log()});
+    THEN("both are said") {
+      CHECK_THAT(error, Contains("all fixes are after the IMU samples, by ") && Contains("no fix was used"));
+    }
+  }
+  GIVEN("no IMU sample") {
+    write_text(imu, read_text(imu).substr(0, read_text(imu).find('\n') + 1));
+    THEN("there is nothing to fuse") {
+      CHECK_THAT(refusal({recording.log()}), Contains("there is no IMU sample"));
+    }
+  }
+}
+
 SCENARIO("a replay opens no DDS domain") {
   GIVEN("a configuration with which no domain can be opened") {
     const Environment environment{

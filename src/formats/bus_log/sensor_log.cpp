@@ -4,6 +4,7 @@
 #include "bus_log/decoded.hpp"
 #include "logging/log.hpp"
 #include "mcap/reader.hpp"
+#include "recording/input_check.hpp"
 #include "recording/log_columns.hpp"
 #include <sonopose/collation/collator.hpp>
 #include <sonopose/dds/topics/serialized_topics.hpp>
@@ -15,6 +16,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <set>
@@ -216,20 +218,34 @@ bool is_mcap(const std::filesystem::path& log) {
   return std::ranges::equal(begin, std::as_bytes(std::span(mcap::magic)).first(begin.size()));
 }
 
+namespace {
+
+void log_warnings(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) logging::warning(warning);
+}
+
+}  // namespace
+
 std::filesystem::path imu_source(const std::filesystem::path& log) {
   return is_file(log) ? log : log / recording::imu_file;
 }
 
 recording::SensorLog read_sensor_log(const std::filesystem::path& log, std::optional<BeaconAddress> address) {
-  if (!is_file(log)) return recording::read_sensor_log(log, address);
-  auto read = is_mcap(log) ? FileLog(log, address).read() : read_dashboard_log(log, address);
-  for (const std::string& warning : read.warnings) logging::warning(warning);
+  auto read = !is_file(log)  ? recording::read_sensor_log(log, address)
+              : is_mcap(log) ? FileLog(log, address).read()
+                             : read_dashboard_log(log, address);
+  std::ranges::move(recording::input_findings(log.string(), read.events), std::back_inserter(read.warnings));
+  log_warnings(read.warnings);
   return read;
 }
 
 std::vector<ImuSample> read_imu_log(const std::filesystem::path& log, std::optional<BeaconAddress> address) {
-  if (!is_file(log)) return recording::read_imu_log(log, address);
   std::vector<ImuSample> samples;
+  if (!is_file(log)) {
+    samples = recording::read_imu_log(log, address);
+    log_warnings(recording::input_findings(log.string(), samples));
+    return samples;
+  }
   for (const Event& event : read_sensor_log(log, address).events) {
     if (const auto* imu = std::get_if<ImuSample>(&event)) samples.push_back(*imu);
   }

@@ -2,6 +2,7 @@
 
 #include "files/csv_reader.hpp"
 #include "files/missing.hpp"
+#include "recording/input_check.hpp"
 #include "recording/log_columns.hpp"
 
 namespace sonopose::recording {
@@ -10,6 +11,7 @@ AttitudeLog read_attitude_log(const std::filesystem::path& folder, std::optional
   AttitudeLog log;
   log.imu = read_imu_log(folder, address);
   if (log.imu.empty()) throw files::IoError((folder / imu_file).string() + ": no sample");
+  log.warnings = input_findings(folder.string(), log.imu);
   if (files::is_present(folder / truth_file)) {
     log.truth = read_truth_csv(folder / truth_file, log.imu.front().address);
   }
@@ -18,7 +20,7 @@ AttitudeLog read_attitude_log(const std::filesystem::path& folder, std::optional
 }
 
 std::vector<TimeSpan> read_movement_csv(const std::filesystem::path& file) {
-  files::CsvReader rows(file, {movement_columns, movement_columns.size()});
+  files::CsvReader rows(file, layout_of(movement_columns, movement_columns.size()));
   std::vector<TimeSpan> spans;
   while (rows.next_row()) {
     TimeSpan& span = spans.emplace_back();

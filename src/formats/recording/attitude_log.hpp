@@ -13,6 +13,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace sonopose::recording {
@@ -27,8 +28,9 @@ struct TimeSpan {
 
 struct AttitudeLog {
   std::vector<ImuSample> imu;
-  std::vector<TruthSample> truth;   ///< NaN for unknown values; empty without a file
-  std::vector<TimeSpan> movements;  ///< empty without a file
+  std::vector<TruthSample> truth;       ///< NaN for unknown values; empty without a file
+  std::vector<TimeSpan> movements;      ///< empty without a file
+  std::vector<std::string> warnings{};  ///< what is wrong with the samples (input_check.hpp)
 };
 
 /// Reads a folder. Throws files::IoError that names file, line, column and value, also if imu.csv has no

@@ -2,6 +2,8 @@
 /// \file
 /// The columns of a sensor log, shared by reader and writer.
 
+#include "files/csv_header.hpp"
+
 #include <array>
 #include <cstddef>
 #include <string_view>
@@ -19,10 +21,11 @@ inline constexpr std::string_view meta_file = "meta.toml";
 inline constexpr std::array<std::string_view, 10> imu_columns{
     "timestamp [ns]", "w_x [rad s^-1]", "w_y [rad s^-1]", "w_z [rad s^-1]", "a_x [m s^-2]",
     "a_y [m s^-2]",   "a_z [m s^-2]",   "m_x [uT]",       "m_y [uT]",       "m_z [uT]"};
-inline constexpr std::size_t imu_columns_without_magnetometer = 7;
+inline constexpr std::size_t imu_columns_without_magnetometer = 7;  ///< required columns
 
 inline constexpr std::array<std::string_view, 6> ultrasonic_columns{
     "timestamp [ns]", "received [ns]", "x [m]", "y [m]", "z [m]", "quality [%]"};
+inline constexpr std::size_t ultrasonic_columns_required = 5;
 
 inline constexpr std::array<std::string_view, 3> heading_columns{"timestamp [ns]", "received [ns]",
                                                                  "heading [deg]"};
@@ -32,11 +35,46 @@ inline constexpr std::array<std::string_view, 17> truth_columns{
     "q_x []",         "q_y []",           "q_z []",           "v_x [m s^-1]",     "v_y [m s^-1]",
     "v_z [m s^-1]",   "b_w_x [rad s^-1]", "b_w_y [rad s^-1]", "b_w_z [rad s^-1]", "b_a_x [m s^-2]",
     "b_a_y [m s^-2]", "b_a_z [m s^-2]"};
-inline constexpr std::size_t truth_columns_least = 8;     ///< columns up to the attitude
+inline constexpr std::size_t truth_columns_required = 4;  ///< columns up to the position
 inline constexpr std::size_t truth_columns_written = 11;  ///< columns up to the velocity
 
 inline constexpr std::array<std::string_view, 2> wheel_speed_columns{"timestamp [ns]", "speed [m s^-1]"};
 
 inline constexpr std::array<std::string_view, 2> movement_columns{"start [ns]", "end [ns]"};
+
+/// Names of EuRoC's and TUM's files, and those in general use.
+inline constexpr std::array<files::ColumnSynonym, 26> column_synonyms{{
+    {"time", "timestamp"},
+    {"t", "timestamp"},
+    {"stamp", "timestamp"},
+    {"*", "p*"},
+    {"t*", "p*"},
+    {"pos*", "p*"},
+    {"position*", "p*"},
+    {"gyro*", "w*"},
+    {"gyroscope*", "w*"},
+    {"g*", "w*"},
+    {"omega*", "w*"},
+    {"angularvelocity*", "w*"},
+    {"acc*", "a*"},
+    {"accel*", "a*"},
+    {"accelerometer*", "a*"},
+    {"acceleration*", "a*"},
+    {"linearacceleration*", "a*"},
+    {"specificforce*", "a*"},
+    {"mag*", "m*"},
+    {"magnetometer*", "m*"},
+    {"magneticfield*", "m*"},
+    {"orientation*", "q*"},
+    {"quaternion*", "q*"},
+    {"quat*", "q*"},
+    {"vel*", "v*"},
+    {"velocity*", "v*"},
+}};
+
+/// A file of these columns, of which the first `required` must be there.
+constexpr files::CsvLayout layout_of(std::span<const std::string_view> columns, std::size_t required) {
+  return {columns, required, column_synonyms};
+}
 
 }  // namespace sonopose::recording

@@ -24,7 +24,7 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 class ImuRows {
 public:
   ImuRows(const std::filesystem::path& file, BeaconAddress address, ImuMeaning meaning)
-      : rows_{file, {imu_columns, imu_columns_without_magnetometer}} {
+      : rows_{file, layout_of(imu_columns, imu_columns_without_magnetometer)} {
     sample_.address = address;
     sample_.meaning = meaning;
     step();
@@ -217,7 +217,7 @@ std::vector<ImuSample> read_imu_csv(const std::filesystem::path& file, BeaconAdd
 }
 
 std::vector<UltrasonicFix> read_ultrasonic_csv(const std::filesystem::path& file, BeaconAddress address) {
-  files::CsvReader rows(file, {ultrasonic_columns, ultrasonic_columns.size()});
+  files::CsvReader rows(file, layout_of(ultrasonic_columns, ultrasonic_columns_required));
   std::vector<UltrasonicFix> fixes;
   while (rows.next_row()) {
     UltrasonicFix& fix = fixes.emplace_back();
@@ -232,7 +232,7 @@ std::vector<UltrasonicFix> read_ultrasonic_csv(const std::filesystem::path& file
 }
 
 std::vector<PairHeading> read_heading_csv(const std::filesystem::path& file, BeaconAddress address) {
-  files::CsvReader rows(file, {heading_columns, heading_columns.size()});
+  files::CsvReader rows(file, layout_of(heading_columns, heading_columns.size()));
   std::vector<PairHeading> headings;
   while (rows.next_row()) {
     PairHeading& heading = headings.emplace_back();
@@ -246,7 +246,7 @@ std::vector<PairHeading> read_heading_csv(const std::filesystem::path& file, Bea
 }
 
 std::vector<TruthSample> read_truth_csv(const std::filesystem::path& file, BeaconAddress address) {
-  files::CsvReader rows(file, {truth_columns, truth_columns_least, true});
+  files::CsvReader rows(file, layout_of(truth_columns, truth_columns_required));
   std::vector<TruthSample> samples;
   while (rows.next_row()) {
     if (samples.empty()) samples.reserve(rows.rows_like_this());
@@ -267,7 +267,7 @@ std::vector<TruthSample> read_truth_csv(const std::filesystem::path& file, Beaco
 }
 
 std::vector<WheelSpeed> read_wheel_speed_csv(const std::filesystem::path& file) {
-  files::CsvReader rows(file, {wheel_speed_columns, wheel_speed_columns.size()});
+  files::CsvReader rows(file, layout_of(wheel_speed_columns, wheel_speed_columns.size()));
   std::vector<WheelSpeed> speeds;
   while (rows.next_row()) {
     const auto speed_mps = rows.optional_number(1);

@@ -1,7 +1,6 @@
 #pragma once
 /// \file
-/// Reads a sensor-log folder: plain CSV files with a `#` header line, times in integer ns since the Unix
-/// epoch.
+/// Reads a sensor-log folder: CSV files with a header line, times in ns since the Unix epoch.
 ///
 /// | File             | Columns |
 /// |------------------|---------|
@@ -12,9 +11,9 @@
 /// | `wheel_speed.csv` | timestamp, speed [m/s]; optional file, only used for scores |
 /// | `meta.toml`      | what these files do not say (log_meta.hpp); optional file |
 ///
-/// A time is at least 1 and below 2^62. An empty cell is an unknown value. Columns are identified by
-/// position, as in EuRoC's files; the header's text is ignored. Errors are files::IoError that name file,
-/// line, column and value.
+/// A time is at least 1 and below 2^62. An empty cell is an unknown value. Columns are found by their names,
+/// and converted from the unit that the header names (files/csv_header.hpp). `quality` and all of the truth
+/// but time and position are optional. Errors are files::IoError that name file, line, column and value.
 
 #include "files/error.hpp"
 #include <sonopose/samples/samples.hpp>

@@ -1,29 +1,15 @@
 #include "files/csv_reader.hpp"
 
+#include "files/column_units.hpp"
 #include "files/error.hpp"
 #include "files/units.hpp"
+#include "logging/log.hpp"
 
 #include <charconv>
+#include <cmath>
 #include <system_error>
 
 namespace sonopose::files {
-
-namespace {
-
-std::string_view trimmed(std::string_view text) {
-  const auto is_space = [](char c) { return c == ' ' || c == '\t'; };
-  while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
-  return text;
-}
-
-std::string expected_columns(const CsvLayout& layout) {
-  const std::string most = std::to_string(layout.columns.size());
-  if (layout.min_columns == layout.columns.size()) return most;
-  return std::to_string(layout.min_columns) + " to " + most;
-}
-
-}  // namespace
 
 CsvReader::CsvReader(const std::filesystem::path& file, const CsvLayout& layout)
     : name_{file.string()}, layout_{layout}, lines_{file} {
@@ -31,59 +17,82 @@ CsvReader::CsvReader(const std::filesystem::path& file, const CsvLayout& layout)
 }
 
 void CsvReader::read_header() {
-  const auto line = lines_.next();
-  if (!line) throw IoError(name_ + ": is empty; expected a header line that begins with #");
-  if (!line->starts_with('#')) {
-    fail_line("expected a header line that begins with #, found \"" + std::string(*line) + "\"");
+  std::optional<std::string> header;
+  std::string where;
+  for (auto line = lines_.next(); line; line = lines_.next()) {
+    if (trimmed(*line).empty()) continue;
+    if (header && !line->starts_with('#')) {
+      read_ahead_ = *line;
+      break;
+    }
+    header = *line;
+    where = position();
+    if (!line->starts_with('#')) break;
   }
-  header_columns_ = split(*line);
-  if (header_columns_ < layout_.min_columns || header_columns_ > layout_.columns.size()) {
-    fail_line("the header has " + std::to_string(header_columns_) + " columns instead of " +
-              expected_columns(layout_));
+  if (!header) throw IoError(name_ + ": is empty; expected a header line with the names of the columns");
+  header_ = CsvHeader(layout_, *header, where);
+  if (header_.width() > cells_.size()) {
+    throw IoError(where + ": the header has " + std::to_string(header_.width()) + " columns; at most " +
+                  std::to_string(cells_.size()) + " are read");
   }
+  std::string unknown;
+  for (const std::string& name : header_.unknown()) unknown += (unknown.empty() ? "" : ", ") + name;
+  if (!unknown.empty()) logging::warning(where + ": columns that are not used: " + unknown);
 }
 
 bool CsvReader::next_row() {
-  do {
-    const auto line = lines_.next();
-    if (!line) return false;
-    row_ = trimmed(*line);
-  } while (row_.empty());
-  const std::size_t count = split(row_);
-  const std::size_t min_count = layout_.short_rows ? layout_.min_columns : header_columns_;
-  if (count < min_count || count > header_columns_) {
-    fail_line("has " + std::to_string(count) + " columns where the header has " +
-              std::to_string(header_columns_));
+  const bool is_first = row_.empty();
+  if (is_first && read_ahead_) {
+    row_ = trimmed(*read_ahead_);
+  } else {
+    do {
+      const auto line = lines_.next();
+      if (!line) return false;
+      row_ = trimmed(*line);
+    } while (row_.empty());
   }
+  cells_.fill({});
+  const std::size_t count = header_.split(row_, [this](std::size_t index, std::string_view text) {
+    if (index < cells_.size()) cells_[index] = text;
+  });
+  if (count > header_.width() || count < header_.required_width()) {
+    fail_line("has " + std::to_string(count) + " columns where the header has " +
+              std::to_string(header_.width()));
+  }
+  if (is_first) detect_seconds();
   return true;
 }
 
-std::size_t CsvReader::split(std::string_view line) {
-  cells_.fill({});
-  std::size_t count = 0;
-  for (;;) {
-    const std::size_t comma = line.find(',');
-    if (count < cells_.size()) cells_[count] = trimmed(line.substr(0, comma));
-    ++count;
-    if (comma == std::string_view::npos) return count;
-    line.remove_prefix(comma + 1);
+void CsvReader::detect_seconds() {
+  for (std::size_t column = 0; column < layout_.columns.size(); ++column) {
+    if (header_.place(column) == CsvHeader::missing || header_.has_unit(column)) continue;
+    const auto seconds = unit_factor("s", header_.own_unit(column));
+    if (seconds && cell(column).find('.') != std::string_view::npos) header_.set_factor(column, *seconds);
   }
 }
 
 TimeNs CsvReader::time_ns(std::size_t column) const {
   const std::string_view text = cell(column);
+  const long double factor = header_.factor(column);
   TimeNs value = 0;
   const char* const end = text.data() + text.size();
   const auto result = std::from_chars(text.data(), end, value);
-  if (result.ec != std::errc{} || result.ptr != end) fail(column, "is not a time in whole nanoseconds");
-  // The difference of any two times then fits into 64 bits.
-  constexpr TimeNs too_late = TimeNs{1} << 62U;
+  constexpr TimeNs too_late = TimeNs{1} << 62U;  // the difference of any two times fits into 64 bits
+  if (factor != 1.0L || result.ec != std::errc{} || result.ptr != end) {
+    const auto time = parse_long_number(text);
+    if (!time) fail(column, "is not a time");
+    const long double time_ns = *time * factor;
+    if (factor == 1.0L && time_ns != std::floor(time_ns)) fail(column, "is not a time in whole nanoseconds");
+    const bool is_in_range = time_ns >= 1.0L && time_ns < static_cast<long double>(too_late);
+    value = is_in_range ? std::llround(time_ns) : 0;
+  }
   if (value <= 0 || value >= too_late) fail(column, "is not a time between 1 and 2^62 - 1 ns");
   return value;
 }
 
 double CsvReader::number(std::size_t column) const {
-  const auto value = parse_number(cell(column));
+  const long double factor = header_.factor(column);
+  const auto value = factor == 1.0L ? parse_number(cell(column)) : parse_number_in(factor, cell(column));
   if (!value) fail(column, "is not a number");
   return *value;
 }
@@ -98,7 +107,7 @@ Vector3d CsvReader::vector(std::size_t first_column) const {
 }
 
 double CsvReader::number_in(long double unit, std::size_t column) const {
-  const auto value = parse_number_in(unit, cell(column));
+  const auto value = parse_number_in(unit * header_.factor(column), cell(column));
   if (!value) fail(column, "is not a number");
   return *value;
 }
@@ -113,12 +122,15 @@ bool CsvReader::all_filled(std::size_t first_column, std::size_t count) const {
 }
 
 void CsvReader::fail(std::size_t column, std::string_view what) const {
-  fail_line("column " + std::to_string(column + 1) + " (" + std::string(layout_.columns[column]) + "): \"" +
+  if (header_.place(column) == CsvHeader::missing) {
+    fail_line("has no column \"" + std::string(layout_.columns[column]) + "\": it " + std::string(what));
+  }
+  fail_line("column " + std::to_string(header_.place(column) + 1) + " (" + header_.name(column) + "): \"" +
             std::string(cell(column)) + "\" " + std::string(what));
 }
 
 void CsvReader::fail_line(std::string_view what) const {
-  throw IoError(name_ + ":" + std::to_string(lines_.number()) + ": " + std::string(what));
+  throw IoError(position() + ": " + std::string(what));
 }
 
 }  // namespace sonopose::files

@@ -2,27 +2,24 @@
 /// \file
 /// Reads rows and cells of a CSV file, with errors that name the position.
 
+#include "files/csv_header.hpp"
 #include "files/line_reader.hpp"
 #include <sonopose/samples/samples.hpp>
 
 #include <array>
 #include <filesystem>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 
 namespace sonopose::files {
 
-struct CsvLayout {
-  std::span<const std::string_view> columns;  ///< names with units, for headers and errors
-  std::size_t min_columns = 0;                ///< number of required columns; further ones are optional
-  bool short_rows = false;                    ///< rows may have fewer columns than the header
-};
-
+/// Reads the columns of a layout by their names in the header, in any order and unit. A column is identified
+/// by its index in the layout, and its values are in the unit of the layout.
 class CsvReader {
 public:
-  /// Opens the file and reads its header line.
+  /// Opens the file and reads its header: the last of its first lines that begin with `#`, or its first line.
+  /// Logs a warning about columns that the layout does not have.
   CsvReader(const std::filesystem::path& file, const CsvLayout& layout);
 
   /// Advances to the next row that is not blank. Returns false at the end.
@@ -31,13 +28,15 @@ public:
   /// Estimated number of rows, if all were as long as the current one.
   [[nodiscard]] std::size_t rows_like_this() const { return lines_.lines_like(row_); }
 
-  /// Cells of the current row. A cell beyond the row's end is empty.
+  /// Cells of the current row. A cell beyond the row's end, or of a column that the file lacks, is empty.
   [[nodiscard]] bool is_empty(std::size_t column) const { return cell(column).empty(); }
-  [[nodiscard]] TimeNs time_ns(std::size_t column) const;  ///< time in 1 … 2^62 − 1
+  /// Time in 1 … 2^62 − 1. Without a unit in the header it is in nanoseconds, or in seconds if the first row
+  /// has a decimal point.
+  [[nodiscard]] TimeNs time_ns(std::size_t column) const;
   [[nodiscard]] double number(std::size_t column) const;
   [[nodiscard]] std::optional<double> optional_number(std::size_t column) const;
   [[nodiscard]] Vector3d vector(std::size_t first_column) const;
-  /// Returns a number that the file stores in another unit; see units.hpp.
+  /// Returns a number that the layout has in another unit; see units.hpp.
   [[nodiscard]] double number_in(long double unit, std::size_t column) const;
 
   /// Returns true if all cells are filled, false if all are empty. Throws IoError otherwise.
@@ -47,20 +46,22 @@ public:
   [[noreturn]] void fail(std::size_t column, std::string_view what) const;
 
 private:
-  static constexpr std::size_t max_columns = 24;
-
   [[noreturn]] void fail_line(std::string_view what) const;
-  [[nodiscard]] std::string_view cell(std::size_t column) const { return cells_[column]; }
+  [[nodiscard]] std::string_view cell(std::size_t column) const {
+    const std::size_t place = header_.place(column);
+    return place < cells_.size() ? cells_[place] : std::string_view{};
+  }
+  [[nodiscard]] std::string position() const { return name_ + ":" + std::to_string(lines_.number()); }
   void read_header();
-  /// Returns the number of cells in the line; stores at most `max_columns`.
-  std::size_t split(std::string_view line);
+  void detect_seconds();
 
   std::string name_;
   CsvLayout layout_;
   LineReader lines_;
+  CsvHeader header_;
+  std::optional<std::string> read_ahead_;  ///< first row
   std::string_view row_;
-  std::size_t header_columns_ = 0;
-  std::array<std::string_view, max_columns> cells_{};
+  std::array<std::string_view, 64> cells_{};
 };
 
 }  // namespace sonopose::files

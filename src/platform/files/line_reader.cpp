@@ -11,13 +11,13 @@ namespace sonopose::files {
 
 namespace {
 
-constexpr std::size_t longest_line = std::size_t{1} << 18U;  ///< bytes; also the size of the buffer
+constexpr std::size_t max_line_bytes = std::size_t{1} << 18U;  ///< bytes; also the size of the buffer
 constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 
 }  // namespace
 
 LineReader::LineReader(const std::filesystem::path& file)
-    : name_{file.string()}, file_{std::fopen(name_.c_str(), "rbe")}, buffer_(longest_line) {
+    : name_{file.string()}, file_{std::fopen(name_.c_str(), "rbe")}, buffer_(max_line_bytes) {
   if (!file_) throw IoError(opening_error(name_, errno));
   std::error_code not_known;
   const auto size = std::filesystem::file_size(file, not_known);

@@ -13,9 +13,7 @@
 
 namespace sonopose::files {
 
-/// Reads lines that end in
-/// or \r
-/// , optional for the last one. Skips a byte order mark.
+/// Reads lines that end in `\n` or `\r\n`, which the last one may lack. Skips a byte order mark.
 class LineReader {
 public:
   /// Throws IoError if the file cannot be opened.

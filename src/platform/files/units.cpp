@@ -28,12 +28,16 @@ std::optional<double> parse_number(std::string_view text) {
   return parse<double>(text);
 }
 
+std::optional<long double> parse_long_number(std::string_view text) {
+  return parse<long double>(text);
+}
+
 std::optional<double> parse_number_in(long double unit, std::string_view text) {
   if (text.size() <= short_cell) {
     const auto value = parse<double>(text);
     return value ? std::optional(*value * static_cast<double>(unit)) : std::nullopt;
   }
-  const auto value = parse<long double>(text);
+  const auto value = parse_long_number(text);
   return value ? std::optional(static_cast<double>(*value * unit)) : std::nullopt;
 }
 

@@ -120,6 +120,106 @@ SCENARIO("a log's rows become SI samples") {
   }
 }
 
+/// The only event of a log with this file.
+Event event_of(const std::string& name, const std::string& text) {
+  const TemporaryFolder log;
+  write_text(log / "imu.csv", imu_header);
+  write_text(log / "ultrasonic.csv", fix_header);
+  write_text(log / name.c_str(), text);
+  const std::vector<Event> events = read_sensor_log(log.path()).events;
+  REQUIRE(events.size() == 1);
+  return events.front();
+}
+
+SCENARIO("columns are found by their names, in any order and unit") {
+  GIVEN("an IMU in the order and the units of others") {
+    const auto text = GENERATE(
+        as<std::string>(),
+        "#timestamp [us],a_x [g],a_y [g],a_z [g],w_x [deg s^-1],w_y [deg s^-1],w_z [deg s^-1]\n"
+        "1700000000500000,0,0.5,1,90,-180,0\n",
+        "time (s); gyro_z (deg/s); gyro_y (deg/s); gyro_x (deg/s); acc_z (g); acc_y (g); acc_x (g)\n"
+        "1700000000.5; 0; -180; 90; 1; 0.5; 0\n",
+        "# a comment\n#t_ms,gx_dps,gy_dps,gz_dps,ax_mg,ay_mg,az_mg,temperature [C]\n"
+        "1700000000500,90,-180,0,0,500,1000,21\n",
+        "#timestamp [ns],w_RS_S_x [deg/s],w_RS_S_y [deg/s],w_RS_S_z [deg/s],a_RS_S_x [mg],a_RS_S_y [mg],"
+        "a_RS_S_z [mg]\n1.7000000005e18,90,-180,0,0,500,1000\n");
+    THEN("the sample is the same") {
+      const auto imu = std::get<ImuSample>(event_of("imu.csv", text));
+      CHECK(imu.sensor_time_ns == 1'700'000'000'500'000'000);
+      CHECK(imu.angular_velocity_body_radps.isApprox(Vector3d(std::numbers::pi / 2, -std::numbers::pi, 0)));
+      CHECK(imu.specific_force_body_mps2.isApprox(Vector3d(0, 0.5, 1) * standard_gravity_mps2));
+    }
+  }
+  GIVEN("a magnetometer in gauss") {
+    const auto imu =
+        std::get<ImuSample>(event_of("imu.csv",
+                                     "#timestamp [ns],w_x,w_y,w_z,a_x,a_y,a_z,mag_x [G],mag_y [G],mag_z [G]\n"
+                                     "5,0,0,0,0,0,9.8,0.2,0,-0.4\n"));
+    THEN("it is in tesla") {
+      CHECK(imu.magnetic_field_body_t->isApprox(Vector3d(20e-6, 0, -40e-6)));
+    }
+  }
+  GIVEN("fixes in millimetres, y before x, without a quality") {
+    const auto fix =
+        std::get<UltrasonicFix>(event_of("ultrasonic.csv",
+                                         "#timestamp [ms],received [ms],y [mm],x [mm],z "
+                                         "[mm]\n1700000000000.25,1700000000068,2000,1500,-250\n"));
+    THEN("they are in metres, x first") {
+      CHECK(fix.position_world_m.isApprox(Vector3d(1.5, 2, -0.25)));
+      CHECK(fix.emission_time_ns == 1'700'000'000'000'250'000);
+      CHECK_FALSE(fix.quality_percent.has_value());
+    }
+  }
+  GIVEN("a heading in radians") {
+    const auto heading = std::get<PairHeading>(
+        event_of("heading.csv", "#timestamp [ns],received [ns],heading [rad]\n1,2,-0.5\n"));
+    THEN("it is that") {
+      CHECK(heading.heading_world_rad == Approx(-0.5));
+    }
+  }
+}
+
+SCENARIO("truth is read as others write it") {
+  const TemporaryFolder log;
+  const auto truth_of = [&log](const std::string& text) {
+    write_text(log / "truth.csv", text);
+    return read_truth_csv(log / "truth.csv", 7);
+  };
+  GIVEN("positions only") {
+    const auto truth = truth_of("#timestamp [ns],p_x [m],p_y [m],p_z [m]\n5,1,2,3\n");
+    THEN("attitude and velocity are unknown") {
+      REQUIRE(truth.size() == 1);
+      CHECK(truth[0].position_world_m == Vector3d(1, 2, 3));
+      CHECK(std::isnan(truth[0].q_body_to_world.w()));
+      CHECK(all_nan(truth[0].velocity_world_mps));
+    }
+  }
+  GIVEN("a trajectory of TUM: seconds, separated by spaces, the real part last") {
+    const auto truth = truth_of(
+        "# ground truth trajectory\n# timestamp tx ty tz qx qy qz qw\n1700000000.123456789 1 2  3 0 0 1 0\n");
+    THEN("it is the same body") {
+      REQUIRE(truth.size() == 1);
+      CHECK(truth[0].time_ns == 1'700'000'000'123'456'789);
+      CHECK(truth[0].position_world_m == Vector3d(1, 2, 3));
+      CHECK(truth[0].q_body_to_world.z() == 1.0);
+      CHECK(truth[0].q_body_to_world.w() == 0.0);
+    }
+  }
+  GIVEN("EuRoC's names") {
+    const auto truth = truth_of(
+        "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z [], "
+        "v_RS_R_x [m s^-1], v_RS_R_y [m s^-1], v_RS_R_z [m s^-1], b_w_RS_S_x [rad s^-1], b_w_RS_S_y [rad "
+        "s^-1], "
+        "b_w_RS_S_z [rad s^-1], b_a_RS_S_x [m s^-2], b_a_RS_S_y [m s^-2], b_a_RS_S_z [m s^-2]\n"
+        "5,1,2,3,0,1,0,0,4,5,6,0.1,0.2,0.3,7,8,9\n");
+    THEN("position, attitude and velocity are read") {
+      REQUIRE(truth.size() == 1);
+      CHECK(truth[0].q_body_to_world.x() == 1.0);
+      CHECK(truth[0].velocity_world_mps == Vector3d(4, 5, 6));
+    }
+  }
+}
+
 SCENARIO("streams are merged by availability, and no file's order is changed") {
   GIVEN("all three at the same time") {
     THEN("IMU comes first, then fix, then heading") {

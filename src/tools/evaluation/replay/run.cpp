@@ -173,6 +173,10 @@ std::optional<TruthSample> first_complete_truth(const recording::SensorLog& log)
 
 RunResult run(const recording::SensorLog& log, const RunOptions& options, const Observer& observer) {
   if (log.events.empty()) throw std::invalid_argument("the recording has no samples");
+  const auto is_imu = [](const Event& event) { return std::holds_alternative<ImuSample>(event); };
+  if (std::none_of(log.events.begin(), log.events.end(), is_imu)) {
+    throw std::invalid_argument("the recording has no IMU sample: there is nothing to fuse");
+  }
   check_start(log, options);
   Results results(log, options, observer);
   if (options.strapdown) {

@@ -1,0 +1,94 @@
+#pragma once
+/// \file
+/// The header of a CSV file: which columns it has, and in which units.
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sonopose::files {
+
+/// Another name of a column. A final `*` stands for an axis: `gyro*` for `gyro_x`, `gyro_y`, ….
+struct ColumnSynonym {
+  std::string_view name;  ///< lower case, without separators
+  std::string_view own;   ///< the same for the name in the layout
+};
+
+/// The columns that a file can have.
+struct CsvLayout {
+  std::span<const std::string_view> columns;  ///< names with units: `x [m]`
+  std::size_t required_columns = 0;           ///< number of those, from the first, that a file must have
+  std::span<const ColumnSynonym> synonyms{};
+};
+
+/// Finds the columns of a layout in a header. Compares names without case, separators and the frames of
+/// EuRoC's names (`w_RS_S_x`). A unit is in brackets or ends the name (`x_mm`); without one it is that of the
+/// layout.
+class CsvHeader {
+public:
+  static constexpr std::size_t max_columns = 24;  ///< of a layout
+  static constexpr std::size_t missing = ~std::size_t{0};
+
+  CsvHeader() = default;
+  /// `where` precedes the text of an error: file and line. Throws IoError for a missing or repeated column
+  /// and a wrong unit.
+  CsvHeader(const CsvLayout& layout, std::string_view line, const std::string& where);
+
+  /// Splits a line; calls `on_cell(index, cell)` for each cell, and returns their number.
+  template <class OnCell>
+  std::size_t split(std::string_view line, const OnCell& on_cell) const;
+
+  [[nodiscard]] std::size_t width() const { return names_.size(); }
+  /// Number of cells that a row must have: up to the last required column.
+  [[nodiscard]] std::size_t required_width() const { return required_width_; }
+  /// Place of a column of the layout in the rows, or `missing`.
+  [[nodiscard]] std::size_t place(std::size_t column) const { return places_[column]; }
+  /// Factor to the unit of the layout.
+  [[nodiscard]] long double factor(std::size_t column) const { return factors_[column]; }
+  void set_factor(std::size_t column, long double factor) { factors_[column] = factor; }
+  /// True if the header names the unit.
+  [[nodiscard]] bool has_unit(std::size_t column) const { return has_unit_[column]; }
+  /// Unit in the layout; empty without one.
+  [[nodiscard]] std::string_view own_unit(std::size_t column) const { return own_units_[column]; }
+  /// Name of a column of the layout as the header has it.
+  [[nodiscard]] const std::string& name(std::size_t column) const { return names_[places_[column]]; }
+  /// Names of the columns that the layout does not have.
+  [[nodiscard]] const std::vector<std::string>& unknown() const { return unknown_; }
+
+private:
+  void match(const CsvLayout& layout, std::size_t place, const std::string& where);
+
+  char separator_ = ',';
+  std::size_t required_width_ = 0;
+  std::vector<std::string> names_;
+  std::vector<std::string> unknown_;
+  std::array<std::size_t, max_columns> places_{};
+  std::array<long double, max_columns> factors_{};
+  std::array<bool, max_columns> has_unit_{};
+  std::array<std::string_view, max_columns> own_units_{};
+};
+
+/// A text without spaces and tabs at its ends.
+inline std::string_view trimmed(std::string_view text) {
+  const auto is_space = [](char c) { return c == ' ' || c == '\t'; };
+  while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+template <class OnCell>
+std::size_t CsvHeader::split(std::string_view line, const OnCell& on_cell) const {
+  line = trimmed(line);
+  for (std::size_t index = 0;; ++index) {
+    const std::size_t end = line.find(separator_);
+    on_cell(index, trimmed(line.substr(0, end)));
+    if (end == std::string_view::npos) return index + 1;
+    line.remove_prefix(end + 1);
+    if (separator_ == ' ') line = trimmed(line);
+  }
+}
+
+}  // namespace sonopose::files

@@ -1,0 +1,124 @@
+/// Findings about recorded input.
+
+#include "recording/input_check.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace input_check_test {
+
+using namespace sonopose;
+using namespace sonopose::recording;
+using Catch::Contains;
+
+constexpr TimeNs start_ns = 1'700'000'000'000'000'000;
+
+/// Ten seconds of a body at rest: IMU at 100 Hz, fixes at 8 Hz.
+std::vector<Event> standing() {
+  std::vector<Event> events;
+  for (int i = 0; i < 1000; ++i) {
+    ImuSample imu;
+    imu.sensor_time_ns = start_ns + i * 10'000'000LL;
+    imu.specific_force_body_mps2 = {0.0, 0.0, standard_gravity_mps2};
+    events.emplace_back(imu);
+    if (i % 12 != 0) continue;
+    UltrasonicFix fix;
+    fix.emission_time_ns = imu.sensor_time_ns;
+    fix.received_time_ns = imu.sensor_time_ns + 70'000'000;
+    events.emplace_back(fix);
+  }
+  return events;
+}
+
+/// The findings after a change of each IMU sample.
+std::vector<std::string> with_imu(const std::function<void(ImuSample&)>& change) {
+  std::vector<Event> events = standing();
+  for (Event& event : events) {
+    if (auto* imu = std::get_if<ImuSample>(&event)) change(*imu);
+  }
+  return input_findings("log", events);
+}
+
+SCENARIO("good input has no finding") {
+  CHECK(input_findings("log", standing()).empty());
+}
+
+SCENARIO("a wrong unit or clock is found, with the unit to name") {
+  GIVEN("an IMU in microseconds, read as nanoseconds") {
+    const auto findings = with_imu([](ImuSample& imu) { imu.sensor_time_ns /= 1000; });
+    THEN("the unit is proposed, and the fixes do not belong to these times") {
+      REQUIRE(findings.size() == 2);
+      CHECK_THAT(findings[0], Contains("log: the IMU samples come at 100000 Hz") && Contains("in us?") &&
+                                  Contains("at 100 Hz") && Contains("timestamp [us]"));
+      CHECK_THAT(findings[1], Contains("all fixes are after the IMU samples"));
+    }
+  }
+  GIVEN("an IMU in seconds without decimals") {
+    const auto findings =
+        with_imu([](ImuSample& imu) { imu.sensor_time_ns = imu.sensor_time_ns / 10'000'000; });
+    THEN("the rate tells") {
+      REQUIRE_FALSE(findings.empty());
+      CHECK_THAT(findings[0], Contains("the IMU samples come at 1000000000 Hz"));
+    }
+  }
+  GIVEN("a specific force in g") {
+    const auto findings =
+        with_imu([](ImuSample& imu) { imu.specific_force_body_mps2 /= standard_gravity_mps2; });
+    THEN("the unit is proposed") {
+      REQUIRE(findings.size() == 1);
+      CHECK_THAT(findings[0], Contains("accelerometer reads 1 m/s^2") && Contains("a_x [g]"));
+    }
+  }
+  GIVEN("an accelerometer without gravity") {
+    const auto findings = with_imu([](ImuSample& imu) { imu.specific_force_body_mps2.setZero(); });
+    THEN("that is the finding") {
+      REQUIRE(findings.size() == 1);
+      CHECK_THAT(findings[0], Contains("was gravity removed?"));
+    }
+  }
+  GIVEN("rates in degrees per second") {
+    const auto findings = with_imu([](ImuSample& imu) {
+      imu.angular_velocity_body_radps = {0.0, 0.0, 90.0};
+    });
+    THEN("the unit is proposed") {
+      REQUIRE(findings.size() == 1);
+      CHECK_THAT(findings[0], Contains("w_x [deg s^-1]"));
+    }
+  }
+}
+
+SCENARIO("the order of the stamps is checked") {
+  GIVEN("a reversed file") {
+    std::vector<Event> events = standing();
+    const std::vector<Event> reversed(events.rbegin(), events.rend());
+    THEN("both streams are named") {
+      const auto findings = input_findings("log", reversed);
+      REQUIRE(findings.size() == 2);
+      CHECK_THAT(findings[0], Contains("the IMU samples are in reverse order of time: 999 of 1000"));
+      CHECK_THAT(findings[1], Contains("the fixes are in reverse order"));
+    }
+  }
+  GIVEN("a clock that was set back by two seconds") {
+    int count = 0;
+    const auto findings = with_imu([&count](ImuSample& imu) {
+      if (++count > 500) imu.sensor_time_ns -= 2'000'000'000;
+    });
+    THEN("the step is counted, with its size") {
+      REQUIRE(findings.size() == 1);
+      CHECK_THAT(findings[0], Contains("1 of 1000 IMU samples") && Contains("the first by 1.990 s"));
+    }
+  }
+}
+
+SCENARIO("missing samples are a finding") {
+  std::vector<Event> events = standing();
+  std::erase_if(events, [](const Event& event) { return std::holds_alternative<ImuSample>(event); });
+  const auto findings = input_findings("log", events);
+  REQUIRE(findings.size() == 1);
+  CHECK_THAT(findings[0], Contains("there is no IMU sample"));
+}
+
+}  // namespace input_check_test
