@@ -21,7 +21,7 @@ public:
   using Scalar = Number;
   using Settings = AdaptiveFilterSettings;
   static constexpr std::string_view name = "adaptive";
-  static constexpr double longest_wait_s = 0.1;
+  static constexpr double max_wait_s = 0.1;
 
   void reset(const Quaternion<Scalar>& q_body_to_world);
 
@@ -32,7 +32,7 @@ public:
   /// 3. A share of the angle from the horizontal field to north corrects the heading, unless the field is
   ///    disturbed. This never changes the tilt.
   /// 4. Every 0.1 s the gyroscope offset b is estimated again.
-  /// Each sensor counts for the time since its last measurement, up to longest_wait_s.
+  /// Each sensor counts for the time since its last measurement, up to max_wait_s.
   void update(const Settings& all, const Measurement<Scalar>& measurement);
 
   /// Rotates the estimate. The low-pass filter's vertical stays, so the accelerometer later corrects a tilt

@@ -12,7 +12,8 @@ namespace sonopose {
 
 /// Conditions that a consumer of a pose must know; bits of `FusedPose::status`.
 enum PoseStatus : std::uint32_t {
-  status_initialising = 1U << 0U,     ///< no position yet (documented engine: or it measures the gyro offset)
+  status_initialising =
+      1U << 0U,  ///< no position yet (documented engine: or it measures the gyroscope offset)
   status_uncalibrated = 1U << 1U,     ///< the gyro bias is not known well
   status_stale = 1U << 2U,            ///< no fix was used for longer than setting 11
   status_converging = 1U << 3U,       ///< the pose is being corrected by a large distance

@@ -17,8 +17,8 @@ void BasicAdaptive<Scalar>::update(const Settings& all, const Measurement<Scalar
   const Vector3<Scalar> rate_body_radps = measurement.angular_velocity_body_radps - bias_.bias_body_radps;
   q_body_to_world_ = (q_body_to_world_ * geometry::rotation_by(rate_body_radps * dt_s)).normalized();
 
-  since_force_s_ = std::min(since_force_s_ + dt_s, Scalar(longest_wait_s));
-  since_field_s_ = std::min(since_field_s_ + dt_s, Scalar(longest_wait_s));
+  since_force_s_ = std::min(since_force_s_ + dt_s, Scalar(max_wait_s));
+  since_field_s_ = std::min(since_field_s_ + dt_s, Scalar(max_wait_s));
   if (!measurement.specific_force_body_mps2.isZero(0)) update_inclination(all, measurement);
   if (!measurement.magnetic_field_body_t.isZero(0)) {
     update_heading(all, measurement, since_field_s_);

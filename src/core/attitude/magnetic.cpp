@@ -78,12 +78,12 @@ Scalar update(const MagneticSettings& settings, MagneticState<Scalar>& state,
 
   // Without a reference, the current field is the best that there is.
   if (!state.has_reference) return Scalar(settings.late_share);
-  const auto longest_s = Scalar(settings.longest_rejection_s);
+  const auto max_rejection_s = Scalar(settings.longest_rejection_s);
   if (!state.disturbed) {
     state.rejected_s = std::max(state.rejected_s - 2 * dt_s, Scalar(0));
     return 1;
   }
-  if (state.rejected_s >= longest_s) return Scalar(settings.late_share);
+  if (state.rejected_s >= max_rejection_s) return Scalar(settings.late_share);
   state.rejected_s += dt_s;
   return 0;
 }

@@ -273,15 +273,15 @@ private:
     factor_.compute(normal);
     Unknowns change = factor_.solve(right);
     if (!change.allFinite()) return std::numeric_limits<double>::quiet_NaN();
-    constexpr double largest_turn_rad = 0.5;  // the model is not linear in the attitude
+    constexpr double max_turn_rad = 0.5;  // the model is not linear in the attitude
     const double turn_rad = change.segment<3>(at_attitude).norm();
-    if (turn_rad > largest_turn_rad) change *= largest_turn_rad / turn_rad;
+    if (turn_rad > max_turn_rad) change *= max_turn_rad / turn_rad;
     apply(change);
     return change.cwiseAbs().maxCoeff();
   }
 
   void apply(const Unknowns& change) {
-    constexpr double largest_delay_s = 0.3;
+    constexpr double max_delay_s = 0.3;
     estimate_.position_world_m += change.segment<3>(at_position);
     estimate_.velocity_world_mps += change.segment<3>(at_velocity);
     const Vector3d turn = change.segment<3>(at_attitude);
@@ -289,7 +289,7 @@ private:
     estimate_.gyro_bias_radps += change.segment<3>(at_gyro_bias);
     estimate_.accel_bias_mps2 += change.segment<3>(at_accel_bias);
     estimate_.lever_arm_body_m += change.segment<3>(at_lever_arm);
-    estimate_.delay_s = std::clamp(estimate_.delay_s + change(at_delay), -largest_delay_s, largest_delay_s);
+    estimate_.delay_s = std::clamp(estimate_.delay_s + change(at_delay), -max_delay_s, max_delay_s);
     estimate_.mount_rad = geometry::wrap_angle(estimate_.mount_rad + change(at_mount));
     integrate();
     evaluate();

@@ -18,7 +18,7 @@ constexpr double min_piece_s = 2.0;
 constexpr std::size_t max_pieces = 15;
 constexpr std::size_t min_fixes = 12;
 /// Longest gap over which the integral is known.
-constexpr double longest_gap_s = 0.12;
+constexpr double max_gap_s = 0.12;
 
 template <class Measurement>
 void sort_by_time(std::vector<Measurement>& all) {
@@ -42,7 +42,7 @@ std::span<const Reading> longest_run_of(std::span<const Reading> imu) {
   std::span<const Reading> longest;
   std::size_t begin = 0;
   for (std::size_t i = 1; i <= imu.size(); ++i) {
-    const bool ends = i == imu.size() || seconds_between(imu[i - 1].time_ns, imu[i].time_ns) > longest_gap_s;
+    const bool ends = i == imu.size() || seconds_between(imu[i - 1].time_ns, imu[i].time_ns) > max_gap_s;
     if (!ends) continue;
     if (i - begin > longest.size()) longest = imu.subspan(begin, i - begin);
     begin = i;

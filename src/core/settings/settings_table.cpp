@@ -86,19 +86,19 @@ void add(Builder& table, const HeadingSettings& settings) {
              "Angle from body X to the axis of the paired beacons. 90 if they lie along body Y.");
   table.read_by(ReadBy::documented);
   table.real(31, "min_displacement_m", settings.min_displacement_m, {0.0, 100.0}, "m",
-             "Minimum distance between fixes that correct yaw by direction of motion. A paired heading "
+             "Minimum distance between fixes that correct yaw by direction of motion. A pair heading "
              "disables this.");
   table.real(32, "max_correction_deg", settings.max_correction_deg, {0.0, 180.0}, "deg",
              "Largest yaw correction by one fix from the direction of motion.");
   table.real(33, "error_gain", settings.error_gain, {0.0, 1.0}, "",
              "Share of the error against the direction of motion that a fix corrects in yaw.");
   table.real(34, "pair_gain_hz", settings.pair_gain_hz, {0.0, 50.0}, "1/s",
-             "Rate at which every IMU sample corrects yaw towards the paired heading.");
+             "Rate at which every IMU sample corrects yaw towards the pair heading.");
   table.real(no_item, "pair_bias_gain_hz2", settings.pair_bias_gain_hz2, {0.0, 10.0}, "1/s^2",
-             "Rate at which the paired heading teaches a yaw-rate offset, which item 30 cannot observe. "
+             "Rate at which the pair heading teaches a yaw-rate offset, which item 30 cannot observe. "
              "Limited to a quarter of item 34 squared.");
   table.real(no_item, "expires_s", settings.expires_s, {0.01, 60.0}, "s",
-             "Time that a paired heading stays valid after its last sample.");
+             "Time that a pair heading stays valid after its last sample.");
 }
 
 void add(Builder& table, const DelaySettings& settings) {
@@ -209,7 +209,7 @@ void add(Builder& table, const attitude::MahonySettings& settings) {
              "Rate at which tilt follows the measured gravity. Higher reacts faster, but acceleration "
              "misleads it more.");
   table.real(30, "ki", settings.ki, {0.0, 0.1}, "1/s^2",
-             "Rate at which tilt and magnetic corrections teach the remaining gyro offset.");
+             "Rate at which tilt and magnetic corrections teach the remaining gyroscope offset.");
   table.real(no_item, "ki_gate_mps2", settings.ki_gate_mps2, {0.0, 1000.0}, "m/s^2",
              "Tilt teaches the offset only while specific force and gravity differ by less. Long turns would "
              "teach a wrong one.");
@@ -321,7 +321,7 @@ void add(Builder& table, const attitude::AhrsSettings& settings) {
 void add(Builder& table, const StartupSettings& settings) {
   table.group("startup");
   table.real(no_item, "calibration_s", settings.calibration_s, {0.1, 30.0}, "s",
-             "Time the body must be still to measure the gyro offset. The start waits this long.");
+             "Time the body must be still to measure the gyroscope offset. The start waits this long.");
   table.real(no_item, "still_gyro_std_radps", settings.still_gyro_std_radps, {0.0, 1.0}, "rad/s",
              "Largest spread of each gyro axis while still.");
   table.real(no_item, "still_accel_std_mps2", settings.still_accel_std_mps2, {0.0, 10.0}, "m/s^2",
@@ -347,7 +347,7 @@ void add(Builder& table, const UncertaintySettings& settings) {
   table.real(no_item, "fix_std_m", settings.fix_std_m, {1e-4, 10.0}, "m",
              "Standard deviation of a fix of full weight, per axis.");
   table.real(no_item, "heading_std_deg", settings.heading_std_deg, {0.01, 180.0}, "deg",
-             "Standard deviation of a paired heading.");
+             "Standard deviation of a pair heading.");
   table.real(no_item, "accel_std_mps2", settings.accel_std_mps2, {1e-3, 100.0}, "m/s^2",
              "World acceleration error, including tilt error. The velocity's standard deviation grows at "
              "this rate.");

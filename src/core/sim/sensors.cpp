@@ -135,8 +135,8 @@ UltrasonicModel::UltrasonicModel(const SensorSettings& settings, Random random)
       fix_noise_m_{random_.uniform_in(settings.fix_noise_m)} {}
 
 double UltrasonicModel::next_delay_s() {
-  constexpr double shortest_s = 1e-3;
-  return std::max(shortest_s, settings_.fix_delay_s + settings_.fix_delay_jitter_s * random_.normal());
+  constexpr double min_delay_s = 1e-3;
+  return std::max(min_delay_s, settings_.fix_delay_s + settings_.fix_delay_jitter_s * random_.normal());
 }
 
 UltrasonicFix UltrasonicModel::measure_fix(const Motion& motion, const FixCondition& condition) {

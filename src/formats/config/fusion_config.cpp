@@ -70,12 +70,12 @@ std::string item_text(int item) {
 
 /// Wraps a sentence into lines of at most 120 bytes that start with "# ".
 std::string as_comment(const std::string& sentence) {
-  constexpr std::size_t longest = 120;
+  constexpr std::size_t max_columns = 120;
   std::string lines;
   std::string line = "#";
   std::istringstream words(sentence);
   for (std::string word; words >> word;) {
-    if (line.size() + 1 + word.size() > longest) {
+    if (line.size() + 1 + word.size() > max_columns) {
       lines += line + '\n';
       line = "#";
     }

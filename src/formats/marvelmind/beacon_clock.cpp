@@ -126,10 +126,10 @@ double BeaconClock::offset_s() const {
 
 void BeaconClock::measure_jitter(std::int64_t beacon_ns, TimeNs arrival_ns) {
   constexpr double share_of_the_new = 0.01;
-  constexpr double longest_s = 0.25;  // one pause of the host must not dominate
+  constexpr double max_lateness_s = 0.25;  // one pause of the host must not dominate
   const double lateness_s =
       static_cast<double>(arrival_ns - beacon_ns - envelope_.delay_ns(beacon_ns)) * 1e-9;
-  jitter_s_ += share_of_the_new * (std::clamp(lateness_s, 0.0, longest_s) - jitter_s_);
+  jitter_s_ += share_of_the_new * (std::clamp(lateness_s, 0.0, max_lateness_s) - jitter_s_);
 }
 
 // FixedClock

@@ -93,12 +93,13 @@ double ClockSet::jitter_s(TimeBase base) const {
 }
 
 std::uint64_t ClockSet::resets() const {
-  std::uint64_t most = 0;
+  std::uint64_t max_resets = 0;
   for (const auto& track : tracks_) {
     if (!track) continue;
-    most = std::max(most, std::visit([](const auto& clock) { return clock.resets(); }, track->clock));
+    max_resets =
+        std::max(max_resets, std::visit([](const auto& clock) { return clock.resets(); }, track->clock));
   }
-  return most;
+  return max_resets;
 }
 
 }  // namespace sonopose::marvelmind

@@ -37,13 +37,13 @@ public:
   }
 
   template <class Number>
-  Number number(std::string_view name, Number least = std::numeric_limits<Number>::lowest(),
-                Number most = std::numeric_limits<Number>::max()) {
+  Number number(std::string_view name, Number min = std::numeric_limits<Number>::lowest(),
+                Number max = std::numeric_limits<Number>::max()) {
     const std::string_view cell = next();
     Number value{};
     const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
     const bool is_good =
-        error == std::errc() && end == cell.data() + cell.size() && value >= least && value <= most;
+        error == std::errc() && end == cell.data() + cell.size() && value >= min && value <= max;
     if (!is_good && problem_.empty()) problem_ = name;
     return is_good ? value : Number{};
   }

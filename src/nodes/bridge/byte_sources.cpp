@@ -128,12 +128,12 @@ private:
 
   /// Time until a packet has waited long enough or the stop signal must be checked.
   [[nodiscard]] std::chrono::milliseconds timeout() const {
-    constexpr std::int64_t longest_ms = 100;
+    constexpr std::int64_t max_wait_ms = 100;
     const auto deadline_ns = assembler_.next_deadline_ns();
-    if (!deadline_ns) return std::chrono::milliseconds(longest_ms);
+    if (!deadline_ns) return std::chrono::milliseconds(max_wait_ms);
     constexpr TimeNs ms = 1'000'000;
     return std::chrono::milliseconds(
-        std::clamp<std::int64_t>((*deadline_ns - clock_.at(clocks::steady_now())) / ms + 1, 1, longest_ms));
+        std::clamp<std::int64_t>((*deadline_ns - clock_.at(clocks::steady_now())) / ms + 1, 1, max_wait_ms));
   }
 
   /// Compares the line's clock with the host's. Returns the steady time.

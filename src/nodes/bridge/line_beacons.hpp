@@ -31,7 +31,7 @@ public:
 
 private:
   presence::BeaconAdmission admission_;
-  std::map<std::uint8_t, presence::BeaconPresence> heard_;
+  std::map<std::uint8_t, presence::BeaconPresence> presences_;
 };
 
 }  // namespace sonopose::bridge

@@ -27,9 +27,9 @@ public:
   /// Time without an increase after which the spacing is halved.
   static constexpr TimeNs relax_after_ns = 500'000'000;
   static constexpr TimeNs first_spacing_ns = 40'000'000;
-  static constexpr TimeNs largest_spacing_ns =
+  static constexpr TimeNs max_spacing_ns =
       60'000'000;  ///< below the deadline, even with a sample every 40 ms
-  static constexpr TimeNs smallest_spacing_ns = 10'000'000;
+  static constexpr TimeNs min_spacing_ns = 10'000'000;
 
   /// Reports a pose written at `now`, `late_ns` later than usual after its sample.
   void on_pose(TimeNs late_ns, SteadyTime now) noexcept {
@@ -47,10 +47,10 @@ public:
     if (is_late && worked_ns - worked_before_ns_ > behind_after_ns) {
       worked_before_ns_ = worked_ns;
       changed_at_ = now;
-      set_spacing(std::clamp(2 * spacing_ns, first_spacing_ns, largest_spacing_ns));
+      set_spacing(std::clamp(2 * spacing_ns, first_spacing_ns, max_spacing_ns));
     } else if (spacing_ns > 0 && now - changed_at_ > relax_after_ns) {
       changed_at_ = now;
-      set_spacing(spacing_ns > smallest_spacing_ns ? spacing_ns / 2 : 0);
+      set_spacing(spacing_ns > min_spacing_ns ? spacing_ns / 2 : 0);
     }
   }
 

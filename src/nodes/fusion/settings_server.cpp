@@ -101,8 +101,8 @@ void SettingsServer::log(const SettingsRequest& request, const SettingsReply& re
     text += fmt::format("{}{} = {}", std::exchange(separator, ", "), assignment.key, assignment.value);
   }
   if (!reply.reason.empty()) text += "; " + reply.reason;
-  constexpr std::size_t longest = 1000;
-  if (text.size() > longest) text = text.substr(0, longest) + " ...";
+  constexpr std::size_t max_bytes = 1000;
+  if (text.size() > max_bytes) text = text.substr(0, max_bytes) + " ...";
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 0x7f; }, '?');
   log_.write(reply.accepted ? logging::Level::info : logging::Level::warning, text, clocks::steady_now());

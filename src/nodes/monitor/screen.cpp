@@ -153,9 +153,9 @@ std::vector<Line> Screen::lines(terminal::Size size) {
 
 std::string Screen::title() const {
   if (page_) return fmt::format("beacon {}   Esc: the table   sonopose-monitor", *page_);
-  const auto count = [this](int least, int below) {
+  const auto count = [this](int min, int below) {
     return std::count_if(views_.begin(), views_.end(), [&](const observation::BeaconView& view) {
-      return severity_of(view) >= least && severity_of(view) < below;
+      return severity_of(view) >= min && severity_of(view) < below;
     });
   };
   const std::string_view order = order_words[static_cast<std::size_t>(order_)];

@@ -146,7 +146,7 @@ void Play::wait_for_readers() {
   SteadyTime changed = began;
   Republisher::Readers readers;
   bool reported = false;
-  const auto are_enough = [&] { return readers.all > 0 && readers.least >= options_.readers; };
+  const auto are_enough = [&] { return readers.all > 0 && readers.min >= options_.readers; };
   while (!are_enough() || clocks::steady_now() - changed < settle_ns) {
     if (stop_.wait_until(clocks::steady_now() + poll_period_ns)) return;
     const auto now = publisher_.readers();
@@ -154,8 +154,8 @@ void Play::wait_for_readers() {
     if (!are_enough() && !reported && clocks::steady_now() - began > report_after_ns) {
       logging::warning(options_.readers == 0
                            ? "waiting for a reader (--no-wait plays without one)"
-                           : fmt::format("waiting for readers: a topic has {} of {} (--readers)",
-                                         readers.least, options_.readers));
+                           : fmt::format("waiting for readers: a topic has {} of {} (--readers)", readers.min,
+                                         options_.readers));
       reported = true;
     }
   }

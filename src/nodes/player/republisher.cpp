@@ -86,11 +86,11 @@ Republisher::Outcome Republisher::forward(Stream& stream, std::span<const std::b
 }
 
 Republisher::Readers Republisher::readers() {
-  Readers readers{.all = 0, .least = std::numeric_limits<std::size_t>::max()};
+  Readers readers{.all = 0, .min = std::numeric_limits<std::size_t>::max()};
   for (auto& [name, stream] : streams_) {
     const std::size_t count = stream.writer.publication_matched_status().current_count;
     readers.all += count;
-    readers.least = std::min(readers.least, count);
+    readers.min = std::min(readers.min, count);
   }
   return readers;
 }

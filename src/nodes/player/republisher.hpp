@@ -37,8 +37,8 @@ public:
   Outcome publish(const std::string& topic, const mcap::Message& message, const process::StopSignal& stop);
 
   struct Readers {
-    std::size_t all = 0;    ///< total of all writers
-    std::size_t least = 0;  ///< least number of one writer
+    std::size_t all = 0;  ///< total of all writers
+    std::size_t min = 0;  ///< least number of one writer
   };
   [[nodiscard]] Readers readers();
   /// Waits until the readers have received everything, for at most ten seconds per topic, or until the stop.

@@ -94,7 +94,7 @@ void EventGaps::choose_numbering(Beacon& beacon, std::uint64_t number) {
     return;
   }
   const std::uint64_t highest = beacon.latest.highest();
-  const bool is_loss = number > highest && number - highest <= longest_gap;
+  const bool is_loss = number > highest && number - highest <= max_gap;
   begin_numbering(beacon, number);
   beacon.gap_between = is_loss ? number - highest - 1 : 0;
   missing_ += beacon.gap_between;

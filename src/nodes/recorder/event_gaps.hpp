@@ -75,7 +75,7 @@ private:
     unsigned repeated_count = 0;
   };
 
-  static constexpr std::uint64_t longest_gap = 10'000'000;  ///< largest step ahead that counts as loss
+  static constexpr std::uint64_t max_gap = 10'000'000;  ///< largest step ahead that counts as loss
 
   void on(BeaconAddress address, std::uint64_t number);
   void choose_numbering(Beacon& beacon, std::uint64_t number);

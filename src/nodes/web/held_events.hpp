@@ -20,12 +20,12 @@ namespace sonopose::web {
 /// Events wait for two calls of `take_due`: a fusion's line may arrive before or after its pose.
 class HeldEvents {
 public:
-  static constexpr std::size_t most = 200;         ///< limit at a time; of more, the latest
+  static constexpr std::size_t max_events = 200;   ///< limit at a time; of more, the latest
   static constexpr std::size_t max_logged = 1000;  ///< limit between two calls; more are not recognised
 
   /// `line_text`: text of the corresponding log line; `event`: text for the page.
   void hold(std::string_view line_text, std::string event) {
-    if (new_.size() == most) {
+    if (new_.size() == max_events) {
       new_.erase(new_.begin());
       ++dropped_;
     }

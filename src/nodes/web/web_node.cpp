@@ -261,8 +261,8 @@ private:
 
   /// Shows the latest lines, as far as the limit of this second permits.
   void show(const std::vector<LogLines::Received>& lines) {
-    const std::size_t most = max_lines_per_second - lines_in_second_;
-    const std::size_t first = lines.size() - std::min(lines.size(), most);
+    const std::size_t max_lines = max_lines_per_second - lines_in_second_;
+    const std::size_t first = lines.size() - std::min(lines.size(), max_lines);
     lines_in_second_ += lines.size() - first;
     lines_left_out_ += first;
     for (std::size_t i = 0; i < lines.size(); ++i) {

@@ -16,14 +16,14 @@ namespace sonopose::logging {
 /// A queue of calls. Thread-safe.
 class WaitingCalls {
 public:
-  static constexpr std::size_t most = 2048;  ///< further calls are dropped
+  static constexpr std::size_t max_calls = 2048;  ///< further calls are dropped
 
   using Number = std::uint32_t;  ///< number of a call; it wraps around
 
   /// Returns the call's number; empty if it is dropped.
   std::optional<Number> add(std::function<void()> call) {
     const threads::Lock lock(mutex_);
-    if (calls_.size() == most) {
+    if (calls_.size() == max_calls) {
       ++dropped_;
       return std::nullopt;
     }

@@ -44,13 +44,13 @@ static_assert(std::atomic<bool>::is_always_lock_free);
 void terminate_now(int signal) noexcept {
   if (is_ending.exchange(true)) return;
   if (const EmergencyCleanup call = emergency_cleanup.load()) {
-    constexpr unsigned longest_s = 1;  // a terminal may block forever; SIGALRM then ends the process
+    constexpr unsigned max_wait_s = 1;  // a terminal may block forever; SIGALRM then ends the process
     ::signal(SIGALRM, SIG_DFL);
     sigset_t alarm{};  // a parent may have blocked it
     ::sigemptyset(&alarm);
     ::sigaddset(&alarm, SIGALRM);
     ::pthread_sigmask(SIG_UNBLOCK, &alarm, nullptr);
-    ::alarm(longest_s);
+    ::alarm(max_wait_s);
     call();
   }
   ::_exit(128 + signal);

@@ -288,11 +288,11 @@ void append_time_panels(std::string& script, const PlotData& data) {
 
 /// Returns the recording, and below it the settings of each run, in lines that fit.
 std::string title_of(const PlotData& data) {
-  constexpr std::size_t longest = 180;
+  constexpr std::size_t max_line_bytes = 180;
   std::string title = data.title;
   for (const RunCurves& run : data.runs) {
     std::string line = compares(data) ? run.name() + ": " + run.settings_text() : run.settings_text();
-    for (std::size_t end = longest; end < line.size(); end += longest) {
+    for (std::size_t end = max_line_bytes; end < line.size(); end += max_line_bytes) {
       end = line.rfind(' ', end);
       if (end == std::string::npos || end == 0) break;
       line[end] = '\n';

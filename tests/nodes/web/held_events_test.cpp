@@ -54,12 +54,13 @@ SCENARIO("a change is shown unless a fusion logs the same one") {
 
 SCENARIO("of too many changes the latest are kept, and the others counted") {
   HeldEvents held;
-  for (std::size_t i = 0; i < HeldEvents::most + 3; ++i) held.hold("beacon 7: found", std::to_string(i));
+  for (std::size_t i = 0; i < HeldEvents::max_events + 3; ++i)
+    held.hold("beacon 7: found", std::to_string(i));
   CHECK(held.take_dropped() == 3);
   CHECK(held.take_dropped() == 0);
   held.take_due();
   const Texts due = held.take_due();
-  REQUIRE(due.size() == HeldEvents::most);
+  REQUIRE(due.size() == HeldEvents::max_events);
   CHECK(due.front() == "3");
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Start-up: measures the gyro offset and the direction of gravity while the body is still.
+/// Start-up: measures the gyroscope offset and the direction of gravity while the body is still.
 
 #include <sonopose/samples/samples.hpp>
 #include <sonopose/settings/settings.hpp>

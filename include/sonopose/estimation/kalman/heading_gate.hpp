@@ -7,7 +7,7 @@
 
 namespace sonopose::estimation::kalman {
 
-inline constexpr double longest_heading_interval_s = 10.0;  ///< upper limit of a counted interval
+inline constexpr double max_heading_interval_s = 10.0;  ///< upper limit of a counted interval
 
 struct HeadingGate {
   TimeNs used_ns = 0;            ///< time of the last heading used
@@ -17,7 +17,7 @@ struct HeadingGate {
   TimeNs rejected_ns = 0;        ///< time of the last rejected heading
   int rejected_in_row = 0;
   TimeNs seen_ns = 0;     ///< time of the last heading, used or not
-  double interval_s = 0;  ///< usual interval between headings, up to longest_heading_interval_s
+  double interval_s = 0;  ///< usual interval between headings, up to max_heading_interval_s
 
   /// Registers a heading, used or not.
   void add(TimeNs time_ns);

@@ -19,10 +19,10 @@ std::optional<Transform> transform_of(const TransformStamped& message);
 class StaticTransforms {
 public:
   static constexpr std::size_t max_frames = 4096;
-  static constexpr std::size_t longest_name = 1024;
+  static constexpr std::size_t max_name_length = 1024;
 
   /// Adds valid transforms; the latest one of a child frame counts. Returns false if some did not fit: new
-  /// child frames beyond `max_frames` and names beyond `longest_name`.
+  /// child frames beyond `max_frames` and names beyond `max_name_length`.
   bool add(const TFMessage& message);
 
   /// Pose of `child` in `parent`, over any number of frames in between; empty if they are not connected.

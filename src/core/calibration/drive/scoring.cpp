@@ -36,7 +36,7 @@ double step_of(Index unknown) {
 }
 
 /// Largest change of an unknown in a step.
-double longest_step_of(Index unknown) {
+double max_step_of(Index unknown) {
   switch (unknown) {
     case at_delay:
       return 0.02;
@@ -251,7 +251,7 @@ Fit maximise(Problem& problem, const VectorXd& start, const StepObserver& observ
       VectorXd change = -0.5 * damped.ldlt().solve(normal.gradient);
       double scale = 1.0;
       for (Index i = 0; i < change.size(); ++i) {
-        scale = std::min(scale, longest_step_of(i) / std::max(1e-12, std::abs(change(i))));
+        scale = std::min(scale, max_step_of(i) / std::max(1e-12, std::abs(change(i))));
       }
       const VectorXd candidate = fit.unknowns + scale * change;
       auto passes = problem.passes(candidate);

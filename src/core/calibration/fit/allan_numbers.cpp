@@ -41,14 +41,14 @@ PointRange longest_with_slope(std::span<const AllanPoint> curve, double wanted) 
   constexpr double tolerance = 0.15;
   constexpr double min_ratio = 3.1622776601683795;  // half a decade
   PointRange longest;
-  double longest_ratio = min_ratio;
+  double max_ratio = min_ratio;
   for (std::size_t begin = 0; begin < curve.size(); ++begin) {
     std::size_t end = begin;
     while (end < curve.size() && std::abs(slope_at(curve, end) - wanted) <= tolerance) ++end;
     if (end == begin) continue;
     const double ratio = curve[end - 1].tau_s / curve[begin].tau_s;
-    if (ratio >= longest_ratio) {
-      longest_ratio = ratio;
+    if (ratio >= max_ratio) {
+      max_ratio = ratio;
       longest = {begin, end};
     }
     begin = end;

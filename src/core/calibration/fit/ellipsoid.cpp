@@ -59,7 +59,7 @@ VectorXd ellipsoid_residuals(const Points& points, const VectorXd& parameters) {
 }
 
 VectorXd ellipsoid_start(const Points& points) {
-  constexpr double largest_ratio = 5.0;  // ratio of its axes
+  constexpr double max_axis_ratio = 5.0;  // ratio of its axes
   Vector3d mean = Vector3d::Zero();
   for (const Vector3d& point : points) mean += point / static_cast<double>(points.size());
   Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
@@ -80,7 +80,7 @@ VectorXd ellipsoid_start(const Points& points) {
   const double size = 1.0 + centre.dot(q * centre);
   const SymmetricEigen eigen = eigen_of(q / size);
   const Vector3d squares = eigen.values;
-  const bool is_ellipsoid = squares.allFinite() && squares[0] * largest_ratio * largest_ratio > squares[2];
+  const bool is_ellipsoid = squares.allFinite() && squares[0] * max_axis_ratio * max_axis_ratio > squares[2];
   if (!is_ellipsoid) return parameters_of(Matrix3d::Identity() / radius, mean / radius);
   const Matrix3d axes = eigen.vectors;
   const Matrix3d root = axes * squares.cwiseSqrt().asDiagonal() * axes.transpose();

@@ -104,16 +104,16 @@ std::vector<Turn> without_outliers(const std::vector<Turn>& turns, const Eigen::
 
 /// Reason not to use the solution; empty if there is none.
 std::string objection_to(const Solution& solution, const GyroscopeSettings& settings) {
-  constexpr double largest_rms_rad = geometry::radians_per_degree;
+  constexpr double max_rms_rad = geometry::radians_per_degree;
   if (!(solution.condition <= max_gyroscope_condition)) {
     return "the turns do not determine it, least of all " +
            std::string(detail::weakest_of(solution, gyroscope_names)) + ": turn about each of the axes";
   }
   const double rms_rad = rms_of(solution.residuals);
-  if (!(rms_rad <= largest_rms_rad)) {
+  if (!(rms_rad <= max_rms_rad)) {
     return "the direction of gravity after a turn, integrated from the rates, is off by " +
            detail::text_of(rms_rad / geometry::radians_per_degree) + " degrees RMS, more than " +
-           detail::text_of(largest_rms_rad / geometry::radians_per_degree) +
+           detail::text_of(max_rms_rad / geometry::radians_per_degree) +
            " degrees: samples are missing or wrong, or a turn exceeded the range of the sensor";
   }
   return out_of_range(terms_of(settings));

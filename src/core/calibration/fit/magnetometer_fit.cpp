@@ -21,8 +21,8 @@ using detail::Span;
 using Eigen::VectorXd;
 
 constexpr double max_magnetometer_condition = 60.0;
-constexpr double largest_axis_ratio = 5.0;
-constexpr double largest_relative_rms = 0.2;
+constexpr double max_axis_ratio = 5.0;
+constexpr double max_relative_rms = 0.2;
 
 // Parameters in the fit's order: S, then h, both for readings in units of the field's strength.
 constexpr std::array<std::string_view, 9> magnetometer_names{"soft iron xx", "soft iron xy", "soft iron xz",
@@ -55,15 +55,15 @@ void check_coverage(const Solution& solution, double coverage) {
 
 void check_ellipsoid(const Vector3d& semi_axes_ut, double relative_rms) {
   const double ratio = semi_axes_ut[0] / semi_axes_ut[2];
-  if (!(ratio <= largest_axis_ratio)) {
+  if (!(ratio <= max_axis_ratio)) {
     throw CalibrationError("the readings lie on no ellipsoid that iron can cause: its axes have a ratio of " +
-                           detail::text_of(ratio) + " to 1, above " + detail::text_of(largest_axis_ratio) +
+                           detail::text_of(ratio) + " to 1, above " + detail::text_of(max_axis_ratio) +
                            " to 1: check that the readings cover the whole sphere within the sensor's range");
   }
-  if (!(relative_rms <= largest_relative_rms)) {
+  if (!(relative_rms <= max_relative_rms)) {
     throw CalibrationError("the readings lie on no ellipsoid: they deviate from the best one by " +
                            detail::text_of(100.0 * relative_rms) + " % of the field, more than " +
-                           detail::text_of(100.0 * largest_relative_rms) +
+                           detail::text_of(100.0 * max_relative_rms) +
                            " %: record where no iron, current or magnet is near, and turn the "
                            "sensor through all directions");
   }

@@ -79,10 +79,10 @@ public:
 
 private:
   [[nodiscard]] bool has_gap(std::size_t begin, std::size_t end) const {
-    constexpr double widest_in_periods = 5.0;
+    constexpr double max_gap_periods = 5.0;
     for (std::size_t k = begin + 1; k < end; ++k) {
       const double dt_s = seconds_between(imu_[k - 1].sensor_time_ns, imu_[k].sensor_time_ns);
-      if (!(dt_s > 0.0 && dt_s <= widest_in_periods * period_s_)) return true;
+      if (!(dt_s > 0.0 && dt_s <= max_gap_periods * period_s_)) return true;
     }
     return false;
   }

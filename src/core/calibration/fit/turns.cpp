@@ -8,10 +8,10 @@ namespace sonopose::calibration::fit::detail {
 
 std::vector<Turn> turns_between(std::span<const ImuSample> imu, std::span<const StillInterval> intervals,
                                 const AccelerometerSettings& accelerometer) {
-  constexpr double longest_s = 30.0;  // limit beyond which the offset's error counts
+  constexpr double max_duration_s = 30.0;  // limit beyond which the offset's error counts
   constexpr double min_angle_rad = 0.3;
   const Affine model = model_of(accelerometer);
-  const double widest_gap_s = 5.0 * usual_period_s(imu);
+  const double max_gap_s = 5.0 * usual_period_s(imu);
   std::vector<Turn> turns;
   for (std::size_t i = 1; i < intervals.size(); ++i) {
     const std::size_t begin = intervals[i - 1].end - 1;
@@ -19,10 +19,10 @@ std::vector<Turn> turns_between(std::span<const ImuSample> imu, std::span<const 
                     model(intervals[i - 1].mean_force_mps2).normalized(),
                     model(intervals[i].mean_force_mps2).normalized()};
     const double took_s = seconds_between(turn.imu.front().sensor_time_ns, turn.imu.back().sensor_time_ns);
-    bool usable = took_s <= longest_s && turn.up_before.dot(turn.up_after) < std::cos(min_angle_rad);
+    bool usable = took_s <= max_duration_s && turn.up_before.dot(turn.up_after) < std::cos(min_angle_rad);
     for (std::size_t k = 1; k < turn.imu.size() && usable; ++k) {
       const double dt_s = seconds_between(turn.imu[k - 1].sensor_time_ns, turn.imu[k].sensor_time_ns);
-      usable = dt_s > 0.0 && dt_s <= widest_gap_s && turn.imu[k].angular_velocity_body_radps.allFinite();
+      usable = dt_s > 0.0 && dt_s <= max_gap_s && turn.imu[k].angular_velocity_body_radps.allFinite();
     }
     if (usable) turns.push_back(turn);
   }

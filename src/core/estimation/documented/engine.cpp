@@ -117,7 +117,7 @@ void Engine::calibrate_at_rest(const ImuSample& imu) {
   // The mean of a second at rest is more accurate than the filter's vertical at that time.
   const double yaw_rad = geometry::yaw_of(state_.filter.orientation());
   state_.filter.reset(geometry::level_with(state_.startup.accel_mean, yaw_rad));
-  state_.heading.rate_offset_radps = 0.0;  // part of the gyro offset, which is now known
+  state_.heading.rate_offset_radps = 0.0;  // part of the gyroscope offset, which is now known
   if (!at_start) return;
   state_.body.correct_velocity(-state_.body.velocity_world_mps);
   state_.uncertainty.velocity_std_mps = 0.0;

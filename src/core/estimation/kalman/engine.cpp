@@ -235,7 +235,7 @@ std::uint32_t Engine::rejection_flags(const UltrasonicFix& fix, const FixMeasure
   if (flags != 0) return flags;
   if (buffer_.contains(measured)) return fix_invalid;
   if (buffer_.can_insert(measured.time_ns)) return 0U;
-  // Unless the timeline is empty or full, it reaches the present, and the fix is older than all of it.
+  // Unless the buffer is empty or full, it reaches the present, and the fix is older than all of it.
   return buffer_.can_insert(time_ns()) ? fix_too_late : fix_invalid;
 }
 

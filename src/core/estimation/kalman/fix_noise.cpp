@@ -108,13 +108,13 @@ double Correlation::white_share() const {
 }
 
 void FixScatter::add(TimeNs time_ns, const Vector3d& position_m) {
-  constexpr double longest_s = 1.0;  // further apart the motion is unknown
+  constexpr double max_interval_s = 1.0;  // further apart the motion is unknown
   constexpr double acceleration_mps2 = 10.0;
   if (time_ns <= last_ns) return;
   const double dt_s = seconds_between(last_ns, time_ns);
   const double before_s = seconds_between(before_ns, last_ns);
   if (before_ns != 0) add_steps(position_m);
-  if (before_ns != 0 && dt_s < longest_s && before_s < longest_s) {
+  if (before_ns != 0 && dt_s < max_interval_s && before_s < max_interval_s) {
     const double ratio = dt_s / before_s;
     const Vector3d error_m = position_m - last_m - ratio * (last_m - before_m);
     add_error(error_m.cwiseAbs2() / (1.0 + (1.0 + ratio) * (1.0 + ratio) + ratio * ratio));

@@ -149,7 +149,7 @@ void State::on_mount_offset_change(double by_rad) {
 void HeadingGate::add(TimeNs time_ns) {
   constexpr double smoothing_factor = 1.0 / 8.0;
   if (seen_ns != 0) {
-    const double last_s = std::clamp(seconds_between(seen_ns, time_ns), 0.0, longest_heading_interval_s);
+    const double last_s = std::clamp(seconds_between(seen_ns, time_ns), 0.0, max_heading_interval_s);
     interval_s += (interval_s > 0.0 ? smoothing_factor : 1.0) * (last_s - interval_s);
   }
   seen_ns = time_ns;

@@ -34,8 +34,8 @@ NominalState nominal_after_steps(const Filter& filter, const ImuPreintegrator& s
 /// True if another step of this duration can join the open ones: up to 10 ms while tracking, and up to 20 ms
 /// while there are many filters, with a margin for the jitter of the stamps.
 bool can_join(const State& state, double duration_s) {
-  const double longest_s = state.phase == Phase::searching_yaw ? 0.0205 : 0.0105;
-  return state.imu.open_steps.duration_s() + duration_s <= longest_s;
+  const double max_duration_s = state.phase == Phase::searching_yaw ? 0.0205 : 0.0105;
+  return state.imu.open_steps.duration_s() + duration_s <= max_duration_s;
 }
 
 /// Joins the steps of a fast IMU for the filters. Code that changes them, or needs their state at the latest
@@ -205,8 +205,8 @@ void State::propagate() {
 }
 
 bool State::covariance_is_old() const {
-  constexpr double longest_s = 0.2;
-  return phase != Phase::waiting && filter().pending.duration_s > longest_s;
+  constexpr double max_duration_s = 0.2;
+  return phase != Phase::waiting && filter().pending.duration_s > max_duration_s;
 }
 
 NominalState State::nominal() const {

@@ -59,11 +59,11 @@ bool is_trend(const Trend& trend) {
 /// Checks the intervals and durations that the engine has learned.
 std::optional<FieldFault> find_timing_fault(const State& state) {
   const auto is_between = [](double value, double max) { return value >= 0.0 && value <= max; };
-  constexpr double longest_gap_s = 5.0;  // largest value of outage.imu_gap_s
-  if (!is_between(state.imu.nominal_imu_period_s, longest_gap_s)) {
+  constexpr double max_gap_s = 5.0;  // largest value of outage.imu_gap_s
+  if (!is_between(state.imu.nominal_imu_period_s, max_gap_s)) {
     return FieldFault{"nominal_imu_period_s", "is not between 0 and 5 s"};
   }
-  if (!is_between(state.headings.interval_s, longest_heading_interval_s)) {
+  if (!is_between(state.headings.interval_s, max_heading_interval_s)) {
     return FieldFault{"interval_s", "is not between 0 and 10 s"};
   }
   if (!(state.wrong_tracks.longest_s >= 0.0)) return FieldFault{"longest_s", "is negative or no number"};

@@ -32,8 +32,8 @@ double log_likelihood(const settings::Settings& settings, const Segment& segment
 
 /// First minutes of a segment.
 Segment beginning(const Segment& segment) {
-  constexpr double longest_s = 180.0;
-  const TimeNs end_ns = segment.imu.front().time_ns + to_ns(longest_s);
+  constexpr double max_duration_s = 180.0;
+  const TimeNs end_ns = segment.imu.front().time_ns + to_ns(max_duration_s);
   Segment part = segment;
   const auto is_after = [end_ns](const auto& measured) { return measured.time_ns > end_ns; };
   std::erase_if(part.imu, is_after);

@@ -18,7 +18,9 @@ std::optional<Transform> transform_of(const TransformStamped& message) {
 }
 
 bool StaticTransforms::add(const TFMessage& message) {
-  const auto is_long = [](const char* name) { return ::strnlen(name, longest_name + 1) > longest_name; };
+  const auto is_long = [](const char* name) {
+    return ::strnlen(name, max_name_length + 1) > max_name_length;
+  };
   bool all_fit = true;
   for (std::uint32_t i = 0; i < message.transforms._length; ++i) {
     const TransformStamped& one = message.transforms._buffer[i];

@@ -230,8 +230,8 @@ std::size_t visit_first(std::deque<std::uint32_t>& ids, dds::Network network, co
 }  // namespace
 
 void search_other_domains(const dds::DomainOptions& here, const process::StopSignal& stop,
-                          rules::BusObservation& bus, TimeNs longest_ns) {
-  const SteadyTime end = clocks::steady_now() + longest_ns;
+                          rules::BusObservation& bus, TimeNs max_duration_ns) {
+  const SteadyTime end = clocks::steady_now() + max_duration_ns;
   std::deque<std::uint32_t> ids = domains_to_visit(here);
   bus.searched_other_domains = true;
   TimeNs longest_visit_ns = 0;

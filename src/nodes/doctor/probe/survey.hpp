@@ -34,6 +34,6 @@ rules::BusObservation bus_of(const dds::DomainOptions& options);
 /// loopback, visits those whose UDP ports are in use on this machine; otherwise all. Writes to `bus` the
 /// domains with processes of this system, and the number that could not be visited.
 void search_other_domains(const dds::DomainOptions& here, const process::StopSignal& stop,
-                          rules::BusObservation& bus, TimeNs longest_ns = 12'000'000'000);
+                          rules::BusObservation& bus, TimeNs max_duration_ns = 12'000'000'000);
 
 }  // namespace sonopose::doctor::probe

@@ -48,7 +48,7 @@ BeaconPublishers::BeaconPublishers(ros2::Node& node, const Output& output, Beaco
       publishes_mag_(output.topics.contains("imu/mag")),
       pose_rate_(output.rate_hz),
       fix_std_m_(settings::UncertaintySettings{}.fix_std_m),
-      watch_(address) {
+      detector_(address) {
   if (!output.mount_from_tf) mount_ = output.mount;
   const auto publish = [&]<class T>(dds::DataWriter<T>& writer, const char* topic) {
     if (output.topics.contains(topic)) writer = node.make_writer<T>(prefix_ + topic, profile);
@@ -106,8 +106,8 @@ void BeaconPublishers::on(const FusedPose& pose) {
   fused_at_ = clocks::steady_now();
   publish_odometry(pose);  // first, because vehicle control may depend on it
   {
-    const threads::Lock lock(watch_mutex_);
-    watch_.on(pose, transitions_);
+    const threads::Lock lock(transitions_mutex_);
+    detector_.on(pose, transitions_);
   }
   if ((pose.status & status_predicted) != 0) return;  // a predicted pose has no IMU sample
   std::optional<ImuSample> sample;
@@ -119,7 +119,7 @@ void BeaconPublishers::on(const FusedPose& pose) {
 }
 
 transitions::TransitionQueue BeaconPublishers::take_transitions() {
-  const threads::Lock lock(watch_mutex_);
+  const threads::Lock lock(transitions_mutex_);
   return std::exchange(transitions_, {});
 }
 
@@ -201,8 +201,8 @@ void BeaconPublishers::on(const UltrasonicFix& fix) {
 
 void BeaconPublishers::on(const FixReport& report) {
   {
-    const threads::Lock lock(watch_mutex_);
-    watch_.on(report, transitions_);
+    const threads::Lock lock(transitions_mutex_);
+    detector_.on(report, transitions_);
   }
   if (!report.position_world_m.allFinite()) return;
   ros2::relay::FixQueue::Ready ready;

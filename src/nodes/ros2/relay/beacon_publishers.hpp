@@ -111,9 +111,9 @@ private:
   threads::Guarded<ros2::RisingStamp> pose_stamp_{0};
   threads::Guarded<ros2::RisingStamp> fix_stamp_;
 
-  threads::Mutex watch_mutex_;
-  transitions::TransitionDetector watch_ SONOPOSE_GUARDED_BY(watch_mutex_);
-  transitions::TransitionQueue transitions_ SONOPOSE_GUARDED_BY(watch_mutex_);
+  threads::Mutex transitions_mutex_;
+  transitions::TransitionDetector detector_ SONOPOSE_GUARDED_BY(transitions_mutex_);
+  transitions::TransitionQueue transitions_ SONOPOSE_GUARDED_BY(transitions_mutex_);
 
   mutable threads::Mutex mutex_;
   std::optional<ros2::Mount> mount_ SONOPOSE_GUARDED_BY(mutex_);

@@ -35,7 +35,7 @@ void MountFinder::assign_to(BeaconPublishers& publishers) {
   if (has_surplus && !std::exchange(reported_, true)) {
     log_.warning(fmt::format(
         "/tf_static: some transforms are ignored: at most {} frames, with names of at most {} characters",
-        ros2::StaticTransforms::max_frames, ros2::StaticTransforms::longest_name));
+        ros2::StaticTransforms::max_frames, ros2::StaticTransforms::max_name_length));
   }
   if (!found) return;
   if (!publishers.set_mount({.imu_in_base_m = found->translation_m, .q_imu_to_base = found->rotation}))

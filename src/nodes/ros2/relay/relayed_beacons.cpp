@@ -10,7 +10,7 @@ RelayedBeacons::Publishers RelayedBeacons::find_or_request(BeaconAddress address
   const threads::Lock lock(mutex_);
   const auto [found, is_new] = beacons_.try_emplace(address);
   Beacon& beacon = found->second;
-  beacon.heard.on_sample(now);
+  beacon.presence.on_sample(now);
   if (is_new) {
     has_requests_ = true;
     wakeup_.wake();
@@ -64,8 +64,8 @@ std::vector<RelayedBeacons::Gone> RelayedBeacons::remove_gone(SteadyTime now) {
   const threads::Lock lock(mutex_);
   std::erase_if(beacons_, [&](auto& entry) {
     auto& [address, beacon] = entry;
-    if (!beacon.heard.is_gone(now)) return false;
-    const bool keeps = beacon.publishers && beacon.heard.is_established();
+    if (!beacon.presence.is_gone(now)) return false;
+    const bool keeps = beacon.publishers && beacon.presence.is_established();
     gone.push_back({address, keeps});
     if (keeps) {
       kept_.push_back({address, std::move(beacon.publishers)});

@@ -60,7 +60,7 @@ public:
 private:
   struct Beacon {
     Publishers publishers;  ///< null: to be created
-    presence::BeaconPresence heard;
+    presence::BeaconPresence presence;
   };
   struct Kept {
     BeaconAddress address = 0;

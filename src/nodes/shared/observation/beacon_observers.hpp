@@ -43,7 +43,7 @@ public:
     Beacon& beacon = mark_heard(pose.address);
     beacon.observer.on(pose, received_ns);
     beacon.pose_writer = writer;
-    beacon.pose_silence.on_sample(beacon.heard.latest);
+    beacon.pose_silence.on_sample(beacon.presence.latest);
   }
 
   void on(const FusionStatus& status, dds::InstanceHandle writer) {
@@ -99,7 +99,7 @@ public:
     std::erase_if(beacons_, [&](const auto& entry) {
       mutex_.assert_held();
       const auto& [address, beacon] = entry;
-      if (!beacon.heard.is_gone(now)) return false;
+      if (!beacon.presence.is_gone(now)) return false;
       gone.push_back(beacon.observer.summary(address, now_ns));
       served_.forget(address);
       return true;
@@ -136,13 +136,13 @@ private:
     BeaconObserver observer;
     std::optional<dds::InstanceHandle> pose_writer;  ///< writer of the latest pose
     presence::Silence pose_silence;
-    presence::BeaconPresence heard;
+    presence::BeaconPresence presence;
   };
 
   /// Marks a beacon as heard, and returns it.
   Beacon& mark_heard(BeaconAddress address) SONOPOSE_REQUIRES(mutex_) {
     Beacon& beacon = beacons_[address];
-    beacon.heard.on_sample(clocks::steady_now());
+    beacon.presence.on_sample(clocks::steady_now());
     return beacon;
   }
 

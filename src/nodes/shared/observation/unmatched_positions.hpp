@@ -16,8 +16,8 @@ class UnmatchedPositions {
 public:
   void store(TimeNs time_ns, const Vector3d& position_world_m) {
     while (!is_empty() && waiting_.back().time_ns >= time_ns) waiting_.pop_back();  // the clock stepped back
-    if (waiting_.size() - first_ == most) ++first_;
-    if (first_ > most) forget_extracted();
+    if (waiting_.size() - first_ == max_positions) ++first_;
+    if (first_ > max_positions) forget_extracted();
     waiting_.push_back({time_ns, position_world_m});
   }
 
@@ -36,7 +36,7 @@ public:
 
 private:
   /// More than one second of samples at any supported rate.
-  static constexpr std::size_t most = 2048;
+  static constexpr std::size_t max_positions = 2048;
 
   struct Waiting {
     TimeNs time_ns = 0;

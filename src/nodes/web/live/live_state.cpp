@@ -122,7 +122,7 @@ void LiveState::on(const FusedPose& pose) noexcept {
   Beacon& beacon = this->beacon(pose.address);
   beacon.pose = pose;
   beacon.has_pose = true;
-  beacon.watch.on(pose, beacon.pending);
+  beacon.detector.on(pose, beacon.transitions);
 }
 
 void LiveState::on(const TruthSample& truth) noexcept {
@@ -136,7 +136,7 @@ void LiveState::on(const FixReport& report) noexcept {
   if (report.hypothesis != 0) return;  // poses come from the main hypothesis
   const threads::Lock lock(mutex_);
   Beacon& beacon = this->beacon(report.address);
-  beacon.watch.on(report, beacon.pending);
+  beacon.detector.on(report, beacon.transitions);
   if (beacon.fixes.size() == max_fixes) beacon.fixes.erase(beacon.fixes.begin());
   beacon.fixes.push_back(report);
 }
@@ -168,9 +168,9 @@ std::vector<std::pair<BeaconAddress, transitions::TransitionQueue>> LiveState::t
   std::vector<std::pair<BeaconAddress, transitions::TransitionQueue>> taken;
   const threads::Lock lock(mutex_);
   for (auto& [address, beacon] : beacons_) {
-    if (beacon.pending.empty()) continue;
-    taken.emplace_back(address, beacon.pending);
-    beacon.pending.clear();
+    if (beacon.transitions.empty()) continue;
+    taken.emplace_back(address, beacon.transitions);
+    beacon.transitions.clear();
   }
   return taken;
 }

@@ -42,15 +42,15 @@ private:
   static constexpr std::size_t max_fixes = 32;
 
   struct Beacon {
-    explicit Beacon(BeaconAddress address) noexcept : watch(address) {}
+    explicit Beacon(BeaconAddress address) noexcept : detector(address) {}
 
     FusedPose pose;
     TruthSample truth;
     std::vector<FixReport> fixes;
     bool has_pose = false;  ///< a new pose has arrived
     bool has_truth = false;
-    transitions::TransitionDetector watch;
-    transitions::TransitionQueue pending;
+    transitions::TransitionDetector detector;
+    transitions::TransitionQueue transitions;
   };
 
   Beacon& beacon(BeaconAddress address) SONOPOSE_REQUIRES(mutex_);

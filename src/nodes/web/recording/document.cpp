@@ -97,7 +97,7 @@ Document::Beacon::Beacon(BeaconAddress address, TimeNs begin_ns, TimeNs min_peri
       truth(names({}, live::truth_columns), begin_ns, std::max(min_period_ns, min_pose_period_ns)),
       status(names({status_columns.begin(), status_columns.end()}, observation::latency_segment_names),
              begin_ns, min_period_ns),
-      watch(address) {}
+      detector(address) {}
 
 Document::Document(double duration_s, std::optional<BeaconAddress> beacon)
     : min_period_ns_(to_ns(duration_s / static_cast<double>(max_rows_of_beacon))),
@@ -134,9 +134,9 @@ void Document::end_second() {
   }
 }
 
-void Document::take(transitions::TransitionQueue& pending, TimeNs time_ns) {
+void Document::take(transitions::TransitionQueue& transitions, TimeNs time_ns) {
   now_ns_ = time_ns;
-  transition_log_.take(pending, SteadyTime{time_ns});
+  transition_log_.take(transitions, SteadyTime{time_ns});
 }
 
 void Document::add(const FusedPose& pose, std::optional<TimeNs> received_ns) {
@@ -144,9 +144,9 @@ void Document::add(const FusedPose& pose, std::optional<TimeNs> received_ns) {
   beacon.latest_ns = pose.time_ns;
   if (received_ns) observers_[pose.address].on(pose, *received_ns);
   beacon.poses.add(pose.time_ns, live::pose_row(pose));
-  transitions::TransitionQueue pending;
-  beacon.watch.on(pose, pending);
-  take(pending, pose.time_ns);
+  transitions::TransitionQueue transitions;
+  beacon.detector.on(pose, transitions);
+  take(transitions, pose.time_ns);
 }
 
 void Document::add(const FixReport& report) {
@@ -156,9 +156,9 @@ void Document::add(const FixReport& report) {
   std::array<double, 1 + row.size()> values{seconds_between(begin_ns_, report.emission_time_ns)};
   std::copy(row.begin(), row.end(), values.begin() + 1);
   beacon.fixes.add(report.applied_time_ns, values);
-  transitions::TransitionQueue pending;
-  beacon.watch.on(report, pending);
-  take(pending, report.applied_time_ns);
+  transitions::TransitionQueue transitions;
+  beacon.detector.on(report, transitions);
+  take(transitions, report.applied_time_ns);
 }
 
 void Document::add(const TruthSample& truth) {
@@ -246,14 +246,15 @@ std::string Document::json() {
   }
   text += R"(],"beacons":[)";
   separator.clear();
-  const std::size_t most =
+  const std::size_t max_rows =
       std::min(max_rows_of_beacon, max_rows_of_all / std::max<std::size_t>(1, beacons_.size()));
   for (const auto& [address, beacon] : beacons_) {
     const std::size_t rows =
         std::max({beacon.poses.size(), beacon.fixes.size(), beacon.truth.size(), beacon.status.size()});
-    text += fmt::format(R"({}{{"address":{},"rows":{},"poses":{},"fixes":{},"truth":{},"status":{}}})",
-                        separator, address, std::min(most, rows), beacon.poses.json(most),
-                        beacon.fixes.json(most), beacon.truth.json(most), beacon.status.json(most));
+    text +=
+        fmt::format(R"({}{{"address":{},"rows":{},"poses":{},"fixes":{},"truth":{},"status":{}}})", separator,
+                    address, std::min(max_rows, rows), beacon.poses.json(max_rows),
+                    beacon.fixes.json(max_rows), beacon.truth.json(max_rows), beacon.status.json(max_rows));
     separator = ",";
   }
   return text + "]}";

@@ -89,7 +89,7 @@ private:
     Columns fixes;
     Columns truth;
     Columns status;
-    transitions::TransitionDetector watch;
+    transitions::TransitionDetector detector;
     std::optional<TimeNs> latest_ns;  ///< latest pose in this second
   };
 
@@ -100,7 +100,7 @@ private:
   /// The latest events by time, and the number of those left out.
   std::vector<Event> shown_events();
   /// Formats the changes by a sample at `time_ns`.
-  void take(transitions::TransitionQueue& pending, TimeNs time_ns);
+  void take(transitions::TransitionQueue& transitions, TimeNs time_ns);
 
   TimeNs begin_ns_ = 0;  ///< time of the first sample
   TimeNs end_ns_ = 0;    ///< time of the latest sample

@@ -32,10 +32,10 @@ std::size_t open_below(rlim_t limit) {
 void check_free_descriptors(const std::string& about) {
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
-  const std::size_t least = open_below(limit.rlim_cur) + min_free;
-  if (limit.rlim_cur >= least) return;
+  const std::size_t min_limit = open_below(limit.rlim_cur) + min_free;
+  if (limit.rlim_cur >= min_limit) return;
   throw Error(about + ": at most " + std::to_string(limit.rlim_cur) +
-                  " file descriptors are allowed (ulimit -n), at least " + std::to_string(least) +
+                  " file descriptors are allowed (ulimit -n), at least " + std::to_string(min_limit) +
                   " are needed",
               DDS_RETCODE_OUT_OF_RESOURCES);
 }

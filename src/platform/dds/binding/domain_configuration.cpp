@@ -79,9 +79,9 @@ std::string content_of(const pugi::xml_node& element) {
 /// numbers end earlier.
 std::uint32_t max_participant_index(std::uint32_t domain_id) {
   const std::uint32_t first_port = 7410 + 250 * domain_id;
-  const std::uint32_t most =
+  const std::uint32_t max_index =
       loopback_domain().child("Discovery").child("MaxAutoParticipantIndex").text().as_uint();
-  return std::min<std::uint32_t>(most, (65535 - 1 - first_port) / 2);
+  return std::min<std::uint32_t>(max_index, (65535 - 1 - first_port) / 2);
 }
 
 std::string fragment(const std::string& content) {

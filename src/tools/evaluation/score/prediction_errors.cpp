@@ -17,7 +17,7 @@ namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr TimeNs remembered_ns = 3'000'000'000;  // longer than any delay of a fix
-constexpr double longest_gap_s = 0.1;  // limit between poses, and from the last one to a measurement
+constexpr double max_gap_s = 0.1;      // limit between poses, and from the last one to a measurement
 constexpr double min_speed_mps = 0.1;  // lower speeds give the track no direction
 
 SignedErrors signed_errors_of(const std::vector<double>& errors) {
@@ -118,7 +118,7 @@ std::optional<PredictionErrors::Predicted> PredictionErrors::at(TimeNs time_ns) 
   if (after == poses_.end()) {
     Predicted last = poses_.back();
     const double since_s = seconds_between(last.time_ns, time_ns);
-    if (since_s > longest_gap_s) return std::nullopt;
+    if (since_s > max_gap_s) return std::nullopt;
     last.position_world_m += since_s * last.velocity_world_mps;
     return last;
   }
@@ -126,7 +126,7 @@ std::optional<PredictionErrors::Predicted> PredictionErrors::at(TimeNs time_ns) 
   if (after == poses_.begin()) return std::nullopt;
   const Predicted& before = *std::prev(after);
   const double span_s = seconds_between(before.time_ns, after->time_ns);
-  if (span_s > longest_gap_s) return std::nullopt;
+  if (span_s > max_gap_s) return std::nullopt;
   const double share = seconds_between(before.time_ns, time_ns) / span_s;
   return Predicted{
       time_ns, before.position_world_m + share * (after->position_world_m - before.position_world_m),

@@ -62,7 +62,7 @@ SCENARIO("the mount of the IMU is found over the frames between") {
       CHECK(tree.find(base, "frame_7")->translation_m.x() == 2);
     }
     THEN("a long name is refused") {
-      const std::string name(StaticTransforms::longest_name + 1, 'x');
+      const std::string name(StaticTransforms::max_name_length + 1, 'x');
       StaticTransforms other;
       CHECK_FALSE(add(other, {ros2::transform({}, 0, base, name)}));
       CHECK_FALSE(add(other, {ros2::transform({}, 0, name, base)}));
