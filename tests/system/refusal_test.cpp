@@ -143,7 +143,7 @@ SCENARIO("a bridge refuses an invalid input") {
     }
   }
   WHEN("a cell of a log is not a number") {
-    write_text(folder / "imu.csv", "#t,w,w,w,a,a,a\n1000,0,0,0,0,zero,9.81\n");
+    write_text(folder / "imu.csv", "#timestamp,w_x,w_y,w_z,a_x,a_y,a_z\n1000,0,0,0,0,zero,9.81\n");
     write_text(folder / "ultrasonic.csv", "#t,r,x,y,z,q\n");
     THEN("file, line and value are named") {
       CHECK_THAT(refused({"--source", "log", "--input", folder.path().string()}),
@@ -151,7 +151,7 @@ SCENARIO("a bridge refuses an invalid input") {
     }
   }
   WHEN("the meta.toml of a log has a wrong value") {
-    write_text(folder / "imu.csv", "#t,w,w,w,a,a,a\n");
+    write_text(folder / "imu.csv", "#timestamp,w_x,w_y,w_z,a_x,a_y,a_z\n");
     write_text(folder / "ultrasonic.csv", "#t,r,x,y,z,q\n");
     write_text(folder / "meta.toml", "imu_meaning = \"average\"\n");
     const std::string said = "meta.toml:1: imu_meaning: \"average\" is not one of unknown, instant, mean";

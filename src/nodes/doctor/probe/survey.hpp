@@ -30,7 +30,7 @@ std::vector<rules::EndpointObservation> others_of(const std::vector<dds::FoundEn
 /// Domain, interfaces and peers.
 rules::BusObservation bus_of(const dds::DomainOptions& options);
 
-/// Joins the other domains of the same network, several at a time, as long as `longest_ns` allows. On
+/// Joins the other domains of the same network, several at a time, as long as `max_duration_ns` allows. On
 /// loopback, visits those whose UDP ports are in use on this machine; otherwise all. Writes to `bus` the
 /// domains with processes of this system, and the number that could not be visited.
 void search_other_domains(const dds::DomainOptions& here, const process::StopSignal& stop,
