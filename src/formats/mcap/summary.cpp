@@ -4,7 +4,6 @@
 #include "mcap/scan.hpp"
 
 #include <algorithm>
-#include <ranges>
 #include <utility>
 
 namespace sonopose::mcap {
@@ -136,10 +135,10 @@ private:
     const auto is_known = [this](std::uint16_t channel_id) {
       return contents_.channels.contains(channel_id);
     };
-    return std::ranges::all_of(
-               contents_.blocks,
-               [&](const Block& block) { return std::ranges::all_of(block.channels, is_known); }) &&
-           std::ranges::all_of(contents_.statistics.channel_message_counts | std::views::keys, is_known);
+    const auto knows_all = [&](const Block& block) { return std::ranges::all_of(block.channels, is_known); };
+    return std::ranges::all_of(contents_.blocks, knows_all) &&
+           std::ranges::all_of(contents_.statistics.channel_message_counts,
+                               [&](const auto& entry) { return is_known(entry.first); });
   }
 
   /// Reads the records between the chunks. Returns false if there are messages: the summary does not have
