@@ -100,6 +100,7 @@ int compare(const CLI::App& app, const apps::ReplayOptions& options) {
     const auto result = timed_run(log, run, options.smooth, {add, add}, timing);
     if (!options.json) fmt::print("{}{}\n", i == 0 ? "" : "\n", name);
     fmt::print("{}", report(result, timing, options.json));
+    require_fixes(options, result);
   }
   draw(plot);
   return 0;
@@ -135,8 +136,7 @@ int replay_log(const CLI::App& app, const apps::ReplayOptions& options) {
   if (options.save_state) evaluation::save_state(*options.save_state, result.end);
   draw(plot);
   fmt::print("{}", report(result, timing, options.json));
-  if (result.counters.fixes_used == 0 && result.counters.fixes_rejected > 0)
-    throw std::runtime_error("no fix was used");
+  require_fixes(options, result);
   return 0;
 }
 

@@ -2,6 +2,11 @@
 
 #include "choice.hpp"
 #include "run.hpp"
+#include <sonopose/text/count_text.hpp>
+
+#include <fmt/format.h>
+
+#include <stdexcept>
 
 namespace sonopose::apps {
 
@@ -72,6 +77,14 @@ config::FusionConfig configuration(const CLI::App& app, const ReplayOptions& opt
                                                                             : "fusion.engine=documented");
   }
   return configuration(app, config);
+}
+
+void require_fixes(const ReplayOptions& options, const evaluation::RunResult& result) {
+  const bool uses_fixes = options.engine != ReplayEngine::strapdown && !options.run.until_s;
+  if (!uses_fixes || result.counters.fixes_used > 0) return;
+  throw std::runtime_error(
+      fmt::format("{}: no fix was used, {} rejected", options.log.string(),
+                  text::count_text(result.counters.fixes_rejected, "fix was", "fixes were")));
 }
 
 evaluation::RunOptions run_options(const ReplayOptions& options, const settings::Settings& settings) {

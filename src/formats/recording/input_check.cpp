@@ -11,9 +11,7 @@ namespace sonopose::recording {
 
 namespace {
 
-constexpr double min_rate_hz = 2.0;
-constexpr double max_imu_rate_hz = 10'000.0;
-constexpr double max_fix_rate_hz = 500.0;
+constexpr const char* how_to_name = "The header of a log folder's file names the unit: ";
 
 template <class Value>
 Value quantile(std::vector<Value> values, double share) {
@@ -49,6 +47,7 @@ void InputCheck::Stamps::add(TimeNs time_ns) {
     return;
   }
   if (time_ns > last_ns) steps_ns.push_back(time_ns - last_ns);
+  if (time_ns == last_ns) ++equal;
   if (time_ns < last_ns && earlier++ == 0) {
     first_earlier_ns = time_ns;
     before_it_ns = last_ns;
@@ -75,25 +74,25 @@ void InputCheck::add(const Event& event) {
   if (const auto* fix = std::get_if<UltrasonicFix>(&event)) add(*fix);
 }
 
-/// Suspects another unit if the samples come faster than any sensor's, or hardly ever.
+/// Suspects another unit of stamps at a rate that no sensor has.
 std::optional<std::string> InputCheck::unit_of_time(const char* what, const Stamps& stamps,
-                                                    double max_rate_hz) const {
+                                                    double min_rate_hz, double max_rate_hz) const {
   constexpr std::size_t min_steps = 10;
+  if (2 * stamps.equal > stamps.count) {
+    return fmt::format("{} of {} {} have the stamp of the one before", stamps.equal, stamps.count, what);
+  }
   if (stamps.steps_ns.size() < min_steps) return std::nullopt;
-  const auto step_ns = static_cast<double>(quantile(stamps.steps_ns, 0.5));
-  if (rate_hz(step_ns) <= max_rate_hz) return std::nullopt;
-  std::string text = fmt::format("the {} come at {:.0f} Hz by their stamps", what, rate_hz(step_ns));
+  const double found_hz = rate_hz(static_cast<double>(quantile(stamps.steps_ns, 0.5)));
+  if (found_hz >= min_rate_hz && found_hz <= max_rate_hz) return std::nullopt;
+  const std::string text = fmt::format("the {} come at {:.6g} Hz by their stamps", what, found_hz);
   constexpr std::array<std::pair<const char*, double>, 3> units{{{"us", 1e3}, {"ms", 1e6}, {"s", 1e9}}};
   for (const auto& [unit, factor] : units) {
-    const double would_be_hz = rate_hz(factor * step_ns);
+    const double would_be_hz = found_hz / factor;
     if (would_be_hz < min_rate_hz || would_be_hz > max_rate_hz) continue;
-    return text + fmt::format(
-                      "; are these in {0}? Then they come at {1:.3g} Hz. The header of a log folder's file "
-                      "names the unit: "
-                      "timestamp [{0}]",
-                      unit, would_be_hz);
+    return text + fmt::format("; are these in {0}? Then they come at {1:.3g} Hz. {2}timestamp [{0}]", unit,
+                              would_be_hz, how_to_name);
   }
-  return text;
+  return text + "; check the unit that the header names";
 }
 
 std::optional<std::string> InputCheck::order(const char* what, const Stamps& stamps) const {
@@ -122,7 +121,7 @@ std::optional<std::string> InputCheck::overlap() const {
       is_before ? "before" : "after", seconds_text(apart_s));
 }
 
-/// A body that moves has 1 g on average, unless it falls.
+/// Suspects another unit, or none of gravity, if the usual force is not that of a body that stands or drives.
 std::optional<std::string> InputCheck::unit_of_force() const {
   constexpr double min_mps2 = 7.0;
   constexpr double max_mps2 = 14.0;
@@ -133,11 +132,14 @@ std::optional<std::string> InputCheck::unit_of_force() const {
   std::string text = fmt::format("the accelerometer reads {:.3g} m/s^2 (median)", median_mps2);
   const double in_g = median_mps2 * standard_gravity_mps2;
   const double from_mg = median_mps2 * 1e-3 * standard_gravity_mps2;
-  if (in_g >= min_mps2 && in_g <= max_g * standard_gravity_mps2) {
-    return text + "; is it in g? The header of a log folder's file names the unit: a_x [g]";
+  constexpr double max_spread = 0.3;  // without gravity the force varies by as much as it is
+  const double spread_mps2 = quantile(forces_mps2_, 0.75) - quantile(forces_mps2_, 0.25);
+  const bool is_steady = spread_mps2 < max_spread * median_mps2;
+  if (is_steady && in_g >= min_mps2 && in_g <= max_g * standard_gravity_mps2) {
+    return text + "; is it in g? " + how_to_name + "a_x [g], a_y [g], a_z [g]";
   }
   if (from_mg >= min_mps2 && from_mg <= max_g * standard_gravity_mps2) {
-    return text + "; is it in mg? The header of a log folder's file names the unit: a_x [mg]";
+    return text + "; is it in mg or cm/s^2? " + how_to_name + "a_x [mg], a_y [mg], a_z [mg]";
   }
   if (median_mps2 < min_mps2) return text + "; was gravity removed? At rest it must read 9.8 upwards";
   return text + " instead of about 9.8";
@@ -150,9 +152,9 @@ std::optional<std::string> InputCheck::unit_of_rate() const {
   const double fast_radps = quantile(rates_radps_, share);
   if (fast_radps <= usual_max_radps) return std::nullopt;
   return fmt::format(
-      "the gyroscope exceeds {:.3g} rad/s in every twentieth sample; is it in deg/s? The header "
-      "of a log folder's file names the unit: w_x [deg s^-1]",
-      fast_radps);
+      "the gyroscope exceeds {:.3g} rad/s in every twentieth sample; is it in deg/s? {}w_x [deg s^-1], "
+      "w_y [deg s^-1], w_z [deg s^-1]",
+      fast_radps, how_to_name);
 }
 
 std::vector<std::string> InputCheck::findings() const {
@@ -161,8 +163,8 @@ std::vector<std::string> InputCheck::findings() const {
     if (text) texts.push_back(*std::move(text));
   };
   if (imu_.count == 0) texts.emplace_back("there is no IMU sample");
-  add_if(unit_of_time("IMU samples", imu_, max_imu_rate_hz));
-  add_if(unit_of_time("fixes", fixes_, max_fix_rate_hz));
+  add_if(unit_of_time("IMU samples", imu_, 2.0, 10'000.0));
+  add_if(unit_of_time("fixes", fixes_, 0.05, 500.0));
   add_if(overlap());
   add_if(order("IMU samples", imu_));
   add_if(order("fixes", fixes_));

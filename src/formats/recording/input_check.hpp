@@ -28,6 +28,7 @@ private:
 
     std::size_t count = 0;
     std::size_t earlier = 0;  ///< number of stamps that are earlier than the one before
+    std::size_t equal = 0;    ///< number of stamps that equal the one before
     TimeNs min_ns = 0;
     TimeNs max_ns = 0;
     TimeNs last_ns = 0;
@@ -37,7 +38,7 @@ private:
   };
 
   [[nodiscard]] std::optional<std::string> unit_of_time(const char* what, const Stamps& stamps,
-                                                        double max_rate_hz) const;
+                                                        double min_rate_hz, double max_rate_hz) const;
   [[nodiscard]] std::optional<std::string> order(const char* what, const Stamps& stamps) const;
   [[nodiscard]] std::optional<std::string> overlap() const;
   [[nodiscard]] std::optional<std::string> unit_of_force() const;

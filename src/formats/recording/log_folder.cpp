@@ -263,6 +263,7 @@ std::vector<TruthSample> read_truth_csv(const std::filesystem::path& file, Beaco
     }
     sample.velocity_world_mps = vector_or_unknown(8);
   }
+  std::ranges::stable_sort(samples, {}, &TruthSample::time_ns);
   return samples;
 }
 

@@ -73,7 +73,7 @@ std::vector<UltrasonicFix> read_ultrasonic_csv(const std::filesystem::path& file
 /// Reads a row with an empty heading as an invalid sample.
 std::vector<PairHeading> read_heading_csv(const std::filesystem::path& file, BeaconAddress address);
 
-/// Reads position, attitude and velocity, each NaN if unknown. Ignores further columns.
+/// Reads position, attitude and velocity, each NaN if unknown, and sorts them by time.
 std::vector<TruthSample> read_truth_csv(const std::filesystem::path& file, BeaconAddress address);
 
 /// Sorts by time, and leaves out rows without a speed.

@@ -1,10 +1,12 @@
 #include "files/column_units.hpp"
 
 #include "files/units.hpp"
+#include <sonopose/samples/samples.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <utility>
 
 namespace sonopose::files {
 
@@ -19,17 +21,15 @@ struct Unit {
   std::string_view other_names{};  ///< separated by spaces; compared as `simplified` text
 };
 
-constexpr long double gravity_mps2 = 9.80665L;
-
 constexpr std::array units{
-    Unit{Quantity::time, 1, "ns"},
-    Unit{Quantity::time, 1e3L, "us", "µs μs"},
-    Unit{Quantity::time, 1e6L, "ms"},
+    Unit{Quantity::time, 1, "ns", "nanos"},
+    Unit{Quantity::time, 1e3L, "us", "µs μs micros"},
+    Unit{Quantity::time, 1e6L, "ms", "millis"},
     Unit{Quantity::time, 1e9L, "s"},
     Unit{Quantity::angle, 1, "deg", "° degree degrees"},
     Unit{Quantity::angle, 1 / degree, "rad", "radian radians"},
-    Unit{Quantity::rate, 1, "rad s^-1", "rad/s radps"},
-    Unit{Quantity::rate, degree, "deg s^-1", "deg/s °/s °s-1 dps degps"},
+    Unit{Quantity::rate, 1, "rad s^-1", "rad/s radps radians/s"},
+    Unit{Quantity::rate, degree, "deg s^-1", "deg/s °/s °s-1 dps degps degrees/s"},
     Unit{Quantity::rate, 1e-3L, "mrad s^-1", "mrad/s"},
     Unit{Quantity::rate, 1e-3L * degree, "mdeg s^-1", "mdeg/s mdps"},
     Unit{Quantity::length, 1, "m", "meter meters metre metres"},
@@ -39,9 +39,10 @@ constexpr std::array units{
     Unit{Quantity::speed, 1e-2L, "cm s^-1", "cm/s"},
     Unit{Quantity::speed, 1e-3L, "mm s^-1", "mm/s"},
     Unit{Quantity::speed, 1 / 3.6L, "km h^-1", "km/h kmh kph"},
-    Unit{Quantity::acceleration, 1, "m s^-2", "m/s2 m/s² m/s/s mps2 mpss"},
-    Unit{Quantity::acceleration, gravity_mps2, "g", "G gee"},
-    Unit{Quantity::acceleration, 1e-3L * gravity_mps2, "mg", "mG"},
+    Unit{Quantity::acceleration, 1, "m s^-2", "m/s2 m/s/s mps2 mpss"},
+    Unit{Quantity::acceleration, 1e-2L, "cm s^-2", "cm/s2"},
+    Unit{Quantity::acceleration, standard_gravity_mps2, "g", "G gee"},
+    Unit{Quantity::acceleration, 1e-3L * standard_gravity_mps2, "mg", "mG"},
     Unit{Quantity::field, 1, "uT", "µT μT ut"},
     Unit{Quantity::field, 1e-3L, "nT"},
     Unit{Quantity::field, 1e3L, "mT"},
@@ -59,9 +60,17 @@ std::string simplified(std::string_view unit) {
   for (const char c : unit) {
     if (std::string_view(" ^*.()").find(c) == std::string_view::npos) text += c;
   }
-  for (const std::string_view second : {"seconds", "second", "sec"}) {
-    if (const std::size_t at = text.find(second); at != std::string::npos)
-      text.replace(at, second.size(), "s");
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 8> words{{{"seconds", "s"},
+                                                                                {"second", "s"},
+                                                                                {"sec", "s"},
+                                                                                {"·", ""},
+                                                                                {"⋅", ""},
+                                                                                {"⁻", "-"},
+                                                                                {"¹", "1"},
+                                                                                {"²", "2"}}};
+  for (const auto& [word, simple] : words) {
+    if (const std::size_t at = text.find(word); at != std::string::npos)
+      text.replace(at, word.size(), simple);
   }
   return text;
 }

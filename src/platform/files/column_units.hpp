@@ -12,7 +12,7 @@ namespace sonopose::files {
 /// is unknown.
 std::optional<long double> unit_factor(std::string_view unit, std::string_view wanted);
 
-/// True if some quantity has this unit.
+/// Returns true if some quantity has this unit.
 bool is_unit(std::string_view unit);
 
 /// Names of the units of the quantity that `unit` belongs to: "ns, us, ms, s".

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <optional>
+#include <utility>
 
 namespace sonopose::files {
 
@@ -24,10 +25,9 @@ Column column_of(std::string_view cell) {
     return {trimmed(cell.substr(0, open)), trimmed(cell.substr(open + 1, cell.size() - open - 2))};
   }
   const std::size_t last = cell.rfind('_');
-  if (last != std::string_view::npos && last > 0 && last + 1 < cell.size() &&
-      is_unit(cell.substr(last + 1))) {
-    return {cell.substr(0, last), cell.substr(last + 1)};
-  }
+  const std::string_view end = last == std::string_view::npos ? "" : cell.substr(last + 1);
+  if (last > 0 && !end.empty() && end != "1" && end != "-" && is_unit(end))
+    return {cell.substr(0, last), end};
   return {cell};
 }
 
@@ -73,10 +73,11 @@ char separator_of(std::string_view header) {
 CsvHeader::CsvHeader(const CsvLayout& layout, std::string_view line, const std::string& where) {
   if (line.starts_with('#')) line.remove_prefix(1);
   separator_ = separator_of(line);
-  split(line, [this](std::size_t, std::string_view cell) { names_.emplace_back(cell); });
+  split(line, [this](std::size_t, std::string_view cell) { add_name(cell); });
   places_.fill(missing);
   factors_.fill(1.0L);
   for (std::size_t place = 0; place < names_.size(); ++place) match(layout, place, where);
+  require_units(where);
   for (std::size_t column = 0; column < layout.required_columns; ++column) {
     if (places_[column] != missing) {
       required_width_ = std::max(required_width_, places_[column] + 1);
@@ -84,6 +85,34 @@ CsvHeader::CsvHeader(const CsvLayout& layout, std::string_view line, const std::
     }
     throw IoError(where + ": the header has no column \"" + std::string(layout.columns[column]) + "\": \"" +
                   std::string(line) + "\"");
+  }
+  if (separator_ == ' ') required_width_ = names_.size();  // between spaces no cell can be empty
+}
+
+/// Between spaces, a unit in brackets belongs to the name before it.
+void CsvHeader::add_name(std::string_view cell) {
+  const bool is_unit_of_last =
+      separator_ == ' ' && !names_.empty() && (cell.starts_with('[') || cell.starts_with('(') || is_open_);
+  if (is_unit_of_last) {
+    names_.back() += " " + std::string(cell);
+  } else {
+    names_.emplace_back(cell);
+  }
+  const std::size_t bracket = names_.back().find_first_of("[(");
+  is_open_ = bracket != std::string::npos && names_.back().find_first_of("])") == std::string::npos;
+}
+
+/// Refuses a vector, or two times, of which only a part names another unit than that of the layout.
+void CsvHeader::require_units(const std::string& where) const {
+  for (std::size_t column = 1; column < max_columns; ++column) {
+    for (const auto& [one, other] : {std::pair(column - 1, column), std::pair(column, column - 1)}) {
+      if (places_[one] == missing || places_[other] == missing || own_units_[one] != own_units_[other])
+        continue;
+      if (factors_[one] == 1.0L || has_unit_[other]) continue;
+      throw IoError(where + ": column " + std::to_string(places_[other] + 1) + " (" + name(other) +
+                    ") names no unit, but column " + std::to_string(places_[one] + 1) + " (" + name(one) +
+                    ") does");
+    }
   }
 }
 

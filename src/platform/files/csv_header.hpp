@@ -49,7 +49,7 @@ public:
   /// Factor to the unit of the layout.
   [[nodiscard]] long double factor(std::size_t column) const { return factors_[column]; }
   void set_factor(std::size_t column, long double factor) { factors_[column] = factor; }
-  /// True if the header names the unit.
+  /// Returns true if the header names the unit.
   [[nodiscard]] bool has_unit(std::size_t column) const { return has_unit_[column]; }
   /// Unit in the layout; empty without one.
   [[nodiscard]] std::string_view own_unit(std::size_t column) const { return own_units_[column]; }
@@ -59,9 +59,12 @@ public:
   [[nodiscard]] const std::vector<std::string>& unknown() const { return unknown_; }
 
 private:
+  void add_name(std::string_view cell);
   void match(const CsvLayout& layout, std::size_t place, const std::string& where);
+  void require_units(const std::string& where) const;
 
   char separator_ = ',';
+  bool is_open_ = false;  ///< the last name has an open bracket
   std::size_t required_width_ = 0;
   std::vector<std::string> names_;
   std::vector<std::string> unknown_;
@@ -79,12 +82,18 @@ inline std::string_view trimmed(std::string_view text) {
   return text;
 }
 
+/// A text without quotation marks around it.
+inline std::string_view unquoted(std::string_view text) {
+  const bool is_quoted = text.size() > 1 && text.front() == '"' && text.back() == '"';
+  return is_quoted ? text.substr(1, text.size() - 2) : text;
+}
+
 template <class OnCell>
 std::size_t CsvHeader::split(std::string_view line, const OnCell& on_cell) const {
   line = trimmed(line);
   for (std::size_t index = 0;; ++index) {
-    const std::size_t end = line.find(separator_);
-    on_cell(index, trimmed(line.substr(0, end)));
+    const std::size_t end = separator_ == ' ' ? line.find_first_of(" \t") : line.find(separator_);
+    on_cell(index, unquoted(trimmed(line.substr(0, end))));
     if (end == std::string_view::npos) return index + 1;
     line.remove_prefix(end + 1);
     if (separator_ == ' ') line = trimmed(line);

@@ -4,6 +4,7 @@
 #include "files/error.hpp"
 #include "files/units.hpp"
 #include "logging/log.hpp"
+#include <sonopose/text/escaped.hpp>
 
 #include <charconv>
 #include <cmath>
@@ -17,40 +18,49 @@ CsvReader::CsvReader(const std::filesystem::path& file, const CsvLayout& layout)
 }
 
 void CsvReader::read_header() {
-  std::optional<std::string> header;
-  std::string where;
-  for (auto line = lines_.next(); line; line = lines_.next()) {
-    if (trimmed(*line).empty()) continue;
-    if (header && !line->starts_with('#')) {
-      read_ahead_ = *line;
-      break;
+  std::optional<IoError> refusal;
+  std::optional<std::string_view> line;
+  bool is_found = false;
+  for (line = next_line(); line && line->starts_with('#') && !is_found; line = next_line()) {
+    try {
+      header_ = CsvHeader(layout_, *line, position());
+      is_found = true;
+    } catch (const IoError& error) {
+      refusal.emplace(error);
     }
-    header = *line;
-    where = position();
-    if (!line->starts_with('#')) break;
   }
-  if (!header) throw IoError(name_ + ": is empty; expected a header line with the names of the columns");
-  header_ = CsvHeader(layout_, *header, where);
+  if (!is_found) {
+    if (!line && refusal) throw *refusal;
+    if (!line) throw IoError(name_ + ": is empty; expected a header line with the names of the columns");
+    // Below a comment, a row of numbers is not the header.
+    if (refusal && parse_number(line->substr(0, line->find_first_of(",;\t ")))) throw *refusal;
+    header_ = CsvHeader(layout_, *line, position());
+  } else if (line) {
+    read_ahead_ = std::make_unique<std::string>(*line);
+  }
   if (header_.width() > cells_.size()) {
-    throw IoError(where + ": the header has " + std::to_string(header_.width()) + " columns; at most " +
+    throw IoError(name_ + ": the header has " + std::to_string(header_.width()) + " columns; at most " +
                   std::to_string(cells_.size()) + " are read");
   }
   std::string unknown;
   for (const std::string& name : header_.unknown()) unknown += (unknown.empty() ? "" : ", ") + name;
-  if (!unknown.empty()) logging::warning(where + ": columns that are not used: " + unknown);
+  if (!unknown.empty()) logging::warning(name_ + ": columns that are not used: " + text::escaped(unknown));
+}
+
+/// The next line that is not blank.
+std::optional<std::string_view> CsvReader::next_line() {
+  for (auto line = lines_.next(); line; line = lines_.next()) {
+    if (!trimmed(*line).empty()) return trimmed(*line);
+  }
+  return std::nullopt;
 }
 
 bool CsvReader::next_row() {
   const bool is_first = row_.empty();
-  if (is_first && read_ahead_) {
-    row_ = trimmed(*read_ahead_);
-  } else {
-    do {
-      const auto line = lines_.next();
-      if (!line) return false;
-      row_ = trimmed(*line);
-    } while (row_.empty());
-  }
+  std::optional<std::string_view> line = is_first && read_ahead_ ? *read_ahead_ : next_line();
+  while (line && line->starts_with('#')) line = next_line();
+  if (!line) return false;
+  row_ = *line;
   cells_.fill({});
   const std::size_t count = header_.split(row_, [this](std::size_t index, std::string_view text) {
     if (index < cells_.size()) cells_[index] = text;
@@ -64,10 +74,17 @@ bool CsvReader::next_row() {
 }
 
 void CsvReader::detect_seconds() {
-  for (std::size_t column = 0; column < layout_.columns.size(); ++column) {
-    if (header_.place(column) == CsvHeader::missing || header_.has_unit(column)) continue;
-    const auto seconds = unit_factor("s", header_.own_unit(column));
-    if (seconds && cell(column).find('.') != std::string_view::npos) header_.set_factor(column, *seconds);
+  constexpr double max_s = 1e12;
+  bool are_seconds = false;
+  for (const bool detects : {true, false}) {
+    for (std::size_t column = 0; column < layout_.columns.size(); ++column) {
+      if (header_.place(column) == CsvHeader::missing || header_.has_unit(column)) continue;
+      const auto factor = unit_factor("s", header_.own_unit(column));
+      if (!factor) continue;
+      const bool has_decimals = cell(column).find('.') != std::string_view::npos;
+      if (detects && has_decimals && parse_number(cell(column)).value_or(max_s) < max_s) are_seconds = true;
+      if (!detects && are_seconds) header_.set_factor(column, *factor);
+    }
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -18,7 +19,8 @@ namespace sonopose::files {
 /// by its index in the layout, and its values are in the unit of the layout.
 class CsvReader {
 public:
-  /// Opens the file and reads its header: the last of its first lines that begin with `#`, or its first line.
+  /// Opens the file and reads its header: the first of its lines that begin with `#` and have the required
+  /// columns, or else the first line that does not begin so. Later lines that begin with `#` are comments.
   /// Logs a warning about columns that the layout does not have.
   CsvReader(const std::filesystem::path& file, const CsvLayout& layout);
 
@@ -31,7 +33,7 @@ public:
   /// Cells of the current row. A cell beyond the row's end, or of a column that the file lacks, is empty.
   [[nodiscard]] bool is_empty(std::size_t column) const { return cell(column).empty(); }
   /// Time in 1 … 2^62 − 1. Without a unit in the header it is in nanoseconds, or in seconds if the first row
-  /// has a decimal point.
+  /// has decimals of a time below 1e12.
   [[nodiscard]] TimeNs time_ns(std::size_t column) const;
   [[nodiscard]] double number(std::size_t column) const;
   [[nodiscard]] std::optional<double> optional_number(std::size_t column) const;
@@ -53,13 +55,14 @@ private:
   }
   [[nodiscard]] std::string position() const { return name_ + ":" + std::to_string(lines_.number()); }
   void read_header();
+  std::optional<std::string_view> next_line();
   void detect_seconds();
 
   std::string name_;
   CsvLayout layout_;
   LineReader lines_;
   CsvHeader header_;
-  std::optional<std::string> read_ahead_;  ///< first row
+  std::unique_ptr<std::string> read_ahead_;  ///< first row; at the same place after a move
   std::string_view row_;
   std::array<std::string_view, 64> cells_{};
 };

@@ -61,7 +61,22 @@ SCENARIO("a wrong unit or clock is found, with the unit to name") {
         with_imu([](ImuSample& imu) { imu.sensor_time_ns = imu.sensor_time_ns / 10'000'000; });
     THEN("the rate tells") {
       REQUIRE_FALSE(findings.empty());
-      CHECK_THAT(findings[0], Contains("the IMU samples come at 1000000000 Hz"));
+      CHECK_THAT(findings[0], Contains("the IMU samples come at 1e+09 Hz"));
+    }
+  }
+  GIVEN("an IMU in milliseconds, read as seconds") {
+    const auto findings = with_imu(
+        [](ImuSample& imu) { imu.sensor_time_ns = start_ns + 1000 * (imu.sensor_time_ns - start_ns); });
+    THEN("the rate tells") {
+      REQUIRE_FALSE(findings.empty());
+      CHECK_THAT(findings[0], Contains("the IMU samples come at 0.1 Hz"));
+    }
+  }
+  GIVEN("stamps that lost their last digits") {
+    const auto findings = with_imu([](ImuSample& imu) { imu.sensor_time_ns = start_ns; });
+    THEN("they are counted") {
+      REQUIRE_FALSE(findings.empty());
+      CHECK_THAT(findings[0], Contains("999 of 1000 IMU samples have the stamp of the one before"));
     }
   }
   GIVEN("a specific force in g") {

@@ -114,13 +114,24 @@ SCENARIO("rows and headers of the wrong width are named") {
   }
   WHEN("the header has more columns than are read") {
     for (int i = 0; i < 60; ++i) files.imu.insert(files.imu.find('\n'), ",more");
-    CHECK_THAT(error_message_of(files),
-               Contains("/imu.csv:1: the header has 67 columns; at most 64 are read"));
+    CHECK_THAT(error_message_of(files), Contains("/imu.csv: the header has 67 columns; at most 64 are read"));
   }
   WHEN("the header names a column twice, also by another name") {
     files.imu = "#timestamp [ns],w_x,w_y,w_z,a_x,a_y,a_z,gyro_x\n";
     CHECK_THAT(error_message_of(files),
                Contains("/imu.csv:1: column 8 (gyro_x): column 2 (w_x) is the same"));
+  }
+  WHEN("only a part of a vector names another unit") {
+    files.imu = "#timestamp [ns],w_x [deg s^-1],w_y,w_z,a_x,a_y,a_z\n";
+    CHECK_THAT(error_message_of(files),
+               Contains("/imu.csv:1: column 3 (w_y) names no unit, but column 2 (w_x [deg"));
+    files = {};
+    files.ultrasonic = "#timestamp,received,x,y_mm,z\n";
+    CHECK_THAT(error_message_of(files), Contains("column 3 (x) names no unit, but column 4 (y_mm) does"));
+  }
+  WHEN("a row between spaces has a cell more than the header") {
+    files.truth = "#timestamp [ns] tx ty tz sigma\n1 0 0 0 0 0\n";
+    CHECK_THAT(error_message_of(files), Contains("/truth.csv:2: has 6 columns where the header has 5"));
   }
   WHEN("a unit is that of another quantity, or unknown") {
     files.imu = "#timestamp [ns],w_x [m s^-2],w_y,w_z,a_x,a_y,a_z\n";

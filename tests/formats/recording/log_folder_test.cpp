@@ -141,6 +141,8 @@ SCENARIO("columns are found by their names, in any order and unit") {
         "1700000000.5; 0; -180; 90; 1; 0.5; 0\n",
         "# a comment\n#t_ms,gx_dps,gy_dps,gz_dps,ax_mg,ay_mg,az_mg,temperature [C]\n"
         "1700000000500,90,-180,0,0,500,1000,21\n",
+        "# of a robot\n\"timestamp (milliseconds)\"\t\"gx (degrees/second)\"\t\"gy (degrees/second)\"\t"
+        "\"gz (degrees/second)\"\tax_g\tay_g\taz_g\n#first\n1700000000500\t90\t-180\t0\t0\t0.5\t1\n",
         "#timestamp [ns],w_RS_S_x [deg/s],w_RS_S_y [deg/s],w_RS_S_z [deg/s],a_RS_S_x [mg],a_RS_S_y [mg],"
         "a_RS_S_z [mg]\n1.7000000005e18,90,-180,0,0,500,1000\n");
     THEN("the sample is the same") {
@@ -203,6 +205,13 @@ SCENARIO("truth is read as others write it") {
       CHECK(truth[0].position_world_m == Vector3d(1, 2, 3));
       CHECK(truth[0].q_body_to_world.z() == 1.0);
       CHECK(truth[0].q_body_to_world.w() == 0.0);
+    }
+  }
+  GIVEN("samples out of order") {
+    const auto truth = truth_of("#timestamp [s] tx [m] ty [m] tz [m]\n9 1 0 0\n8 2 0 0\n");
+    THEN("they are sorted by time") {
+      REQUIRE(truth.size() == 2);
+      CHECK(truth[0].position_world_m.x() == 2.0);
     }
   }
   GIVEN("EuRoC's names") {

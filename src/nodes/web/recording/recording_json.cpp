@@ -99,7 +99,6 @@ std::string recording_json(const std::filesystem::path& recording, std::optional
     if (auto text = recorded_outputs(mcap::Reader(recording), beacon)) return *std::move(text);
   }
   const sonopose::recording::SensorLog log = bus_log::read_sensor_log(recording, beacon);
-  warn_of(log.warnings);
   if (log.events.empty()) throw files::IoError(recording.string() + ": has no samples");
   Document document(seconds_between(available_at_ns(log.events.front()), available_at_ns(log.events.back())));
   for (TruthSample truth : log.truth) {

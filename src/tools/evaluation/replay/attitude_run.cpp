@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace sonopose::evaluation {
 namespace {
@@ -52,6 +53,8 @@ AttitudeResult run_attitude(const std::string& name, const recording::AttitudeLo
   const calibration::Calibration calibration(settings.calibration);
   TruthTrack truth(log.truth);
   AttitudeResult result;
+  std::pair<TimeNs, Quaterniond> before{
+      0, Quaterniond::Identity()};  // time and orientation of the sample before
   std::vector<double> total_rad;
   std::vector<double> heading_rad;
   std::vector<double> inclination_rad;
@@ -62,11 +65,18 @@ AttitudeResult run_attitude(const std::string& name, const recording::AttitudeLo
       continue;
     }
     const Quaterniond q_body_to_world = tracker.filter().orientation();
+    const TimeNs before_ns = std::exchange(before.first, imu.sensor_time_ns);
+    const Quaterniond q_before = std::exchange(before.second, q_body_to_world);
     if (on_orientation) on_orientation(imu.sensor_time_ns, q_body_to_world);
     if (!is_scored(log, imu.sensor_time_ns)) continue;
-    const auto known = truth.at(imu.sensor_time_ns);
+    const auto known = truth.at_or_since(before_ns, imu.sensor_time_ns);
     if (!known || !known->q_body_to_world.coeffs().allFinite()) continue;
-    const AttitudeError error = error_of(q_body_to_world, known->q_body_to_world);
+    const double span_s = seconds_between(before_ns, imu.sensor_time_ns);
+    const Quaterniond q_compared =
+        known->time_ns == imu.sensor_time_ns
+            ? q_body_to_world
+            : q_before.slerp(seconds_between(before_ns, known->time_ns) / span_s, q_body_to_world);
+    const AttitudeError error = error_of(q_compared, known->q_body_to_world);
     total_rad.push_back(error.total_rad);
     heading_rad.push_back(error.heading_rad);
     inclination_rad.push_back(error.inclination_rad);

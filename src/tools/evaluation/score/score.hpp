@@ -41,8 +41,8 @@ public:
   /// first sample, after the last, and in gaps longer than 0.1 s.
   std::optional<TruthSample> at(TimeNs time_ns);
 
-  /// The same; where the truth is sparse, its last sample after `before_ns`, at most 0.1 s before, and up to
-  /// `time_ns`.
+  /// Returns `at(time_ns)`; where the truth is sparse, its last sample after `before_ns` and up to `time_ns`,
+  /// if the two are at most 0.1 s apart.
   std::optional<TruthSample> at_or_since(TimeNs before_ns, TimeNs time_ns);
 
 private:
