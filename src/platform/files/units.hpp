@@ -20,7 +20,8 @@ inline constexpr long double microtesla = 1e-6L;
 /// Returns the number in the text; empty if the text is not a number.
 std::optional<double> parse_number(std::string_view text);
 
-/// Returns the number, precise enough for seconds since 1970 with nanoseconds; empty if the text is not a number.
+/// Returns the number, precise enough for seconds since 1970 with nanoseconds; empty if the text is not a
+/// number.
 std::optional<long double> parse_long_number(std::string_view text);
 
 /// Returns the number in the text times `unit`; empty if the text is not a number.
