@@ -59,7 +59,7 @@ SCENARIO("a wrong unit or clock is found, with the unit to name") {
   GIVEN("an IMU in seconds without decimals") {
     const auto findings =
         with_imu([](ImuSample& imu) { imu.sensor_time_ns = imu.sensor_time_ns / 10'000'000; });
-    THEN("the rate tells") {
+    THEN("the rate is a finding") {
       REQUIRE_FALSE(findings.empty());
       CHECK_THAT(findings[0], Contains("the IMU samples come at 1e+09 Hz"));
     }
@@ -67,7 +67,7 @@ SCENARIO("a wrong unit or clock is found, with the unit to name") {
   GIVEN("an IMU in milliseconds, read as seconds") {
     const auto findings = with_imu(
         [](ImuSample& imu) { imu.sensor_time_ns = start_ns + 1000 * (imu.sensor_time_ns - start_ns); });
-    THEN("the rate tells") {
+    THEN("the rate is a finding") {
       REQUIRE_FALSE(findings.empty());
       CHECK_THAT(findings[0], Contains("the IMU samples come at 0.1 Hz"));
     }
