@@ -88,6 +88,7 @@ int compare(const CLI::App& app, const apps::ReplayOptions& options) {
   }
   evaluation::Timing timing;
   const recording::SensorLog log = read_log(options, timing);
+  std::vector<evaluation::RunResult> results;
   std::optional<plots::Plot> plot;
   if (options.plot) plot.emplace(*options.plot, options.log.string(), log);
   for (std::size_t i = 0; i < configs.size(); ++i) {
@@ -97,12 +98,12 @@ int compare(const CLI::App& app, const apps::ReplayOptions& options) {
     const auto add = [curves](const auto& sample) {
       if (curves != nullptr) curves->add(sample);
     };
-    const auto result = timed_run(log, run, options.smooth, {add, add}, timing);
+    results.push_back(timed_run(log, run, options.smooth, {add, add}, timing));
     if (!options.json) fmt::print("{}{}\n", i == 0 ? "" : "\n", name);
-    fmt::print("{}", report(result, timing, options.json));
-    require_fixes(options, result);
+    fmt::print("{}", report(results.back(), timing, options.json));
   }
   draw(plot);
+  for (const auto& result : results) require_fixes(options, result);
   return 0;
 }
 
@@ -114,10 +115,8 @@ int replay_log(const CLI::App& app, const apps::ReplayOptions& options) {
   evaluation::Timing timing;
   const recording::SensorLog log = read_log(options, timing);
   evaluation::RunOptions run = run_options(options, config.for_beacon(log.address));
-  if (start) {
-    evaluation::check_fits(*start, log, options.load_state->string());
-    run.start = start;
-  }
+  if (start) evaluation::check_fits(*start, log, options.load_state->string());
+  run.start = start;
   std::optional<evaluation::OutputFolder> out;
   if (options.out) {
     using Covariances = evaluation::OutputFolder::Covariances;

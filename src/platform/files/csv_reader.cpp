@@ -6,9 +6,11 @@
 #include "logging/log.hpp"
 #include <sonopose/text/escaped.hpp>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <system_error>
+#include <vector>
 
 namespace sonopose::files {
 
@@ -74,18 +76,18 @@ bool CsvReader::next_row() {
 }
 
 void CsvReader::detect_seconds() {
-  constexpr double max_s = 1e12;
-  bool are_seconds = false;
-  for (const bool detects : {true, false}) {
-    for (std::size_t column = 0; column < layout_.columns.size(); ++column) {
-      if (header_.place(column) == CsvHeader::missing || header_.has_unit(column)) continue;
-      const auto factor = unit_factor("s", header_.own_unit(column));
-      if (!factor) continue;
-      const bool has_decimals = cell(column).find('.') != std::string_view::npos;
-      if (detects && has_decimals && parse_number(cell(column)).value_or(max_s) < max_s) are_seconds = true;
-      if (!detects && are_seconds) header_.set_factor(column, *factor);
-    }
+  std::vector<std::size_t> times;
+  for (std::size_t column = 0; column < layout_.columns.size(); ++column) {
+    const bool is_time = unit_factor("s", header_.own_unit(column)).has_value();
+    if (is_time && !header_.has_unit(column)) times.push_back(column);
   }
+  const bool are_seconds = std::ranges::any_of(times, [this](std::size_t column) {
+    constexpr double max_s = 1e12;
+    const bool has_decimals = cell(column).find('.') != std::string_view::npos;
+    return has_decimals && parse_number(cell(column)).value_or(max_s) < max_s;
+  });
+  if (!are_seconds) return;
+  for (const std::size_t column : times) header_.set_factor(column, *unit_factor("s", "ns"));
 }
 
 TimeNs CsvReader::time_ns(std::size_t column) const {

@@ -20,8 +20,12 @@ double root_mean_square(const std::vector<double>& errors) {
   return std::sqrt(squares / static_cast<double>(errors.size()));
 }
 
-TruthSample interpolated(const TruthSample& before, const TruthSample& after, double share) {
-  TruthSample sample = before;
+template <class Sample>
+Sample interpolated(const Sample& before, const Sample& after, TimeNs time_ns) {
+  const double share =
+      seconds_between(before.time_ns, time_ns) / seconds_between(before.time_ns, after.time_ns);
+  Sample sample = before;
+  sample.time_ns = time_ns;
   sample.position_world_m += share * (after.position_world_m - before.position_world_m);
   sample.velocity_world_mps += share * (after.velocity_world_mps - before.velocity_world_mps);
   sample.q_body_to_world = before.q_body_to_world.slerp(share, after.q_body_to_world);
@@ -55,11 +59,8 @@ std::optional<TruthSample> TruthTrack::at(TimeNs time_ns) {
   if (after.time_ns == time_ns) return after;
   if (next_ == 0) return std::nullopt;
   const TruthSample& before = truth_[next_ - 1];
-  const double span_s = seconds_between(before.time_ns, after.time_ns);
-  if (span_s > max_interpolated_s) return std::nullopt;
-  TruthSample sample = interpolated(before, after, seconds_between(before.time_ns, time_ns) / span_s);
-  sample.time_ns = time_ns;
-  return sample;
+  if (seconds_between(before.time_ns, after.time_ns) > max_interpolated_s) return std::nullopt;
+  return interpolated(before, after, time_ns);
 }
 
 std::optional<TruthSample> TruthTrack::at_or_since(TimeNs before_ns, TimeNs time_ns) {
@@ -73,16 +74,7 @@ std::optional<TruthSample> TruthTrack::at_or_since(TimeNs before_ns, TimeNs time
 }
 
 FusedPose between(const FusedPose& before, const FusedPose& after, TimeNs time_ns) {
-  const double span_s = seconds_between(before.time_ns, after.time_ns);
-  const double share = seconds_between(before.time_ns, time_ns) / span_s;
-  FusedPose pose = after;
-  pose.time_ns = time_ns;
-  pose.position_world_m =
-      before.position_world_m + share * (after.position_world_m - before.position_world_m);
-  pose.velocity_world_mps =
-      before.velocity_world_mps + share * (after.velocity_world_mps - before.velocity_world_mps);
-  pose.q_body_to_world = before.q_body_to_world.slerp(share, after.q_body_to_world);
-  return pose;
+  return interpolated(before, after, time_ns);
 }
 
 void Scorer::add(const FusedPose& pose) {
