@@ -50,35 +50,32 @@ struct ManyBeacons {
     });
   }
 
-  /// Stops the fusion until it has a large backlog, repeatedly and longer if a fast machine is not
-  /// overloaded. Waits until every beacon has a marked pose and a status says so too; returns the number of
-  /// beacons that have a marked pose.
+  /// Stops the fusion until it has a large backlog, and longer each time, until every beacon has a marked
+  /// pose and a status says so too: a fast machine may not be overloaded, and a busy one may miss a status,
+  /// of which only the latest is kept. Returns the number of beacons that have a marked pose.
   std::size_t overload() {
     std::set<BeaconAddress> marked;
-    std::size_t from = poses.count();
-    std::size_t from_status = status.samples.size();
-    const auto mark = [&](const TappedPose& tapped) {
-      ++from;
-      if ((tapped.pose.status & status_overloaded) != 0U) marked.insert(tapped.pose.address);
-      return !marked.empty();
-    };
-    for (int i = 0; marked.empty() && i < 20; ++i) {
-      from = poses.count();
+    bool is_in_status = false;
+    for (int i = 0; i < 20 && !(is_in_status && marked.size() == beacons); ++i) {
+      std::size_t from = poses.count();
+      std::size_t from_status = status.samples.size();
       fusion->send(SIGSTOP);
       const int times = 1 + std::min(i, 7);
       REQUIRE(fixes.wait_for_more(static_cast<std::size_t>(8 * times) * beacons));
       fusion->send(SIGCONT);
-      poses.wait_for(mark, from, std::chrono::milliseconds(500));
+      const auto is_reported = [&] {
+        for (const TappedPose& tapped : poses.since(from)) {
+          ++from;
+          if ((tapped.pose.status & status_overloaded) != 0U) marked.insert(tapped.pose.address);
+        }
+        for (; from_status < status.samples.size(); ++from_status) {
+          is_in_status = is_in_status || status.samples[from_status].overloaded;
+        }
+        return is_in_status && marked.size() == beacons;
+      };
+      status.wait_until([&] { return is_reported() || !marked.empty(); }, std::chrono::milliseconds(500));
+      if (!marked.empty()) status.wait_until(is_reported, std::chrono::seconds(5));
     }
-    // Takes the statuses meanwhile: only each beacon's latest one is kept for it.
-    bool is_in_status = false;
-    status.wait_until([&] {
-      for (const TappedPose& tapped : poses.since(from)) mark(tapped);
-      for (; from_status < status.samples.size(); ++from_status) {
-        is_in_status = is_in_status || status.samples[from_status].overloaded;
-      }
-      return is_in_status && marked.size() == beacons;
-    });
     CHECK(is_in_status);
     return marked.size();
   }
