@@ -371,7 +371,7 @@ void add(Builder& table, const calibration::AxesSettings& settings) {
 
 void add_inertial(Builder& table, const calibration::InertialTerms& settings) {
   const auto sensitivity = [&table](std::string_view name, const double& field, std::string_view sentence) {
-    table.real(no_item, name, field, {0.1, 10.0}, "", sentence);
+    table.real(no_item, name, field, {0.01, 10.0}, "", sentence);  // deg/s and g can be converted
   };
   const auto misalignment = [&table](std::string_view name, const double& field, std::string_view sentence) {
     table.real(no_item, name, field, {-0.5, 0.5}, "", sentence);

@@ -1,5 +1,7 @@
 #include "recording/input_check.hpp"
 
+#include "motion/imu_summary.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -41,48 +43,41 @@ std::vector<std::string> findings_of(const std::string& name, const std::vector<
 
 }  // namespace
 
-void InputCheck::Stamps::add(TimeNs time_ns) {
-  if (count++ == 0) {
-    min_ns = max_ns = last_ns = time_ns;
-    return;
-  }
-  if (time_ns > last_ns) steps_ns.push_back(time_ns - last_ns);
-  if (time_ns == last_ns) ++equal;
-  if (time_ns < last_ns && earlier++ == 0) {
-    first_earlier_ns = time_ns;
-    before_it_ns = last_ns;
-  }
-  min_ns = std::min(min_ns, time_ns);
-  max_ns = std::max(max_ns, time_ns);
-  last_ns = time_ns;
-}
-
 void InputCheck::add(const ImuSample& imu) {
-  imu_.add(imu.sensor_time_ns);
-  const double force_mps2 = imu.specific_force_body_mps2.norm();
-  const double rate_radps = imu.angular_velocity_body_radps.norm();
-  if (std::isfinite(force_mps2)) forces_mps2_.push_back(force_mps2);
-  if (std::isfinite(rate_radps)) rates_radps_.push_back(rate_radps);
+  imu_.push_back(imu.sensor_time_ns);
+  if (!imu.specific_force_body_mps2.allFinite() || !imu.angular_velocity_body_radps.allFinite()) return;
+  readings_.push_back({imu.sensor_time_ns, imu.angular_velocity_body_radps, imu.specific_force_body_mps2});
 }
 
 void InputCheck::add(const UltrasonicFix& fix) {
-  fixes_.add(fix.emission_time_ns);
+  fixes_.push_back(fix.emission_time_ns);
+  fix_ages_ns_.push_back(fix.received_time_ns - fix.emission_time_ns);
+}
+
+void InputCheck::add(const PairHeading& heading) {
+  headings_.push_back(heading.emission_time_ns);
+  heading_ages_ns_.push_back(heading.received_time_ns - heading.emission_time_ns);
 }
 
 void InputCheck::add(const Event& event) {
-  if (const auto* imu = std::get_if<ImuSample>(&event)) add(*imu);
-  if (const auto* fix = std::get_if<UltrasonicFix>(&event)) add(*fix);
+  std::visit([this](const auto& sample) { add(sample); }, event);
 }
 
 /// Suspects another unit of stamps at a rate that no sensor has.
 std::optional<std::string> InputCheck::unit_of_time(const char* what, const Stamps& stamps,
-                                                    double min_rate_hz, double max_rate_hz) const {
+                                                    double min_rate_hz, double max_rate_hz) {
   constexpr std::size_t min_steps = 10;
-  if (2 * stamps.equal > stamps.count) {
-    return fmt::format("{} of {} {} have the stamp of the one before", stamps.equal, stamps.count, what);
+  std::size_t equal = 0;
+  std::vector<TimeNs> steps_ns;
+  for (std::size_t i = 1; i < stamps.size(); ++i) {
+    if (stamps[i] == stamps[i - 1]) ++equal;
+    if (stamps[i] > stamps[i - 1]) steps_ns.push_back(stamps[i] - stamps[i - 1]);
   }
-  if (stamps.steps_ns.size() < min_steps) return std::nullopt;
-  const double found_hz = rate_hz(static_cast<double>(quantile(stamps.steps_ns, 0.5)));
+  if (2 * equal > stamps.size()) {
+    return fmt::format("{} of {} {} have the stamp of the one before", equal, stamps.size(), what);
+  }
+  if (steps_ns.size() < min_steps) return std::nullopt;
+  const double found_hz = rate_hz(static_cast<double>(quantile(steps_ns, 0.5)));
   if (found_hz >= min_rate_hz && found_hz <= max_rate_hz) return std::nullopt;
   const std::string text = fmt::format("the {} come at {:.6g} Hz by their stamps", what, found_hz);
   constexpr std::array<std::pair<const char*, double>, 3> units{{{"us", 1e3}, {"ms", 1e6}, {"s", 1e9}}};
@@ -95,66 +90,83 @@ std::optional<std::string> InputCheck::unit_of_time(const char* what, const Stam
   return text + "; check the unit that the header names";
 }
 
-std::optional<std::string> InputCheck::order(const char* what, const Stamps& stamps) const {
-  if (stamps.earlier == 0) return std::nullopt;
-  if (2 * stamps.earlier > stamps.count) {
+std::optional<std::string> InputCheck::order(const char* what, const Stamps& stamps) {
+  std::size_t earlier = 0;
+  std::size_t first = 0;
+  for (std::size_t i = 1; i < stamps.size(); ++i) {
+    if (stamps[i] < stamps[i - 1] && earlier++ == 0) first = i;
+  }
+  if (earlier == 0) return std::nullopt;
+  if (2 * earlier > stamps.size()) {
     return fmt::format(
         "the {} are in reverse order of time: {} of {} are stamped earlier than the one before", what,
-        stamps.earlier, stamps.count);
+        earlier, stamps.size());
   }
-  return fmt::format("{} of {} {} are stamped earlier than the one before, the first by {}", stamps.earlier,
-                     stamps.count, what,
-                     seconds_text(seconds_between(stamps.first_earlier_ns, stamps.before_it_ns)));
+  return fmt::format("{} of {} {} are stamped earlier than the one before, the first by {}", earlier,
+                     stamps.size(), what, seconds_text(seconds_between(stamps[first], stamps[first - 1])));
 }
 
-std::optional<std::string> InputCheck::overlap() const {
+/// Suspects another clock or unit if most stamps are before or after nearly all IMU samples.
+std::optional<std::string> InputCheck::overlap(const char* what, const Stamps& stamps) const {
   constexpr double min_apart_s = 1.0;
-  if (imu_.count == 0 || fixes_.count == 0) return std::nullopt;
-  const bool is_before = fixes_.max_ns < imu_.min_ns;
-  if (!is_before && fixes_.min_ns <= imu_.max_ns) return std::nullopt;
-  const double apart_s =
-      is_before ? seconds_between(fixes_.max_ns, imu_.min_ns) : seconds_between(imu_.max_ns, fixes_.min_ns);
-  if (apart_s < min_apart_s) return std::nullopt;
+  constexpr double stray_share = 0.01;  // a few wrong stamps must not hide it
+  if (imu_.empty() || stamps.empty()) return std::nullopt;
+  const TimeNs middle_ns = quantile(stamps, 0.5);
+  const double before_s = seconds_between(middle_ns, quantile(imu_, stray_share));
+  const double after_s = seconds_between(quantile(imu_, 1 - stray_share), middle_ns);
+  if (std::max(before_s, after_s) < min_apart_s) return std::nullopt;
   return fmt::format(
-      "all fixes are {} the IMU samples, by {} or more: are their stamps of one clock, and in "
-      "the units that the headers name?",
-      is_before ? "before" : "after", seconds_text(apart_s));
+      "most {} are {} the IMU samples, half of them by {} or more: are their stamps of one "
+      "clock, and in the units that the headers name?",
+      what, before_s > 0 ? "before" : "after", seconds_text(std::max(before_s, after_s)));
 }
 
-/// Suspects another unit, or none of gravity, if the usual force is not that of a body that stands or drives.
-std::optional<std::string> InputCheck::unit_of_force() const {
-  constexpr double min_mps2 = 7.0;
-  constexpr double max_mps2 = 14.0;
-  constexpr double max_g = 1.5;
-  if (forces_mps2_.empty()) return std::nullopt;
-  const double median_mps2 = quantile(forces_mps2_, 0.5);
-  if (median_mps2 >= min_mps2 && median_mps2 <= max_mps2) return std::nullopt;
-  std::string text = fmt::format("the accelerometer reads {:.3g} m/s^2 (median)", median_mps2);
-  const double in_g = median_mps2 * standard_gravity_mps2;
-  const double from_mg = median_mps2 * 1e-3 * standard_gravity_mps2;
-  constexpr double max_spread = 0.3;  // without gravity the force varies by as much as it is
-  const double spread_mps2 = quantile(forces_mps2_, 0.75) - quantile(forces_mps2_, 0.25);
-  const bool is_steady = spread_mps2 < max_spread * median_mps2;
-  if (is_steady && in_g >= min_mps2 && in_g <= max_g * standard_gravity_mps2) {
-    return text + "; is it in g? " + how_to_name + "a_x [g], a_y [g], a_z [g]";
-  }
-  if (from_mg >= min_mps2 && from_mg <= max_g * standard_gravity_mps2) {
-    return text + "; is it in mg or cm/s^2? " + how_to_name + "a_x [mg], a_y [mg], a_z [mg]";
-  }
-  if (median_mps2 < min_mps2) return text + "; was gravity removed? At rest it must read 9.8 upwards";
-  return text + " instead of about 9.8";
+/// Suspects times of reception that do not belong to those of emission.
+std::optional<std::string> InputCheck::age(const char* what, const std::vector<TimeNs>& ages_ns) {
+  constexpr double min_s = -0.5;
+  constexpr double max_s = 10.0;
+  if (ages_ns.empty()) return std::nullopt;
+  const double age_s = seconds_between(0, quantile(ages_ns, 0.5));
+  if (age_s >= min_s && age_s <= max_s) return std::nullopt;
+  return fmt::format(
+      "the {} are received {} {} their emission (median): are both times of one clock, and in "
+      "the units that the header names?",
+      what, seconds_text(std::abs(age_s)), age_s < 0 ? "before" : "after");
 }
 
-std::optional<std::string> InputCheck::unit_of_rate() const {
-  constexpr double usual_max_radps = 35.0;  // 2000 deg/s, the range of most gyroscopes
-  constexpr double share = 0.95;
-  if (rates_radps_.empty()) return std::nullopt;
-  const double fast_radps = quantile(rates_radps_, share);
-  if (fast_radps <= usual_max_radps) return std::nullopt;
-  return fmt::format(
-      "the gyroscope exceeds {:.3g} rad/s in every twentieth sample; is it in deg/s? {}w_x [deg s^-1], "
-      "w_y [deg s^-1], w_z [deg s^-1]",
-      fast_radps, how_to_name);
+std::vector<std::string> InputCheck::units_of_readings() const {
+  if (readings_.empty()) return {};
+  std::vector<std::string> texts;
+  const motion::ImuSummary imu = motion::summary_of(readings_);
+  const std::string force =
+      fmt::format("the accelerometer reads {:.3g} m/s^2 (median)", imu.median_force_mps2);
+  const auto asks_for = [](const char* unit) {
+    return fmt::format("{0}a_x [{1}], a_y [{1}], a_z [{1}]", how_to_name, unit);
+  };
+  switch (motion::force_unit_of(imu)) {
+    case motion::ForceUnit::mps2:
+      break;
+    case motion::ForceUnit::g:
+      texts.push_back(force + "; is it in g? " + asks_for("g"));
+      break;
+    case motion::ForceUnit::mg:
+      texts.push_back(force + "; is it in mg or cm/s^2? " + asks_for("mg"));
+      break;
+    case motion::ForceUnit::no_gravity:
+      texts.push_back(force + "; was gravity removed? At rest it must read 9.8 upwards");
+      break;
+    case motion::ForceUnit::unknown:
+      texts.push_back(force + " instead of about 9.8");
+      break;
+  }
+  if (motion::has_rates_in_degrees(imu)) {
+    texts.push_back(
+        fmt::format("the gyroscope exceeds {:.3g} rad/s in every twentieth sample, and gravity does not turn "
+                    "with it; is it "
+                    "in deg/s? {}w_x [deg s^-1], w_y [deg s^-1], w_z [deg s^-1]",
+                    imu.fast_rate_radps, how_to_name));
+  }
+  return texts;
 }
 
 std::vector<std::string> InputCheck::findings() const {
@@ -162,14 +174,18 @@ std::vector<std::string> InputCheck::findings() const {
   const auto add_if = [&texts](std::optional<std::string> text) {
     if (text) texts.push_back(*std::move(text));
   };
-  if (imu_.count == 0) texts.emplace_back("there is no IMU sample");
+  if (imu_.empty()) texts.emplace_back("there is no IMU sample");
   add_if(unit_of_time("IMU samples", imu_, 2.0, 10'000.0));
   add_if(unit_of_time("fixes", fixes_, 0.05, 500.0));
-  add_if(overlap());
+  add_if(unit_of_time("headings", headings_, 0.05, 500.0));
+  add_if(overlap("fixes", fixes_));
+  add_if(overlap("headings", headings_));
+  add_if(age("fixes", fix_ages_ns_));
+  add_if(age("headings", heading_ages_ns_));
   add_if(order("IMU samples", imu_));
   add_if(order("fixes", fixes_));
-  add_if(unit_of_force());
-  add_if(unit_of_rate());
+  add_if(order("headings", headings_));
+  for (std::string& text : units_of_readings()) texts.push_back(std::move(text));
   return texts;
 }
 

@@ -2,6 +2,7 @@
 /// \file
 /// Checks of recorded input, before anything is made of it: stamps, units and what is missing.
 
+#include "motion/window.hpp"
 #include <sonopose/samples/samples.hpp>
 
 #include <cstddef>
@@ -16,38 +17,28 @@ class InputCheck {
 public:
   void add(const ImuSample& imu);
   void add(const UltrasonicFix& fix);
+  void add(const PairHeading& heading);
   void add(const Event& event);
 
   /// One sentence for each finding, the gravest first.
   [[nodiscard]] std::vector<std::string> findings() const;
 
 private:
-  /// The stamps of a stream.
-  struct Stamps {
-    void add(TimeNs time_ns);
+  using Stamps = std::vector<TimeNs>;  ///< of one stream, in its order
 
-    std::size_t count = 0;
-    std::size_t earlier = 0;  ///< number of stamps that are earlier than the one before
-    std::size_t equal = 0;    ///< number of stamps that equal the one before
-    TimeNs min_ns = 0;
-    TimeNs max_ns = 0;
-    TimeNs last_ns = 0;
-    TimeNs first_earlier_ns = 0;  ///< the first of them
-    TimeNs before_it_ns = 0;
-    std::vector<TimeNs> steps_ns;  ///< positive differences
-  };
-
-  [[nodiscard]] std::optional<std::string> unit_of_time(const char* what, const Stamps& stamps,
-                                                        double min_rate_hz, double max_rate_hz) const;
-  [[nodiscard]] std::optional<std::string> order(const char* what, const Stamps& stamps) const;
-  [[nodiscard]] std::optional<std::string> overlap() const;
-  [[nodiscard]] std::optional<std::string> unit_of_force() const;
-  [[nodiscard]] std::optional<std::string> unit_of_rate() const;
+  static std::optional<std::string> unit_of_time(const char* what, const Stamps& stamps, double min_rate_hz,
+                                                 double max_rate_hz);
+  static std::optional<std::string> order(const char* what, const Stamps& stamps);
+  [[nodiscard]] std::optional<std::string> overlap(const char* what, const Stamps& stamps) const;
+  static std::optional<std::string> age(const char* what, const std::vector<TimeNs>& ages_ns);
+  [[nodiscard]] std::vector<std::string> units_of_readings() const;
 
   Stamps imu_;
   Stamps fixes_;
-  std::vector<double> forces_mps2_;
-  std::vector<double> rates_radps_;
+  Stamps headings_;
+  std::vector<TimeNs> fix_ages_ns_;  ///< from emission to reception
+  std::vector<TimeNs> heading_ages_ns_;
+  std::vector<motion::Reading> readings_;
 };
 
 /// Findings about a recording, each after its name.

@@ -223,6 +223,7 @@ rules::BeaconObservation BeaconProbe::observation(TimeNs now_ns, const settings:
     beacon.fusion = fusion.latest;
   }
   beacon.status_counts = status_counts_;
+  beacon.imu_summary = motion::summary_of(corrected_readings(settings));
   beacon.rest = longest_rest(readings_, fixes_, settings.calibration);
   return beacon;
 }
@@ -232,16 +233,23 @@ std::vector<motion::Piece> BeaconProbe::pieces(const settings::Settings& setting
   return motion::pieces_of(motion_window(settings), is_stopped);
 }
 
-/// The samples for the fit. Non-finite ones are left out: the fusion does not use them either.
-motion::Window BeaconProbe::motion_window(const settings::Settings& settings) const {
+/// The finite readings with the calibration applied.
+std::vector<motion::Reading> BeaconProbe::corrected_readings(const settings::Settings& settings) const {
   const calibration::Calibration calibration(settings.calibration);
-  motion::Window window;
-  window.mount_rad = settings.heading.mount_offset_deg * geometry::radians_per_degree;
+  std::vector<motion::Reading> readings;
   for (const auto& [received_ns, raw] : readings_.entries()) {
     const ImuSample imu = calibration.corrected(raw);
     if (!imu.angular_velocity_body_radps.allFinite() || !imu.specific_force_body_mps2.allFinite()) continue;
-    window.imu.push_back({imu.sensor_time_ns, imu.angular_velocity_body_radps, imu.specific_force_body_mps2});
+    readings.push_back({imu.sensor_time_ns, imu.angular_velocity_body_radps, imu.specific_force_body_mps2});
   }
+  return readings;
+}
+
+/// The samples for the fit. Non-finite ones are left out: the fusion does not use them either.
+motion::Window BeaconProbe::motion_window(const settings::Settings& settings) const {
+  motion::Window window;
+  window.mount_rad = settings.heading.mount_offset_deg * geometry::radians_per_degree;
+  window.imu = corrected_readings(settings);
   for (const auto& [received_ns, fix] : fixes_.entries()) {
     if (!fix.position_world_m.allFinite()) continue;
     window.fixes.push_back({estimation::aiding::measured_at(settings.delay, fix), fix.position_world_m});

@@ -33,8 +33,9 @@ void check_pose(double window_s, const BeaconObservation& beacon, Cause cause, F
 void check_installation(const BeaconObservation& beacon, Findings& findings);
 /// Reports fixes off the track of one beacon.
 void check_tracks(const BeaconObservation& beacon, Findings& findings);
-/// Checks mount and calibration of one beacon's IMU, if it is at rest.
-void check_mount(const BeaconObservation& beacon, Findings& findings);
+/// Checks units, mount and calibration of one beacon's IMU. Returns false if units or axes are wrong: then
+/// whatever is computed from its readings is wrong too.
+bool check_mount(const BeaconObservation& beacon, Findings& findings);
 
 /// "beacon 7".
 std::string name_of(const BeaconObservation& beacon);

@@ -27,10 +27,11 @@ std::vector<Finding> diagnose(const Observations& observations) {
   check_pose_writers(observations, findings);
   for (const BeaconObservation& beacon : observations.beacons) {
     check_beacon(observations, beacon, findings);
-    check_mount(beacon, findings);
+    const bool is_mount_right = check_mount(beacon, findings);
     const std::size_t before = findings.size();
     const auto cause = [&] {
       if (beacon.bridges.size() > 1) return Cause::installation;  // two bridges mix their samples
+      if (!is_mount_right) return Cause::installation;  // what is fitted with its readings is wrong too
       check_installation(beacon, findings);
       if (findings.size() > before) return Cause::installation;
       // A wrong mount, delay or sign makes right fixes look wrong, and the fusion doubts them.

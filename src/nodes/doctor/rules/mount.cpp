@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <string_view>
+#include <utility>
 
 namespace sonopose::doctor::rules {
 namespace {
@@ -46,36 +48,92 @@ std::string axes_with(const std::string& up, const calibration::AxesSettings& no
   return std::string(best);
 }
 
-void check_direction(const BeaconObservation& beacon, const RestObservation& rest, Findings& findings) {
-  const Vector3d& force = rest.mean_force_body_mps2;
+/// Checks the mean specific force. `when`: "at rest" or "on average". Returns false if an axis is wrong.
+bool check_direction(const BeaconObservation& beacon, std::string_view when, const Vector3d& force,
+                     const calibration::AxesSettings& axes, Findings& findings) {
   const double tilt_deg =
       std::acos(std::clamp(force.normalized().z(), -1.0, 1.0)) / geometry::radians_per_degree;
   if (tilt_deg > wrong_axis_deg) {
-    const Vector3d force_sensor = calibration::sensor_to_body(rest.axes).transpose() * force;
+    const Vector3d force_sensor = calibration::sensor_to_body(axes).transpose() * force;
     findings.push_back(
         {Severity::warning, name_of(beacon),
          fmt::format(
-             "at rest, specific force is along {} of the body instead of +z ({:.1f}, {:.1f}, {:.1f} m/s²): "
+             "{}, specific force is along {} of the body instead of +z ({:.1f}, {:.1f}, {:.1f} m/s²): "
              "the mount of the IMU differs from the fusion's settings",
-             up_axis(force), force.x(), force.y(), force.z()),
+             when, up_axis(force), force.x(), force.y(), force.z()),
          fmt::format("mount it upright, or set calibration.axes={}; if the rotation about the vertical "
                      "differs, choose "
                      "another value that ends in {}, and set heading.mount_offset_deg",
-                     axes_with(up_axis(force_sensor), rest.axes), up_axis(force_sensor))});
-  } else if (tilt_deg > notable_tilt_deg) {
+                     axes_with(up_axis(force_sensor), axes), up_axis(force_sensor))});
+    return false;
+  }
+  if (tilt_deg > notable_tilt_deg) {
     findings.push_back(
         {Severity::note, name_of(beacon),
-         fmt::format(
-             "it is tilted by {:.0f}° at rest; the fused attitude is that of the IMU, not of the vehicle",
-             tilt_deg),
+         fmt::format("it is tilted by {:.0f}° {}; the fused attitude is that of the IMU, not of the vehicle",
+                     tilt_deg, when),
          "mount the IMU level if the attitude of the vehicle matters"});
   }
+  return true;
+}
+
+/// The settings that scale all axes of a sensor.
+std::string scaled_by(std::string_view sensor, double factor) {
+  return fmt::format("calibration.{0}.sensitivity_x, sensitivity_y and sensitivity_z to {1:.4g}", sensor,
+                     factor);
+}
+
+/// Reports units that contradict the readings. Returns false if it did.
+bool check_units(const BeaconObservation& beacon, Findings& findings) {
+  const std::size_t before = findings.size();
+  const motion::ImuSummary& imu = beacon.imu_summary;
+  const auto report_force = [&](std::string_view text, std::string remedy) {
+    findings.push_back({Severity::error, name_of(beacon),
+                        fmt::format("its accelerometer usually reads {:.3g} m/s² instead of about 9.81: {}",
+                                    imu.median_force_mps2, text),
+                        std::move(remedy)});
+  };
+  switch (motion::force_unit_of(imu)) {
+    case motion::ForceUnit::mps2:
+      break;
+    case motion::ForceUnit::g:
+      report_force("it seems to be in g",
+                   "publish m/s², or set " + scaled_by("accelerometer", standard_gravity_mps2));
+      break;
+    case motion::ForceUnit::mg:
+      report_force("it seems to be in mg or cm/s²", "publish m/s²");
+      break;
+    case motion::ForceUnit::no_gravity:
+      report_force("it does not measure gravity",
+                   "check that the beacon streams raw data (gravity not removed), or replace it");
+      break;
+    case motion::ForceUnit::unknown:
+      report_force("its unit is unknown", "publish m/s²");
+      break;
+  }
+  if (motion::has_rates_in_degrees(imu)) {
+    findings.push_back(
+        {Severity::error, name_of(beacon),
+         fmt::format(
+             "its gyroscope exceeds {:.3g} rad/s in every twentieth sample, and gravity does not turn "
+             "with it: it seems to be in deg/s",
+             imu.fast_rate_radps),
+         "publish rad/s, or set " + scaled_by("gyroscope", geometry::radians_per_degree)});
+  }
+  return findings.size() == before;
 }
 
 }  // namespace
 
-void check_mount(const BeaconObservation& beacon, Findings& findings) {
-  if (!beacon.rest) return;
+bool check_mount(const BeaconObservation& beacon, Findings& findings) {
+  if (beacon.imu_summary.duration_s > 0 && !check_units(beacon, findings)) return false;
+  if (!beacon.rest) {
+    // Over this time the mean acceleration is small against gravity.
+    constexpr double min_s = 5.0;
+    if (beacon.imu_summary.duration_s < min_s) return true;
+    return check_direction(beacon, "on average", beacon.imu_summary.mean_force_body_mps2,
+                           beacon.fusion_settings.calibration.axes, findings);
+  }
   const RestObservation& rest = *beacon.rest;
   const double force_mps2 = rest.mean_force_body_mps2.norm();
   if (!(force_mps2 > 0.5 * standard_gravity_mps2)) {
@@ -83,9 +141,9 @@ void check_mount(const BeaconObservation& beacon, Findings& findings) {
         {Severity::error, name_of(beacon),
          fmt::format("at rest, its accelerometer reads {:.2f} m/s²: it does not measure gravity", force_mps2),
          "check that the beacon streams raw data (gravity not removed), or replace it"});
-    return;
+    return false;
   }
-  check_direction(beacon, rest, findings);
+  const bool is_right = check_direction(beacon, "at rest", rest.mean_force_body_mps2, rest.axes, findings);
   if (std::abs(force_mps2 / standard_gravity_mps2 - 1.0) > gravity_tolerance) {
     findings.push_back({Severity::warning, name_of(beacon),
                         fmt::format("at rest, its accelerometer reads {:.2f} m/s² instead of {:.2f}",
@@ -100,6 +158,7 @@ void check_mount(const BeaconObservation& beacon, Findings& findings) {
          "unless it rotates at a constant rate, calibrate it: sonopose-calibrate gyroscope "
          "(docs/calibration.md)"});
   }
+  return is_right;
 }
 
 }  // namespace sonopose::doctor::rules

@@ -3,6 +3,7 @@
 /// Observations of a running system, collected by doctor/probe: values without DDS entities, clocks or
 /// threads.
 
+#include "motion/imu_summary.hpp"
 #include "motion/window_fit.hpp"
 #include "observation/pose_writers.hpp"
 #include <sonopose/calibration/model/calibration.hpp>
@@ -141,6 +142,7 @@ struct BeaconObservation {
   settings::Settings fusion_settings;   ///< settings of its fusion; the defaults if unknown
   std::uint64_t timed_fixes = 0;        ///< fixes whose delay was measured by the hardware
   std::vector<motion::Piece> pieces;    ///< fits of the installation to IMU and fixes
+  motion::ImuSummary imu_summary;       ///< with the calibration applied
   std::optional<RestObservation> rest;  ///< empty if it does not rest
 };
 

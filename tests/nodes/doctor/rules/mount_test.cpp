@@ -1,0 +1,84 @@
+/// Units and axes of an IMU in motion.
+
+#include "doctor/replayed.hpp"
+#include <sonopose/geometry/rotation.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <functional>
+
+namespace mount_test {
+
+using namespace sonopose;
+using namespace sonopose::doctor::test;
+using Catch::Contains;
+
+/// Problems found in eight seconds of a drive whose IMU samples are changed.
+std::string problems_with(const char* scenario, const std::function<void(ImuSample&)>& change) {
+  auto events = events_of(scenario, 1951, 30);
+  for (Event& event : events) {
+    if (auto* imu = std::get_if<ImuSample>(&event)) change(*imu);
+  }
+  return problems_of(observed(events, {}, {12, 8}));
+}
+
+/// Turns the axes of both sensors.
+auto turned(const Eigen::Matrix3d& sensor_from_body) {
+  return [sensor_from_body](ImuSample& imu) {
+    imu.angular_velocity_body_radps = sensor_from_body * imu.angular_velocity_body_radps;
+    imu.specific_force_body_mps2 = sensor_from_body * imu.specific_force_body_mps2;
+  };
+}
+
+SCENARIO("wrong axes and units of an IMU are found in motion, and nothing else is blamed") {
+  for (const char* const scenario : {"walk", "kart", "forklift", "hall", "drone"}) {
+    GIVEN(std::string("a drive of ") + scenario) {
+      const auto check = [&](const std::string& problems, const char* finding, const char* setting) {
+        CAPTURE(problems);
+        CHECK_THAT(problems, Contains(finding) && Contains(setting));
+        CHECK_THAT(problems, !Contains("min_quality_percent") && !Contains("delay"));
+      };
+      WHEN("its axes are forward, right, down") {
+        THEN("the vertical axis is named, with the axes to set") {
+          check(problems_with(scenario, turned(Eigen::Vector3d(1, -1, -1).asDiagonal())),
+                "specific force is along -z", "calibration.axes=+x-y-z");
+        }
+      }
+      WHEN("it lies on its side") {
+        const Eigen::Matrix3d sensor_from_body =
+            geometry::rotation_by(Vector3d(0.5 * std::numbers::pi, 0, 0)).toRotationMatrix();
+        THEN("the axis that points up is named") {
+          check(problems_with(scenario, turned(sensor_from_body)), "specific force is along -y",
+                "calibration.axes=+x+z-y");
+        }
+      }
+      WHEN("the force is in g") {
+        THEN("the unit and the factor are named") {
+          check(problems_with(scenario,
+                              [](ImuSample& imu) { imu.specific_force_body_mps2 /= standard_gravity_mps2; }),
+                "seems to be in g",
+                "calibration.accelerometer.sensitivity_x, sensitivity_y and sensitivity_z to 9.807");
+        }
+      }
+      WHEN("the rates are in deg/s") {
+        THEN("the unit and the factor are named") {
+          check(problems_with(
+                    scenario,
+                    [](ImuSample& imu) { imu.angular_velocity_body_radps /= geometry::radians_per_degree; }),
+                "seems to be in deg/s",
+                "calibration.gyroscope.sensitivity_x, sensitivity_y and sensitivity_z to 0.01745");
+        }
+      }
+      WHEN("gravity was removed") {
+        THEN("that is named") {
+          check(problems_with(
+                    scenario,
+                    [](ImuSample& imu) { imu.specific_force_body_mps2.z() -= standard_gravity_mps2; }),
+                "does not measure gravity", "raw data");
+        }
+      }
+    }
+  }
+}
+
+}  // namespace mount_test
