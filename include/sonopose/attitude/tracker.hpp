@@ -47,10 +47,12 @@ public:
   Tracker(typename F::Settings settings, FieldUse field) : settings_(std::move(settings)), field_(field) {}
 
   /// Processes one sample. Returns false and does nothing if it is not a measurement (not finite or beyond
-  /// any sensor's range) or is earlier than the previous one. After `max_backward_samples` of those in a row
+  /// any sensor's range), is earlier than the previous one or so much later that the next one must confirm it
+  /// (is_unconfirmed_jump). After `max_backward_samples` of those in a row
   /// the clock was set back: the filter goes on from there.
   bool on(const ImuSample& imu) {
     if (!is_measurement(imu)) return false;
+    if (started_ && is_unconfirmed_jump(announced_ns_, time_ns_, imu.sensor_time_ns)) return false;
     const bool is_backward = started_ && imu.sensor_time_ns < time_ns_;
     backward_in_row_ = is_backward ? backward_in_row_ + 1 : 0;
     if (is_backward && backward_in_row_ < max_backward_samples) return false;
@@ -74,6 +76,7 @@ private:
   bool started_ = false;
   TimeNs time_ns_ = 0;
   int backward_in_row_ = 0;
+  TimeNs announced_ns_ = 0;  ///< unconfirmed stamp far ahead; 0: none
 };
 
 }  // namespace sonopose::attitude

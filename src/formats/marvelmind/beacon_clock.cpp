@@ -137,9 +137,12 @@ void BeaconClock::measure_jitter(std::int64_t beacon_ns, TimeNs arrival_ns) {
 void FixedClock::observe(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs arrival_ns) {
   if (!begun_) {
     begin(stamp, send_delay_ns, arrival_ns);
-  } else if (unwrapper_.beacon_ns(stamp) + send_delay_ns < newest_ns_ - overtaken_ns) {
-    ++resets_;
-    begin(stamp, send_delay_ns, saturated_sum(origin_ns_, newest_ns_ - first_ns_));
+  } else {
+    const std::int64_t step_ns = unwrapper_.beacon_ns(stamp) + send_delay_ns - newest_ns_;
+    if (step_ns < -overtaken_ns || step_ns >= set_ahead_ns) {
+      ++resets_;
+      begin(stamp, send_delay_ns, saturated_sum(origin_ns_, newest_ns_ - first_ns_));
+    }
   }
   const std::int64_t sent_ns = unwrapper_.beacon_ns(stamp) + send_delay_ns;
   if (sent_ns < newest_ns_) return;
@@ -150,9 +153,7 @@ void FixedClock::observe(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs 
 void FixedClock::begin(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs host_ns) {
   unwrapper_.restart();
   unwrapper_.set_newest(stamp);
-  // Keeps times in range for a file whose beacons jump again and again.
-  constexpr TimeNs latest_origin_ns = 5'000'000'000'000'000'000;  // in 2128
-  origin_ns_ = std::min(host_ns, latest_origin_ns);
+  origin_ns_ = host_ns;
   first_ns_ = unwrapper_.beacon_ns(stamp) + send_delay_ns;
   newest_ns_ = first_ns_;
   begun_ = true;

@@ -6,6 +6,7 @@
 #include "marvelmind/packet.hpp"
 #include <sonopose/samples/samples.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -131,9 +132,13 @@ private:
 
 /// Maps by the beacon's clock alone, for bytes from a file. The first packet was sent at its arrival, and
 /// every stamp keeps its distance to that. The same bytes always give the same times. After a restart of the
-/// beacon, time continues from the newest one. Same interface as `BeaconClock`.
+/// beacon, or if its clock was set ahead, time continues from the newest one. Same interface as
+/// `BeaconClock`.
 class FixedClock {
 public:
+  /// Shortest step ahead of a clock that was set. A shorter one is a pause of the recording.
+  static constexpr std::int64_t set_ahead_ns = 86'400'000'000'000;
+
   /// Takes a packet that was sent `send_delay_ns` after `stamp`. Only the first `arrival_ns` matters.
   void observe(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs arrival_ns);
 
@@ -144,7 +149,7 @@ public:
 
   /// The host's time at `stamp`. Needs an observation.
   TimeNs host_ns(const Stamp& stamp) const {
-    return saturated_sum(origin_ns_, unwrapper_.beacon_ns(stamp) - first_ns_);
+    return std::min(saturated_sum(origin_ns_, unwrapper_.beacon_ns(stamp) - first_ns_), end_of_time_ns - 1);
   }
 
   double offset_s() const { return static_cast<double>(origin_ns_ - first_ns_) * 1e-9; }

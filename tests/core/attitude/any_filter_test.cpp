@@ -77,6 +77,16 @@ TEST_CASE("a tracker goes on from a clock that was set back") {
         Approx(0.5 + 0.5 * 0.01 * (100 - max_backward_samples)));
 }
 
+TEST_CASE("one stamp far ahead costs a tracker its own sample only") {
+  Tracker<Gyro> tracker({}, {});
+  const Vector3d rate_radps(0, 0, 0.5);
+  for (int i = 0; i <= 100; ++i) {
+    const bool is_corrupt = i == 50;
+    CHECK(tracker.on(sample_at(is_corrupt ? 1000.0 : 0.01 * i, rate_radps)) != is_corrupt);
+  }
+  CHECK(geometry::yaw_of(tracker.filter().orientation()) == Approx(0.5));
+}
+
 TEST_CASE("a tracker starts level, and with a magnetometer pointing as it says") {
   const Quaterniond truth = geometry::rotation_of(geometry::EulerAngles<double>{0.3, -0.2, 2.5});
   ImuSample imu = sample_at(0.0, Vector3d::Zero());

@@ -31,8 +31,8 @@ inline constexpr double future_tolerance_s = 0.3;
 /// Equal stamps are admitted: a clock with a resolution of a millisecond assigns them to distinct samples.
 [[nodiscard]] bool admits(const AdmissionSettings& settings, TimeNs now_ns, const ImuSample& imu);
 
-/// True if an admissible sample is so far ahead of the state's time that the next one must confirm it.
-/// Otherwise one corrupt stamp would exclude all later samples.
+/// True if an admissible sample is so far ahead of the state's time that the next one must confirm it
+/// (is_unconfirmed_jump).
 [[nodiscard]] bool is_time_jump(AdmissionState& state, TimeNs now_ns, const ImuSample& imu);
 
 /// Registers a sample that was not admitted. Returns true after several consecutive samples before the

@@ -30,7 +30,6 @@ bool is_too_late(const AdmissionSettings& settings, TimeNs now_ns, TimeNs measur
 }  // namespace
 
 bool is_time(TimeNs stamp_ns) {
-  constexpr TimeNs end_of_time_ns = TimeNs{1} << 62;
   return stamp_ns > 0 && stamp_ns < end_of_time_ns;
 }
 
@@ -43,15 +42,9 @@ bool admits(const AdmissionSettings& settings, TimeNs now_ns, const ImuSample& i
 }
 
 bool is_time_jump(AdmissionState& state, TimeNs now_ns, const ImuSample& imu) {
-  constexpr double max_step_s = 2.0;
-  const TimeNs announced_ns = state.announced_ns;
+  if (now_ns != 0) return is_unconfirmed_jump(state.announced_ns, now_ns, imu.sensor_time_ns);
   state.announced_ns = 0;
-  if (now_ns == 0 || seconds_between(now_ns, imu.sensor_time_ns) <= max_step_s) return false;
-  const bool confirmed = announced_ns != 0 && imu.sensor_time_ns >= announced_ns &&
-                         seconds_between(announced_ns, imu.sensor_time_ns) <= max_step_s;
-  if (confirmed) return false;
-  state.announced_ns = imu.sensor_time_ns;
-  return true;
+  return false;
 }
 
 bool needs_time_reset(AdmissionState& state, TimeNs now_ns, const ImuSample& imu) {

@@ -117,8 +117,9 @@ std::string attitude_text(const std::vector<AttitudeResult>& results) {
   if (results.size() > 1) text += row(mean_of(results), width);
   for (const AttitudeResult& result : results) {
     if (result.rejected == 0) continue;
-    text += fmt::format("{}: {} of {} samples rejected: earlier than the one before, or no measurement\n",
-                        result.name, result.rejected, result.samples);
+    text += fmt::format(
+        "{}: {} of {} samples rejected: earlier than the one before, far after it, or no measurement\n",
+        result.name, result.rejected, result.samples);
   }
   return text;
 }
