@@ -86,7 +86,9 @@ SCENARIO("a replay prints its result and writes three files") {
     CHECK(report[field].is_number());
   }
   CHECK(pose_rows(recording / "new/out/pose.csv").size() == 1200);
-  CHECK(lines_of(recording / "new/out/trajectory.tum") == 1201);
+  const auto positions = lines_of(recording / "new/out/trajectory.tum") - 1;
+  CHECK(positions > 1100);
+  CHECK(positions < 1200);  // without those before the first fix
   const auto fixes = report["fixes_used"].get<std::size_t>() + report["fixes_rejected"].get<std::size_t>();
   CHECK(lines_of(recording / "new/out/fixes.csv") == fixes + 1);
   AND_THEN("a second run replaces them with the same bytes and has the same hash") {
@@ -169,15 +171,13 @@ SCENARIO("two files of settings are compared, in one picture") {
 
 SCENARIO("the trajectory is in TUM format") {
   const Recording recording;
-  REQUIRE(replay({recording.log(), "--out", (recording / "out").string(), "--until", "0.05"}).code == 0);
+  REQUIRE(replay({recording.log(), "--out", (recording / "out").string(), "--until", "0.5"}).code == 0);
   std::istringstream lines(read_text(recording / "out/trajectory.tum"));
   std::string line;
   REQUIRE(std::getline(lines, line));
   CHECK(line.starts_with("#"));
   REQUIRE(std::getline(lines, line));
-  CHECK(line.starts_with("1700000000.000000000 "));
-  REQUIRE(std::getline(lines, line));
-  CHECK(line.starts_with("1700000000.010000000 "));
+  CHECK(line.starts_with("1700000000."));
   CHECK(std::count(line.begin(), line.end(), ' ') == 7);
 }
 

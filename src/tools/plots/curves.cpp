@@ -94,6 +94,12 @@ void RunCurves::add(const FusedPose& pose) {
   moment.trust = pose.trust;
   moment.status = pose.status;
   const FusedPose before = std::exchange(before_, pose);
+  constexpr double min_silence_s = 0.25;
+  const double before_s = seconds_between(begin_ns_, before.time_ns);
+  if ((pose.status & status_imu_gap) != 0U && before.time_ns != 0 &&
+      moment.time_s - before_s > min_silence_s) {
+    silences_.push_back({before_s, moment.time_s});
+  }
   if (const auto truth = truth_.at_or_since(before.time_ns, pose.time_ns)) {
     const FusedPose compared =
         truth->time_ns == pose.time_ns ? pose : evaluation::between(before, pose, truth->time_ns);
@@ -106,7 +112,7 @@ void RunCurves::add(const FusedPose& pose) {
     }
   }
   moments_.add(moment);
-  PathPoint point;
+  PathPoint point{.time_s = moment.time_s};
   if (moment.is_placed()) point.position_world_m = moment.position_world_m;
   point.true_position_world_m = moment.true_position_world_m;
   path_.add(point);
@@ -121,8 +127,8 @@ void RunCurves::add(const FixReport& report) {
   FixMark mark{.time_s = seconds_between(begin_ns_, report.applied_time_ns),
                .position_world_m = report.position_world_m,
                .innovation_m = has_innovation(report) ? report.innovation_world_m.norm() : unknown,
-               .along_m = report.innovation_world_m.dot(direction_world_),
-               .left_m = report.innovation_world_m.dot(left_world),
+               .along_m = has_innovation(report) ? report.innovation_world_m.dot(direction_world_) : unknown,
+               .left_m = has_innovation(report) ? report.innovation_world_m.dot(left_world) : unknown,
                .weight = report.weight,
                .speed_mps = speed_since_last_used(report),
                .verdict = verdict_of(report),
@@ -136,7 +142,7 @@ void RunCurves::add(const FixReport& report) {
   fixes_.add(mark);
   if ((report.flags & fix_used) == 0) return;
   last_used_ = report;
-  if ((report.flags & fix_first) != 0) return;  // no prediction for the first fix
+  if (std::isnan(mark.along_m)) return;  // the first fix has no prediction
   along_m_.push_back(mark.along_m);
   left_m_.push_back(mark.left_m);
 }

@@ -43,8 +43,15 @@ struct Moment {
 
 /// A pose on the map, or the latest of several consecutive ones.
 struct PathPoint {
+  double time_s = 0;
   Vector3d position_world_m = Vector3d::Constant(unknown);
   Vector3d true_position_world_m = Vector3d::Constant(unknown);
+};
+
+/// A time without poses, since the IMU was silent.
+struct Silence {
+  double begin_s = 0;
+  double end_s = 0;
 };
 
 /// A fix, or the most remarkable of several consecutive ones: rejected, then marked, then far from its
@@ -53,8 +60,8 @@ struct FixMark {
   double time_s = 0;  ///< time of application
   Vector3d position_world_m = Vector3d::Zero();
   double innovation_m = 0;  ///< innovation; unknown if it was not computed
-  double along_m = 0;       ///< innovation in the direction of motion
-  double left_m = 0;        ///< innovation to the left of the motion
+  double along_m = 0;       ///< innovation in the direction of motion, or unknown
+  double left_m = 0;        ///< innovation to the left of the motion, or unknown
   double along_std_m = unknown;
   double left_std_m = unknown;
   double weight = 0;
@@ -100,6 +107,7 @@ public:
   [[nodiscard]] const std::vector<Moment>& moments() const { return moments_.entries(); }
   [[nodiscard]] const std::vector<PathPoint>& path() const { return path_.entries(); }
   [[nodiscard]] const std::vector<FixMark>& fixes() const { return fixes_.entries(); }
+  [[nodiscard]] const std::vector<Silence>& silences() const { return silences_; }
   [[nodiscard]] Histogram histogram() const;
 
 private:
@@ -119,6 +127,7 @@ private:
   Thinned<Moment> moments_;
   Thinned<PathPoint> path_;
   Thinned<FixMark> fixes_;
+  std::vector<Silence> silences_;
 };
 
 }  // namespace sonopose::plots

@@ -16,10 +16,29 @@ namespace {
 
 constexpr double deg_per_rad = 180.0 / std::numbers::pi;
 
+/// Knows where silences of the IMU interrupt a curve whose points come in order.
+class Breaks {
+public:
+  explicit Breaks(const RunCurves& run) : silences_(run.silences()) {}
+
+  /// Returns "\n" if a silence ended since the point before.
+  const char* before(double time_s) {
+    const std::size_t passed = passed_;
+    while (passed_ < silences_.size() && silences_[passed_].end_s <= time_s) ++passed_;
+    return passed_ > passed ? "\n" : "";
+  }
+
+private:
+  const std::vector<Silence>& silences_;
+  std::size_t passed_ = 0;
+};
+
 void append_poses(std::string& script, const RunCurves& run, std::size_t index) {
   auto out = std::back_inserter(script);
   fmt::format_to(out, "$poses{} << END\n", index);
+  Breaks breaks(run);
   for (const Moment& moment : run.moments()) {
+    fmt::format_to(out, "{}", breaks.before(moment.time_s));
     const Vector3d position = moment.is_placed() ? moment.position_world_m : Vector3d::Constant(unknown);
     const double z_band = 3.0 * std::sqrt(moment.position_covariance_m2(2, 2));
     fmt::format_to(out, "{:.4f} {:.4g} {:.4g} {:.4g} {:.4g} {:.3g} {:.3f} {:.3f} {:.3f} {:.3f} {:.4g}\n",
@@ -35,7 +54,9 @@ void append_poses(std::string& script, const RunCurves& run, std::size_t index) 
 void append_path(std::string& script, const RunCurves& run, std::size_t index) {
   auto out = std::back_inserter(script);
   fmt::format_to(out, "$path{} << END\n", index);
+  Breaks breaks(run);
   for (const PathPoint& point : run.path()) {
+    fmt::format_to(out, "{}", breaks.before(point.time_s));
     fmt::format_to(out, "{:.3f} {:.3f} {:.3f} {:.3f}\n", point.position_world_m.x(),
                    point.position_world_m.y(), point.true_position_world_m.x(),
                    point.true_position_world_m.y());
@@ -43,14 +64,17 @@ void append_path(std::string& script, const RunCurves& run, std::size_t index) {
   fmt::format_to(out, "END\n");
 }
 
-/// Ends the curve by a blank line wherever the yaw wraps.
+/// Ends the curve by a blank line wherever the yaw wraps, too.
 void append_yaw(std::string& script, const RunCurves& run, std::size_t index) {
   auto out = std::back_inserter(script);
   fmt::format_to(out, "$yaw{} << END\n", index);
   double before_rad = 0.0;
+  Breaks breaks(run);
   for (const Moment& moment : run.moments()) {
     if (!moment.is_placed()) continue;
-    if (std::abs(moment.yaw_rad - before_rad) > std::numbers::pi) fmt::format_to(out, "\n");
+    const bool wraps = std::abs(moment.yaw_rad - before_rad) > std::numbers::pi;
+    const char* const silence = breaks.before(moment.time_s);
+    fmt::format_to(out, "{}", wraps ? "\n" : silence);
     before_rad = moment.yaw_rad;
     const double band_deg = 3.0 * deg_per_rad * moment.yaw_std_rad;
     const double yaw_deg = deg_per_rad * moment.yaw_rad;
@@ -147,6 +171,15 @@ void append_status(std::string& script, const PlotData& data) {
   fmt::format_to(out, "END\n");
 }
 
+void append_silences(std::string& script, const PlotData& data) {
+  auto out = std::back_inserter(script);
+  fmt::format_to(out, "$silences << END\n");
+  for (const Silence& silence : data.runs.front().silences()) {
+    fmt::format_to(out, "{:.4f} 1\n{:.4f} 0\n", silence.begin_s, silence.end_s);
+  }
+  fmt::format_to(out, "END\n");
+}
+
 }  // namespace
 
 std::string data_blocks(const PlotData& data) {
@@ -161,6 +194,7 @@ std::string data_blocks(const PlotData& data) {
   }
   append_arrivals(script, data);
   append_status(script, data);
+  append_silences(script, data);
   return script;
 }
 

@@ -18,7 +18,8 @@ namespace sonopose::plots {
 ///                  10 speed, 11 class, 12 seen flags
 ///     $histogramK  1 innovation, 2-3 share along and left
 /// Of the recording: $headings (1 time, 2 heading), $arrivals (1 time, 2 delay, 3 quality). Of the first run:
-/// $status (1 time, 2 stale, 3 converging).
+/// $status (1 time, 2 stale, 3 converging), $silences (1 time, 2 silence of the IMU). Blank lines end the
+/// curves before a silence.
 ///
 /// Seconds, m, m/s, degrees; errors and innovations in cm, delays in ms, quality and shares in percent.
 std::string data_blocks(const PlotData& data);

@@ -28,6 +28,15 @@ std::string error_axis(const std::vector<double>& errors_m, double top_m) {
 
 }  // namespace
 
+double tic_step(double span) {
+  constexpr double max_tics = 4.0;
+  const double power = std::pow(10.0, std::floor(std::log10(span / max_tics)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (span <= max_tics * factor * power) return factor * power;
+  }
+  return 10.0 * power;
+}
+
 std::string axis_of_errors(const PlotData& data) {
   std::vector<double> errors_m;
   std::vector<double> last_fix_errors_m;
@@ -70,7 +79,8 @@ std::string axis_of_heights(const PlotData& data) {
   const double low_m = quantile(heights_m, 0.005);
   const double high_m = quantile(heights_m, 0.995);
   const double margin_m = std::max(0.2 * (high_m - low_m), 0.5 * (min_span_m - (high_m - low_m)));
-  return fmt::format("set yrange [{:.3f}:{:.3f}]\n", low_m - margin_m, high_m + margin_m);
+  return fmt::format("set yrange [{:.3f}:{:.3f}]; set ytics {:.4g}\n", low_m - margin_m, high_m + margin_m,
+                     tic_step(high_m - low_m + 2.0 * margin_m));
 }
 
 std::string axis_of_speeds(const PlotData& data) {

@@ -70,6 +70,9 @@ inline int bit(std::uint32_t status, PoseStatus wanted) {
 /// Returns ranges of both axes with equal scales, so that the paths and the good fixes fill the panel.
 Box path_box(const PlotData& data);
 
+/// Returns a round distance of tics of which at most five fit into `span`, which is above 0.
+double tic_step(double span);
+
 /// Return gnuplot commands for the vertical axes. Rare large values may be cut off.
 std::string axis_of_errors(const PlotData& data);
 std::string axis_of_innovations(const PlotData& data);

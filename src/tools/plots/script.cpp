@@ -26,6 +26,7 @@ constexpr std::string_view rejected_colour = "#D55E00";
 constexpr std::string_view faint_colour = "#B0B0B0";
 constexpr std::string_view stale_colour = "#F3CFC0";
 constexpr std::string_view converging_colour = "#FFF2B8";
+constexpr std::string_view silent_colour = "#DDDDDD";
 
 /// A row of marks below weight and trust, and its flags.
 struct FlagRow {
@@ -95,12 +96,18 @@ Elements fixes_by_kind(std::string_view x, std::string_view y, int kinds) {
 }
 
 /// Returns shaded time spans of the status, for the background.
-Elements shades(bool with_titles) {
-  const auto shade = [with_titles](int column, std::string_view colour, std::string_view title) {
-    return fmt::format("$status using 1:{} axes x1y2 with fillsteps fs solid 1 noborder lc rgb '{}' {}",
-                       column, colour, with_titles ? "title " + plot_text(title) : "notitle");
+Elements shades(const PlotData& data, bool with_titles) {
+  const auto shade = [with_titles](std::string_view columns, std::string_view colour,
+                                   std::string_view title) {
+    return fmt::format("{} axes x1y2 with fillsteps fs solid 1 noborder lc rgb '{}' {}", columns, colour,
+                       with_titles ? "title " + plot_text(title) : "notitle");
   };
-  return {shade(3, converging_colour, "converging"), shade(2, stale_colour, "stale")};
+  Elements elements{shade("$status using 1:3", converging_colour, "converging"),
+                    shade("$status using 1:2", stale_colour, "stale")};
+  if (!data.runs.front().silences().empty()) {
+    elements.push_back(shade("$silences using 1:2", silent_colour, "IMU silent"));
+  }
+  return elements;
 }
 
 void append(Elements& elements, const Elements& more) {
@@ -142,23 +149,26 @@ void append_path(std::string& script, const PlotData& data) {
 }
 
 void append_histograms(std::string& script, const PlotData& data) {
+  double half_width_m = 0;
+  for (const RunCurves& run : data.runs) half_width_m = std::max(half_width_m, run.histogram().half_width_m);
   const auto draw = [&](const Panel& panel, std::string_view column, std::string_view title) {
     append_frame(script, panel, panel.left < 0.2 ? "share of used fixes [%]" : "");
-    fmt::format_to(std::back_inserter(script), "set xlabel {}\nset xrange [*:*]; set yrange [0:*]\n",
-                   plot_text(title));
+    fmt::format_to(std::back_inserter(script),
+                   "set xlabel {}\nset xrange [*:*]; set yrange [0:*]\nset xtics {:.4g}\n", plot_text(title),
+                   tic_step(200.0 * half_width_m));
     append_plot(script, curves(data, "histogram", fmt::format("1:{}", column),
                                compares(data) ? "histeps lw 1.5" : "boxes fs solid 0.5 noborder", ""));
   };
   draw(along_histogram_panel, "2", "innovation along the track [cm]");
   draw(left_histogram_panel, "3", "innovation to the left [cm]");
-  script += "unset xlabel\n";
+  script += "unset xlabel\nset xtics auto\n";
 }
 
 // Panels over time
 
 void plot_errors(std::string& script, const PlotData& data) {
   script += axis_of_errors(data);
-  Elements elements = shades(true);
+  Elements elements = shades(data, true);
   elements.push_back(
       fmt::format("$poses0 using 1:5 with lines lw 1 lc rgb '{}' title 'last fix'", faint_colour));
   if (!compares(data)) {
@@ -173,7 +183,7 @@ void plot_errors(std::string& script, const PlotData& data) {
 /// `column`: that of the innovation; its 3σ is two columns further.
 void plot_innovations(std::string& script, const PlotData& data, int column) {
   script += axis_of_innovations(data);
-  Elements elements = shades(!data.has_truth && column == 5);
+  Elements elements = shades(data, !data.has_truth && column == 5);
   if (compares(data)) {
     append(elements, curves(data, "fixes", fmt::format("1:{}", column), "points pt 7 ps 0.3", ""));
   } else {
@@ -194,6 +204,7 @@ void plot_heights(std::string& script, const PlotData& data) {
   if (data.has_truth) elements.push_back(truth_curve("1:10", "poses"));
   append(elements, curves(data, "poses", "1:7", "lines lw 1.4", "fused"));
   append_plot(script, elements);
+  script += "set ytics auto\n";
 }
 
 void plot_yaws(std::string& script, const PlotData& data) {
@@ -238,7 +249,7 @@ void plot_delays(std::string& script, const PlotData& data) {
 void plot_fix_flags(std::string& script, const PlotData& data) {
   constexpr double row_height = 0.25;
   std::string tics = "'0' 0, '1' 1";
-  Elements elements = shades(false);
+  Elements elements = shades(data, false);
   append(elements, curves(data, "poses", "1:6", "steps lw 1.4", "trust"));
   if (!compares(data)) {
     elements.push_back(fmt::format(
@@ -278,7 +289,7 @@ void append_time_panels(std::string& script, const PlotData& data) {
   panels.push_back({"yaw [deg]", with(plot_yaws)});
   panels.push_back({"speed [m/s]", with(plot_speeds)});
   panels.push_back({"delay [ms]", with(plot_delays)});
-  panels.push_back({"flags   trust", with(plot_fix_flags)});
+  panels.push_back({"", with(plot_fix_flags)});
   for (std::size_t row = 0; row < panels.size(); ++row) {
     append_frame(script, time_panel(static_cast<int>(row), static_cast<int>(panels.size())),
                  panels[row].label);

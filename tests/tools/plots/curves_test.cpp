@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace curves_test {
@@ -61,6 +62,30 @@ TEST_CASE("innovations are drawn along the track and to the left of it") {
   CHECK(fix.left_m == Approx(-0.3));
   CHECK(fix.along_std_m == Approx(0.1));
   CHECK(fix.left_std_m == Approx(0.2));
+}
+
+TEST_CASE("a fix that was refused before its innovation was computed has none to draw") {
+  const recording::SensorLog log;
+  RunCurves curves("fused", {}, {}, log);
+  FixReport report;
+  report.flags = fix_low_quality;
+  curves.add(report);
+  CHECK(std::isnan(curves.fixes().front().along_m));
+  CHECK(std::isnan(curves.fixes().front().left_m));
+}
+
+TEST_CASE("a silence of the IMU is a span without poses, whatever the detail") {
+  const recording::SensorLog log;
+  RunCurves curves("fused", {}, {}, log, {.moments = 8});
+  for (int i = 0; i < 1000; ++i) {
+    FusedPose pose;
+    pose.time_ns = to_ns(1.0 + 0.01 * i + (i < 500 ? 0.0 : 2.0));
+    if (i == 500) pose.status = status_imu_gap;
+    curves.add(pose);
+  }
+  REQUIRE(curves.silences().size() == 1);
+  CHECK(curves.silences().front().begin_s == Approx(1.0 + 4.99));
+  CHECK(curves.silences().front().end_s == Approx(1.0 + 7.0));
 }
 
 TEST_CASE("a thinned fix is the one that an engineer looks for") {

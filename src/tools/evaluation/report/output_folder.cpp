@@ -46,7 +46,9 @@ OutputFolder::OutputFolder(const std::filesystem::path& folder, Covariances cova
 
 void OutputFolder::write(const FusedPose& pose) {
   const Quaterniond& q = pose.q_body_to_world;
-  trajectory_.write(pose.time_ns, pose.position_world_m, q);
+  // Tools that align a trajectory take every row for a position.
+  const bool has_position = (pose.status & status_initialising) == 0U;
+  if (has_position) trajectory_.write(pose.time_ns, pose.position_world_m, q);
   poses_.rows.integer(pose.time_ns).vector(pose.position_world_m);
   poses_.rows.number(q.w()).number(q.x()).number(q.y()).number(q.z());
   poses_.rows.vector(pose.velocity_world_mps).integer(pose.status).end_row();

@@ -39,10 +39,14 @@ FixReport sample_report() {
   return report;
 }
 
-TEST_CASE("both files contain a pose without loss of precision") {
+TEST_CASE("both files contain a pose without loss of precision, the trajectory only with a position") {
   const TemporaryFolder folder;
   {
     OutputFolder out(folder / "a");
+    FusedPose without_position = sample_pose();
+    without_position.time_ns -= 1;
+    without_position.status = status_initialising;
+    out.write(without_position);
     out.write(sample_pose());
     out.finish();
   }
@@ -53,6 +57,7 @@ TEST_CASE("both files contain a pose without loss of precision") {
         "#timestamp [ns],p_x [m],p_y [m],p_z [m],q_w [],q_x [],q_y [],q_z [],v_x [m s^-1],v_y [m s^-1],v_z "
         "[m s^-1],"
         "status []\n"
+        "1700000000005000000,1.5,-0.1,0.3333333333333333,0.5,0.5,-0.5,0.5,0,1e-09,-2,1\n"
         "1700000000005000001,1.5,-0.1,0.3333333333333333,0.5,0.5,-0.5,0.5,0,1e-09,-2,20\n");
 }
 
