@@ -43,7 +43,7 @@ inline constexpr std::array<std::string_view, 2> wheel_speed_columns{"timestamp 
 inline constexpr std::array<std::string_view, 2> movement_columns{"start [ns]", "end [ns]"};
 
 /// Names of EuRoC's and TUM's files, and those in general use.
-inline constexpr std::array<files::ColumnSynonym, 26> column_synonyms{{
+inline constexpr std::array<files::ColumnSynonym, 29> column_synonyms{{
     {"time", "timestamp"},
     {"t", "timestamp"},
     {"stamp", "timestamp"},
@@ -51,16 +51,19 @@ inline constexpr std::array<files::ColumnSynonym, 26> column_synonyms{{
     {"t*", "p*"},
     {"pos*", "p*"},
     {"position*", "p*"},
+    {"gyr*", "w*"},
     {"gyro*", "w*"},
     {"gyroscope*", "w*"},
     {"g*", "w*"},
     {"omega*", "w*"},
     {"angularvelocity*", "w*"},
+    {"angvel*", "w*"},
     {"acc*", "a*"},
     {"accel*", "a*"},
     {"accelerometer*", "a*"},
     {"acceleration*", "a*"},
     {"linearacceleration*", "a*"},
+    {"linacc*", "a*"},
     {"specificforce*", "a*"},
     {"mag*", "m*"},
     {"magnetometer*", "m*"},
@@ -75,6 +78,14 @@ inline constexpr std::array<files::ColumnSynonym, 26> column_synonyms{{
 /// A file of these columns, of which the first `required` must be there.
 constexpr files::CsvLayout layout_of(std::span<const std::string_view> columns, std::size_t required) {
   return {columns, required, column_synonyms};
+}
+
+inline constexpr files::CsvLayout imu_layout() {
+  return layout_of(imu_columns, imu_columns_without_magnetometer);
+}
+
+inline constexpr files::CsvLayout truth_layout() {
+  return layout_of(truth_columns, truth_columns_required);
 }
 
 }  // namespace sonopose::recording

@@ -23,8 +23,9 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 /// The rows of imu.csv, one at a time.
 class ImuRows {
 public:
-  ImuRows(const std::filesystem::path& file, BeaconAddress address, ImuMeaning meaning)
-      : rows_{file, layout_of(imu_columns, imu_columns_without_magnetometer)} {
+  ImuRows(const std::filesystem::path& file, BeaconAddress address, ImuMeaning meaning,
+          const files::CsvLayout& layout = imu_layout())
+      : rows_{file, layout}, is_table_(layout.given_names != nullptr) {
     sample_.address = address;
     sample_.meaning = meaning;
     step();
@@ -34,7 +35,9 @@ public:
   [[nodiscard]] const ImuSample* current() const { return at_end_ ? nullptr : &sample_; }
 
   void step() {
-    at_end_ = !rows_.next_row();
+    do {
+      at_end_ = !rows_.next_row();
+    } while (!at_end_ && is_table_ && !rows_.all_filled(1, 6));
     if (at_end_) return;
     sample_.sensor_time_ns = rows_.time_ns(0);
     sample_.angular_velocity_body_radps = rows_.vector(1);
@@ -50,6 +53,7 @@ public:
 
 private:
   files::CsvReader rows_;
+  bool is_table_;  ///< has rows of other measurements
   ImuSample sample_;
   bool at_end_ = false;
 };
@@ -209,9 +213,9 @@ std::vector<Event> merge_by_availability(const std::vector<ImuSample>& imu,
 }
 
 std::vector<ImuSample> read_imu_csv(const std::filesystem::path& file, BeaconAddress address,
-                                    ImuMeaning meaning) {
+                                    ImuMeaning meaning, const files::CsvLayout& layout) {
   std::vector<ImuSample> samples;
-  for (ImuRows rows(file, address, meaning); rows.current() != nullptr; rows.step())
+  for (ImuRows rows(file, address, meaning, layout); rows.current() != nullptr; rows.step())
     samples.push_back(*rows.current());
   return samples;
 }
@@ -245,8 +249,9 @@ std::vector<PairHeading> read_heading_csv(const std::filesystem::path& file, Bea
   return headings;
 }
 
-std::vector<TruthSample> read_truth_csv(const std::filesystem::path& file, BeaconAddress address) {
-  files::CsvReader rows(file, layout_of(truth_columns, truth_columns_required));
+std::vector<TruthSample> read_truth_csv(const std::filesystem::path& file, BeaconAddress address,
+                                        const files::CsvLayout& layout) {
+  files::CsvReader rows(file, layout);
   std::vector<TruthSample> samples;
   while (rows.next_row()) {
     if (samples.empty()) samples.reserve(rows.rows_like_this());

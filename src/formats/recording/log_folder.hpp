@@ -16,6 +16,7 @@
 /// but time and position are optional. Errors are files::IoError that name file, line, column and value.
 
 #include "files/error.hpp"
+#include "recording/log_columns.hpp"
 #include <sonopose/samples/samples.hpp>
 
 #include <filesystem>
@@ -63,9 +64,11 @@ std::vector<Event> merge_by_availability(const std::vector<ImuSample>& imu,
                                          const std::vector<UltrasonicFix>& fixes,
                                          const std::vector<PairHeading>& headings);
 
-/// Read single files, in file order and without sequence numbers. Each throws files::IoError.
+/// Read single files, in file order and without sequence numbers. A layout with given names leaves out rows
+/// without IMU values. Each throws files::IoError.
 std::vector<ImuSample> read_imu_csv(const std::filesystem::path& file, BeaconAddress address,
-                                    ImuMeaning meaning = ImuMeaning::unknown);
+                                    ImuMeaning meaning = ImuMeaning::unknown,
+                                    const files::CsvLayout& layout = imu_layout());
 
 /// Sets `measured_delay_s` to received − timestamp.
 std::vector<UltrasonicFix> read_ultrasonic_csv(const std::filesystem::path& file, BeaconAddress address);
@@ -74,7 +77,8 @@ std::vector<UltrasonicFix> read_ultrasonic_csv(const std::filesystem::path& file
 std::vector<PairHeading> read_heading_csv(const std::filesystem::path& file, BeaconAddress address);
 
 /// Reads position, attitude and velocity, each NaN if unknown, and sorts them by time.
-std::vector<TruthSample> read_truth_csv(const std::filesystem::path& file, BeaconAddress address);
+std::vector<TruthSample> read_truth_csv(const std::filesystem::path& file, BeaconAddress address,
+                                        const files::CsvLayout& layout = truth_layout());
 
 /// Sorts by time, and leaves out rows without a speed.
 std::vector<WheelSpeed> read_wheel_speed_csv(const std::filesystem::path& file);

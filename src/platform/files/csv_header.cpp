@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -70,10 +71,26 @@ char separator_of(std::string_view header) {
 
 }  // namespace
 
+MissingColumn::MissingColumn(const std::string& where, std::string_view column, std::string_view header,
+                             const std::vector<std::string>& candidates)
+    : IoError(where + ": the header has no column \"" + std::string(column) + "\": \"" + std::string(header) +
+              "\""),
+      column_(column_of(column).name) {
+  const auto axis_of = [](std::string_view name) {
+    return std::tolower(static_cast<unsigned char>(name.back()));
+  };
+  std::ranges::copy_if(candidates, std::back_inserter(candidates_), [&](const std::string& candidate) {
+    const std::string_view name = column_of(candidate).name;
+    return !name.empty() && axis_of(name) == axis_of(column_);
+  });
+  if (candidates_.empty()) candidates_ = candidates;
+}
+
 CsvHeader::CsvHeader(const CsvLayout& layout, std::string_view line, const std::string& where) {
   if (line.starts_with('#')) line.remove_prefix(1);
   separator_ = separator_of(line);
   split(line, [this](std::size_t, std::string_view cell) { add_name(cell); });
+  if (layout.given_names != nullptr) rename(*layout.given_names);
   places_.fill(missing);
   factors_.fill(1.0L);
   for (std::size_t place = 0; place < names_.size(); ++place) match(layout, place, where);
@@ -83,8 +100,7 @@ CsvHeader::CsvHeader(const CsvLayout& layout, std::string_view line, const std::
       required_width_ = std::max(required_width_, places_[column] + 1);
       continue;
     }
-    throw IoError(where + ": the header has no column \"" + std::string(layout.columns[column]) + "\": \"" +
-                  std::string(line) + "\"");
+    throw MissingColumn(where, layout.columns[column], line, unknown_);
   }
   if (separator_ == ' ') required_width_ = names_.size();  // between spaces no cell can be empty
 }
@@ -100,6 +116,16 @@ void CsvHeader::add_name(std::string_view cell) {
   }
   const std::size_t bracket = names_.back().find_first_of("[(");
   is_open_ = bracket != std::string::npos && names_.back().find_first_of("])") == std::string::npos;
+}
+
+/// A file has the same columns for all its readers, so a found name may be of another layout.
+void CsvHeader::rename(ColumnNames& given) {
+  for (std::string& name : names_) {
+    const auto found = given.own_by_given.find(name);
+    if (found == given.own_by_given.end()) continue;
+    given.found.insert(name);
+    name = found->second;
+  }
 }
 
 /// Refuses a vector, or two times, of which only a part names another unit than that of the layout.

@@ -2,8 +2,13 @@
 /// \file
 /// The header of a CSV file: which columns it has, and in which units.
 
+#include "files/error.hpp"
+#include <sonopose/samples/time.hpp>
+
 #include <array>
 #include <cstddef>
+#include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -17,11 +22,37 @@ struct ColumnSynonym {
   std::string_view own;   ///< the same for the name in the layout
 };
 
+/// Names that the user gives to columns of a file.
+struct ColumnNames {
+  std::map<std::string, std::string> own_by_given;  ///< names in the layout, with or without unit: `x [mm]`
+  std::set<std::string> found;                      ///< given names that a header had
+  /// For each file, the columns that one of its readers does not have, instead of a warning.
+  std::map<std::string, std::vector<std::vector<std::string>>> unused_by_file = {};
+};
+
 /// The columns that a file can have.
 struct CsvLayout {
   std::span<const std::string_view> columns;  ///< names with units: `x [m]`
   std::size_t required_columns = 0;           ///< number of those, from the first, that a file must have
   std::span<const ColumnSynonym> synonyms{};
+  ColumnNames* given_names = nullptr;  ///< these replace names in the header, and are marked as found
+  TimeNs time_offset_ns = 0;           ///< added to each time
+};
+
+/// A required column is not in the header.
+class MissingColumn : public IoError {
+public:
+  /// `candidates`: columns of the header that the layout does not have.
+  MissingColumn(const std::string& where, std::string_view column, std::string_view header,
+                const std::vector<std::string>& candidates);
+
+  [[nodiscard]] const std::string& column() const { return column_; }
+  /// The candidates that end in the column's axis, or all if none does.
+  [[nodiscard]] const std::vector<std::string>& candidates() const { return candidates_; }
+
+private:
+  std::string column_;  ///< without unit
+  std::vector<std::string> candidates_;
 };
 
 /// Finds the columns of a layout in a header. Compares names without case, separators and the frames of
@@ -41,6 +72,7 @@ public:
   template <class OnCell>
   std::size_t split(std::string_view line, const OnCell& on_cell) const;
 
+  [[nodiscard]] char separator() const { return separator_; }
   [[nodiscard]] std::size_t width() const { return names_.size(); }
   /// Number of cells that a row must have: up to the last required column.
   [[nodiscard]] std::size_t required_width() const { return required_width_; }
@@ -60,6 +92,7 @@ public:
 
 private:
   void add_name(std::string_view cell);
+  void rename(ColumnNames& given);
   void match(const CsvLayout& layout, std::size_t place, const std::string& where);
   void require_units(const std::string& where) const;
 

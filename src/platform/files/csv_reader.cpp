@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <exception>
 #include <system_error>
 #include <vector>
 
@@ -20,22 +21,23 @@ CsvReader::CsvReader(const std::filesystem::path& file, const CsvLayout& layout)
 }
 
 void CsvReader::read_header() {
-  std::optional<IoError> refusal;
+  std::exception_ptr refusal;
   std::optional<std::string_view> line;
   bool is_found = false;
   for (line = next_line(); line && line->starts_with('#') && !is_found; line = next_line()) {
     try {
       header_ = CsvHeader(layout_, *line, position());
       is_found = true;
-    } catch (const IoError& error) {
-      refusal.emplace(error);
+    } catch (const IoError&) {
+      refusal = std::current_exception();
     }
   }
   if (!is_found) {
-    if (!line && refusal) throw *refusal;
+    if (!line && refusal) std::rethrow_exception(refusal);
     if (!line) throw IoError(name_ + ": is empty; expected a header line with the names of the columns");
     // Below a comment, a row of numbers is not the header.
-    if (refusal && parse_number(line->substr(0, line->find_first_of(",;\t ")))) throw *refusal;
+    if (refusal && parse_number(line->substr(0, line->find_first_of(",;\t "))))
+      std::rethrow_exception(refusal);
     header_ = CsvHeader(layout_, *line, position());
   } else if (line) {
     read_ahead_ = std::make_unique<std::string>(*line);
@@ -43,6 +45,10 @@ void CsvReader::read_header() {
   if (header_.width() > cells_.size()) {
     throw IoError(name_ + ": the header has " + std::to_string(header_.width()) + " columns; at most " +
                   std::to_string(cells_.size()) + " are read");
+  }
+  if (layout_.given_names != nullptr) {
+    layout_.given_names->unused_by_file[name_].push_back(header_.unknown());
+    return;
   }
   std::string unknown;
   for (const std::string& name : header_.unknown()) unknown += (unknown.empty() ? "" : ", ") + name;
@@ -62,7 +68,7 @@ bool CsvReader::next_row() {
   std::optional<std::string_view> line = is_first && read_ahead_ ? *read_ahead_ : next_line();
   while (line && line->starts_with('#')) line = next_line();
   if (!line) return false;
-  row_ = *line;
+  row_ = header_.separator() == ';' ? with_points(*line) : *line;
   cells_.fill({});
   const std::size_t count = header_.split(row_, [this](std::size_t index, std::string_view text) {
     if (index < cells_.size()) cells_[index] = text;
@@ -73,6 +79,14 @@ bool CsvReader::next_row() {
   }
   if (is_first) detect_seconds();
   return true;
+}
+
+/// A row in which decimal commas, as between semicolons, are points.
+std::string_view CsvReader::with_points(std::string_view line) {
+  if (line.find(',') == std::string_view::npos) return line;
+  decimal_row_ = std::make_unique<std::string>(line);
+  std::ranges::replace(*decimal_row_, ',', '.');
+  return *decimal_row_;
 }
 
 void CsvReader::detect_seconds() {
@@ -96,16 +110,16 @@ TimeNs CsvReader::time_ns(std::size_t column) const {
   TimeNs value = 0;
   const char* const end = text.data() + text.size();
   const auto result = std::from_chars(text.data(), end, value);
-  constexpr TimeNs too_late = TimeNs{1} << 62U;  // the difference of any two times fits into 64 bits
   if (factor != 1.0L || result.ec != std::errc{} || result.ptr != end) {
     const auto time = parse_long_number(text);
     if (!time) fail(column, "is not a time");
     const long double time_ns = *time * factor;
     if (factor == 1.0L && time_ns != std::floor(time_ns)) fail(column, "is not a time in whole nanoseconds");
-    const bool is_in_range = time_ns >= 1.0L && time_ns < static_cast<long double>(too_late);
-    value = is_in_range ? std::llround(time_ns) : 0;
+    const bool is_in_range = std::abs(time_ns) < static_cast<long double>(end_of_time_ns);
+    value = is_in_range ? std::llround(time_ns) : end_of_time_ns;
   }
-  if (value <= 0 || value >= too_late) fail(column, "is not a time between 1 and 2^62 - 1 ns");
+  value = saturated_sum(value, layout_.time_offset_ns);
+  if (value <= 0 || value >= end_of_time_ns) fail(column, "is not a time between 1 and 2^62 - 1 ns");
   return value;
 }
 

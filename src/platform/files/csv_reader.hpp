@@ -57,12 +57,14 @@ private:
   void read_header();
   std::optional<std::string_view> next_line();
   void detect_seconds();
+  std::string_view with_points(std::string_view line);
 
   std::string name_;
   CsvLayout layout_;
   LineReader lines_;
   CsvHeader header_;
-  std::unique_ptr<std::string> read_ahead_;  ///< first row; at the same place after a move
+  std::unique_ptr<std::string> read_ahead_;   ///< first row; at the same place after a move
+  std::unique_ptr<std::string> decimal_row_;  ///< current row with decimal points, likewise
   std::string_view row_;
   std::array<std::string_view, 64> cells_{};
 };

@@ -1,0 +1,102 @@
+#include "recording/tables.hpp"
+
+#include "files/csv_reader.hpp"
+#include "recording/log_columns.hpp"
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <limits>
+#include <string_view>
+#include <variant>
+
+namespace sonopose::recording {
+namespace {
+
+constexpr std::array<std::string_view, 6> position_columns{"timestamp [ns]", "x [m]",         "y [m]",
+                                                           "z [m]",          "received [ns]", "quality [%]"};
+constexpr std::size_t position_columns_required = 4;
+
+/// Added while reading, since a table may begin at zero or before.
+constexpr TimeNs reading_offset_ns = 1'000'000'000'000'000'000;
+constexpr TimeNs first_ns = 1'000'000'000;  ///< of tables that begin at zero
+
+files::CsvLayout table_of(files::CsvLayout layout, files::ColumnNames& names) {
+  layout.given_names = &names;
+  layout.time_offset_ns = reading_offset_ns;
+  return layout;
+}
+
+std::vector<UltrasonicFix> read_positions(const std::filesystem::path& file, files::ColumnNames& names,
+                                          BeaconAddress address, bool leave_repeated_out, Tables& tables) {
+  files::CsvReader rows(file, table_of(layout_of(position_columns, position_columns_required), names));
+  std::vector<UltrasonicFix> fixes;
+  while (rows.next_row()) {
+    if (!rows.all_filled(1, 3)) {
+      ++tables.rows_without_position;
+      continue;
+    }
+    UltrasonicFix fix;
+    fix.address = address;
+    fix.emission_time_ns = rows.time_ns(0);
+    fix.position_world_m = rows.vector(1);
+    if (leave_repeated_out && !fixes.empty() && fixes.back().position_world_m == fix.position_world_m) {
+      ++tables.repeated_positions;
+      continue;
+    }
+    fix.received_time_ns = rows.is_empty(4) ? fix.emission_time_ns : rows.time_ns(4);
+    fix.quality_percent = rows.optional_number(5);
+    fix.measured_delay_s = seconds_between(fix.emission_time_ns, fix.received_time_ns);
+    fixes.push_back(fix);
+  }
+  return fixes;
+}
+
+void check_names(const files::ColumnNames& names) {
+  for (const auto& [given, own] : names.own_by_given) {
+    if (names.found.contains(given)) continue;
+    throw files::IoError("no table has a column \"" + given + "\" (given as \"" + own + "\")");
+  }
+}
+
+/// The columns that no reader of their file has.
+std::vector<std::string> unused_columns(const files::ColumnNames& names) {
+  std::vector<std::string> unused;
+  for (const auto& [file, by_reader] : names.unused_by_file) {
+    for (const std::string& column : by_reader.front()) {
+      const bool is_unused = std::ranges::all_of(by_reader, [&](const auto& columns) {
+        return std::ranges::find(columns, column) != columns.end();
+      });
+      if (is_unused) unused.push_back(file + ": " + column);
+    }
+  }
+  return unused;
+}
+
+}  // namespace
+
+Tables read_tables(const TableFiles& files, files::ColumnNames& names, BeaconAddress address) {
+  Tables tables;
+  std::vector<ImuSample> imu =
+      read_imu_csv(files.imu, address, ImuMeaning::unknown, table_of(imu_layout(), names));
+  const bool is_one_file = files.imu == files.positions;
+  std::vector<UltrasonicFix> fixes = read_positions(files.positions, names, address, is_one_file, tables);
+  if (files.truth) tables.log.truth = read_truth_csv(*files.truth, address, table_of(truth_layout(), names));
+  check_names(names);
+  tables.unused_columns = unused_columns(names);
+
+  std::vector<std::reference_wrapper<TimeNs>> times;
+  for (ImuSample& sample : imu) times.emplace_back(sample.sensor_time_ns);
+  for (UltrasonicFix& fix : fixes) times.insert(times.end(), {fix.emission_time_ns, fix.received_time_ns});
+  for (TruthSample& sample : tables.log.truth) times.emplace_back(sample.time_ns);
+  TimeNs earliest_ns = std::numeric_limits<TimeNs>::max();
+  for (const TimeNs time_ns : times) earliest_ns = std::min(earliest_ns, time_ns - reading_offset_ns);
+  if (earliest_ns < 1) tables.times_moved_ns = first_ns - earliest_ns;
+  for (TimeNs& time_ns : times) time_ns += tables.times_moved_ns - reading_offset_ns;
+
+  tables.log.address = address;
+  tables.log.events = merge_by_availability(imu, fixes, {});
+  return tables;
+}
+
+}  // namespace sonopose::recording

@@ -1,0 +1,35 @@
+#pragma once
+/// \file
+/// Reads tables of IMU samples and positions with any column names, which are not a log folder.
+
+#include "files/csv_header.hpp"
+#include "recording/log_folder.hpp"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sonopose::recording {
+
+/// The tables; two may be the same file.
+struct TableFiles {
+  std::filesystem::path imu;
+  std::filesystem::path positions;             ///< fixes
+  std::optional<std::filesystem::path> truth;  ///< positions, or poses
+};
+
+struct Tables {
+  SensorLog log;
+  std::size_t rows_without_position = 0;         ///< rows of the positions' table without x, y and z
+  std::size_t repeated_positions = 0;            ///< rows that repeat the position of the row before
+  TimeNs times_moved_ns = 0;                     ///< added to all times, because they began at zero
+  std::vector<std::string> unused_columns = {};  ///< `FILE: NAME`
+};
+
+/// Reads the tables; `names` gives the columns of all files. A position is taken for measured at its time,
+/// and for received then unless the table has a column `received`. If the positions' table is the IMU's too,
+/// rows that repeat a position are left out. Throws files::IoError, also for a given name that no file has.
+Tables read_tables(const TableFiles& files, files::ColumnNames& names, BeaconAddress address);
+
+}  // namespace sonopose::recording

@@ -1,0 +1,85 @@
+/// The program sonopose-import.
+
+#include "recording/log_writer.hpp"
+#include "sim/simulator.hpp"
+#include "support/process.hpp"
+#include "support/temporary_folder.hpp"
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+
+#include <regex>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace import_test {
+
+using namespace sonopose;
+using namespace sonopose::test;
+using Catch::Contains;
+
+/// Tables of a simulated walk: times in seconds from the start, positions 80 ms late by their times.
+void write_tables(const TemporaryFolder& folder) {
+  const auto run = sim::record(sim::find_scenario("kart"), {.seed = 41, .duration_s = 90.0});
+  const TimeNs start_ns = available_at_ns(run.events.front());
+  std::string imu = "time,GyroA_x,GyroA_y,GyroA_z,acc_x,acc_y,acc_z\n";
+  std::string positions = "time;x;y;z\n";
+  for (const Event& event : run.events) {
+    if (const auto* sample = std::get_if<ImuSample>(&event)) {
+      const Vector3d& w = sample->angular_velocity_body_radps;
+      const Vector3d& a = sample->specific_force_body_mps2;
+      imu += fmt::format("{:.6f},{},{},{},{},{},{}\n", seconds_between(start_ns, sample->sensor_time_ns),
+                         w.x(), w.y(), w.z(), a.x(), a.y(), a.z());
+    } else if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
+      const Vector3d& p = fix->position_world_m;
+      positions += fmt::format("{:.6f};{};{};{}\n", seconds_between(start_ns, fix->emission_time_ns) + 0.08,
+                               p.x(), p.y(), p.z());
+    }
+  }
+  write_text(folder / "imu.csv", imu);
+  write_text(folder / "positions.csv", positions);
+}
+
+SCENARIO("tables are imported, and the offset of their clocks is found") {
+  const TemporaryFolder folder;
+  write_tables(folder);
+  std::vector<std::string> arguments{"--imu",       (folder / "imu.csv").string(),
+                                     "--positions", (folder / "positions.csv").string(),
+                                     "--out",       (folder / "log").string()};
+  GIVEN("names that are not known") {
+    const Result result = run(SONOPOSE_TEST_IMPORT, arguments);
+    THEN("the import is refused with the option to add, and writes nothing") {
+      CHECK(result.code == 1);
+      CHECK_THAT(result.error, Contains("no column \"w_x") && Contains("--column \"w_x=GyroA_x\""));
+      CHECK_FALSE(exists(folder / "log"));
+    }
+  }
+  GIVEN("the names of the gyroscope's columns") {
+    for (const char* const name : {"w_x=GyroA_x", "w_y=GyroA_y", "w_z=GyroA_z"}) {
+      arguments.insert(arguments.end(), {"--column", name});
+    }
+    const Result result = run(SONOPOSE_TEST_IMPORT, arguments);
+    CAPTURE(result.output, result.error);
+    REQUIRE(result.code == 0);
+    THEN("it says what it has read, and the offset of the clocks") {
+      CHECK_THAT(result.output, Contains("100 Hz") && Contains("on average along +z"));
+      std::smatch match;
+      REQUIRE(std::regex_search(result.output, match, std::regex("are ([0-9.]+) s older than their times")));
+      CHECK(std::stod(match[1]) == Approx(0.08).margin(0.01));
+    }
+    THEN("the replay of the log with this setting follows the positions") {
+      const Result replay =
+          run(SONOPOSE_TEST_REPLAY, {(folder / "log").string(), "--set", "delay.correction_s=0.08"});
+      CHECK(replay.code == 0);
+      CHECK_THAT(replay.output, Contains(" used"));
+    }
+    THEN("an existing log is not overwritten") {
+      const Result again = run(SONOPOSE_TEST_IMPORT, arguments);
+      CHECK(again.code == 1);
+      CHECK_THAT(again.error, Contains("log"));
+    }
+  }
+}
+
+}  // namespace import_test
