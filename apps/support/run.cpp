@@ -10,13 +10,18 @@
 
 #include <algorithm>
 #include <atomic>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <fcntl.h>
 #include <memory>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <system_error>
+#include <unistd.h>
+#include <utility>
 #include <vector>
 
 namespace sonopose::apps {
@@ -101,6 +106,38 @@ int print(const std::string& text) {
   }
 }
 
+/// Makes a limit of the file size (ulimit -f, LimitFSIZE=) an error of the write instead of the end of the
+/// process. Keeps closed standard streams from being taken by the next files, which would then receive what
+/// is printed; writing to such a stream stays an error.
+void prepare_process() {
+  std::signal(SIGXFSZ, SIG_IGN);
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(stream, F_GETFD) >= 0) continue;
+    ::open("/dev/null",
+           stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);  // takes the lowest number that is free
+  }
+}
+
+/// Throws CLI::ValidationError for an empty path, which mostly is an unset variable of a shell.
+void refuse_empty_paths(const CLI::App& app) {
+  for (const CLI::Option* option : app.get_options()) {
+    const std::string all = option->get_type_name();  // followed by those of its checks
+    const std::string type = all.substr(0, all.find(':'));
+    if (type != "FILE" && type != "DIR" && type != "PATH") continue;
+    const auto& values = option->results();
+    if (std::find(values.begin(), values.end(), "") == values.end()) continue;
+    throw CLI::ValidationError(option->get_name(), "the path is empty");
+  }
+}
+
+/// Returns the text of an error, with the limit behind one that only names a shortage.
+std::string reason_of(const std::exception& error) {
+  const auto* const system = dynamic_cast<const std::system_error*>(&error);
+  if (system == nullptr || system->code() != std::errc::resource_unavailable_try_again) return error.what();
+  return fmt::format("{}: too few processes and threads may start ({})", error.what(),
+                     "ulimit -u; TasksMax= of a service; --pids-limit of a container");
+}
+
 /// The name for exceptions of other threads. Set once, before there are any.
 std::string& program_name() {
   static std::string name;
@@ -119,7 +156,7 @@ std::string restart_words() {
   try {
     if (const auto exception = std::current_exception()) std::rethrow_exception(exception);
   } catch (const std::exception& error) {
-    reason = error.what();
+    reason = reason_of(error);
   } catch (...) {  // NOLINT(bugprone-empty-catch): keep the text above
   }
   if (is_serving) reason += "; " + restart_words();
@@ -170,7 +207,7 @@ void serve(const std::function<void()>& node) {
     node();
   } catch (const std::exception& error) {
     is_serving = false;
-    throw std::runtime_error(fmt::format("{}; {}", error.what(), restart_words()));
+    throw std::runtime_error(fmt::format("{}; {}", reason_of(error), restart_words()));
   }
   is_serving = false;
 }
@@ -182,8 +219,10 @@ int run(CLI::App& app, int argc, char** argv, const std::function<int()>& body) 
 int run(CLI::App& app, const std::vector<std::string>& arguments, const std::function<int()>& body) {
   program_name() = app.get_name();
   logging::set_program(app.get_name());
+  prepare_process();
   try {
     parse(app, with_joined_values(app, arguments));
+    for (const CLI::App* each : {&std::as_const(app), &command_of(app)}) refuse_empty_paths(*each);
   } catch (const Printed& asked) {
     return print(asked.what());
   } catch (const CLI::Success& asked) {  // --help, --version
@@ -201,7 +240,7 @@ int run(CLI::App& app, const std::vector<std::string>& arguments, const std::fun
     flush_output();
     return code;
   } catch (const std::exception& error) {
-    logging::failure(error.what());
+    logging::failure(reason_of(error));
     return 1;
   }
 }

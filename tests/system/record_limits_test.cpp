@@ -61,9 +61,8 @@ SCENARIO("a full disk ends the recording with an error and a complete file") {
     const Bus bus;
     const TemporaryFolder folder;
     const fs::path file = folder / "run.mcap";
-    const std::string command = "trap '' XFSZ; ulimit -f 3072; exec " SONOPOSE_TEST_RECORD " " +
-                                file.string() + " --compression none --domain " +
-                                std::to_string(bus.domain_id());
+    const std::string command = "ulimit -f 3072; exec " SONOPOSE_TEST_RECORD " " + file.string() +
+                                " --compression none --domain " + std::to_string(bus.domain_id());
     Process record("/bin/sh", Arguments{"-c", command});
     REQUIRE(record.wait_for_line(Stream::error, "recording "));
     const auto bridge = bus.bridge({"--rate", "4", "--beacons", "4"});
@@ -245,7 +244,7 @@ SCENARIO("a full disk is noticed when the last seconds are written") {
     const Bus bus;
     const TemporaryFolder folder;
     const std::string command =
-        "trap '' XFSZ; ulimit -f 6144; exec " SONOPOSE_TEST_RECORD " " + (folder / "run.mcap").string() +
+        "ulimit -f 6144; exec " SONOPOSE_TEST_RECORD " " + (folder / "run.mcap").string() +
         " --compression none --keep-last 20 --domain " + std::to_string(bus.domain_id());
     Process record("/bin/sh", Arguments{"-c", command});
     REQUIRE(record.wait_for_line(Stream::error, "recording "));

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <poll.h>
 #include <span>
+#include <string_view>
 #include <sys/eventfd.h>
 #include <sys/timerfd.h>
 #include <system_error>
@@ -56,12 +57,28 @@ void terminate_now(int signal) noexcept {
   ::_exit(128 + signal);
 }
 
+/// Signals that request the stop. The kernel sends SIGXCPU at the soft limit of processor time, and again
+/// after each further second.
+constexpr std::array stop_signals{SIGINT, SIGTERM, SIGHUP, SIGXCPU};
+
+std::atomic<bool> is_out_of_time{false};
+
+/// Says once why the process stops, since nobody has asked for it.
+void report_out_of_time() noexcept {
+  constexpr std::string_view text = "stopping: the limit of processor time is reached (ulimit -t)\n";
+  if (is_out_of_time.exchange(true)) return;
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text.data(), text.size());
+}
+
 extern "C" void sonopose_on_stop_signal(int signal) {
   const int saved_errno = errno;
-  const TimeNs now_ns = clocks::steady_now().ns;  // neither allocates nor locks
-  TimeNs first_ns = 0;
-  if (!signalled_ns.compare_exchange_strong(first_ns, now_ns) && now_ns - first_ns > repeated_after_ns) {
-    terminate_now(signal);
+  if (signal == SIGXCPU) report_out_of_time();
+  if (signal == SIGINT || signal == SIGTERM) {      // others are not from somebody who waits
+    const TimeNs now_ns = clocks::steady_now().ns;  // neither allocates nor locks
+    TimeNs first_ns = 0;
+    if (!signalled_ns.compare_exchange_strong(first_ns, now_ns) && now_ns - first_ns > repeated_after_ns) {
+      terminate_now(signal);
+    }
   }
   if (const int fd = signalled_fd.load(); fd >= 0) raise_event(fd);
   errno = saved_errno;
@@ -135,8 +152,12 @@ void StopSignal::listen_to_signals() {
   action.sa_handler = sonopose_on_stop_signal;
   action.sa_flags = SA_RESTART;
   ::sigemptyset(&action.sa_mask);
-  for (const int signal : {SIGINT, SIGTERM}) ::sigaddset(&action.sa_mask, signal);
-  for (const int signal : {SIGINT, SIGTERM}) {
+  for (const int signal : stop_signals) ::sigaddset(&action.sa_mask, signal);
+  for (const int signal : stop_signals) {
+    struct sigaction before {};
+    const bool is_hangup_ignored =
+        signal == SIGHUP && ::sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_IGN;
+    if (is_hangup_ignored) continue;  // as by nohup(1)
     if (::sigaction(signal, &action, nullptr) != 0) {
       throw std::system_error(errno, std::generic_category(), "sigaction");
     }

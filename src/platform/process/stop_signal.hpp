@@ -1,7 +1,6 @@
 #pragma once
 /// \file
-/// A request to end the process, by Ctrl-C, SIGTERM or the program itself, and other events that wake its
-/// threads.
+/// A request to end the process, by a signal or the program itself, and other events that wake its threads.
 
 #include <sonopose/samples/samples.hpp>
 
@@ -56,8 +55,9 @@ public:
   StopSignal& operator=(const StopSignal&) = delete;
   ~StopSignal();
 
-  /// Makes SIGINT and SIGTERM request the stop from now on. A second one, more than 1 s after the first, ends
-  /// the process immediately. Throws std::system_error.
+  /// Makes SIGINT, SIGTERM, SIGHUP (a closed terminal; unless it is ignored, as by nohup) and SIGXCPU (out of
+  /// processor time) request the stop from now on. A second SIGINT or SIGTERM, more than 1 s after the first,
+  /// ends the process immediately. Throws std::system_error.
   void listen_to_signals();
 
   void request() noexcept;

@@ -18,7 +18,7 @@
 namespace sonopose::terminal {
 namespace {
 
-constexpr std::array crash_signals{SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGQUIT, SIGHUP};
+constexpr std::array crash_signals{SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGQUIT};
 
 /// The state that a signal handler reads.
 struct Saved {

@@ -6,9 +6,11 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <cstddef>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
@@ -21,23 +23,26 @@ using namespace sonopose::process;
 constexpr TimeNs ms = 1'000'000;
 constexpr TimeNs minute = 60'000 * ms;
 
-/// Restores the signal handlers on destruction.
+/// Sets these signals to their default, as at the start of a process, and restores their handlers on
+/// destruction.
 class KeptHandlers {
 public:
   KeptHandlers() {
-    ::sigaction(SIGINT, nullptr, &interrupt_);
-    ::sigaction(SIGTERM, nullptr, &terminate_);
+    for (std::size_t i = 0; i < signals.size(); ++i) {
+      ::sigaction(signals[i], nullptr, &before_[i]);
+      ::signal(signals[i], SIG_DFL);
+    }
   }
   KeptHandlers(const KeptHandlers&) = delete;
   KeptHandlers& operator=(const KeptHandlers&) = delete;
   ~KeptHandlers() {
-    ::sigaction(SIGINT, &interrupt_, nullptr);
-    ::sigaction(SIGTERM, &terminate_, nullptr);
+    for (std::size_t i = 0; i < signals.size(); ++i) ::sigaction(signals[i], &before_[i], nullptr);
   }
 
+  static constexpr std::array signals{SIGINT, SIGTERM, SIGHUP, SIGXCPU};
+
 private:
-  struct sigaction interrupt_ {};
-  struct sigaction terminate_ {};
+  std::array<struct sigaction, signals.size()> before_{};
 };
 
 SCENARIO("a wait ends at its deadline or at the stop") {
@@ -159,15 +164,24 @@ SCENARIO("a second signal of a person who waits ends the process at once") {
   }
 }
 
-SCENARIO("Ctrl-C and SIGTERM set the stop that listens") {
+SCENARIO("Ctrl-C, SIGTERM, a closed terminal and the end of the processor time set the stop that listens") {
   const KeptHandlers kept;
-  for (const int signal : {SIGINT, SIGTERM}) {
+  for (const int signal : KeptHandlers::signals) {
     StopSignal listening;
     const StopSignal other;
     listening.listen_to_signals();
     REQUIRE(::raise(signal) == 0);
     CHECK(listening.wait_until(clocks::steady_now() + minute));
     CHECK_FALSE(other.requested());
+  }
+  GIVEN("a process that ignores the end of its terminal, as under nohup") {
+    ::signal(SIGHUP, SIG_IGN);
+    StopSignal listening;
+    listening.listen_to_signals();
+    THEN("it goes on") {
+      REQUIRE(::raise(SIGHUP) == 0);
+      CHECK_FALSE(listening.requested());
+    }
   }
   GIVEN("a listening stop that was destroyed") {
     { StopSignal().listen_to_signals(); }

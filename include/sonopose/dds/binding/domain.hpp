@@ -56,6 +56,7 @@ struct UserNetwork {
   std::vector<std::string> interfaces;  ///< names or addresses of listed interfaces
   bool peers = false;                   ///< true if it lists peers
   bool without_multicast = false;       ///< true if AllowMulticast is false
+  bool shared_memory = false;           ///< true if SharedMemory is enabled
 };
 
 /// Reads `uri`, a comma-separated list of XML fragments, file names and file:// URIs. Unreadable parts are
@@ -71,8 +72,9 @@ std::string domain_configuration(std::uint32_t domain_id, const DomainOptions& o
                                  const std::string& user_uri);
 
 /// A reference to the process's configured domain: the first one configures it, the last one closes it.
-/// Throws `Error`, also if this process uses the domain with a different network or too few file descriptors
-/// are free.
+/// Throws `Error`, also if this process uses the domain with a different network, if too few file descriptors
+/// or threads are free, or if the user enables shared memory whose daemon does not run. Replaces the log sink
+/// of Cyclone DDS while it opens the domain.
 class DomainLease {
 public:
   explicit DomainLease(const DomainOptions& options);

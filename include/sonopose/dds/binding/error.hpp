@@ -16,11 +16,13 @@ using ReturnCode = dds_return_t;
 class Error : public std::runtime_error {
 public:
   Error(const std::string& call, ReturnCode code);
+  /// The same with another text for the reason.
+  Error(const std::string& call, ReturnCode code, const std::string& reason);
 
   /// `DDS_RETCODE_…`; negative.
   ReturnCode code() const noexcept { return code_; }
 
-  /// True if too few file descriptors or too little memory were free.
+  /// True if too few file descriptors or threads, or too little memory, were free.
   bool is_out_of_resources() const noexcept { return code_ == DDS_RETCODE_OUT_OF_RESOURCES; }
 
 private:

@@ -1,8 +1,9 @@
-#include "dds/binding/descriptors.hpp"
+#include "dds/binding/surroundings.hpp"
 #include <sonopose/dds/binding/domain.hpp>
 #include <sonopose/dds/binding/error.hpp>
 
 #include <charconv>
+#include <cstdio>
 #include <cstdlib>
 #include <map>
 #include <mutex>
@@ -39,13 +40,55 @@ Registry& registry() {
   return *instance;
 }
 
+/// Collects the errors that Cyclone DDS logs: its return codes do not have the reason. Passes other messages
+/// on as Cyclone DDS does.
+class LoggedErrors {
+public:
+  LoggedErrors() { dds_set_log_sink(on_message, this); }
+  LoggedErrors(const LoggedErrors&) = delete;
+  LoggedErrors& operator=(const LoggedErrors&) = delete;
+  ~LoggedErrors() { dds_set_log_sink(nullptr, nullptr); }
+
+  /// Returns the errors so far in one line.
+  std::string text() {
+    const std::lock_guard lock(mutex_);
+    return text_;
+  }
+
+private:
+  static void on_message(void* self, const dds_log_data_t* data) {
+    if (data->priority != DDS_LC_ERROR) {
+      std::fwrite(data->message - data->hdrsize, 1, data->hdrsize + data->size + 1, stderr);
+      return;
+    }
+    auto& logged = *static_cast<LoggedErrors*>(self);
+    const std::lock_guard lock(logged.mutex_);
+    if (!logged.text_.empty()) logged.text_ += "; ";
+    logged.text_.append(data->message, data->size);
+  }
+
+  std::mutex mutex_;  ///< threads of other domains log too
+  std::string text_;
+};
+
 dds_entity_t create_domain(std::uint32_t id, const DomainOptions& options) {
   const std::string uri = environment("CYCLONEDDS_URI");
+  const UserNetwork user = network_named_by(uri, id);
   std::string about = "domain " + std::to_string(id);
   check_free_descriptors(about);
+  check_free_threads(about);
+  check_shared_memory(about, user);
   if (!uri.empty()) about += ", CYCLONEDDS_URI=" + uri;
-  return check("dds_create_domain", about,
-               dds_create_domain(id, domain_configuration(id, options, uri).c_str()));
+  LoggedErrors logged;
+  const dds_entity_t domain = dds_create_domain(id, domain_configuration(id, options, uri).c_str());
+  std::string reason = logged.text();
+  if (reason.empty()) return check("dds_create_domain", about, domain);
+  if (domain >= 0) {
+    std::fprintf(stderr, "domain %u: %s\n", id, reason.c_str());
+    return domain;
+  }
+  if (reason.find("interface") != std::string::npos) reason += "; " + interface_advice(options.network, user);
+  throw Error("dds_create_domain(" + about + ")", domain, reason);
 }
 
 }  // namespace

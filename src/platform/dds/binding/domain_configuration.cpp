@@ -53,6 +53,11 @@ void look_for_lists(const pugi::xml_node& parent, std::uint32_t domain_id, UserN
       found.without_multicast = same(node.child_value(), "false");
     }
     if (same(node.name(), "Peers")) found.peers = true;
+    if (same(node.name(), "Enable") && same(parent.name(), "SharedMemory")) {
+      std::string value;
+      std::istringstream(node.child_value()) >> value;  // without spaces around it
+      found.shared_memory = same(value.c_str(), "true");
+    }
     look_for_lists(node, domain_id, found, levels - 1);
   }
 }

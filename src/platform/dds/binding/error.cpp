@@ -2,7 +2,9 @@
 
 namespace sonopose::dds {
 
-Error::Error(const std::string& call, ReturnCode code)
-    : std::runtime_error(call + ": " + dds_strretcode(-code)), code_(code) {}
+Error::Error(const std::string& call, ReturnCode code) : Error(call, code, dds_strretcode(-code)) {}
+
+Error::Error(const std::string& call, ReturnCode code, const std::string& reason)
+    : std::runtime_error(call + ": " + reason), code_(code) {}
 
 }  // namespace sonopose::dds

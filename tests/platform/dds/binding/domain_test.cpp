@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <memory>
 #include <sstream>
 #include <stdexcept>
@@ -149,6 +150,31 @@ TEST_CASE("The user's CYCLONEDDS_URI takes precedence, except for the single rec
                         Contains("dds_create_domain") && Contains("CYCLONEDDS_URI") && Contains("Nonsense"));
     }
   }
+}
+
+TEST_CASE("An error of a domain has the reason that Cyclone DDS logs, and the interfaces there are") {
+  using Catch::Contains;
+  const Environment environment("CYCLONEDDS_URI",
+                                R"(<CycloneDDS><Domain><General><Interfaces><NetworkInterface name="wlan7"/>)"
+                                "</Interfaces></General></Domain></CycloneDDS>");
+  CHECK_THROWS_WITH(participant(), Contains("CYCLONEDDS_URI") && Contains("wlan7: does not match") &&
+                                       Contains("lo (127.0.0.1)"));
+}
+
+TEST_CASE("Shared memory without its daemon is refused at once, with what to do") {
+  using Catch::Contains;
+  if (fs::exists("/tmp/roudi")) {
+    std::cout << "skipped: iox-roudi runs, or has left /tmp/roudi; stop it\n";
+    return;
+  }
+  const auto uri = [](const std::string& enable) {
+    return "<CycloneDDS><Domain><SharedMemory><Enable>" + enable +
+           "</Enable></SharedMemory></Domain></CycloneDDS>";
+  };
+  const Environment environment("CYCLONEDDS_URI", uri(" true ").c_str());
+  CHECK_THROWS_WITH(participant(), Contains("CYCLONEDDS_URI enables shared memory") &&
+                                       Contains("iox-roudi") && Contains("SharedMemory/Enable"));
+  CHECK_FALSE(network_named_by(uri("false"), 5).shared_memory);
 }
 
 TEST_CASE("Peers of the options are searched in addition to this machine") {
