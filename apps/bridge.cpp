@@ -43,7 +43,8 @@ int serve(const CLI::App& app, const Options& options) {
                                      .record_folder = options.record,
                                      .source_settings = apps::source_settings(app, options.source)});
   const auto realtime = apps::realtime(options.realtime_priority);
-  logging::info("publishing from " + options.source.source);
+  // A serial line says when its device is open.
+  if (options.source.source != "serial") logging::info("publishing from " + options.source.source);
   apps::serve([&] { node.run(*source, stop); });
   finish(*source, node);
   return 0;

@@ -4,12 +4,14 @@
 #include "marvelmind/crc16.hpp"
 #include "marvelmind/decoder.hpp"
 #include "marvelmind/encoder.hpp"
+#include "marvelmind/foreign_protocol.hpp"
 #include "marvelmind_events.hpp"
 #include "support.hpp"
 
 #include <algorithm>
 #include <cstring>
 #include <span>
+#include <string>
 
 using namespace sonopose;
 using namespace sonopose::fuzz;
@@ -86,6 +88,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   });
   assembler.finish(check);
   check.finish(assembler);
+  const std::string name = marvelmind::foreign_protocol(bytes);
+  promise(std::all_of(name.begin(), name.end(), [](char c) { return c >= ' ' && c <= '~'; }),
+          "the name of a foreign protocol is printable");
   const auto ignore = [](const marvelmind::Packet&) {};
   promise(counters == decode(bytes, std::max<std::size_t>(bytes.size(), 1), ignore),
           "the pieces in which bytes arrive do not matter");

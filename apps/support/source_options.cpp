@@ -75,8 +75,11 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
                  "Number of beacons of sim, each with the next address and seed")
       ->check(CLI::Range(1U, bridge::max_simulated_beacons))
       ->capture_default_str();
-  app.add_option("--device", options.serial.device,
-                 "Serial device; the bridge waits for it while it is absent")
+  app.add_option(
+         "--device", options.serial.device,
+         "Serial device, best its lasting name in /dev/serial/by-id; the bridge waits for it while it "
+         "is absent")
+      ->type_name("PATH")
       ->capture_default_str();
   app.add_option("--baud", options.serial.baud, "Baud rate; USB devices ignore it")
       ->check(CLI::Range(1200U, 4'000'000U))

@@ -153,13 +153,15 @@ void Cast::start(Role role) {
   const test::Environment environment = environment_of(role);
   const std::string program = role == Role::bridge ? SONOPOSE_TEST_BRIDGE : SONOPOSE_TEST_FUSION;
   processes_[role] = role == Role::bridge && plan_.disk == Disk::full
-                         ? limited("trap '' XFSZ; ulimit -f 64", program, arguments, environment)
+                         ? limited("ulimit -f 64", program, arguments, environment)
                          : std::make_unique<Process>(program, arguments, environment);
 }
 
 void Cast::wait_until_ready(Role role) {
+  // A serial bridge waits for its device or reads it.
+  const char* const of_bridge = plan_.line == Line::serial ? " baud" : "publishing from";
   const bool ready =
-      processes_.at(role)->wait_for_line(Stream::error, role == Role::bridge ? "publishing from" : "serving");
+      processes_.at(role)->wait_for_line(Stream::error, role == Role::bridge ? of_bridge : "serving");
   const std::lock_guard lock(mutex_);
   if (!ready)
     failures_.push_back(text_of(role) + " did not start: " + processes_.at(role)->text(Stream::error));

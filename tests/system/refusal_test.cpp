@@ -204,6 +204,25 @@ SCENARIO("a bridge refuses an invalid input") {
     THEN("it is named") {
       CHECK_THAT(refused({"--source", "serial", "--device", folder.path().string()}),
                  Contains(folder.path().string()));
+      CHECK_THAT(refused({"--source", "serial", "--device", "/dev/null"}),
+                 Contains("/dev/null") && Contains("not a serial device"));
+    }
+  }
+  WHEN("a path is empty, as by an unset variable of a shell") {
+    THEN("its option is named") {
+      CHECK_THAT(refused({"--source", "serial", "--device", ""}), Contains("--device: the path is empty"));
+      CHECK_THAT(refused({"--record", ""}), Contains("--record: the path is empty"));
+      CHECK_THAT(refusal(SONOPOSE_TEST_RECORD, {""}), Contains("file: the path is empty"));
+      CHECK_THAT(refusal(SONOPOSE_TEST_FUSION, {"--config", ""}), Contains("--config: the path is empty"));
+    }
+  }
+  WHEN("the stream file has sentences of a beacon in NMEA mode") {
+    std::string sentences;
+    for (int i = 0; i < 20; ++i) sentences += "$GPGLL,4916.45,N,12311.12,W,225444,A*31\r\n";
+    write_text(folder / "nmea.bin", sentences);
+    THEN("file, protocol and the setting of the beacon are named") {
+      CHECK_THAT(refused({"--source", "stream", "--input", (folder / "nmea.bin").string()}),
+                 Contains("nmea.bin: NMEA sentences ($GPGLL)") && Contains("Dashboard"));
     }
   }
   WHEN("the scenario, the source or the rate does not exist") {

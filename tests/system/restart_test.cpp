@@ -1,8 +1,12 @@
 /// Processes that are killed and restarted.
 
+#include "marvelmind/encoder.hpp"
 #include "support/bus.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <csignal>
+#include <cstdint>
+#include <string>
 
 namespace restart_test {
 
@@ -77,20 +81,28 @@ SCENARIO("a fusion is killed and restarted") {
   }
 }
 
+/// A packet of telemetry.
+std::string bytes_of_beacon(std::uint8_t address) {
+  const marvelmind::Frame frame = marvelmind::encode(marvelmind::Telemetry{.address = address});
+  return {frame.bytes().begin(), frame.bytes().end()};
+}
+
 SCENARIO("a bridge that an error ends states the reason and the restart that helps") {
   GIVEN("a bridge that plays a file, and a reader of each of its streams") {
     const Bus bus;
     const Consumer<sonopose_ImuSample> imu(bus, topics::imu);
     const Consumer<sonopose_UltrasonicFix> fixes(bus, topics::fix);
     const Consumer<sonopose_PairHeading> headings(bus, topics::heading);
-    WHEN("the file cannot be read") {
-      const auto bridge = bus.bridge({"--source", "stream", "--input", "/proc/self/mem"});
+    WHEN("the file has one beacon more than are allowed") {
+      const TemporaryFolder folder;
+      const std::string file = (folder / "bytes.bin").string();
+      write_text(file, bytes_of_beacon(5) + bytes_of_beacon(6));
+      const auto bridge = bus.bridge({"--source", "stream", "--input", file, "--max-beacons", "1"});
       THEN("it ends with exit code 1, the reason, and what to restart") {
         CHECK(bridge->wait_for_exit() == 1);
-        CHECK_THAT(
-            bridge->text(Stream::error),
-            Catch::Contains("/proc/self/mem: cannot be read: Input/output error; restart sonopose-bridge; "
-                            "no other program needs a restart"));
+        CHECK_THAT(bridge->text(Stream::error),
+                   Catch::Contains(file + ": beacon 6 is one more than --max-beacons 1; restart "
+                                          "sonopose-bridge; no other program needs a restart"));
       }
     }
   }

@@ -151,6 +151,42 @@ SCENARIO("a serial line is visible on the bus before any beacon address is known
   }
 }
 
+SCENARIO("a beacon in NMEA mode is named with the setting to change") {
+  GIVEN("a bridge on a serial line") {
+    const Bus bus;
+    const PseudoTerminal line;
+    const auto bridge = bus.bridge({"--source", "serial", "--device", line.device()});
+    REQUIRE(bridge->wait_for_line(Stream::error, "reading " + line.device()));
+    WHEN("NMEA sentences arrive") {
+      const std::string sentence = "$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47\r\n";
+      for (int i = 0; i < 20; ++i) line.send(Bytes(sentence.begin(), sentence.end()));
+      THEN("the bridge says so, and not to check the baud rate") {
+        REQUIRE(
+            bridge->wait_for_line(Stream::error, "without a valid frame: they are NMEA sentences ($GPGGA)"));
+        CHECK_THAT(bridge->text(Stream::error),
+                   Catch::Contains("protocol") && Catch::Contains("Dashboard") && !Catch::Contains("--baud"));
+      }
+    }
+  }
+}
+
+SCENARIO("a second bridge on the same device waits until the first one has ended") {
+  GIVEN("two bridges on one line") {
+    const Bus bus;
+    const PseudoTerminal line;
+    const auto first = bus.bridge({"--source", "serial", "--device", line.device()});
+    REQUIRE(first->wait_for_line(Stream::error, "reading " + line.device()));
+    const auto second = bus.bridge({"--source", "serial", "--device", line.device()});
+    THEN("the second one names the first one, and reads after its end") {
+      REQUIRE(second->wait_for_line(
+          Stream::error, "in use by sonopose-bridge (process " + std::to_string(first->pid()) + ")"));
+      CHECK_THAT(second->text(Stream::error), !Catch::Contains("publishing from"));
+      REQUIRE(first->end_by(SIGKILL).code == -SIGKILL);
+      CHECK(second->wait_for_line(Stream::error, "reading " + line.device()));
+    }
+  }
+}
+
 SCENARIO("the map that a beacon sends reaches consumers, also one that joins later") {
   GIVEN("a bridge on a serial line") {
     const Bus bus;

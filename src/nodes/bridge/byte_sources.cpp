@@ -13,10 +13,12 @@
 #include "marvelmind/assembler.hpp"
 #include "marvelmind/conversions.hpp"
 #include "marvelmind/decoder.hpp"
+#include "marvelmind/foreign_protocol.hpp"
 #include "process/free_memory.hpp"
 #include "transport/byte_file.hpp"
 #include "transport/serial_port.hpp"
 #include "transport/udp_listener.hpp"
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -24,6 +26,10 @@
 #include <array>
 #include <chrono>
 #include <exception>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace sonopose::bridge {
 namespace {
@@ -93,6 +99,7 @@ public:
       if (read.status == ReadStatus::data) {
         const auto got = std::span(buffer).first(read.size);
         bytes_received_ += read.size;
+        watch_.on_bytes(got);
         decoder_.feed(got, [&](const marvelmind::Packet& packet) {
           if (!accepts(packet, read.sender)) return;
           const TimeNs arrival_ns = clock_.at(read.arrival);
@@ -223,17 +230,56 @@ private:
   std::uint64_t packets_refused_ = 0;
 };
 
+constexpr const char* protocol_setting =
+    "the protocol of the beacon's UART and USB output to Marvelmind (Dashboard, Interfaces)";
+
+/// What a file has that lacks valid frames. `begin`: its first bytes.
+[[noreturn]] void refuse_foreign(const std::filesystem::path& path, std::uint64_t size,
+                                 std::span<const std::uint8_t> begin) {
+  const std::string foreign = marvelmind::foreign_protocol(begin);
+  throw files::IoError(fmt::format(
+      "{}: {}; --source stream plays raw bytes of a beacon: set {}. Recordings are for --source log or mcap",
+      path.string(), foreign.empty() ? text::count_text(size, "byte") + " without a valid frame" : foreign,
+      protocol_setting));
+}
+
+/// Throws if the file has no valid frame.
+void check_has_frames(const std::filesystem::path& path) {
+  transport::ByteFile file(path);
+  marvelmind::Decoder decoder;
+  const auto ignore = [](const marvelmind::Packet&) {};
+  std::vector<std::uint8_t> begin;
+  std::uint64_t size = 0;
+  Buffer buffer;
+  while (decoder.counters().frames == 0) {
+    const transport::ReadResult read = file.read(buffer, std::chrono::milliseconds(0));
+    if (read.status != ReadStatus::data) break;
+    const auto got = std::span(buffer).first(read.size);
+    if (size == 0) begin.assign(got.begin(), got.end());
+    size += read.size;
+    decoder.feed(got, ignore);
+  }
+  decoder.finish(ignore);
+  if (decoder.counters().frames == 0) refuse_foreign(path, size, begin);
+}
+
 /// A file of bytes, timed by the beacons' own clock.
 class StreamSource final : public publication::Source {
 public:
   explicit StreamSource(const StreamOptions& options)
-      : options_(options), file_(options.file), pacer_(options.rate) {}
+      : options_(options), file_(options.file), pacer_(options.rate) {
+    // A pipe can be read only once.
+    if (std::filesystem::is_regular_file(options.file)) check_has_frames(options.file);
+  }
 
   [[nodiscard]] bool is_recording() const override { return true; }
 
   void run(publication::SampleSink& sink, const process::StopSignal& stop) override {
     const TimeNs origin_ns = clocks::host_now();
-    const auto publish = [this, &sink](const Event& event) { pass_on(event, options_.imu_meaning, sink); };
+    const auto publish = [this, &sink](const Event& event) {
+      ++events_;
+      pass_on(event, options_.imu_meaning, sink);
+    };
     bool stopped = false;
     // Publish a sample when its packet was sent, not when it was read from the file.
     const auto play = [&](const marvelmind::Packet& packet) {
@@ -250,14 +296,35 @@ public:
     while (!stopped && !stop.requested()) {
       const transport::ReadResult read = file_.read(buffer, std::chrono::milliseconds(0));
       if (read.status != ReadStatus::data) break;
-      decoder_.feed(std::span(buffer).first(read.size), play);
+      const auto got = std::span(buffer).first(read.size);
+      if (bytes_read_ == 0) begin_.assign(got.begin(), got.end());
+      bytes_read_ += read.size;
+      decoder_.feed(got, play);
     }
     decoder_.finish(play);
     if (!stopped) assembler_.finish(publish);
     report(assembler_, decoder_.counters(), sink);
+    if (!stopped && !stop.requested()) report_unused();
   }
 
 private:
+  /// Reports what was not played. Throws if that is everything.
+  void report_unused() const {
+    const marvelmind::DecoderCounters& counters = decoder_.counters();
+    if (counters.frames == 0) refuse_foreign(options_.file, bytes_read_, begin_);
+    if (events_ == 0) {
+      throw files::IoError(
+          fmt::format("{}: {}, but no sample: enable the streams of raw IMU and positions of the beacon",
+                      options_.file.string(), text::count_text(counters.frames, "valid frame")));
+    }
+    const std::uint64_t other_frames = counters.unknown_frames + counters.malformed_frames;
+    if (counters.bytes_lost == 0 && other_frames == 0) return;
+    logging::warning(fmt::format("{}: {} of {} bytes are in no valid frame ({}), {} of no known kind",
+                                 options_.file.string(), counters.bytes_lost, bytes_read_,
+                                 text::count_text(counters.crc_errors, "wrong checksum"),
+                                 text::count_text(other_frames, "frame")));
+  }
+
   /// Throws for a beacon beyond the limit: a recording must not lose samples silently.
   void check_address(const marvelmind::Packet& packet) {
     const auto address = marvelmind::address_of(packet);
@@ -278,6 +345,9 @@ private:
   marvelmind::Decoder decoder_;
   Assembler assembler_{marvelmind::TimeMapping::fixed};
   std::uint64_t played_ = 0;
+  std::vector<std::uint8_t> begin_;  ///< first bytes of the file
+  std::uint64_t bytes_read_ = 0;
+  std::uint64_t events_ = 0;
 };
 
 }  // namespace
@@ -288,16 +358,19 @@ std::unique_ptr<publication::Source> make_stream_source(const StreamOptions& opt
 
 std::unique_ptr<publication::Source> make_serial_source(const SerialOptions& options,
                                                         const LiveOptions& live) {
+  LineWatch watch(
+      {fmt::format("check --baud (now {}), and that the device is a Marvelmind beacon", options.baud),
+       fmt::format("set {}, or choose another --device", protocol_setting)});
   return std::make_unique<LiveSource<marvelmind::Decoder>>(
-      std::make_unique<transport::SerialPort>(options.device, options.baud),
-      LineWatch(fmt::format("--baud (now {}), and that the device is a Marvelmind beacon", options.baud)),
-      live);
+      std::make_unique<transport::SerialPort>(options.device, options.baud), std::move(watch), live);
 }
 
 std::unique_ptr<publication::Source> make_udp_source(const UdpOptions& options, const LiveOptions& live) {
+  LineWatch watch({"check that the sender uses the Marvelmind protocol",
+                   "set the protocol of the sender to Marvelmind, or choose another port"});
   return std::make_unique<LiveSource<marvelmind::DatagramDecoder>>(
       std::make_unique<transport::UdpListener>(transport::parse_endpoint(options.listen), options.from),
-      LineWatch("that the sender uses the Marvelmind protocol"), live);
+      std::move(watch), live);
 }
 
 }  // namespace sonopose::bridge

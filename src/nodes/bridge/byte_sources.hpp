@@ -25,8 +25,8 @@ struct StreamOptions {
 };
 
 /// A file of raw bytes from a serial line. The beacons' own clock times each packet, so a file always gives
-/// the same samples. The first stamp becomes the start time. Throws files::IoError if the file cannot be read
-/// or, while running, if it has more beacons than `max_beacons`.
+/// the same samples. The first stamp becomes the start time. Throws files::IoError if the file cannot be
+/// read, has no valid frame or, while running, has no sample or more beacons than `max_beacons`.
 std::unique_ptr<publication::Source> make_stream_source(const StreamOptions& options);
 
 struct SerialOptions {

@@ -1,10 +1,12 @@
 #include "bridge/line_watch.hpp"
 
+#include "marvelmind/foreign_protocol.hpp"
 #include "marvelmind/packet.hpp"
 #include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace sonopose::bridge {
@@ -14,6 +16,20 @@ namespace {
 constexpr TimeNs silence_limit_ns = 3'000'000'000;
 
 }  // namespace
+
+void LineWatch::on_bytes(std::span<const std::uint8_t> bytes) {
+  bytes = bytes.last(std::min(bytes.size(), latest_.size()));
+  const std::size_t kept = std::min(latest_size_, latest_.size() - bytes.size());
+  const auto to_drop = static_cast<std::ptrdiff_t>(latest_size_ - kept);
+  std::shift_left(latest_.begin(), latest_.begin() + static_cast<std::ptrdiff_t>(latest_size_), to_drop);
+  std::copy(bytes.begin(), bytes.end(), latest_.begin() + static_cast<std::ptrdiff_t>(kept));
+  latest_size_ = kept + bytes.size();
+}
+
+std::string LineWatch::advice() const {
+  const std::string foreign = marvelmind::foreign_protocol(std::span(latest_).first(latest_size_));
+  return foreign.empty() ? advice_.unknown : fmt::format("they are {}; {}", foreign, advice_.foreign);
+}
 
 void LineWatch::judge(LineStatus& line, SteadyTime now) {
   const bool was_open = std::exchange(is_open_, line.state == LineState::open);
@@ -29,8 +45,8 @@ void LineWatch::judge(LineStatus& line, SteadyTime now) {
   // An incomplete frame at the end of a transmission is no sign of a wrong baud rate.
   if (now - frames_.since >= silence_limit_ns && bytes_without_frame > marvelmind::max_frame_size) {
     line.state = LineState::no_frames;
-    line.text = fmt::format("{} without a valid frame: check {}",
-                            text::count_text(bytes_without_frame, "byte"), check_);
+    line.text =
+        fmt::format("{} without a valid frame: {}", text::count_text(bytes_without_frame, "byte"), advice());
   } else if (now - bytes_.since >= silence_limit_ns) {
     line.state = LineState::silent;
     line.text = fmt::format("no bytes for {:.0f} s: check that the beacon is on and streams its data",
@@ -44,6 +60,7 @@ void LineWatch::begin(SteadyTime now) {
   bytes_.since = now;
   frames_.since = now;
   bytes_at_frame_ = bytes_.count;
+  if (!is_open_) latest_size_ = 0;
   logged_ = LineState::open;
 }
 

@@ -5,7 +5,10 @@
 #include "transitions/bounded_log.hpp"
 #include <sonopose/samples/status.hpp>
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -13,8 +16,16 @@ namespace sonopose::bridge {
 
 class LineWatch {
 public:
-  /// `check`: advice for bytes without a valid frame, such as "--baud (now 115200)".
-  explicit LineWatch(std::string check) : check_(std::move(check)) {}
+  /// Advice for bytes without a valid frame.
+  struct Advice {
+    std::string unknown;  ///< for bytes of no known kind, such as "check --baud (now 115200)"
+    std::string foreign;  ///< for another protocol, or text
+  };
+
+  explicit LineWatch(Advice advice) : advice_(std::move(advice)) {}
+
+  /// Keeps the latest bytes, to recognise what they are.
+  void on_bytes(std::span<const std::uint8_t> bytes);
 
   /// Sets state and text of an open line that is silent or delivers no frames. Logs each change. Call it
   /// several times a second.
@@ -31,9 +42,12 @@ private:
   };
 
   void begin(SteadyTime now);
+  [[nodiscard]] std::string advice() const;
   void log_change(const LineStatus& line, SteadyTime now);
 
-  std::string check_;
+  Advice advice_;
+  std::array<std::uint8_t, 1024> latest_{};  ///< several sentences or messages of other protocols
+  std::size_t latest_size_ = 0;
   bool is_open_ = false;
   Progress bytes_;
   Progress frames_;

@@ -4,6 +4,7 @@
 #include "bridge/shifted.hpp"
 #include "bus_log/sensor_log.hpp"
 #include "clocks/clocks.hpp"
+#include "files/error.hpp"
 
 namespace sonopose::bridge {
 namespace {
@@ -13,12 +14,13 @@ public:
   explicit LogSource(const LogOptions& options)
       : pacer_(options.rate),
         restamp_(options.restamp),
-        log_(bus_log::read_sensor_log(options.folder, options.address)) {}
+        log_(bus_log::read_sensor_log(options.folder, options.address)) {
+    if (log_.events.empty()) throw files::IoError(options.folder.string() + ": has no samples to play");
+  }
 
   [[nodiscard]] bool is_recording() const override { return true; }
 
   void run(publication::SampleSink& sink, const process::StopSignal& stop) override {
-    if (log_.events.empty()) return;
     const TimeNs shift_ns =
         restamp_ ? saturated_difference(clocks::host_now(), available_at_ns(log_.events.front())) : 0;
     auto truth = log_.truth.begin();

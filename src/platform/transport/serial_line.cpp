@@ -6,9 +6,14 @@
 // Linux's termios2 takes the baud rate as a number. Its header and the C library's <termios.h> exclude each
 // other, hence this file.
 #include <asm/termbits.h>
+#include <sys/file.h>
 #include <sys/ioctl.h>
 
 namespace sonopose::transport {
+
+bool lock_serial_line(int descriptor) {
+  return ::flock(descriptor, LOCK_EX | LOCK_NB) == 0 && ::ioctl(descriptor, TIOCEXCL) == 0;
+}
 
 std::string configure_serial_line(int descriptor, unsigned baud) {
   termios2 line{};
@@ -28,8 +33,6 @@ std::string configure_serial_line(int descriptor, unsigned baud) {
   if (ratio < 0.97 || ratio > 1.03) {
     return "it uses " + std::to_string(line.c_ospeed) + " baud instead of " + std::to_string(baud);
   }
-  // A second reader would steal half of the bytes.
-  if (::ioctl(descriptor, TIOCEXCL) != 0) return std::strerror(errno);
   return {};
 }
 

@@ -12,8 +12,10 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <fcntl.h>
 #include <filesystem>
 #include <system_error>
+#include <unistd.h>
 #include <utility>
 
 namespace sonopose::transport {
@@ -23,6 +25,8 @@ namespace {
 using std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds retry_period{100};
+/// Period for a device that is there, but cannot be used: finding the cause takes milliseconds.
+constexpr std::chrono::milliseconds slow_retry_period{1000};
 
 std::chrono::milliseconds until(steady_clock::time_point time) {
   return std::max(std::chrono::milliseconds{0},
@@ -30,9 +34,18 @@ std::chrono::milliseconds until(steady_clock::time_point time) {
 }
 
 /// Returns true if there is no device, false if it cannot be opened.
-bool is_absence(const asio::error_code& error) {
-  // asio's category does not map to std::errc.
-  return error.value() == ENOENT || error.value() == ENODEV || error.value() == ENXIO;
+bool is_absence(int error) {
+  return error == ENOENT || error == ENODEV || error == ENXIO;
+}
+
+/// Returns true for a path of a device, or of nothing yet.
+bool may_be_serial_device(const std::string& path) {
+  std::error_code ignored;
+  const auto kind = std::filesystem::status(path, ignored).type();
+  using Kind = std::filesystem::file_type;
+  const bool is_other_kind = kind == Kind::regular || kind == Kind::directory || kind == Kind::block ||
+                             kind == Kind::fifo || kind == Kind::socket;
+  return !path.empty() && !is_other_kind && !is_other_device(path);
 }
 
 }  // namespace
@@ -41,11 +54,7 @@ class SerialPort::Line {
 public:
   Line(std::string device, unsigned baud) : device_{std::move(device)}, baud_{baud}, port_{loop_.context()} {
     if (baud_ == 0) throw files::IoError(device_ + ": a baud rate of 0 closes the line");
-    std::error_code ignored;
-    const auto kind = std::filesystem::status(device_, ignored).type();
-    using Kind = std::filesystem::file_type;
-    if (kind == Kind::regular || kind == Kind::directory)
-      throw files::IoError(device_ + ": is not a serial device");
+    if (!may_be_serial_device(device_)) throw files::IoError('"' + device_ + "\" is not a serial device");
   }
 
   ReadResult read(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) {
@@ -55,7 +64,10 @@ public:
 
   void stop() { loop_.stop(); }
   [[nodiscard]] const std::string& name() const { return device_; }
-  [[nodiscard]] std::string description() const { return device_ + " at " + std::to_string(baud_) + " baud"; }
+  [[nodiscard]] std::string description() const {
+    const std::string line = device_ + " at " + std::to_string(baud_) + " baud";
+    return others_.empty() ? line : line + "; " + others_ + " has it open too and may take bytes";
+  }
   [[nodiscard]] LineState state() const { return state_; }
   [[nodiscard]] const std::string& last_error() const { return last_error_; }
 
@@ -100,26 +112,48 @@ private:
   }
 
   /// Returns why the device could not be opened.
-  [[nodiscard]] std::string reason_of(const asio::error_code& error) const {
-    if (error.value() == ENOENT) return "it does not exist";
-    if (error.value() == EACCES) return error.message() + ": " + access_remedy(device_);
-    return error.message();
+  [[nodiscard]] std::string reason_of(int error) const {
+    const std::string text = std::generic_category().message(error);
+    if (error == ENOENT) return "it does not exist; " + serial_devices();
+    if (error == EACCES) return text + ": " + access_remedy(device_);
+    if (error == EBUSY) return used_by_others();
+    return text;
+  }
+
+  [[nodiscard]] std::string used_by_others() const {
+    const std::string users = users_of(device_);
+    return "it is in use by " +
+           (users.empty() ? "another process: sudo fuser -v " + device_ + " shows which" : users);
+  }
+
+  /// Prepares a device that was opened. Returns the cause of a failure, else an empty text.
+  [[nodiscard]] std::string prepare(int descriptor) const {
+    if (::isatty(descriptor) == 0 && errno == ENOTTY) return "it is not a serial device";
+    if (!lock_serial_line(descriptor)) {
+      return errno == EWOULDBLOCK ? used_by_others() : std::generic_category().message(errno);
+    }
+    return configure_serial_line(descriptor, baud_);
   }
 
   bool open() {
-    asio::error_code error;
-    port_.open(device_, error);
-    if (error) {
+    const int descriptor = ::open(device_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+    if (descriptor < 0) {
+      const int error = errno;
       close(reason_of(error), is_absence(error) ? LineState::waiting : LineState::failed);
       return false;
     }
-    const std::string cause = configure_serial_line(port_.native_handle(), baud_);
+    std::string cause = prepare(descriptor);
+    asio::error_code error;
+    if (cause.empty()) port_.assign(descriptor, error);
+    if (error) cause = error.message();
     if (!cause.empty()) {
+      ::close(descriptor);
       close(cause, LineState::failed);
       return false;
     }
     state_ = LineState::open;
     last_error_.clear();
+    others_ = users_of(device_);
     reported_ = {LineState::open, {}};
     return true;
   }
@@ -129,7 +163,8 @@ private:
     asio::error_code ignored;
     port_.close(ignored);
     last_error_ = cause;
-    next_attempt_ = steady_clock::now() + retry_period;
+    others_.clear();
+    next_attempt_ = steady_clock::now() + (state == LineState::failed ? slow_retry_period : retry_period);
   }
 
   void sleep(std::chrono::milliseconds duration) {
@@ -145,6 +180,7 @@ private:
   asio::serial_port port_;
   LineState state_ = LineState::closed;
   std::string last_error_ = "not opened yet";
+  std::string others_;  ///< other processes that had the device open when this one opened it
   std::pair<LineState, std::string> reported_{LineState::closed, {}};  ///< state and its cause
   steady_clock::time_point next_attempt_;
 };

@@ -225,6 +225,41 @@ SCENARIO("a file with more beacons than are accepted is an error") {
   }
 }
 
+SCENARIO("a file of bytes that have no sample is an error that names what they are") {
+  const TemporaryFolder folder;
+  const auto file = folder / "bytes.bin";
+  GIVEN("sentences of a beacon in NMEA mode") {
+    std::string sentences;
+    for (int i = 0; i < 100; ++i) sentences += "$GPGLL,4916.45,N,12311.12,W,225444,A*31\r\n";
+    sonopose::test::write_text(file, sentences);
+    THEN("file, protocol and the setting of the beacon are named") {
+      CHECK_THROWS_WITH(make_stream_source({file}),
+                        Catch::Contains(file.string() + ": NMEA sentences ($GPGLL)") &&
+                            Catch::Contains("protocol") && Catch::Contains("Marvelmind"));
+    }
+  }
+  GIVEN("a recording") {
+    sonopose::test::write_text(file, "\x89MCAP0\r\n");
+    THEN("the source for it is named") {
+      CHECK_THROWS_WITH(make_stream_source({file}),
+                        Catch::Contains("an MCAP file") && Catch::Contains("--source log or mcap"));
+    }
+  }
+  GIVEN("nothing") {
+    sonopose::test::write_text(file, "");
+    CHECK_THROWS_WITH(make_stream_source({file}), Catch::Contains("0 bytes without a valid frame"));
+  }
+  GIVEN("valid frames of telemetry alone") {
+    BeaconFile(file) << Telemetry{.battery_mv = 3900, .rssi_dbm = -40, .address = 5};
+    CollectingSink sink;
+    THEN("the streams to enable are named") {
+      const auto source = make_stream_source({file, 0.0});
+      CHECK_THROWS_WITH(source->run(sink, StopSignal()),
+                        Catch::Contains("1 valid frame, but no sample") && Catch::Contains("raw IMU"));
+    }
+  }
+}
+
 SCENARIO("a stream is a recording, and ends at the stop") {
   const TemporaryFolder folder;
   BeaconFile file(folder / "bytes.bin");

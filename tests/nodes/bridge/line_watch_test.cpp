@@ -2,6 +2,10 @@
 
 #include <catch2/catch.hpp>
 
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
 namespace line_watch_test {
 
 using namespace sonopose;
@@ -32,9 +36,12 @@ public:
   }
 
   void set(LineState state) { status_.state = state; }
+  void receive(std::string_view bytes) {
+    watch_.on_bytes(std::vector<std::uint8_t>(bytes.begin(), bytes.end()));
+  }
 
 private:
-  LineWatch watch_{"--baud (now 9600)"};
+  LineWatch watch_{{"check --baud (now 9600)", "set the protocol to Marvelmind"}};
   LineStatus status_;
   SteadyTime now_{1'000'000'000};
 };
@@ -60,6 +67,14 @@ SCENARIO("a line that is open and delivers no frames is reported") {
             CHECK(line.pass(1.0, 100, 3).state == LineState::open);
           }
         }
+      }
+    }
+    WHEN("a GPS receiver's sentences arrive") {
+      for (int i = 0; i < 50; ++i) line.receive("$GPGLL,4916.45,N,12311.12,W,225444,A*31\r\n");
+      THEN("they are named, with the setting to change instead of the baud rate") {
+        CHECK_THAT(line.pass(5.0, 100, 0).text,
+                   Contains("without a valid frame: they are NMEA sentences ($GPGLL)") &&
+                       Contains("set the protocol to Marvelmind") && !Contains("--baud"));
       }
     }
     WHEN("noise has arrived by the time at which its opening is seen, and then nothing") {

@@ -108,6 +108,13 @@ SCENARIO("a log folder as a source") {
       CHECK(clocks::steady_now() - began >= 99 * ms);
     }
   }
+  GIVEN("a log without a row") {
+    { const recording::SensorLogWriter log(folder / "empty"); }
+    THEN("it is refused by name") {
+      CHECK_THROWS_WITH(make_log_source({.folder = folder / "empty"}),
+                        Catch::Contains("empty: has no samples"));
+    }
+  }
   GIVEN("a folder that does not exist") {
     THEN("it is refused by name") {
       CHECK_THROWS_AS(make_log_source({.folder = folder / "none"}), files::IoError);

@@ -6,6 +6,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <filesystem>
 #include <grp.h>
 #include <string>
 #include <sys/stat.h>
@@ -35,6 +36,28 @@ SCENARIO("a device that is not for this user names the group to join, with the c
   WHEN("it cannot be seen") {
     CHECK_THAT(access_remedy(folder / "none/ttyACM0"), Contains("folder"));
   }
+}
+
+SCENARIO("the serial devices that exist are listed, first by the names that stay") {
+  const sonopose::test::TemporaryFolder dev;
+  CHECK(serial_devices(dev.path()) == "there is no serial device");
+  for (const char* const name : {"ttyUSB0", "ttyACM0", "ttyACM1", "tty1", "null", "ttyprintk"}) {
+    sonopose::test::write_text(dev / name, "");
+  }
+  const auto links = dev / "serial/by-id";
+  std::filesystem::create_directories(links);
+  std::filesystem::create_symlink("../../ttyACM1", links / "usb-Marvelmind_beacon");
+  std::filesystem::create_symlink("../../ttyACM7", links / "usb-unplugged");
+  const std::string folder = dev.path().string();
+  CHECK(serial_devices(dev.path()) == "serial devices: " + folder +
+                                          "/serial/by-id/usb-Marvelmind_beacon (ttyACM1), " + folder +
+                                          "/ttyACM0, " + folder + "/ttyUSB0");
+}
+
+SCENARIO("only devices that the kernel knows as something else are other devices") {
+  CHECK(is_other_device("/dev/null"));
+  CHECK_FALSE(is_other_device("/dev/sonopose-no-such-device"));
+  CHECK_FALSE(is_other_device("/dev/ptmx"));
 }
 
 }  // namespace device_access_test

@@ -5,18 +5,21 @@
 #include "clocks/clocks.hpp"
 #include "files/error.hpp"
 #include "support/temporary_folder.hpp"
+#include "transport/device_access.hpp"
 
 #include <catch2/catch.hpp>
 
 #include <array>
 #include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <fcntl.h>
 #include <filesystem>
-#include <iostream>
 #include <memory>
 #include <poll.h>
 #include <string>
+#include <sys/stat.h>
+#include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
 #include <utility>
@@ -88,6 +91,33 @@ struct Host {
   }
 };
 
+/// Another process that has a line open and does not read it.
+class Sleeper {
+public:
+  explicit Sleeper(const std::string& device) : pid_(::fork()) {
+    REQUIRE(pid_ >= 0);
+    if (pid_ > 0) {
+      while (users_of(device).empty()) std::this_thread::sleep_for(1ms);
+      return;
+    }
+    ::open(device.c_str(), O_RDWR | O_NOCTTY);
+    while (true) ::pause();
+  }
+  ~Sleeper() {
+    ::kill(pid_, SIGKILL);
+    ::waitpid(pid_, nullptr, 0);
+  }
+  Sleeper(const Sleeper&) = delete;
+  Sleeper& operator=(const Sleeper&) = delete;
+  Sleeper(Sleeper&&) = delete;
+  Sleeper& operator=(Sleeper&&) = delete;
+
+  [[nodiscard]] pid_t pid() const { return pid_; }
+
+private:
+  pid_t pid_;
+};
+
 SCENARIO("bytes pass through a serial line unchanged") {
   GIVEN("a line at 500000 baud") {
     const Beacon beacon;
@@ -148,7 +178,7 @@ SCENARIO("the port waits for an unplugged device and opens it again") {
         CHECK(host.next().status == ReadStatus::disconnected);
         CHECK_FALSE(host.port.last_error().empty());
         CHECK(host.port.read(host.buffer, 350ms).status == ReadStatus::timeout);
-        CHECK_THAT(host.port.last_error(), Contains("does not exist"));
+        CHECK_THAT(host.port.last_error(), Contains("does not exist") && Contains("serial device"));
         AND_WHEN("another device appears under the same link") {
           const Beacon other;
           const Beacon again;
@@ -187,31 +217,49 @@ SCENARIO("the port waits for an unplugged device and opens it again") {
   }
 }
 
-SCENARIO("a line has one reader only") {
-  if (::geteuid() == 0) {
-    std::cout << "skipped: the kernel lets the superuser open any line; run the tests as another user\n";
-    return;
+SCENARIO("a line has one reader only, even of the superuser, whom TIOCEXCL does not stop") {
+  GIVEN("a line with a reader") {
+    const Beacon beacon;
+    std::unique_ptr<Host> first(new Host{.port = {beacon.device(), 115'200}});
+    REQUIRE(first->next().status == ReadStatus::connected);
+    Host second{.port = {beacon.device(), 115'200}};
+    THEN("a second one waits, and says why; the first one gets every byte") {
+      CHECK(second.next().status == ReadStatus::disconnected);
+      CHECK(second.port.state() == LineState::failed);
+      CHECK_THAT(second.port.last_error(), Contains("in use"));
+      beacon.send("all bytes");
+      CHECK(first->bytes(9) == "all bytes");
+      AND_WHEN("the first one leaves") {
+        first.reset();
+        THEN("the second one reads") {
+          CHECK(second.next().status == ReadStatus::connected);
+          beacon.send("more");
+          CHECK(second.bytes(4) == "more");
+        }
+      }
+    }
   }
-  const Beacon beacon;
-  Host first{.port = {beacon.device(), 115'200}};
-  REQUIRE(first.next().status == ReadStatus::connected);
-  Host second{.port = {beacon.device(), 115'200}};
-  CHECK(second.next().status == ReadStatus::disconnected);
-  CHECK_THAT(second.port.last_error(), Contains("busy"));
+  GIVEN("another process that has the line open without a lock, such as a terminal program") {
+    const Beacon beacon;
+    const Sleeper other(beacon.device());
+    Host host{.port = {beacon.device(), 115'200}};
+    REQUIRE(host.next().status == ReadStatus::connected);
+    THEN("it is named") {
+      CHECK_THAT(host.port.description(),
+                 Contains("(process " + std::to_string(other.pid()) + ") has it open"));
+    }
+  }
 }
 
 SCENARIO("a path that can never be a serial line is refused at once") {
   const TemporaryFolder folder;
   write_text(folder / "file", "");
-  CHECK_THROWS_WITH(SerialPort((folder / "file").string(), 115'200),
-                    Contains("file: is not a serial device"));
-  CHECK_THROWS_WITH(SerialPort(folder.path().string(), 115'200), Contains("is not a serial device"));
-  CHECK_THROWS_WITH(SerialPort("/dev/ttyACM0", 0), Contains("baud rate of 0"));
-  GIVEN("a device that is not a terminal") {
-    Host host{.port = {"/dev/null", 115'200}};
-    CHECK(host.next().status == ReadStatus::disconnected);
-    CHECK_THAT(host.port.last_error(), Contains("ioctl"));
+  REQUIRE(::mkfifo((folder / "pipe").c_str(), 0600) == 0);
+  for (const std::string& path : {(folder / "file").string(), folder.path().string(),
+                                  (folder / "pipe").string(), std::string("/dev/null"), std::string()}) {
+    CHECK_THROWS_WITH(SerialPort(path, 115'200), Contains('"' + path + "\" is not a serial device"));
   }
+  CHECK_THROWS_WITH(SerialPort("/dev/ttyACM0", 0), Contains("baud rate of 0"));
 }
 
 SCENARIO("a stop ends the reads of a serial port") {
