@@ -2,6 +2,7 @@
 
 #include "evaluation/calibration/allan.hpp"
 #include "evaluation/calibration/calibration.hpp"
+#include "files/replacement.hpp"
 #include "plots/allan_plot.hpp"
 #include "support/drive_commands.hpp"
 #include "support/run.hpp"
@@ -57,7 +58,7 @@ auto shown(const Options& options, const Fit& fit) {
 /// Prints the report. The tables go to --out, otherwise to standard output below the report as comments.
 int print_result(const Options& options, const evaluation::CalibrationResult& result) {
   const std::string toml = evaluation::calibration_toml(result, options.beacon);
-  if (options.out) evaluation::write_whole(*options.out, toml);
+  if (options.out) files::write_whole(*options.out, toml);
   if (options.json) {
     fmt::print("{}", evaluation::calibration_json(result));
   } else {

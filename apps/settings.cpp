@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -19,6 +20,7 @@ namespace {
 struct Options {
   apps::BusOptions bus;
   std::vector<std::string> words;  ///< keys, or assignments
+  std::filesystem::path file;
   BeaconAddress address = all_beacons;
   std::uint64_t from_event = 0;
   double timeout_s = 5.0;
@@ -60,6 +62,13 @@ int set(const Options& options) {
   if (!reply->accepted) throw std::runtime_error("refused: " + reply->reason);
   if (!reply->reason.empty()) logging::warning(reply->reason);
   fmt::print("accepted: {}\n", settings_client::effective_time_text(*reply));
+  return settings_client::changes_no_known_beacon(*reply) ? 1 : 0;
+}
+
+int save(const Options& options) {
+  const auto changed = options.client().changed(options.timeout_s);
+  if (changed.empty()) fail(options, "not all settings arrived");
+  logging::info(settings_client::save(changed, options.file));
   return 0;
 }
 
@@ -95,7 +104,6 @@ std::string address_text(const std::string& text) {
 
 CLI::App* add_command(CLI::App& app, Options& options, const char* name, const char* description) {
   auto* command = app.add_subcommand(name, description);
-  command->fallthrough();  // lets the program's options follow the command
   command->add_option("--beacon", options.address, "Address of one beacon (default: all)")
       ->transform(address_text)
       ->option_text("ADDRESS|all");
@@ -108,10 +116,10 @@ int main(int argc, char** argv) {
   Options options;
   apps::Program app("settings");
   add_bus_options(app, options.bus);
-  app.add_option("--timeout", options.timeout_s, "Seconds to wait for an answer (get, set, reset)")
+  app.add_option("--timeout", options.timeout_s, "Seconds to wait for an answer (get, set, save, reset)")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.require_subcommand(1);
+  app.require_subcommand(1)->fallthrough();  // lets the program's options follow the command
 
   auto* getting = add_command(app, options, "get", "Print the settings in use");
   getting->add_option("KEY", options.words,
@@ -128,11 +136,15 @@ int main(int argc, char** argv) {
   watching->add_option("--duration", options.duration_s, "Exit after this many seconds; 0: run until stopped")
       ->check(CLI::NonNegativeNumber);
 
+  auto* saving = app.add_subcommand("save", "Write a file for --config: what differs from the defaults");
+  saving->add_option("FILE", options.file, "File to write, replaced if it exists")->required();
+
   add_command(app, options, "reset", "Restart the engines and wait until they have restarted");
 
   return apps::run(app, argc, argv, [&] {
     if (getting->parsed()) return get(options);
     if (setting->parsed()) return set(options);
+    if (saving->parsed()) return save(options);
     return watching->parsed() ? watch(options) : reset(options);
   });
 }

@@ -1,6 +1,7 @@
 #include "drive_commands.hpp"
 
 #include "evaluation/calibration/calibration.hpp"
+#include "files/replacement.hpp"
 #include "logging/log.hpp"
 #include "plots/likelihood_plot.hpp"
 #include "progress.hpp"
@@ -116,7 +117,7 @@ int DriveCommands::run() const {
   if (plot_) plot.emplace(*plot_);
   const evaluation::DriveCalibration result = calibrated(*command);
   const std::string toml = evaluation::drive_toml(result, beacon_);
-  if (out_) evaluation::write_whole(*out_, toml);
+  if (out_) files::write_whole(*out_, toml);
   if (write_) write_settings(*write_, evaluation::drive_settings(result, beacon_));
   if (json_) {
     fmt::print("{}", evaluation::drive_json(result));

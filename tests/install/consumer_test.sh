@@ -2,8 +2,10 @@
 # GIVEN an installation of this build in an empty folder
 # WHEN the examples are configured with find_package(sonopose) alone, built and started; the consumer in plain C with
 #   nothing but the installed IDL and loopback configuration, and the embedded engine with nothing but Eigen
+# AND the C++ and CMake of the README, and the C++ of other pages, are pasted into files
 # THEN the consumers receive poses of the installed bridge and, on its circle, of the example producer, and those of
-#   ROS 2 from the relay; the embedded engine stays within 1 cm of its fixes, and an optional component dds is missing.
+#   ROS 2 from the relay; the embedded engine stays within 1 cm of its fixes, and an optional component dds is missing;
+#   what was pasted compiles.
 set -euo pipefail
 build=$1 source=$2 cmake=$3
 work=$(mktemp -d)
@@ -39,6 +41,29 @@ if(sonopose_dds_FOUND)
 endif()
 END
 "$cmake" -S "$work/optional" -B "$work/optional/build" -G Ninja "${eigen_only[@]}" >/dev/null
+
+code_of() { # LANGUAGE PAGE
+  awk -v fence="\`\`\`$1" '$0 == fence { inside = 1; next } /^```/ { inside = 0 } inside' "$source/$2"
+}
+mkdir "$work/readme" "$work/pages"
+code_of cpp README.md >"$work/readme/main.cpp"
+code_of cmake README.md >"$work/readme/CMakeLists.txt"
+for page in $(cd "$source" && grep -l '^```cpp' docs/*.md); do
+  code_of cpp "$page" >"$work/pages/$(basename "$page" .md).cpp"
+done
+cat >"$work/pages/CMakeLists.txt" <<'END'
+cmake_minimum_required(VERSION 3.25)
+project(pages LANGUAGES C CXX)
+find_package(sonopose REQUIRED)
+file(GLOB pages *.cpp)
+add_library(pages OBJECT ${pages})
+target_link_libraries(pages PRIVATE sonopose::dds sonopose::estimation)
+END
+for folder in readme pages; do
+  "$cmake" -S "$work/$folder" -B "$work/$folder/build" -G Ninja -DCMAKE_PREFIX_PATH="$work/prefix" \
+    ${flags:+-DCMAKE_CXX_FLAGS=-fsanitize=$flags} >/dev/null
+  "$cmake" --build "$work/$folder/build"
+done
 
 "$work/embedded/sonopose_embedded" | tee "$work/embedded.log" | tail -n 1
 tail -n 1 "$work/embedded.log" |

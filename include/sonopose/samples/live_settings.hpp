@@ -37,13 +37,16 @@ struct SettingsReply {
   std::string reason;  ///< refused: the reason; accepted: a warning, or empty
   std::uint64_t from_sequence =
       0;  ///< first event with the change, if accepted for a known beacon; otherwise as requested
-  std::string details =
-      {};  ///< first event of each known beacon, if accepted for all: "7: event 812, 9: event 501"
+  /// First event of each known beacon, if accepted for all, and the beacons that keep their own values of all
+  /// the settings: "7: event 812, 9: event 501; unchanged: 8".
+  std::string details = {};
 
   bool operator==(const SettingsReply&) const = default;
 };
 
-/// Settings of one beacon's engine; under all_beacons, those of a beacon without its own.
+/// Settings of one beacon's engine; under all_beacons, those of a beacon without its own. As changed
+/// settings: what a configuration file needs, so only the values that differ from the defaults and, of a
+/// beacon, its own that differ from those for all.
 struct EffectiveSettings {
   BeaconAddress address = 0;
   TimeNs time_ns = 0;                     ///< time of writing

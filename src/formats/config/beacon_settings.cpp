@@ -48,6 +48,15 @@ std::vector<SettingAssignment> texts_of(const settings::Settings& settings) {
   return texts;
 }
 
+std::vector<SettingAssignment> changed_texts_of(const settings::Settings& settings) {
+  std::vector<SettingAssignment> texts;
+  for (const auto& row : settings::setting_table()) {
+    const settings::SettingValue value = settings::get(settings, row.key);
+    if (value != row.initial) texts.push_back({row.key, settings::to_text(value)});
+  }
+  return texts;
+}
+
 bool is_preset_key(std::string_view key) {
   return std::find(preset_keys.begin(), preset_keys.end(), key) != preset_keys.end();
 }
@@ -76,6 +85,15 @@ void BeaconSettings::assign_own(const Assignments& assignments) {
     settings::set(settings_, key, value);
     own_.insert(key);
   }
+}
+
+std::vector<SettingAssignment> BeaconSettings::own_texts(const settings::Settings& common) const {
+  std::vector<SettingAssignment> texts;
+  for (const std::string& key : own_) {
+    const settings::SettingValue value = settings::get(settings_, key);
+    if (value != settings::get(common, key)) texts.push_back({key, settings::to_text(value)});
+  }
+  return texts;
 }
 
 }  // namespace sonopose::config

@@ -24,6 +24,9 @@ Assignments parsed(const std::vector<SettingAssignment>& texts);
 /// Writes every setting as text that reads back to the same bits, in the order of the table.
 std::vector<SettingAssignment> texts_of(const settings::Settings& settings);
 
+/// Writes the values that differ from the defaults as text, in the order of the table.
+std::vector<SettingAssignment> changed_texts_of(const settings::Settings& settings);
+
 /// Returns true for a key of items 2, 3 and 4, which a preset (item 1) replaces.
 bool is_preset_key(std::string_view key);
 
@@ -66,6 +69,9 @@ public:
 
   [[nodiscard]] const settings::Settings& settings() const { return settings_; }
   [[nodiscard]] bool has_own() const { return !own_.empty(); }
+
+  /// Its own settings that differ from the common ones, as text.
+  [[nodiscard]] std::vector<SettingAssignment> own_texts(const settings::Settings& common) const;
 
 private:
   settings::Settings settings_;

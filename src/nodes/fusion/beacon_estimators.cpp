@@ -3,7 +3,6 @@
 #include <sonopose/settings/preset.hpp>
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 namespace sonopose::fusion {
@@ -70,9 +69,8 @@ std::vector<SettingsChange> BeaconEstimators::take_settings_changes() {
 }
 
 SettingsChange BeaconEstimators::settings_for_all() const {
-  constexpr auto end = std::numeric_limits<std::uint64_t>::max();
   return {all_beacons, default_timeline_.last_from_sequence(),
-          settings::resolved(default_timeline_.settings_at(end))};
+          settings::resolved(default_timeline_.at_end().settings())};
 }
 
 BeaconEstimators::Schedule BeaconEstimators::schedule(BeaconAddress address) const {

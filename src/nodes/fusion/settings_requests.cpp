@@ -39,6 +39,55 @@ void add(const SettingsRequest& request, const config::Assignments& assignments,
   });
 }
 
+/// The effect of a request on the beacons with a schedule.
+class Effect {
+public:
+  explicit Effect(const SettingsRequest& request) : from_sequence_(request.from_sequence) {}
+
+  /// Adds one beacon, with the request in its schedule.
+  void add(BeaconAddress address, const Schedule& schedule, const config::Assignments& assignments) {
+    const settings::Settings& after = schedule.timeline.settings_at(from_sequence_);
+    std::size_t kept = 0;
+    for (const auto& [key, value] : assignments) {
+      const settings::SettingValue own = settings::get(after, key);
+      if (own == value) continue;
+      kept_[key].push_back(fmt::format("{} ({})", address, settings::to_text(own)));
+      ++kept;
+    }
+    if (!schedule.last_sequence) return;  // not received yet
+    if (kept == assignments.size()) {
+      unchanged_.push_back(address);
+    } else {
+      events_.push_back(fmt::format("{}: event {}", address, first_event(schedule, from_sequence_)));
+    }
+  }
+
+  /// Value of SettingsReply::details.
+  [[nodiscard]] std::string details() const {
+    std::string text = fmt::format("{}", fmt::join(events_, ", "));
+    if (unchanged_.empty()) return text;
+    return fmt::format("{}{}unchanged: {}", text, text.empty() ? "" : "; ", fmt::join(unchanged_, ", "));
+  }
+
+  /// One text for each setting with beacons that keep their own value.
+  [[nodiscard]] std::vector<std::string> remarks() const {
+    std::vector<std::string> texts;
+    for (const auto& [key, beacons] : kept_) {
+      texts.push_back(
+          fmt::format("{} stays as it is for beacon {}: a value of its own, which only a request for that "
+                      "beacon changes",
+                      key, fmt::join(beacons, ", ")));
+    }
+    return texts;
+  }
+
+private:
+  std::uint64_t from_sequence_;
+  std::vector<std::string> events_;
+  std::vector<BeaconAddress> unchanged_;                  ///< keep their own values of all the settings
+  std::map<std::string, std::vector<std::string>> kept_;  ///< by key, beacons with the value that stays
+};
+
 }  // namespace
 
 SettingsReply SettingsRequests::answer(const SettingsRequest& request) {
@@ -79,24 +128,24 @@ void SettingsRequests::carry_out(const SettingsRequest& request, SettingsReply& 
   if (!is_for_all) addresses.clear();
   addresses.push_back(request.address);
   std::vector<Schedule> schedules;
-  std::vector<std::string> first_events;
+  Effect effect(request);
   for (const BeaconAddress address : addresses) {
     schedules.push_back(
         estimators_.with([address](auto& estimators) { return estimators.schedule(address); }));
     add(request, assignments, address, schedules.back());
-    if (schedules.back().last_sequence) {
-      first_events.push_back(
-          fmt::format("{}: event {}", address, first_event(schedules.back(), request.from_sequence)));
-    }
+    if (address != request.address) effect.add(address, schedules.back(), assignments);
   }
   const settings::Settings after = schedules.back().timeline.settings_at(request.from_sequence);
   reply.from_sequence = first_event(schedules.back(), request.from_sequence);
-  if (is_for_all) reply.details = fmt::format("{}", fmt::join(first_events, ", "));
+  reply.details = effect.details();
   std::map<BeaconAddress, settings::Settings> own;  // without the requested address, which is last
   for (std::size_t i = 0; i + 1 < addresses.size(); ++i) {
     own.emplace(addresses[i], schedules[i].timeline.settings_at(request.from_sequence));
   }
-  std::vector<std::string> remarks = config::warnings_for_all(after, assignments, own);
+  std::vector<std::string> remarks = effect.remarks();
+  for (std::string& text : config::warnings_for_all(after, assignments, own)) {
+    remarks.push_back(std::move(text));
+  }
   if (assignments.contains("fusion.engine")) {
     remarks.emplace_back("where fusion.engine changes, the estimate starts again and reset_counter rises");
   }

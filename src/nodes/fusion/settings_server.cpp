@@ -24,9 +24,11 @@ SettingsServer::SettingsServer(const dds::DomainParticipant& participant, const 
       addresses_(std::move(addresses)),
       requests_(estimators),
       settings_writer_(topics::make_writer(participant, qos, topics::settings)),
+      changed_writer_(topics::make_writer(participant, qos, topics::changed_settings)),
       reply_writer_(topics::make_writer(participant, qos, topics::settings_reply)),
       request_reader_(topics::make_reader(participant, qos, topics::settings_request)) {
   publish(estimators_.with([](auto& all) { return all.settings_for_all(); }));
+  publish_changed(all_beacons);
   thread_ = std::thread([this] { serve(); });
 }
 
@@ -81,8 +83,11 @@ void SettingsServer::answer(const sonopose_SettingsRequest& request) {
   const SettingsRequest asked = topics::from_idl(request);
   const SettingsReply reply = requests_.answer(asked);
   log(asked, reply);
-  if (reply.accepted && reply.address == all_beacons) {  // before the reply, so that the client reads them
-    publish(estimators_.with([](auto& all) { return all.settings_for_all(); }));
+  if (reply.accepted) {  // before the reply, so that the client reads them
+    if (reply.address == all_beacons) {
+      publish(estimators_.with([](auto& all) { return all.settings_for_all(); }));
+    }
+    publish_changed(reply.address);
   }
   const auto sample = topics::to_idl(reply);
   write([&] { return reply_writer_.try_write(sample); });
@@ -114,12 +119,22 @@ void SettingsServer::publish_changes() {
 }
 
 void SettingsServer::publish(const SettingsChange& change) {
-  const EffectiveSettings settings{.address = change.address,
-                                   .time_ns = clocks::host_now(),
-                                   .from_sequence = change.from_sequence,
-                                   .values = config::texts_of(change.settings)};
+  publish(settings_writer_, {.address = change.address,
+                             .from_sequence = change.from_sequence,
+                             .values = config::texts_of(change.settings)});
+}
+
+void SettingsServer::publish_changed(BeaconAddress address) {
+  for (EffectiveSettings& each : changed_settings_.update(address)) {
+    publish(changed_writer_, std::move(each));
+  }
+}
+
+void SettingsServer::publish(dds::DataWriter<sonopose_EffectiveSettings>& writer,
+                             EffectiveSettings settings) {
+  settings.time_ns = clocks::host_now();
   const auto sample = topics::to_idl(settings);
-  write([&] { return settings_writer_.try_write(sample.sample()); });
+  write([&] { return writer.try_write(sample.sample()); });
 }
 
 /// Repeats `attempt` until a slow reader has space or the process ends.

@@ -3,6 +3,7 @@
 /// The settings on the bus: answers requests and publishes the settings in effect.
 
 #include "fusion/beacon_estimators.hpp"
+#include "fusion/changed_settings.hpp"
 #include "fusion/settings_requests.hpp"
 #include "presence/address_set.hpp"
 #include "threads/guarded.hpp"
@@ -46,15 +47,19 @@ private:
   void log(const SettingsRequest& request, const SettingsReply& reply);
   void publish_changes();
   void publish(const SettingsChange& change);
+  void publish_changed(BeaconAddress address);
+  void publish(dds::DataWriter<sonopose_EffectiveSettings>& writer, EffectiveSettings settings);
   void write(const auto& attempt);
 
   threads::Guarded<BeaconEstimators>& estimators_;
   presence::AddressSet addresses_;
   SettingsRequests requests_;
+  ChangedSettings changed_settings_{estimators_, addresses_};
   static constexpr std::uint64_t max_logged_per_minute = 60;
   transitions::BoundedLog log_{max_logged_per_minute};
   std::uint64_t last_logged_id_ = 0;  ///< request id; a sender repeats its request until the reply arrives
   dds::DataWriter<sonopose_EffectiveSettings> settings_writer_;
+  dds::DataWriter<sonopose_EffectiveSettings> changed_writer_;
   dds::DataWriter<sonopose_SettingsReply> reply_writer_;
   dds::DataReader<sonopose_SettingsRequest> request_reader_;
   dds::GuardCondition wake_;

@@ -13,11 +13,6 @@ const settings::Settings& SettingsTimeline::settings_at(std::uint64_t sequence) 
   return found->settings();
 }
 
-bool SettingsTimeline::has_own() const {
-  const auto is_own = [](const Step& step) { return step.after.has_own(); };
-  return begin_.has_own() || std::any_of(steps_.begin(), steps_.end(), is_own);
-}
-
 bool SettingsTimeline::can_add(std::uint64_t from_sequence) const {
   const auto waits = [from_sequence](const Step& step) { return step.from_sequence == from_sequence; };
   const auto first = steps_.begin() + static_cast<std::ptrdiff_t>(reached_);

@@ -46,8 +46,13 @@ public:
     return steps_.empty() ? 0 : steps_.back().from_sequence;
   }
 
+  /// Settings after all waiting changes.
+  [[nodiscard]] const config::BeaconSettings& at_end() const {
+    return steps_.empty() ? begin_ : steps_.back().after;
+  }
+
   /// True if the beacon has settings of its own, now or after a waiting change.
-  [[nodiscard]] bool has_own() const;
+  [[nodiscard]] bool has_own() const { return at_end().has_own(); }
 
   /// True if another change can wait for this event number.
   [[nodiscard]] bool can_add(std::uint64_t from_sequence) const;

@@ -1,7 +1,9 @@
 #include "files/replacement.hpp"
 
+#include "files/append_file.hpp"
 #include "files/error.hpp"
 
+#include <span>
 #include <system_error>
 
 namespace sonopose::files {
@@ -27,6 +29,12 @@ void Replacement::commit() {
   fs::rename(part_, file_, error);
   if (error) throw IoError(file_.string() + ": cannot be replaced: " + error.message());
   pending_ = false;
+}
+
+void write_whole(const fs::path& file, std::string_view text) {
+  Replacement replacement(file);
+  AppendFile(replacement.part(), AppendFile::Existing::replace).append(std::as_bytes(std::span(text)));
+  replacement.commit();
 }
 
 }  // namespace sonopose::files

@@ -3,6 +3,7 @@
 /// Replaces a file atomically.
 
 #include <filesystem>
+#include <string_view>
 
 namespace sonopose::files {
 
@@ -29,5 +30,9 @@ private:
   std::filesystem::path part_;
   bool pending_;
 };
+
+/// Writes a text to a file, and replaces an existing one. Throws IoError and leaves the file unchanged if it
+/// cannot be written.
+void write_whole(const std::filesystem::path& file, std::string_view text);
 
 }  // namespace sonopose::files

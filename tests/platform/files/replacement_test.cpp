@@ -10,6 +10,7 @@
 namespace replacement_test {
 
 using sonopose::files::Replacement;
+using sonopose::files::write_whole;
 using sonopose::test::read_text;
 using sonopose::test::TemporaryFolder;
 using sonopose::test::write_text;
@@ -64,6 +65,14 @@ SCENARIO("a link stays a link, and a special file is written directly") {
   CHECK(device.part() == "/dev/null");
   device.commit();
   CHECK(fs::is_character_file("/dev/null"));
+}
+
+TEST_CASE("a text replaces a file as a whole or not at all") {
+  const TemporaryFolder folder;
+  write_text(folder / "a.toml", "something much longer than what comes");
+  write_whole(folder / "a.toml", "short\n");
+  CHECK(read_text(folder / "a.toml") == "short\n");
+  CHECK_THROWS_AS(write_whole(folder / "none/a.toml", "x"), sonopose::files::IoError);
 }
 
 }  // namespace replacement_test

@@ -59,6 +59,9 @@ inline constexpr Entry<sonopose_SettingsReply> settings_reply{
 /// fusion → any program
 inline constexpr Entry<sonopose_EffectiveSettings> settings{"sonopose/settings", "sonopose::Settings",
                                                             "sonopose::Settings"};
+/// fusion → any program that saves them
+inline constexpr Entry<sonopose_EffectiveSettings> changed_settings{
+    "sonopose/changed_settings", "sonopose::Settings", "sonopose::Settings"};
 /// bridge, fusion, relay → web page, any program
 inline constexpr Entry<sonopose_LogLine> log{"sonopose/log", "sonopose::Log", "sonopose::Log"};
 
@@ -79,7 +82,8 @@ inline constexpr std::tuple all{imu,
                                 settings_request,
                                 settings_reply,
                                 settings,
-                                log};
+                                log,
+                                changed_settings};
 
 enum class Delivery : bool { live, lossless };
 

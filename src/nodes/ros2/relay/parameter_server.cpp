@@ -255,7 +255,9 @@ std::string ParameterServer::change(std::span<const ros2::Parameter> parameters)
   }
   const auto settings_reply = client_.change(settings_request, reply_timeout_s);
   if (!settings_reply) return fmt::format("no fusion replied within {} s", reply_timeout_s);
-  return settings_reply->accepted ? std::string() : settings_reply->reason;
+  if (!settings_reply->accepted) return settings_reply->reason;
+  if (!settings_reply->reason.empty()) log_.warning("parameters: " + settings_reply->reason);
+  return {};
 }
 
 void ParameterServer::reset(const auto& reply) {

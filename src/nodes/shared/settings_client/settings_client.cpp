@@ -9,6 +9,7 @@
 #include <chrono>
 #include <map>
 #include <set>
+#include <stdexcept>
 #include <unistd.h>
 #include <utility>
 
@@ -55,6 +56,17 @@ private:
   SteadyTime last_;
 };
 
+/// A reader that keeps the samples of every fusion, not only the latest one of a beacon.
+dds::DataReader<sonopose_EffectiveSettings> changed_settings_reader(const dds::DomainParticipant& participant,
+                                                                    const dds::qos::Provider& qos) {
+  const auto& entry = topics::changed_settings;
+  dds::Qos reader_qos = qos.datareader_qos(entry.profile);
+  reader_qos << dds::policy::History::keep_all();
+  topics::join_partition(reader_qos, participant);
+  const dds::Topic<sonopose_EffectiveSettings> topic(participant, entry.name, qos.topic_qos(entry.profile));
+  return {participant, topic, reader_qos};
+}
+
 /// Reset counters by beacon and fusion (its status writer).
 using ResetCounters = std::map<std::pair<BeaconAddress, std::uint64_t>, std::uint32_t>;
 
@@ -83,6 +95,39 @@ std::vector<EffectiveSettings> SettingsClient::effective(BeaconAddress address, 
   if (settings.empty() && address != all_beacons) move_out(all_beacons);
   if (address != all_beacons) return settings;
   for (auto& entry : found) settings.push_back(std::move(entry.second));
+  return settings;
+}
+
+std::vector<EffectiveSettings> SettingsClient::changed(double timeout_s) {
+  auto reader = changed_settings_reader(participant_, qos_);
+  std::map<std::pair<BeaconAddress, std::uint64_t>, EffectiveSettings> found;  // by beacon and fusion
+  std::size_t complete = 0;  // fusions whose samples have all arrived: all_beacons is the last one
+  BurstDetector burst;
+  const bool done = take_until(
+      reader, deadline_after(timeout_s),
+      [&](const sonopose_EffectiveSettings& sample, const dds::SampleInfo& info) {
+        burst.on_sample();
+        const bool is_first = found
+                                  .insert_or_assign({sample.address, info.publication_handle().value},
+                                                    dds::topics::from_idl(sample))
+                                  .second;
+        if (is_first && sample.address == all_beacons) ++complete;
+      },
+      [&] {
+        const auto fusions = static_cast<std::size_t>(reader.subscription_matched_status().current_count);
+        return burst.has_ended() && complete >= std::max<std::size_t>(1, fusions);
+      });
+  if (!done) return {};
+  std::vector<EffectiveSettings> settings;
+  for (auto& [beacon_and_fusion, values] : found) {
+    if (settings.empty() || settings.back().address != values.address) {
+      settings.push_back(std::move(values));
+    } else if (settings.back().values != values.values) {
+      throw std::runtime_error(
+          "the fusions in this domain have different settings, of which a file can have one: stop all but "
+          "one");
+    }
+  }
   return settings;
 }
 

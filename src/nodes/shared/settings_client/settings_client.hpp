@@ -25,6 +25,11 @@ public:
   /// each known beacon, ordered by address. Empty if none arrived within `timeout_s`.
   std::vector<EffectiveSettings> effective(BeaconAddress address, double timeout_s);
 
+  /// What a configuration file needs to give the settings of every fusion again, changes that still wait
+  /// included (EffectiveSettings), in any order. Always has all_beacons; empty if not everything arrived
+  /// within `timeout_s`. Throws std::runtime_error if fusions have different settings.
+  std::vector<EffectiveSettings> changed(double timeout_s);
+
   /// Sends a request with a new id and waits for the reply. Empty if none arrived within `timeout_s`.
   std::optional<SettingsReply> change(SettingsRequest request, double timeout_s);
 

@@ -1,7 +1,10 @@
 #include "settings_client/settings_report.hpp"
 
 #include "config/beacon_settings.hpp"
+#include "config/fusion_config.hpp"
+#include "files/replacement.hpp"
 #include <sonopose/settings/settings_table.hpp>
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -104,6 +107,23 @@ std::string toml_of(const std::vector<EffectiveSettings>& settings, const std::v
   return text;
 }
 
+std::string save(const std::vector<EffectiveSettings>& changed, const std::filesystem::path& file) {
+  config::FusionConfig config;
+  std::size_t count = 0;
+  for (const EffectiveSettings& settings : changed) {
+    const std::string prefix =
+        settings.address == all_beacons ? "" : fmt::format("beacon.{}.", settings.address);
+    for (const auto& [key, value] : settings.values) config.assign(prefix + key + "=" + value);
+    count += settings.values.size();
+  }
+  files::write_whole(file,
+                     "# Saved by sonopose-settings: what differs from the defaults. For --config of the "
+                     "fusion.\n" +
+                         config.given_toml());
+  return fmt::format("{}: {} from the defaults", file.string(),
+                     text::count_text(count, "setting that differs", "settings that differ"));
+}
+
 std::string json_of(const std::vector<EffectiveSettings>& settings) {
   nlohmann::json list = nlohmann::json::array();
   for (const EffectiveSettings& beacon : settings) list.push_back(object_of(beacon, "settings"));
@@ -142,9 +162,15 @@ std::string effective_time_text(const SettingsReply& reply) {
                      : fmt::format("from event {} of beacon {}", from, reply.address);
   }
   const std::string when =
-      from == 0 ? "from the next event of each beacon"
-                : fmt::format("from event {} of each beacon, or from its next event if that is later", from);
+      changes_no_known_beacon(reply) ? "only for beacons that appear later"
+      : from == 0
+          ? "from the next event of each beacon"
+          : fmt::format("from event {} of each beacon, or from its next event if that is later", from);
   return reply.details.empty() ? when : fmt::format("{} ({})", when, reply.details);
+}
+
+bool changes_no_known_beacon(const SettingsReply& reply) {
+  return reply.accepted && reply.details.starts_with("unchanged");
 }
 
 }  // namespace sonopose::settings_client

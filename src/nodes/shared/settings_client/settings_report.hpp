@@ -4,6 +4,7 @@
 
 #include <sonopose/samples/live_settings.hpp>
 
+#include <filesystem>
 #include <map>
 #include <string>
 #include <string_view>
@@ -22,11 +23,15 @@ void check_names(const std::vector<std::string>& names);
 /// std::invalid_argument for a name without values.
 EffectiveSettings selected(EffectiveSettings settings, const std::vector<std::string>& names);
 
-/// TOML for sonopose-fusion --config with the values of `names` (see `selected`): one table per beacon,
+/// TOML with the values of `names` (see `selected`): one table per beacon,
 /// [beacon.7]. Settings of all_beacons must be first and are written at the top level. Items 2, 3 and 4 are
 /// commented out if a preset (item 1) sets them.
 std::string toml_of(const std::vector<EffectiveSettings>& settings,
                     const std::vector<std::string>& names = {});
+
+/// Writes changed settings (SettingsClient::changed) as a file for sonopose-fusion --config, and replaces an
+/// existing one. Returns what was saved, for the user. Throws files::IoError.
+std::string save(const std::vector<EffectiveSettings>& changed, const std::filesystem::path& file);
 
 /// A JSON array with one object per beacon ("all" for all_beacons), on one line:
 /// {"beacon": 7, "from_event": 12, "time_ns": …, "settings": {"documented.drift.jump_alpha": 0.5, …}}.
@@ -53,5 +58,8 @@ private:
 
 /// Text that says when an accepted request takes effect.
 std::string effective_time_text(const SettingsReply& reply);
+
+/// True if every known beacon keeps values of its own, so that the request changes only later ones.
+bool changes_no_known_beacon(const SettingsReply& reply);
 
 }  // namespace sonopose::settings_client

@@ -1,8 +1,6 @@
 #include "evaluation/calibration/calibration.hpp"
 
 #include "bus_log/sensor_log.hpp"
-#include "files/csv_writer.hpp"
-#include "files/replacement.hpp"
 #include "recording/log_folder.hpp"
 
 namespace sonopose::evaluation {
@@ -63,16 +61,6 @@ CalibrationResult calibrate_magnetometer(const fs::path& log, std::optional<doub
   return from_log(log, beacon, [field_ut](const std::vector<ImuSample>& imu, CalibrationResult& result) {
     result.magnetometer = calibration::fit::fit_magnetometer(imu, field_ut);
   });
-}
-
-void write_whole(const fs::path& file, const std::string& text) {
-  files::Replacement replacement(file);
-  {
-    files::CsvWriter out(replacement.part(), files::CsvWriter::Existing::replace);
-    out.text(text);
-    out.flush();
-  }
-  replacement.commit();
 }
 
 }  // namespace sonopose::evaluation

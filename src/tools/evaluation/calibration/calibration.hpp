@@ -53,7 +53,4 @@ std::string calibration_json(const CalibrationResult& result);
 /// a beacon, the tables apply only to that beacon.
 std::string calibration_toml(const CalibrationResult& result, std::optional<BeaconAddress> beacon);
 
-/// Replaces the file with `text` atomically. Throws files::IoError and leaves the file unchanged.
-void write_whole(const std::filesystem::path& file, const std::string& text);
-
 }  // namespace sonopose::evaluation

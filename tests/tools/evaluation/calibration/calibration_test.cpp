@@ -130,14 +130,6 @@ TEST_CASE("a failed calibration names the file") {
   CHECK_THROWS_AS(evaluation::calibrate_gyroscope(folder / "bad"), calibration::fit::CalibrationError);
 }
 
-TEST_CASE("a file is replaced atomically or not at all") {
-  const TemporaryFolder folder;
-  write_text(folder / "a.toml", "something much longer than what comes");
-  evaluation::write_whole(folder / "a.toml", "short\n");
-  CHECK(read_text(folder / "a.toml") == "short\n");
-  CHECK_THROWS_AS(evaluation::write_whole(folder / "none/a.toml", "x"), files::IoError);
-}
-
 TEST_CASE("the Allan deviation of a minute at rest is printed as text and JSON and plotted") {
   const TemporaryFolder folder;
   SimulatedSensor sensor(SensorErrors{}, 4);

@@ -5,6 +5,7 @@
 #include "config/fusion_config.hpp"
 #include "evaluation/calibration/calibration.hpp"
 #include "files/error.hpp"
+#include "files/replacement.hpp"
 #include "recording/log_writer.hpp"
 #include "sim/simulator.hpp"
 #include "support/temporary_folder.hpp"
@@ -83,7 +84,7 @@ SCENARIO("the settings are those of the fusion, for all beacons or for one") {
   GIVEN("a calibration with mount and delay") {
     DriveCalibration result = sample_result();
     WHEN("it is written as a file") {
-      evaluation::write_whole(file, evaluation::drive_toml(result, std::nullopt));
+      files::write_whole(file, evaluation::drive_toml(result, std::nullopt));
       THEN("the fusion reads it, and takes the delay that the fixes carry") {
         const settings::Settings settings = config::FusionConfig::load(file).for_beacon(7);
         CHECK(settings.heading.mount_offset_deg == Approx(84.5));
@@ -96,14 +97,14 @@ SCENARIO("the settings are those of the fusion, for all beacons or for one") {
     }
     WHEN("the settings that were used ignore the delay that fixes carry") {
       result.has_fixed_delay = true;
-      evaluation::write_whole(file, evaluation::drive_toml(result, std::nullopt));
+      files::write_whole(file, evaluation::drive_toml(result, std::nullopt));
       THEN("the correction comes with the source that it corrects") {
         const settings::Settings settings = config::FusionConfig::load(file).for_beacon(7);
         CHECK(settings.delay.source == settings::DelaySource::measured);
       }
     }
     WHEN("it is written for one beacon") {
-      evaluation::write_whole(file, evaluation::drive_toml(result, BeaconAddress{9}));
+      files::write_whole(file, evaluation::drive_toml(result, BeaconAddress{9}));
       THEN("it applies to that one alone") {
         const config::FusionConfig config = config::FusionConfig::load(file);
         CHECK(config.for_beacon(9).heading.mount_offset_deg == Approx(84.5));
