@@ -1,11 +1,13 @@
 /// Settings of a running fusion: sonopose-settings, and the effective settings for consumers.
 
+#include "config/fusion_config.hpp"
 #include "faults/stall_watch.hpp"
 #include "recording/log_folder.hpp"
 #include "support/bits.hpp"
 #include "support/bus.hpp"
 #include "support/pose_tap.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/wait_until.hpp"
 #include <sonopose/estimation/any_estimator.hpp>
 #include <sonopose/settings/settings_table.hpp>
 
@@ -154,6 +156,100 @@ SCENARIO("a fusion without a beacon reports the settings that it will use") {
   }
 }
 
+SCENARIO("saved settings are those of the next fusion, and later changes for all still apply") {
+  const TemporaryFolder folder;
+  const std::string tuned = (folder / "tuned.toml").string();
+  GIVEN("a fusion with a setting from its start, whose settings were changed and saved") {
+    {
+      const LiveSystem live({"--set", "beacon.8.heading.mount_offset_deg=90"});
+      for (const Arguments& change :
+           {Arguments{"admission.min_quality_percent=55"}, {"frozen.moved_m=0.4", "--beacon", "11"}}) {
+        Arguments set{"set"};
+        set.insert(set.end(), change.begin(), change.end());
+        REQUIRE(live.bus.settings(set).code == 0);
+      }
+      const Result saved = live.bus.settings({"save", tuned});
+      CAPTURE(saved.error);
+      REQUIRE(saved.code == 0);
+      CHECK_THAT(saved.error, Contains("3 settings that differ"));
+    }
+    THEN("the file has these three, also that of beacon 11, which was never received") {
+      const auto config = config::FusionConfig::load(tuned);
+      CHECK(config.beacons() == std::vector<BeaconAddress>{8, 11});
+      CHECK(config.for_beacon(7).admission.min_quality_percent == 55);
+      CHECK(config.for_beacon(8).heading.mount_offset_deg == 90);
+      CHECK(config.for_beacon(11).frozen.moved_m == 0.4);
+    }
+    WHEN("another fusion loads the file, and a setting is changed for all") {
+      LiveSystem live({"--config", tuned});
+      REQUIRE(live.settings.wait_for(has(8, "heading.mount_offset_deg", "90")));
+      const Result set = live.bus.settings({"set", "admission.min_quality_percent=60"});
+      THEN("it applies to all beacons, without a word about their own") {
+        CHECK(set.code == 0);
+        CHECK(set.error.empty());
+        CHECK(live.settings.wait_for(has(7, "admission.min_quality_percent", "60")));
+        CHECK(live.settings.wait_for(has(8, "admission.min_quality_percent", "60")));
+      }
+    }
+  }
+}
+
+SCENARIO("a change for all that every beacon's own value prevents is not a success") {
+  GIVEN("beacons 7 and 8, each with a value of its own") {
+    LiveSystem live({"--set", "beacon.7.admission.min_quality_percent=50", "--set",
+                     "beacon.8.admission.min_quality_percent=50"});
+    WHEN("all are given another") {
+      const Result set = live.bus.settings({"set", "admission.min_quality_percent=60"});
+      THEN("the exit code says that none has changed, and the text which") {
+        CHECK(set.code == 1);
+        CHECK_THAT(set.output, Contains("only for beacons that appear later") && Contains("unchanged: 7, 8"));
+        CHECK_THAT(set.error, Contains("admission.min_quality_percent") && Contains("beacon 7 (50), 8 (50)"));
+      }
+      THEN("a file with all of this is saved") {
+        const TemporaryFolder folder;
+        REQUIRE(live.bus.settings({"save", (folder / "tuned.toml").string()}).code == 0);
+        const auto config = config::FusionConfig::load(folder / "tuned.toml");
+        CHECK(config.for_beacon(7).admission.min_quality_percent == 50);
+        CHECK(config.for_beacon(9).admission.min_quality_percent == 60);
+      }
+    }
+  }
+}
+
+SCENARIO("settings of two fusions are saved together unless they differ") {
+  const TemporaryFolder folder;
+  const std::string tuned = (folder / "tuned.toml").string();
+  const Bus bus;
+  const auto first = bus.fusion(
+      {"--addresses", "7", "--set", "frozen.moved_m=0.4", "--set", "beacon.7.heading.mount_offset_deg=90"});
+  GIVEN("another fusion with the same settings for all, for other beacons") {
+    const auto second = bus.fusion(
+        {"--addresses", "8", "--set", "frozen.moved_m=0.4", "--set", "beacon.8.heading.mount_offset_deg=45"});
+    THEN("the file has those of both") {
+      config::FusionConfig config;
+      CHECK(wait_until([&] {  // on a busy machine, the second fusion may be discovered late
+        REQUIRE(bus.settings({"save", tuned}).code == 0);
+        config = config::FusionConfig::load(tuned);
+        return config.beacons().size() == 2;
+      }));
+      CHECK(config.for_beacon(7).heading.mount_offset_deg == 90);
+      CHECK(config.for_beacon(8).heading.mount_offset_deg == 45);
+      CHECK(config.for_beacon(9).frozen.moved_m == 0.4);
+    }
+  }
+  GIVEN("another fusion with other settings for all") {
+    const auto second = bus.fusion({"--addresses", "8"});
+    THEN("that is an error") {
+      Result saved;
+      CHECK(wait_until([&] {
+        saved = bus.settings({"save", tuned});
+        return saved.code == 1;
+      }));
+      CHECK_THAT(saved.error, Contains("different settings"));
+    }
+  }
+}
+
 SCENARIO("a misspelt key is refused at once, with and without a running fusion") {
   const Bus bus;
   const Result get = bus.settings({"get", "trust.sigma", "--timeout", "1000"});
@@ -191,8 +287,8 @@ SCENARIO("the reset command waits for its result") {
 
 SCENARIO("a missing fusion is reported") {
   const Bus bus;
-  for (const Arguments& command :
-       {Arguments{"get"}, Arguments{"set", "documented.trust.n_base=9"}, Arguments{"reset"}}) {
+  for (const Arguments& command : {Arguments{"get"}, Arguments{"set", "documented.trust.n_base=9"},
+                                   Arguments{"save", "/dev/null"}, Arguments{"reset"}}) {
     Arguments arguments = command;
     arguments.insert(arguments.end(), {"--timeout", "0.3"});
     const Result result = bus.settings(arguments);

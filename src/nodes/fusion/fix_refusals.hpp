@@ -2,9 +2,11 @@
 /// \file
 /// Detects that all fixes of a beacon are refused, and the reason.
 
+#include <sonopose/samples/fix_refusal.hpp>
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/samples.hpp>
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -20,15 +22,20 @@ public:
   /// Takes a report of the engine. Does not allocate.
   void on(const FixReport& report) noexcept;
 
-  /// A message for the user: once when all fixes have been refused for `timeout_ns`, with the reason for the
-  /// latest one, and once when one is accepted again.
+  /// A message for the user: once when all fixes have been refused for `timeout_ns`, with the most frequent
+  /// cause, and once when one is accepted again.
   std::optional<std::string> update(SteadyTime now);
 
 private:
+  [[nodiscard]] std::uint64_t count() const;
   [[nodiscard]] std::string reason() const;
 
-  std::uint64_t refused_ = 0;  ///< refused since the last accepted fix
-  FixReport latest_;           ///< latest refused fix
+  /// Fixes refused for one cause since the last accepted fix.
+  struct Refused {
+    std::uint64_t fixes = 0;
+    double age_s = 0;  ///< age of the latest one
+  };
+  std::array<Refused, fix_refusal_count> refused_;  ///< by cause
   std::optional<SteadyTime> since_;
   bool reported_ = false;
 };

@@ -1,5 +1,6 @@
 /// Helpers of the native types: whole nanoseconds, and the common properties of the event kinds.
 
+#include <sonopose/samples/fix_refusal.hpp>
 #include <sonopose/samples/samples.hpp>
 
 #include <catch2/catch.hpp>
@@ -76,6 +77,23 @@ TEST_CASE("an event has a beacon, a sequence number and a time of availability")
   CHECK(available_at_ns(imu) == 500);
   CHECK(available_at_ns(fix) == 700);
   CHECK(available_at_ns(heading) == 701);
+}
+
+TEST_CASE("a refused fix has a cause, an outlier has none") {
+  const auto refusal = [](std::uint32_t flags, TimeNs emission_ns, TimeNs engine_ns) {
+    FixReport report;
+    report.flags = flags;
+    report.emission_time_ns = emission_ns;
+    report.applied_time_ns = engine_ns;
+    return refusal_of(report);
+  };
+  CHECK_FALSE(refusal(fix_used, 900, 1000));
+  CHECK_FALSE(refusal(fix_outlier, 900, 1000));
+  CHECK(refusal(fix_low_quality, 900, 1000) == FixRefusal::low_quality);
+  CHECK(refusal(fix_too_late, 100, 1000) == FixRefusal::too_old);
+  CHECK(refusal(fix_invalid, 2000, 1000) == FixRefusal::too_new);
+  CHECK(refusal(fix_invalid, 900, 1000) == FixRefusal::invalid);
+  CHECK(refusal(fix_invalid, 900, 0) == FixRefusal::no_imu);
 }
 
 TEST_CASE("steady times differ by durations") {

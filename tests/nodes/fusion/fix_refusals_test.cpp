@@ -73,6 +73,16 @@ SCENARIO("refused fixes are reported once, after a second") {
     THEN("low quality is named") {
       CHECK_THAT(reason_of(report(fix_low_quality, 0.1)), Contains("admission.min_quality_percent"));
     }
+    THEN("the most frequent one is named, not the latest, with its share") {
+      refusals.on(report(fix_low_quality, 0.1));
+      refusals.on(report(fix_low_quality, 0.1));
+      refusals.on(report(fix_too_late, 3600));
+      CHECK_FALSE(at(20));
+      const auto text = at(21);
+      REQUIRE(text);
+      CHECK_THAT(*text, Contains("3 until now") && Contains("2 of them") &&
+                            Contains("admission.min_quality_percent") && !Contains("older"));
+    }
     THEN("a missing IMU is named") {
       FixReport one = report(fix_invalid, 0.1);
       one.applied_time_ns = 0;

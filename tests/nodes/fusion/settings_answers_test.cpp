@@ -94,6 +94,50 @@ SCENARIO("the reply to a request for all beacons names each one's event") {
   CHECK(feeder.requests.answer(request(7, {{"documented.trust.sigma_m", "0.5"}})).details.empty());
 }
 
+SCENARIO("a reply names the beacons whose own value a change for all leaves alone") {
+  GIVEN("beacon 7 without values of its own, 8 with one from the start, 11 with one but not received") {
+    config::FusionConfig config;
+    config.assign("beacon.8.admission.min_quality_percent=55");
+    config.assign("beacon.11.admission.min_quality_percent=40");
+    Feeder feeder(false, config);
+    const auto seven = walk(7, 1.0);
+    feeder.push_all(seven);
+    feeder.push_all(walk(8, 1.0));
+    const std::string next_of_seven = fmt::format("7: event {}", seven.size() + 1);
+    const auto ask = [&](std::vector<SettingAssignment> assignments) {
+      auto reply = feeder.requests.answer(request(all_beacons, std::move(assignments)));
+      CHECK(reply.accepted);
+      return reply;
+    };
+    WHEN("all are given another value") {
+      const auto reply = ask({{"admission.min_quality_percent", "60"}});
+      THEN("only 7 is said to change, and the values that stay are named") {
+        CHECK(reply.details == next_of_seven + "; unchanged: 8");
+        CHECK_THAT(reply.reason,
+                   Contains("admission.min_quality_percent") && Contains("beacon 8 (55), 11 (40)"));
+      }
+    }
+    WHEN("all are also given a value that none has of its own") {
+      const auto reply = ask({{"admission.min_quality_percent", "60"}, {"frozen.moved_m", "0.4"}});
+      THEN("8 changes too, but the value that stays is named") {
+        CHECK_THAT(reply.details, Contains(next_of_seven + ", 8: event ") && !Contains("unchanged"));
+        CHECK_THAT(reply.reason, Contains("beacon 8 (55), 11 (40)") && !Contains("frozen.moved_m"));
+      }
+    }
+    WHEN("all are given the value that 8 has already") {
+      THEN("8 has what was asked for") {
+        CHECK_THAT(ask({{"admission.min_quality_percent", "55"}}).reason, !Contains("8 (55)"));
+      }
+    }
+    WHEN("7 gets its own one too") {
+      feeder.requests.answer(request(7, {{"admission.min_quality_percent", "50"}}));
+      THEN("no beacon is said to change") {
+        CHECK(ask({{"admission.min_quality_percent", "60"}}).details == "unchanged: 7, 8");
+      }
+    }
+  }
+}
+
 SCENARIO("the answer to a change of the engine states that the estimate starts again") {
   GIVEN("a beacon with the Kalman engine") {
     Feeder feeder(false, {});

@@ -130,7 +130,8 @@ void BeaconProbe::on(const FusedPose& pose, const Arrival& arrival) {
 
 void BeaconProbe::on(const FixReport& report, const Arrival& arrival) {
   if (!in_window()) return;
-  outcomes_.add(arrival.time_ns, {report.flags, report.innovation_world_m, report.jump_world_m});
+  outcomes_.add(arrival.time_ns,
+                {report.flags, refusal_of(report), report.innovation_world_m, report.jump_world_m});
 }
 
 void BeaconProbe::on(const BeaconStatus& status) {
@@ -177,8 +178,7 @@ rules::FixOutcomes BeaconProbe::fix_outcomes() const {
   Relocations relocations(outcomes);
   for (const auto& [received_ns, outcome] : outcomes_.entries()) {
     ++outcomes.reports;
-    if ((outcome.flags & (fix_too_late | fix_invalid | fix_low_quality)) != 0U) ++outcomes.refused;
-    if ((outcome.flags & fix_too_late) != 0U) ++outcomes.late;
+    if (outcome.refusal) ++outcomes.refused.at(static_cast<std::size_t>(*outcome.refusal));
     if ((outcome.flags & fix_outlier) != 0U) outcomes.outliers_m.push_back(outcome.innovation_world_m);
     relocations.add(received_ns, outcome.flags, outcome.jump_world_m);
   }

@@ -5,6 +5,7 @@
 #include "doctor/probe/latest.hpp"
 #include "doctor/probe/pair_losses.hpp"
 #include "doctor/rules/observations.hpp"
+#include <sonopose/samples/fix_refusal.hpp>
 #include <sonopose/samples/live_settings.hpp>
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/settings/settings.hpp>
@@ -87,6 +88,7 @@ private:
   /// Treatment of one fix by the fusion.
   struct Outcome {
     std::uint32_t flags = 0;
+    std::optional<FixRefusal> refusal;
     Vector3d innovation_world_m = Vector3d::Zero();
     Vector3d jump_world_m = Vector3d::Zero();
   };

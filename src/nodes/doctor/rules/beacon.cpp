@@ -5,7 +5,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <utility>
+#include <vector>
 
 namespace sonopose::doctor::rules {
 namespace {
@@ -18,6 +23,36 @@ constexpr double low_battery_v = 3.5;
 constexpr double large_jitter_s = 0.030;
 /// Limit above the latency on one host, and far above the error of synchronised clocks.
 constexpr double large_clock_difference_s = 0.050;
+
+/// "45.0 s", "12.4 min", "3.1 h", "2.5 d", "56.9 years".
+std::string duration_text(double duration_s) {
+  struct Unit {
+    double length_s;
+    const char* name;
+  };
+  constexpr std::array longer{Unit{365.25 * 86400, "years"}, Unit{86400, "d"}, Unit{3600, "h"},
+                              Unit{60, "min"}};
+  for (const Unit& unit : longer) {
+    if (duration_s >= 2 * unit.length_s)
+      return fmt::format("{:.1f} {}", duration_s / unit.length_s, unit.name);
+  }
+  return fmt::format("{:.1f} s", duration_s);
+}
+
+/// The beacon's clock. The bridge maps its stamps, whatever it shows.
+std::string clock_text(const BeaconStatus& status) {
+  constexpr double max_offset_s = 60;  // of a clock that is set
+  constexpr double year_s = 365.25 * 86400;
+  const double offset_s = status.clock_offset_s;
+  if (std::abs(offset_s) < max_offset_s) return fmt::format("clock offset {:.3f} s", offset_s);
+  const double beacon_s = seconds_between(0, status.time_ns) - offset_s;
+  if (beacon_s < year_s) {
+    return fmt::format("its clock is not set: it counts from its start, {} ago",
+                       duration_text(std::max(0.0, beacon_s)));
+  }
+  return fmt::format("its clock is {} {}", duration_text(std::abs(offset_s)),
+                     offset_s > 0 ? "behind" : "ahead");
+}
 
 class BeaconCheck {
 public:
@@ -35,7 +70,7 @@ public:
       text += fmt::format(", battery {:.2f} V", *beacon_.status->battery_v);
     }
     if (beacon_.status) {
-      text += fmt::format(", clock offset {:.3f} s, jitter {:.1f} ms", beacon_.status->clock_offset_s,
+      text += fmt::format(", {}, jitter {:.1f} ms", clock_text(*beacon_.status),
                           beacon_.status->clock_jitter_s * 1e3);
     }
     add(Severity::ok, text, "");
@@ -67,17 +102,33 @@ public:
   void refused_fixes() const {
     constexpr double refused_share = 0.5;
     constexpr double min_refused_share = 0.1;
+    constexpr double min_remedy_share = 0.25;
     const FixOutcomes& fixes = beacon_.fix_outcomes;
-    const auto refused = static_cast<double>(fixes.refused);
-    if (fixes.refused < 2 || refused < min_refused_share * static_cast<double>(fixes.reports) ||
-        fusion_lacks_imu_) {
-      return;
+    const std::uint64_t refused =
+        std::accumulate(fixes.refused.begin(), fixes.refused.end(), std::uint64_t{0});
+    const auto share_of = [](std::uint64_t part, std::uint64_t all) {
+      return static_cast<double>(part) / static_cast<double>(all);
+    };
+    if (refused < 2 || share_of(refused, fixes.reports) < min_refused_share) return;
+    if (fusion_lacks_imu_ || beacon_.imu.samples == 0) return;  // reported already
+    std::vector<std::size_t> causes(fixes.refused.size());
+    std::iota(causes.begin(), causes.end(), std::size_t{0});
+    std::stable_sort(causes.begin(), causes.end(), [&fixes](std::size_t a, std::size_t b) {
+      return fixes.refused.at(a) > fixes.refused.at(b);
+    });
+    std::string counts;
+    std::string remedies;
+    for (const std::size_t cause : causes) {
+      const std::uint64_t count = fixes.refused.at(cause);
+      if (count == 0) break;
+      const auto [text, remedy] = refusal_texts(static_cast<FixRefusal>(cause));
+      counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, text);
+      if (share_of(count, refused) >= min_remedy_share) remedies += (remedies.empty() ? "" : "; ") + remedy;
     }
-    add(refused > refused_share * static_cast<double>(fixes.reports) ? Severity::warning : Severity::note,
-        fmt::format("its fusion refuses {} of its {}; {} too old", fixes.refused,
-                    count_text(fixes.reports, "fix", "fixes"), count_text(fixes.late, "is", "are")),
-        "the output of sonopose-fusion has the reason; the stamps of fixes and IMU samples must come from "
-        "one clock");
+    add(share_of(refused, fixes.reports) > refused_share ? Severity::warning : Severity::note,
+        fmt::format("its fusion refuses {} of its {}: {}", refused, count_text(fixes.reports, "fix", "fixes"),
+                    counts),
+        remedies);
   }
 
   void headings() const {
@@ -224,6 +275,29 @@ public:
 private:
   void add(Severity severity, const std::string& what, const std::string& remedy) const {
     findings_.push_back({severity, name_of(beacon_), what, remedy});
+  }
+
+  /// A cause for which fixes are refused, after their number, and its remedy.
+  [[nodiscard]] std::pair<std::string, std::string> refusal_texts(FixRefusal cause) const {
+    const settings::AdmissionSettings& admission = beacon_.fusion_settings.admission;
+    constexpr const char* one_clock =
+        "the stamps of fixes and IMU samples must come from one clock (sonopose-monitor shows their delay)";
+    switch (cause) {
+      case FixRefusal::low_quality:
+        return {fmt::format("of a quality below {:g} %", admission.min_quality_percent),
+                "check the line of sight to the stationary beacons, or lower admission.min_quality_percent"};
+      case FixRefusal::too_old:
+        return {"too old (admission.max_fix_age_s)",
+                fmt::format("{}, and the line must not delay fixes", one_clock)};
+      case FixRefusal::too_new:
+        return {"newer than the IMU samples", one_clock};
+      case FixRefusal::no_imu:
+        return {"before the first IMU sample", "check that IMU samples arrive before fixes"};
+      case FixRefusal::invalid:
+        break;
+    }
+    return {"repeated, out of order, not finite or out of range",
+            "check for a second source of fixes, and for positions beyond admission.max_position_m"};
   }
 
   /// Note for up to one lost event in a hundred, otherwise warning.

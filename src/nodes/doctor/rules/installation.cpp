@@ -1,5 +1,6 @@
 #include "doctor/rules/checks.hpp"
 #include <sonopose/geometry/rotation.hpp>
+#include <sonopose/text/number_text.hpp>
 
 #include <fmt/format.h>
 
@@ -205,9 +206,10 @@ private:
              "its mount offset is wrong by about {:.0f}° (±{:.0f}°): the IMU, the fixes and the heading "
              "of the pair do not agree",
              error.value * degrees, error.std * degrees),
-         fmt::format("try heading.mount_offset_deg={:.0f}; sonopose-calibrate mount finds it exactly "
-                     "(docs/calibration.md)",
-                     geometry::wrap_angle(configured_mount_rad() + error.value) * degrees)});
+         fmt::format(
+             "try heading.mount_offset_deg={}; sonopose-calibrate mount finds it exactly "
+             "(docs/calibration.md)",
+             text::number_text(geometry::wrap_angle(configured_mount_rad() + error.value) * degrees, 0))});
   }
 
   void delay() const {
@@ -228,9 +230,10 @@ private:
         {Severity::warning, name_of(beacon_),
          fmt::format("its fixes are about {:.0f} ms (±{:.0f} ms) {} than the fusion assumes",
                      std::abs(error.value) * 1e3, error.std * 1e3, error.value > 0 ? "older" : "younger"),
-         fmt::format("try delay.{}={:.3f}; sonopose-calibrate delay finds it exactly (docs/calibration.md)",
-                     own ? "correction_s" : "processing_s",
-                     (own ? settings.correction_s : settings.processing_s) + error.value)});
+         fmt::format(
+             "try delay.{}={}; sonopose-calibrate delay finds it exactly (docs/calibration.md)",
+             own ? "correction_s" : "processing_s",
+             text::number_text((own ? settings.correction_s : settings.processing_s) + error.value, 3))});
   }
 
   const BeaconObservation& beacon_;

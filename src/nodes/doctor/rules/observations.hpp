@@ -8,6 +8,7 @@
 #include "observation/pose_writers.hpp"
 #include <sonopose/calibration/model/calibration.hpp>
 #include <sonopose/dds/binding/qos.hpp>
+#include <sonopose/samples/fix_refusal.hpp>
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/samples.hpp>
 #include <sonopose/samples/status.hpp>
@@ -104,10 +105,9 @@ private:
 /// Treatment of the fixes by the fusion in the last two minutes.
 struct FixOutcomes {
   std::uint64_t reports = 0;
-  std::uint64_t refused = 0;         ///< too old, too poor or not valid
-  std::uint64_t late = 0;            ///< refused as too old
-  std::vector<Vector3d> outliers_m;  ///< innovations of the rejected outliers, world
-  std::uint64_t relocations = 0;     ///< jumps of more than 0.3 m to other fixes, not after a freeze
+  std::array<std::uint64_t, fix_refusal_count> refused{};  ///< by cause (FixRefusal)
+  std::vector<Vector3d> outliers_m;                        ///< innovations of the rejected outliers, world
+  std::uint64_t relocations = 0;  ///< jumps of more than 0.3 m to other fixes, not after a freeze
   double longest_relocation_m = 0;
 };
 

@@ -99,6 +99,8 @@ std::vector<EffectiveSettings> SettingsClient::effective(BeaconAddress address, 
 }
 
 std::vector<EffectiveSettings> SettingsClient::changed(double timeout_s) {
+  constexpr double discovery_s = 1.0;  // enough to find a second fusion
+  const SteadyTime discovered = deadline_after(std::min(discovery_s, 0.5 * timeout_s));
   auto reader = changed_settings_reader(participant_, qos_);
   std::map<std::pair<BeaconAddress, std::uint64_t>, EffectiveSettings> found;  // by beacon and fusion
   std::size_t complete = 0;  // fusions whose samples have all arrived: all_beacons is the last one
@@ -115,7 +117,8 @@ std::vector<EffectiveSettings> SettingsClient::changed(double timeout_s) {
       },
       [&] {
         const auto fusions = static_cast<std::size_t>(reader.subscription_matched_status().current_count);
-        return burst.has_ended() && complete >= std::max<std::size_t>(1, fusions);
+        const bool waited = burst.has_ended() && clocks::steady_now() >= discovered;
+        return waited && complete >= std::max<std::size_t>(1, fusions);
       });
   if (!done) return {};
   std::vector<EffectiveSettings> settings;

@@ -5,7 +5,7 @@
 namespace sonopose::evaluation {
 
 std::string toml_number(double value) {
-  std::string text = settings::to_text(value);
+  std::string text = settings::to_text(value + 0.0);  // 0 instead of -0
   if (text.find_first_of(".e") == std::string::npos) text += ".0";
   return text;
 }

@@ -200,13 +200,14 @@ TEST_CASE("Outcomes of fixes are those of the last two minutes") {
   probe.begin(begin_ns, {});
   for (int s = 0; s < 600; ++s) {
     FixReport report;
+    report.applied_time_ns = begin_ns;
     report.flags = s % 2 == 0 ? fix_outlier : fix_too_late;
     probe.on(report, begin_ns + s * TimeNs{1'000'000'000});
   }
   const FixOutcomes outcomes = observation_of(probe).fix_outcomes;
   CHECK(outcomes.reports == 121);
-  CHECK(outcomes.refused == outcomes.late);
-  CHECK(outcomes.outliers_m.size() + outcomes.late == outcomes.reports);
+  const std::uint64_t too_old = outcomes.refused.at(static_cast<std::size_t>(FixRefusal::too_old));
+  CHECK(outcomes.outliers_m.size() + too_old == outcomes.reports);
 }
 
 TEST_CASE("The calibration of the fusion is applied to the means") {

@@ -2,6 +2,11 @@
 
 #include <catch2/catch.hpp>
 
+#include <cmath>
+#include <initializer_list>
+#include <string>
+#include <utility>
+
 namespace beacon_test {
 
 using namespace sonopose;
@@ -162,17 +167,69 @@ TEST_CASE("Missing events are compared with those of the same time") {
   CHECK(missing(121) == Severity::warning);
 }
 
-TEST_CASE("Refused fixes are reported by their share, with the number of those that are too old") {
-  const auto refused = [](std::uint64_t count, std::uint64_t late) {
-    return findings_with([&](auto& b) {
-      b.fix_outcomes = {.reports = 100, .refused = count, .late = late, .outliers_m = {}};
+/// Numbers of refused fixes by cause.
+FixOutcomes outcomes_of(std::uint64_t reports,
+                        std::initializer_list<std::pair<FixRefusal, std::uint64_t>> refused) {
+  FixOutcomes outcomes{.reports = reports, .outliers_m = {}};
+  for (const auto& [cause, count] : refused) outcomes.refused.at(static_cast<std::size_t>(cause)) = count;
+  return outcomes;
+}
+
+TEST_CASE("Refused fixes are reported by their share") {
+  const auto refused = [](std::uint64_t count) {
+    return severity("refuses " + std::to_string(count) + " of its 100 fixes", [&](auto& b) {
+      b.fix_outcomes = outcomes_of(100, {{FixRefusal::too_old, count}});
     });
   };
-  CHECK(found(refused(100, 98), "refuses 100 of its 100 fixes; 98 are too old").severity ==
-        Severity::warning);
-  CHECK(found(refused(60, 60), "refuses 60 of its").severity == Severity::warning);
-  CHECK(found(refused(20, 20), "refuses 20 of its").severity == Severity::note);
-  CHECK(found(refused(5, 5), "refuses").severity == Severity::ok);
+  CHECK(refused(100) == Severity::warning);
+  CHECK(refused(60) == Severity::warning);
+  CHECK(refused(20) == Severity::note);
+  CHECK(refused(5) == Severity::ok);
+}
+
+TEST_CASE("The causes of refused fixes are named with their remedies, the most frequent one first") {
+  const auto finding = [](const FixOutcomes& outcomes) {
+    return found(findings_with([&](auto& b) {
+                   b.fix_outcomes = outcomes;
+                   b.fusion_settings.admission.min_quality_percent = 80;
+                 }),
+                 "its fusion refuses");
+  };
+  const Finding poor = finding(outcomes_of(170, {{FixRefusal::low_quality, 54}}));
+  CHECK(poor.what == "its fusion refuses 54 of its 170 fixes: 54 of a quality below 80 %");
+  CHECK_THAT(poor.remedy, Contains("line of sight") && Contains("admission.min_quality_percent") &&
+                              !Contains("clock") && !Contains("stamps"));
+  const Finding old = finding(outcomes_of(100, {{FixRefusal::too_old, 98}, {FixRefusal::low_quality, 2}}));
+  CHECK_THAT(old.what, Contains("98 too old") && Contains(", 2 of a quality below 80 %"));
+  CHECK_THAT(old.remedy, Contains("one clock") && !Contains("quality"));
+  CHECK_THAT(finding(outcomes_of(100, {{FixRefusal::too_new, 30}})).remedy, Contains("one clock"));
+  CHECK_THAT(finding(outcomes_of(100, {{FixRefusal::invalid, 30}})).remedy,
+             Contains("admission.max_position_m") && !Contains("clock"));
+  const Finding both = finding(outcomes_of(100, {{FixRefusal::low_quality, 30}, {FixRefusal::too_old, 20}}));
+  CHECK_THAT(both.remedy, Contains("line of sight") && Contains("one clock"));
+}
+
+TEST_CASE("Fixes that are refused for want of an IMU are not reported twice") {
+  CHECK(severity("refuses", [](auto& b) {
+          b.imu = {};
+          b.fix_outcomes = outcomes_of(100, {{FixRefusal::no_imu, 100}});
+        }) == Severity::ok);
+}
+
+TEST_CASE("The clock of a beacon is shown as what it is") {
+  const auto rates = [](double offset_s) {
+    return found(findings_with([&](auto& b) {
+                   b.status->time_ns = 1'795'793'274'053'000'000;  // in November 2026
+                   b.status->clock_offset_s = offset_s;
+                 }),
+                 "IMU 100.0 Hz")
+        .what;
+  };
+  CHECK_THAT(rates(0.053), Contains("clock offset 0.053 s"));
+  CHECK_THAT(rates(1795793154.053), Contains("its clock is not set: it counts from its start, 2.0 min ago") &&
+                                        !Contains("1795793154"));
+  CHECK_THAT(rates(3 * 3600.0), Contains("its clock is 3.0 h behind"));
+  CHECK_THAT(rates(-86400.0 * 400), Contains("its clock is 400.0 d ahead"));
 }
 
 TEST_CASE("Readers and writers of IMU samples that are no fusion do not hide the faults of the beacons") {

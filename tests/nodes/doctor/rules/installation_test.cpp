@@ -1,4 +1,5 @@
 #include "doctor/replayed.hpp"
+#include "doctor/rules/checks.hpp"
 #include "support/value_of.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
@@ -41,6 +42,28 @@ TEST_CASE("A wrong mount offset is found, with the offset to try") {
       CHECK_THAT(problems, !Contains("track"));  // consequences are not reported
     }
   }
+}
+
+TEST_CASE("A proposed value that rounds to zero has no sign") {
+  // Wrong by 90 degrees and 0.1 s; right is 0.3 degrees and 0.1 ms below zero.
+  BeaconObservation beacon;
+  beacon.fusion_settings.heading.mount_offset_deg = 90;
+  beacon.fusion_settings.delay.correction_s = 0.1;
+  beacon.fix.samples = beacon.timed_fixes = 60;
+  motion::Piece piece;
+  piece.fixes = 60;
+  piece.length_s = 8;
+  piece.span_m = 5;
+  piece.residual_m = 0.02;
+  piece.mount_rad = motion::Measured{-0.3 * geometry::radians_per_degree, 0.5 * geometry::radians_per_degree};
+  piece.mount_log_likelihood = 100;
+  piece.delay_s = {-0.1001, 0.001};
+  beacon.pieces = {piece};
+  std::vector<Finding> findings;
+  check_installation(beacon, findings);
+  REQUIRE(findings.size() == 2);
+  CHECK_THAT(findings[0].remedy, Contains("heading.mount_offset_deg=0;"));
+  CHECK_THAT(findings[1].remedy, Contains("delay.correction_s=0.000;"));
 }
 
 TEST_CASE("A delay that is wrong by 40 ms is found while the beacon moves") {

@@ -3,6 +3,7 @@
 #include "settings_client/settings_report.hpp"
 
 #include "config/fusion_config.hpp"
+#include "support/temporary_folder.hpp"
 #include <sonopose/settings/preset.hpp>
 
 #include <catch2/catch.hpp>
@@ -108,6 +109,34 @@ TEST_CASE("items 2, 3 and 4 under a preset are comments, so that loading the fil
   CHECK_THAT(toml_of({{7, 0, 1, config::texts_of(low)}}), Contains("\ndocumented.drift.jump_alpha = "));
 }
 
+TEST_CASE("a fusion that loads the saved file has the same settings, and a change for all still applies") {
+  const std::vector<EffectiveSettings> changed{{11, 0, 0, {{"heading.mount_offset_deg", "90"}}},
+                                               {all_beacons,
+                                                0,
+                                                0,
+                                                {{"admission.min_quality_percent", "60"},
+                                                 {"delay.processing_s", "0.07"},
+                                                 {"fusion.engine", "documented"}}}};
+  const sonopose::test::TemporaryFolder folder;
+  const std::string text = save(changed, folder / "tuned.toml");
+  CHECK_THAT(text, Contains("tuned.toml: 4 settings that differ"));
+  auto config = config::FusionConfig::load(folder / "tuned.toml");
+  CHECK(config.beacons() == std::vector<BeaconAddress>{11});
+  CHECK(config.for_beacon(7).admission.min_quality_percent == 60);
+  CHECK(config.for_beacon(7).delay.processing_s == 0.07);
+  CHECK(config.for_beacon(7).engine.engine == settings::EngineKind::documented);
+  CHECK(config.for_beacon(7).heading.mount_offset_deg == 0);
+  CHECK(config.for_beacon(11).heading.mount_offset_deg == 90);
+  config.assign("admission.min_quality_percent=70");
+  CHECK(config.for_beacon(11).admission.min_quality_percent == 70);
+}
+
+TEST_CASE("a saved file of defaults has no settings") {
+  const sonopose::test::TemporaryFolder folder;
+  CHECK_THAT(save({{all_beacons, 0, 0, {}}}, folder / "tuned.toml"), Contains("0 settings that differ"));
+  CHECK(config::FusionConfig::load(folder / "tuned.toml").given_toml().empty());
+}
+
 TEST_CASE("names are checked against the settings table") {
   CHECK_NOTHROW(check_names({}));
   CHECK_NOTHROW(check_names(
@@ -177,6 +206,12 @@ TEST_CASE("a reply states when it takes effect") {
   CHECK_THAT(effective_time_text({all_beacons, 1, true, "", 0}), Contains("each") && Contains("next event"));
   CHECK_THAT(effective_time_text({all_beacons, 1, true, "", 0, "7: event 812, 9: event 501"}),
              Contains("7: event 812, 9: event 501"));
+  const SettingsReply some_stay{all_beacons, 1, true, "", 0, "7: event 812; unchanged: 8"};
+  CHECK_THAT(effective_time_text(some_stay), Contains("next event") && Contains("unchanged: 8"));
+  CHECK_FALSE(changes_no_known_beacon(some_stay));
+  const SettingsReply all_stay{all_beacons, 1, true, "", 0, "unchanged: 7, 8"};
+  CHECK(effective_time_text(all_stay) == "only for beacons that appear later (unchanged: 7, 8)");
+  CHECK(changes_no_known_beacon(all_stay));
 }
 
 }  // namespace settings_report_test

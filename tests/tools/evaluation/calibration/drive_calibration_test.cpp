@@ -103,6 +103,12 @@ SCENARIO("the settings are those of the fusion, for all beacons or for one") {
         CHECK(settings.delay.source == settings::DelaySource::measured);
       }
     }
+    WHEN("the mount is some millionths of a degree below zero") {
+      result.fit[Quantity::mount].value = -4e-6 * degree;
+      THEN("it is zero, without a sign") {
+        CHECK_THAT(evaluation::drive_toml(result, std::nullopt), Contains("mount_offset_deg = 0.0"));
+      }
+    }
     WHEN("it is written for one beacon") {
       files::write_whole(file, evaluation::drive_toml(result, BeaconAddress{9}));
       THEN("it applies to that one alone") {
