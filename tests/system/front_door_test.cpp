@@ -182,7 +182,8 @@ TEST_CASE("Every program refuses an unknown option") {
 /// Subcommands of a program that have their own help; empty for the program's.
 std::vector<std::vector<std::string>> helps_of(const std::string& program) {
   std::vector<std::vector<std::string>> helps{{}};
-  if (program == "sonopose-settings") helps.insert(helps.end(), {{"get"}, {"set"}, {"watch"}, {"reset"}});
+  if (program == "sonopose-settings")
+    helps.insert(helps.end(), {{"get"}, {"set"}, {"watch"}, {"save"}, {"reset"}});
   if (program == "sonopose-calibrate") helps.insert(helps.end(), {{"imu"}, {"allan"}, {"all"}});
   return helps;
 }
