@@ -97,6 +97,12 @@ inline void join_partition(Qos& qos, const DomainParticipant& participant) {
   if (!participant.partition().empty()) qos << policy::Partition{{participant.partition()}};
 }
 
+/// True if only the strongest writer of an instance is heard.
+inline bool is_exclusive(const Qos& qos) {
+  return qos.policy<policy::Ownership>().value_or(policy::Ownership{}).kind ==
+         policy::OwnershipKind::exclusive;
+}
+
 /// Decides which beacons a process receives, before DDS keeps anything of them. Called on receive threads.
 class AddressFilter {
 public:
@@ -122,7 +128,8 @@ DataWriter<T> make_writer(const DomainParticipant& participant, const qos::Provi
 }
 
 /// Makes a reader for one row of the diagram. `listener` and `filter` must outlive it. The listener receives
-/// the statuses in `mask`. `filter` is an AddressFilter, or accepts whole samples.
+/// the statuses in `mask`, but no losses of an exclusive reader: DDS counts what weaker writers, such as a
+/// standby, write. `filter` is an AddressFilter, or accepts whole samples.
 template <class T, class Filter = AddressFilter>
 DataReader<T> make_reader(const DomainParticipant& participant, const qos::Provider& qos,
                           const Entry<T>& entry,
@@ -144,6 +151,7 @@ DataReader<T> make_reader(const DomainParticipant& participant, const qos::Provi
   }
   Qos reader_qos = qos.datareader_qos(profile);
   join_partition(reader_qos, participant);
+  if (is_exclusive(reader_qos)) mask = mask.without(StatusMask::sample_lost());
   return DataReader<T>(participant, topic, reader_qos, listener, mask);
 }
 

@@ -51,8 +51,7 @@ bool is_latched_of(const qos::Provider& qos) {
 
 template <std::size_t I>
 bool is_exclusive_of(const qos::Provider& qos) {
-  const auto ownership = qos.datareader_qos(std::get<I>(all).profile).template policy<policy::Ownership>();
-  return ownership.value_or(policy::Ownership{}).kind == policy::OwnershipKind::exclusive;
+  return is_exclusive(qos.datareader_qos(std::get<I>(all).profile));
 }
 
 template <std::size_t I>

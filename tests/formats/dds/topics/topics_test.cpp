@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <cstdint>
 #include <set>
 #include <string>
 #include <tuple>
@@ -75,6 +76,40 @@ TEST_CASE("A status reaches a late-joining monitor") {
   const auto samples = take_samples(late, 1);
   REQUIRE(samples.size() == 1);
   CHECK(samples[0].time == 2);
+}
+
+/// Counts the losses that DDS reports.
+struct LossListener final : DataReaderListener<sonopose_FusedPose> {
+  void on_sample_lost(DataReader<sonopose_FusedPose>& /*reader*/,
+                      const SampleLostStatus& status) noexcept override {
+    lost += status.total_count_change;
+  }
+  std::int32_t lost = 0;
+};
+
+TEST_CASE("What a standby writes is no loss of its consumers") {
+  const DomainParticipant member = participant();
+  const qos::Provider qos = project_qos();
+  const auto writer_of = [&](std::int32_t strength) {
+    return topics::make_writer(member, qos, topics::pose, nullptr, topics::Delivery::live,
+                               Qos() << policy::OwnershipStrength{strength});
+  };
+  LossListener listener;
+  auto reader = topics::make_reader(member, qos, topics::pose, &listener, topics::Delivery::live,
+                                    static_cast<topics::AddressFilter*>(nullptr),
+                                    StatusMask::all().without(StatusMask::data_available()));
+  auto serving = writer_of(200);
+  auto standby = writer_of(100);
+  REQUIRE(matched(reader, 2));
+  sonopose_FusedPose pose{};
+  pose.address = 7;
+  for (std::uint64_t event = 1; event <= 10; ++event) {  // within a process, a write delivers the sample
+    pose.event_sequence = event;
+    serving.write(pose);
+    standby.write(pose);
+  }
+  CHECK(take_samples(reader, 10).size() == 10);
+  CHECK(listener.lost == 0);
 }
 
 TEST_CASE("A reset does not reach a late-joining fusion") {
