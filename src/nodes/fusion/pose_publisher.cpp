@@ -45,14 +45,16 @@ PosePublisher::PosePublisher(const dds::DomainParticipant& participant, const dd
       report_listener_(counters),
       report_writer_(
           dds::topics::make_writer(participant, qos, dds::topics::report, &report_listener_, delivery)) {
-  const auto make = [&](const dds::Qos& changes) {
-    return dds::topics::make_writer(participant, qos, dds::topics::pose, &pose_listener_, delivery, changes);
+  const auto make = [&](process::CountingWriterListener<sonopose_FusedPose>* listener,
+                        const dds::Qos& changes) {
+    return dds::topics::make_writer(participant, qos, dds::topics::pose, listener, delivery, changes);
   };
   if (standby) {
-    writer_ = make(dds::Qos() << OwnershipStrength{standby->strength});
-    warming_writer_ = make(dds::Qos() << OwnershipStrength{0});
+    writer_ = make(&pose_listener_, dds::Qos() << OwnershipStrength{standby->strength});
+    // Without the listener: while the process serves a beacon, this writer misses all of its deadlines.
+    warming_writer_ = make(nullptr, dds::Qos() << OwnershipStrength{0});
   } else {
-    writer_ = make({});
+    writer_ = make(&pose_listener_, {});
   }
   const dds::Qos effective = writer_.qos();
   strength_ = effective.policy<OwnershipStrength>().value_or(OwnershipStrength{}).value;
@@ -113,9 +115,11 @@ PosePublisher::PoseWriter* PosePublisher::admit(FusedPose& pose, SteadyTime now)
     delay.latest_ns = pose.time_ns;
     first_due = predictor_.on_pose(pose, now);
     due_times_changed_ |= first_due;
-    if (standby_) {
-      step = standby_->on_pose(pose.address, pose.status, late_ns, now);
-      if (step.skip) ++delay.poses_skipped;
+    if (standby_) step = standby_->on_pose(pose.address, pose.status, late_ns, now);
+    if (step.skip) {
+      ++delay.poses_skipped;
+    } else if ((pose.status & status_late) != 0U) {
+      ++delay.poses_late;
     }
   }
   overload_.on_pose(late_ns, now);
@@ -124,17 +128,14 @@ PosePublisher::PoseWriter* PosePublisher::admit(FusedPose& pose, SteadyTime now)
   return step.skip ? nullptr : &writer_of(step.role);
 }
 
-/// Returns how much later than usual the sample of a pose arrived. Marks and counts the pose if that is more
-/// than `late_after_s`, or if the sample left a stopped bridge that late.
+/// Returns how much later than usual the sample of a pose arrived. Marks the pose if that is more than
+/// `late_after_s`, or if the sample left a stopped bridge that late.
 TimeNs PosePublisher::measure_delay(FusedPose& pose, Delay& delay, SteadyTime now) const noexcept {
   // Steady time, so that a step of this host's clock delays nothing.
   const TimeNs late_ns = delay.lateness.on_sample(saturated_difference(now.ns, pose.imu_bridge_time_ns), now);
   const TimeNs transit_ns = saturated_difference(pose.imu_bridge_time_ns, pose.time_ns);
   const bool left_late = delay.bridge_backlog.on_sample(transit_ns, now);
-  if (late_ns > to_ns(late_after_s) || left_late) {
-    pose.status |= status_late;
-    ++delay.poses_late;
-  }
+  if (late_ns > to_ns(late_after_s) || left_late) pose.status |= status_late;
   return late_ns;
 }
 
