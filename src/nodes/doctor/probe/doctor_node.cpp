@@ -4,6 +4,7 @@
 #include "doctor/probe/beacon_probe.hpp"
 #include "doctor/probe/survey.hpp"
 #include "observation/bus/line_observer.hpp"
+#include "observation/own_reports.hpp"
 #include "presence/instance_limit.hpp"
 #include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
@@ -86,6 +87,7 @@ private:
   dds::WaitSet waitset_;
   std::map<BeaconAddress, BeaconProbe> probes_;
   observation::ServedBeacons served_;
+  observation::OwnReports own_reports_;
   std::map<BeaconAddress, EffectiveSettings> effective_settings_;
   std::optional<SteadyTime> began_;
   SteadyTime taken_ = clocks::steady_now();  ///< time of the last take
@@ -135,6 +137,12 @@ void SystemObserver::take(Subscription<T>& subscription, const Arrival& arrival)
     if constexpr (std::is_same_v<T, sonopose_EffectiveSettings>) {
       effective_settings_[value.address] = std::move(value);
     } else {
+      if constexpr (std::is_same_v<T, sonopose_FixReport>) {
+        if (!own_reports_.accepts(value.address, report_.reader, info.publication_handle(), pose_.reader,
+                                  served_.pose_writer_of(value.address))) {
+          return;
+        }
+      }
       const auto [entry, is_new] = probes_.try_emplace(value.address);
       BeaconProbe& probe = entry->second;
       if (is_new && began_) probe.begin(began_->ns, deadlines_);

@@ -202,7 +202,7 @@ void BeaconPublishers::on(const UltrasonicFix& fix) {
 void BeaconPublishers::on(const FixReport& report) {
   {
     const threads::Lock lock(transitions_mutex_);
-    detector_.on(report, transitions_);
+    if (reports_.accepts(report)) detector_.on(report, transitions_);
   }
   if (!report.position_world_m.allFinite()) return;
   ros2::relay::FixQueue::Ready ready;

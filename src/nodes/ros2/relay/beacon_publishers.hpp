@@ -1,6 +1,7 @@
 #pragma once
 // Writers of the ROS 2 topics of one beacon.
 
+#include "observation/first_reports.hpp"
 #include "ros2/relay/fix_queue.hpp"
 #include "ros2/relay/imu_pairing.hpp"
 #include "ros2/relay/odometry_buffer.hpp"
@@ -112,6 +113,7 @@ private:
   threads::Guarded<ros2::RisingStamp> fix_stamp_;
 
   threads::Mutex transitions_mutex_;
+  observation::FirstReports reports_ SONOPOSE_GUARDED_BY(transitions_mutex_);
   transitions::TransitionDetector detector_ SONOPOSE_GUARDED_BY(transitions_mutex_);
   transitions::TransitionQueue transitions_ SONOPOSE_GUARDED_BY(transitions_mutex_);
 

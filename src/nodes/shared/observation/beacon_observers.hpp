@@ -117,6 +117,13 @@ public:
     return served_;
   }
 
+  /// Writer of the beacon's latest pose; empty without one.
+  std::optional<dds::InstanceHandle> pose_writer_of(BeaconAddress address) {
+    const threads::Lock lock(mutex_);
+    const auto found = beacons_.find(address);
+    return found == beacons_.end() ? std::nullopt : found->second.pose_writer;
+  }
+
   /// Returns BeaconObserver::take_window of each beacon, ordered by address.
   std::vector<BeaconView> take_windows(TimeNs now_ns) {
     return views_of([now_ns](BeaconAddress address, BeaconObserver& observer) {
@@ -171,7 +178,7 @@ private:
 };
 
 /// Passes samples and statuses of one topic to the observers. A derived class may override `on_gone`, and
-/// `on_sample`, which is called for each sample first.
+/// `on_sample`, which is called for each sample first, and `accepts`, which leaves samples out.
 template <class T>
 class ObservingListener : public process::CountingReaderListener<T> {
 public:
@@ -184,6 +191,7 @@ public:
     const TimeNs received_ns = clocks::host_now();
     const auto on_data = [&](const T& sample, const dds::SampleInfo& info) {
       const Native native = dds::topics::from_idl(sample);
+      if (!accepts(reader, native, info)) return;
       on_sample(native);
       if constexpr (std::is_same_v<T, sonopose_FusedPose>) {
         observers_.on(native, received_ns, info.publication_handle());
@@ -219,6 +227,10 @@ public:
   }
 
 protected:
+  virtual bool accepts(const dds::DataReader<T>& /*reader*/, const Native& /*sample*/,
+                       const dds::SampleInfo& /*info*/) noexcept {
+    return true;
+  }
   virtual void on_sample(const Native& /*sample*/) noexcept {}
   virtual void on_gone(const T& /*key*/) noexcept {}
 

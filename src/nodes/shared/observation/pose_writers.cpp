@@ -76,6 +76,11 @@ std::set<BeaconAddress> ServedBeacons::of(dds::InstanceHandle writer) const {
   return beacons;
 }
 
+std::optional<dds::InstanceHandle> ServedBeacons::pose_writer_of(BeaconAddress address) const {
+  const auto found = owners_.find(address);
+  return found == owners_.end() ? std::nullopt : std::optional(found->second);
+}
+
 std::vector<PoseWriter> pose_writers_of(const std::vector<dds::FoundEndpoint>& writers,
                                         const std::vector<dds::FoundParticipant>& participants,
                                         const ServedBeacons& served) {

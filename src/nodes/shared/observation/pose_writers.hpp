@@ -41,6 +41,9 @@ public:
 
   [[nodiscard]] std::set<BeaconAddress> of(dds::InstanceHandle writer) const;
 
+  /// Writer of the beacon's latest pose; empty without one.
+  [[nodiscard]] std::optional<dds::InstanceHandle> pose_writer_of(BeaconAddress address) const;
+
 private:
   std::map<BeaconAddress, dds::InstanceHandle> owners_;  ///< writers of the latest poses
   std::map<dds::InstanceHandle, std::set<BeaconAddress>> statuses_;

@@ -152,6 +152,7 @@ void Document::add(const FusedPose& pose, std::optional<TimeNs> received_ns) {
 void Document::add(const FixReport& report) {
   if (report.hypothesis != 0) return;  // poses come from the main hypothesis
   Beacon& beacon = this->beacon(report.address, report.applied_time_ns);
+  if (!beacon.reports.accepts(report)) return;
   const auto row = live::fix_row(report);
   std::array<double, 1 + row.size()> values{seconds_between(begin_ns_, report.emission_time_ns)};
   std::copy(row.begin(), row.end(), values.begin() + 1);

@@ -3,6 +3,7 @@
 /// Columns of a recording, filled sample by sample.
 
 #include "observation/beacon_observer.hpp"
+#include "observation/first_reports.hpp"
 #include "transitions/transition_detector.hpp"
 #include "transitions/transition_log.hpp"
 #include "web/live/missing_lines.hpp"
@@ -89,6 +90,7 @@ private:
     Columns fixes;
     Columns truth;
     Columns status;
+    observation::FirstReports reports;  ///< a recording does not tell whose they are
     transitions::TransitionDetector detector;
     std::optional<TimeNs> latest_ns;  ///< latest pose in this second
   };

@@ -3,6 +3,7 @@
 /// Subscriptions to the watched topics.
 
 #include "observation/bus/bus_watch.hpp"
+#include "observation/own_reports.hpp"
 #include "presence/instance_limit.hpp"
 #include <sonopose/dds/binding/data_reader.hpp>
 #include <sonopose/dds/topics/topics.hpp>
@@ -90,6 +91,42 @@ struct FusionSubscription {
   dds::DataReader<T> reader;
 };
 
+/// A subscription to the reports of the fusion that owns the poses, without those of its standbys. Taken in
+/// batches.
+struct ReportSubscription {
+  ReportSubscription(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+                     BeaconObservers& observers, presence::BeaconAdmission& admission,
+                     process::EndpointCounters& endpoints, SampleHook* hook,
+                     const dds::DataReader<sonopose_FusedPose>& poses)
+      : listener(observers, endpoints, hook, poses),
+        reader(dds::topics::make_reader(participant, qos, dds::topics::report, &listener,
+                                        dds::topics::Delivery::live, &admission,
+                                        dds::StatusMask::all().without(dds::StatusMask::data_available()))) {}
+
+  void take() { listener.on_data_available(reader); }
+
+  class OwnListener final : public Listener<sonopose_FixReport> {
+  public:
+    OwnListener(BeaconObservers& observers, process::EndpointCounters& endpoints, SampleHook* hook,
+                const dds::DataReader<sonopose_FusedPose>& poses)
+        : Listener<sonopose_FixReport>(observers, endpoints, hook), observers_(observers), poses_(poses) {}
+
+  private:
+    bool accepts(const dds::DataReader<sonopose_FixReport>& reader, const FixReport& report,
+                 const dds::SampleInfo& info) noexcept override {
+      return own_.accepts(report.address, reader, info.publication_handle(), poses_,
+                          observers_.pose_writer_of(report.address));
+    }
+
+    BeaconObservers& observers_;
+    const dds::DataReader<sonopose_FusedPose>& poses_;
+    OwnReports own_;
+  };
+
+  OwnListener listener;
+  dds::DataReader<sonopose_FixReport> reader;
+};
+
 /// All subscriptions. Poses are taken on arrival, because their latency is measured.
 struct Subscriptions {
   Subscriptions(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
@@ -104,8 +141,7 @@ struct Subscriptions {
         estimate(participant, qos, dds::topics::estimate, observers, admission, endpoints, hook),
         fusion_status(participant, qos, dds::topics::fusion_status, observers, admission, endpoints, hook) {
     if (has_reports) {
-      report.emplace(participant, qos, dds::topics::report, observers, admission, endpoints, hook,
-                     TakeTime::in_batches);
+      report.emplace(participant, qos, observers, admission, endpoints, hook, pose.reader);
     }
   }
 
@@ -128,7 +164,7 @@ struct Subscriptions {
   Subscription<sonopose_BeaconStatus> beacon_status;
   FusionSubscription<sonopose_Estimate> estimate;
   FusionSubscription<sonopose_FusionStatus> fusion_status;
-  std::optional<Subscription<sonopose_FixReport>> report;
+  std::optional<ReportSubscription> report;
 };
 
 }  // namespace sonopose::observation::bus

@@ -1,0 +1,41 @@
+#include "observation/own_reports.hpp"
+
+#include <sonopose/dds/binding/discovery.hpp>
+#include <sonopose/dds/binding/error.hpp>
+
+namespace sonopose::observation {
+namespace {
+
+/// The participant of a matched writer; empty if the writer is gone.
+std::string participant_of(const auto& reader, dds::InstanceHandle writer,
+                           std::map<std::uint64_t, std::string>& known) {
+  constexpr std::size_t max_known = 1024;  // writers that have ended stay
+  if (const auto found = known.find(writer.value); found != known.end()) return found->second;
+  if (known.size() >= max_known) known.clear();
+  try {
+    return known[writer.value] = dds::text_of(reader.matched_publication_data(writer).participant_key);
+  } catch (const dds::Error&) {
+    known.erase(writer.value);
+    return {};
+  }
+}
+
+}  // namespace
+
+bool OwnReports::accepts(BeaconAddress address, const std::string& reporter, const std::string& owner) {
+  if (reporter.empty() || owner.empty()) return true;
+  Owner& known = owners_[address];
+  if (known.participant != owner) known = {owner, false};
+  if (reporter == owner) known.has_reported = true;
+  return reporter == owner || !known.has_reported;
+}
+
+bool OwnReports::accepts(BeaconAddress address, const dds::DataReader<sonopose_FixReport>& reports,
+                         dds::InstanceHandle writer, const dds::DataReader<sonopose_FusedPose>& poses,
+                         std::optional<dds::InstanceHandle> pose_writer) {
+  if (!pose_writer) return true;
+  return accepts(address, participant_of(reports, writer, reporters_),
+                 participant_of(poses, *pose_writer, pose_writers_));
+}
+
+}  // namespace sonopose::observation
