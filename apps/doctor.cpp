@@ -15,9 +15,11 @@ int main(int argc, char** argv) {
   sonopose::apps::BusOptions bus;
   sonopose::doctor::probe::DoctorOptions options;
   bool json = false;
+  bool verbose = false;
   sonopose::apps::Program app("doctor", "The exit code is 0 if no problems are found, 1 otherwise.");
   add_bus_options(app, bus);
-  app.add_flag("--json", json, "Print one JSON object instead of text");
+  auto* const as_json = app.add_flag("--json", json, "Print one JSON object instead of text");
+  app.add_flag("--verbose", verbose, "Print what is well of each beacon and line, too")->excludes(as_json);
   add_max_beacons(app, "Examine", options.max_beacons);
   app.add_option("--duration", options.duration_s, "Seconds to observe the system")
       ->check(sonopose::apps::number_between(0.5, 3600.0))
@@ -46,7 +48,7 @@ int main(int argc, char** argv) {
     if (json) {
       fmt::print("{}\n", json_of(findings));
     } else {
-      fmt::print("{}", report_of(findings));
+      fmt::print("{}", report_of(findings, verbose));
     }
     return has_problems(findings) ? 1 : 0;
   });

@@ -195,6 +195,15 @@ std::optional<double> BeaconProbe::bridge_ahead_s() const {
   return *middle;
 }
 
+/// True if a stronger fusion served the beacon when this one ended: consumers missed nothing of it.
+bool BeaconProbe::stood_by(const rules::FusionSpan& ended) const {
+  return std::any_of(fusions_.begin(), fusions_.end(), [&](const auto& entry) {
+    const rules::FusionSpan& other = entry.second.span;
+    return observation::serves_before(other.latest, ended.latest) &&
+           other.before.time_ns <= ended.latest.time_ns && ended.latest.time_ns <= other.latest.time_ns;
+  });
+}
+
 rules::BeaconObservation BeaconProbe::observation(TimeNs now_ns, const settings::Settings& settings) const {
   rules::BeaconObservation beacon;
   beacon.fusion_settings = settings;
@@ -214,7 +223,7 @@ rules::BeaconObservation BeaconProbe::observation(TimeNs now_ns, const settings:
   for (const auto& entry : fusions_) {
     const rules::FusionSpan& fusion = entry.second.span;
     if (entry.second.has_ended) {
-      if (observation::serves(fusion.latest)) beacon.ended_fusions.push_back(fusion);
+      if (observation::serves(fusion.latest) && !stood_by(fusion)) beacon.ended_fusions.push_back(fusion);
       continue;
     }
     beacon.fusions.push_back(fusion.latest);

@@ -94,6 +94,7 @@ private:
   };
 
   [[nodiscard]] rules::FixOutcomes fix_outcomes() const;
+  [[nodiscard]] bool stood_by(const rules::FusionSpan& ended) const;
   [[nodiscard]] std::optional<double> bridge_ahead_s() const;
   void count_missing_events(TimeNs ended_ns, rules::BeaconObservation& beacon) const;
   [[nodiscard]] std::vector<motion::Reading> corrected_readings(const settings::Settings& settings) const;

@@ -3,6 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
+#include <set>
+#include <string>
+#include <utility>
 
 namespace sonopose::doctor::rules {
 
@@ -18,6 +22,19 @@ std::vector<const EndpointObservation*> on_topic(const std::vector<EndpointObser
   }
   return found;
 }
+
+namespace {
+
+/// Leaves out repetitions: a standby has two writers of poses, each of which may be wrong.
+Findings without_repetitions(const Findings& findings) {
+  std::set<std::pair<std::string, std::string>> known;
+  Findings different;
+  std::copy_if(findings.begin(), findings.end(), std::back_inserter(different),
+               [&](const Finding& finding) { return known.emplace(finding.subject, finding.what).second; });
+  return different;
+}
+
+}  // namespace
 
 std::vector<Finding> diagnose(const Observations& observations) {
   Findings findings;
@@ -40,7 +57,7 @@ std::vector<Finding> diagnose(const Observations& observations) {
     }();
     check_pose(observations.window_s, beacon, cause, findings);
   }
-  return findings;
+  return without_repetitions(findings);
 }
 
 bool has_problems(const std::vector<Finding>& findings) {

@@ -135,7 +135,7 @@ struct BeaconObservation {
   std::optional<FusionStatus> fusion_before;
   std::optional<FusionStatus> fusion;
   std::vector<FusionStatus> fusions;      ///< last status of each running fusion of the beacon
-  std::vector<FusionSpan> ended_fusions;  ///< ended fusions that served it: their losses count too
+  std::vector<FusionSpan> ended_fusions;  ///< ended fusions whose poses consumers received: their losses count too
   StatusCounts status_counts;
   FixOutcomes fix_outcomes;
   std::uint64_t pair_fixes = 0;         ///< fixes that are the centre of a pair

@@ -12,9 +12,9 @@ namespace sonopose::doctor::rules {
 /// "ok", "note", "warning" or "error".
 const char* text_of(Severity severity);
 
-/// One line per finding with its remedy below it, the most severe last, and a line with the number of
-/// problems.
-std::string report_of(std::vector<Finding> findings);
+/// One line per problem with its remedy below it, the most severe last, and a line with their number. One
+/// line for all that is well, and one for equal notes; with `is_verbose` one per finding, too.
+std::string report_of(std::vector<Finding> findings, bool is_verbose = false);
 
 /// {"ok": …, "findings": [{"severity", "subject", "what", "remedy"}]}, on one line without a newline.
 std::string json_of(const std::vector<Finding>& findings);

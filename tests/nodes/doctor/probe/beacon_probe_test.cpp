@@ -270,6 +270,42 @@ TEST_CASE("The losses of a fusion that has crashed and returned are not hidden")
   }
 }
 
+TEST_CASE("The losses of a standby that has ended are not those of a consumer") {
+  BeaconProbe probe;
+  probe.begin(begin_ns, {});
+  const auto report = [&probe](std::uint64_t id, std::int32_t strength, TimeNs time_ns) {
+    FusionStatus status;
+    status.fusion_id = id;
+    status.role = FusionRole::serving;
+    status.strength = strength;
+    status.time_ns = time_ns;
+    status.events_lost = static_cast<std::uint64_t>(time_ns);
+    probe.on(status);
+  };
+  report(1, 200, 1);
+  report(2, 100, 2);
+  report(1, 200, 3);
+  report(2, 100, 4);
+  SECTION("while the stronger fusion serves on") {
+    probe.end_fusion(2);
+    report(1, 200, 5);
+    CHECK(observation_of(probe).ended_fusions.empty());
+  }
+  SECTION("but those of the stronger one are") {
+    probe.end_fusion(1);
+    report(2, 100, 5);
+    REQUIRE(observation_of(probe).ended_fusions.size() == 1);
+    CHECK(observation_of(probe).ended_fusions.front().latest.fusion_id == 1);
+  }
+  SECTION("and so are those of a fusion that a stronger one has replaced") {
+    probe.end_fusion(1);
+    probe.end_fusion(2);
+    report(3, 300, 9);
+    const auto ended = observation_of(probe).ended_fusions;
+    CHECK(ended.size() == 2);
+  }
+}
+
 TEST_CASE("A jump to other fixes counts once, and one after a freeze does not") {
   BeaconProbe probe;
   probe.begin(begin_ns, {});

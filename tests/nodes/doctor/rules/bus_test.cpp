@@ -206,6 +206,19 @@ TEST_CASE(
   CHECK_FALSE(has_problems(diagnose(observations)));
 }
 
+TEST_CASE("A reader that matches none of the two pose writers of a standby is one problem") {
+  Observations observations = healthy();
+  observations.writers.back().qos = exclusive(200);
+  observations.writers.push_back(
+      endpoint("sonopose/pose", "sonopose::FusedPose", "sonopose-fusion", exclusive(0)));
+  observations.readers.push_back(endpoint("sonopose/pose", "sonopose::FusedPose", "shared"));
+  const auto findings = diagnose(observations);
+  CHECK(std::count_if(findings.begin(), findings.end(),
+                      [](const Finding& finding) { return finding.severity == Severity::error; }) == 1);
+  CHECK_THAT(found(findings, "shared (process 100 on rover) cannot receive from sonopose-fusion").what,
+             Contains("ownership"));
+}
+
 TEST_CASE("The report has the most severe finding last, the remedies, and a count") {
   const std::vector<Finding> findings{{Severity::error, "beacon 7", "it burns", "pour water"},
                                       {Severity::ok, "bus", "fine", ""},
