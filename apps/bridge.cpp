@@ -47,7 +47,7 @@ int serve(const CLI::App& app, const Options& options) {
   if (options.source.source != "serial") logging::info("publishing from " + options.source.source);
   apps::serve([&] { node.run(*source, stop); });
   finish(*source, node);
-  return 0;
+  return node.lost_by_fusions() == 0 ? 0 : 1;
 }
 
 }  // namespace

@@ -36,7 +36,10 @@ int serve(Options& options) {
     fmt::print("refused, not of the type of their topic: {}\n", text::count_text(report.refused, "message"));
   }
   if (report.damaged > 0) fmt::print("not played: {}\n", text::count_text(report.damaged, "damaged chunk"));
-  return report.refused == 0 && report.damaged == 0 ? 0 : 1;
+  if (report.lost_by_fusions > 0) {
+    fmt::print("lost by fusions without --lossless: {}\n", text::count_text(report.lost_by_fusions, "event"));
+  }
+  return report.refused == 0 && report.damaged == 0 && report.lost_by_fusions == 0 ? 0 : 1;
 }
 
 }  // namespace
@@ -48,7 +51,8 @@ int main(int argc, char** argv) {
   app.add_option("file", player.file, "The recording")->required()->type_name("FILE");
   apps::add_bus_options(app, options.bus);
   apps::add_log_option(app, options.log_level);
-  app.add_option("--rate", player.rate, "1: real time; 10: ten times as fast; 0: as fast as the readers")
+  app.add_option("--rate", player.rate,
+                 "1: real time; 10: ten times as fast; 0: as fast as the readers (a fusion needs --lossless)")
       ->check(apps::number_between(0.0, 1e6))
       ->capture_default_str();
   app.add_flag("--loop", player.loop, "Begin again at the end, until stopped");

@@ -62,8 +62,10 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
   app.add_option("--input", options.input,
                  "Sensor-log folder (log), recording of the bus (mcap) or file of raw beacon bytes (stream)")
       ->type_name("PATH");
-  app.add_option("--rate", options.rate,
-                 "Speed of sim, log, mcap and stream: 1 is real time, 0 is as fast as the readers accept")
+  app.add_option(
+         "--rate", options.rate,
+         "Speed of sim, log, mcap and stream: 1 is real time, 0 is as fast as the readers accept, without "
+         "loss to a fusion with --lossless")
       ->check(number_between(0.0, 1e6))
       ->capture_default_str();
   app.add_flag("--restamp", options.restamp, "Shift the time stamps of a log or mcap so that it starts now");

@@ -11,6 +11,8 @@
 
 #include <algorithm>
 #include <csignal>
+#include <regex>
+#include <string>
 
 namespace lossless_test {
 
@@ -125,6 +127,48 @@ SCENARIO("a log played as fast as possible gives every pose once, identical to a
           pose.reset_counter = 0;
         }
         CHECK(differences(second, expected.poses) == 0);
+      }
+    }
+  }
+}
+
+/// Number of lost events that a fusion logs at its end.
+std::uint64_t lost_by(Process& fusion) {
+  REQUIRE(fusion.end_by(SIGTERM).code == 0);
+  const std::string log = fusion.text(Stream::error);
+  std::smatch match;
+  REQUIRE(std::regex_search(log, match, std::regex(R"(beacon 7: state hash .*; (\d+) events? lost)")));
+  return std::stoull(match.str(1));
+}
+
+SCENARIO("a log played as fast as possible to a fusion that is not lossless says what it lost") {
+  GIVEN("a log of 20 s") {
+    const Bus bus;
+    const TemporaryFolder folder;
+    record_simulation(bus, folder / "log");
+    const Arguments play{"--source", "log", "--input", (folder / "log").string(), "--rate", "0"};
+    WHEN("it is played to a live fusion") {
+      const auto fusion = bus.fusion();
+      const auto bridge = bus.bridge(play);
+      const auto code = bridge->wait_for_exit();
+      THEN("the bridge names the fusion and the option first, and then the number of lost events") {
+        const std::string log = bridge->text(Stream::error);
+        const std::string name = "sonopose-fusion (process " + std::to_string(fusion->pid());
+        CHECK_THAT(log, Catch::Contains(name) && Catch::Contains("may lose events at --rate 0") &&
+                            Catch::Contains("without --lossless"));
+        const std::uint64_t lost = lost_by(*fusion);
+        CAPTURE(lost, log);
+        CHECK(code == (lost > 0 ? 1 : 0));
+        if (lost > 0) CHECK_THAT(log, Catch::Contains(" has lost " + std::to_string(lost) + " event"));
+      }
+    }
+    WHEN("it is played to a lossless fusion") {
+      const auto fusion = bus.fusion({"--lossless"});
+      const auto bridge = bus.bridge(play);
+      THEN("nothing is lost, and nothing said") {
+        CHECK(bridge->wait_for_exit() == 0);
+        CHECK_THAT(bridge->text(Stream::error), !Catch::Contains("--lossless"));
+        CHECK(lost_by(*fusion) == 0);
       }
     }
   }

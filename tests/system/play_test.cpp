@@ -244,6 +244,38 @@ SCENARIO("a player waits for the number of readers that was asked for") {
   }
 }
 
+SCENARIO("a player names a fusion that may lose what is played as fast as possible") {
+  GIVEN("a recording, and a fusion") {
+    const TemporaryFolder folder;
+    const std::string file = folder / "run.mcap";
+    record_walk(file, 2.0, {7});
+    const Bus bus;
+    const bool is_lossless = GENERATE(false, true);
+    const auto fusion = bus.fusion(is_lossless ? Arguments{"--lossless"} : Arguments{});
+    WHEN("it is played at the rate 0") {
+      const auto play = bus.play({file, "--rate", "0", "--readers", "1"});
+      const auto code = play->wait_for_exit();
+      THEN("the option of a live fusion is named; a lossless one loses nothing") {
+        const std::string log = play->text(Stream::error);
+        const std::string name = "sonopose-fusion (process " + std::to_string(fusion->pid());
+        CAPTURE(log);
+        CHECK((log.find(name) != std::string::npos) == !is_lossless);
+        CHECK((log.find("--lossless") != std::string::npos) == !is_lossless);
+        const bool has_lost = play->text(Stream::output).find("lost by fusions") != std::string::npos;
+        CHECK(code == (has_lost ? 1 : 0));
+        if (is_lossless) CHECK_FALSE(has_lost);
+      }
+    }
+    WHEN("it is played at another rate") {
+      const auto play = bus.play({file, "--rate", "5", "--topics", "imu,fix,heading", "--readers", "1"});
+      REQUIRE(play->wait_for_exit() == 0);
+      THEN("nothing is said") {
+        CHECK_THAT(play->text(Stream::error), !Catch::Contains("--lossless"));
+      }
+    }
+  }
+}
+
 SCENARIO("what cannot be played is named") {
   const TemporaryFolder folder;
   const auto refused = [](const Arguments& arguments) {

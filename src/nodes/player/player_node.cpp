@@ -6,11 +6,13 @@
 #include "mcap/reader.hpp"
 #include "player/play_clock.hpp"
 #include "player/republisher.hpp"
+#include "publication/lossy_fusions.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <utility>
@@ -99,7 +101,9 @@ public:
         participant_(domain_options(options)),
         qos_(options.qos_file),
         publisher_(participant_, qos_, {playable_.topics.begin(), playable_.topics.end()},
-                   options.rate == 0.0 ? topics::Delivery::lossless : topics::Delivery::live) {}
+                   options.rate == 0.0 ? topics::Delivery::lossless : topics::Delivery::live) {
+    if (options.rate == 0.0) lossy_fusions_.emplace(participant_, qos_);
+  }
 
   PlayerReport run();
 
@@ -120,11 +124,13 @@ private:
   dds::DomainParticipant participant_;
   dds::qos::Provider qos_;
   Republisher publisher_;
+  std::optional<publication::LossyFusions> lossy_fusions_;  ///< empty unless the rate is 0
   PlayerReport report_;
 };
 
 PlayerReport Play::run() {
   if (options_.wait_for_readers) wait_for_readers();
+  if (lossy_fusions_) lossy_fusions_->warn(stop_);
   const SteadyTime began = clocks::steady_now();
   do {
     play_once();
@@ -132,6 +138,7 @@ PlayerReport Play::run() {
   for (const std::string& topic : publisher_.wait_until_read(stop_)) {
     logging::warning(fmt::format("a reader of {} has not confirmed the last messages", topic));
   }
+  if (lossy_fusions_) report_.lost_by_fusions = lossy_fusions_->count_lost(stop_);
   report_.duration_s = static_cast<double>(clocks::steady_now() - began) * 1e-9;
   return report_;
 }

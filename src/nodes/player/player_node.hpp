@@ -30,9 +30,10 @@ struct PlayerOptions {
 };
 
 struct PlayerReport {
-  std::uint64_t played = 0;   ///< messages, including ends of instances
-  std::uint64_t refused = 0;  ///< messages that do not fit their topic's type
-  std::uint64_t damaged = 0;  ///< unreadable chunks of the file
+  std::uint64_t played = 0;           ///< messages, including ends of instances
+  std::uint64_t refused = 0;          ///< messages that do not fit their topic's type
+  std::uint64_t damaged = 0;          ///< unreadable chunks of the file
+  std::uint64_t lost_by_fusions = 0;  ///< events that fusions without --lossless lost at rate 0
   double duration_s = 0;
 };
 

@@ -8,6 +8,7 @@
 #include "process_log/log_publisher.hpp"
 #include "publication/background_recording.hpp"
 #include "publication/deadline_count.hpp"
+#include "publication/lossy_fusions.hpp"
 #include "publication/other_bridges.hpp"
 #include "publication/stationary_map.hpp"
 #include "publication/topic_writers.hpp"
@@ -66,8 +67,15 @@ public:
     logging::later([log = transition_log_] { log->finish(); });
     log_unwritten(true);
   }
-  void wait_for_readers() { writers_.wait_for_readers(); }
-  void wait_until_read() { writers_.wait_until_read(); }
+  void wait_for_readers(const process::StopSignal& stop) {
+    writers_.wait_for_readers();
+    if (lossy_fusions_) lossy_fusions_->warn(stop);
+  }
+  void wait_until_read(const process::StopSignal& stop) {
+    writers_.wait_until_read();
+    if (lossy_fusions_) lost_by_fusions_ = lossy_fusions_->count_lost(stop);
+  }
+  [[nodiscard]] std::uint64_t lost_by_fusions() const { return lost_by_fusions_; }
   /// Throws files::IoError if samples were not recorded.
   void finish_recording() {
     if (recording_) recording_->finish();
@@ -111,6 +119,8 @@ private:
   std::unique_ptr<process_log::LogPublisher> log_publisher_;
   TopicWriters writers_;
   OtherBridges others_;
+  std::optional<LossyFusions> lossy_fusions_;  ///< empty unless lossless
+  std::uint64_t lost_by_fusions_ = 0;
   std::optional<BackgroundRecording> recording_;
   std::map<BeaconAddress, Beacon> beacons_;
   std::map<BeaconAddress, std::uint64_t> next_sequences_;  ///< numbers for returning beacons
@@ -135,6 +145,7 @@ SensorPublisher::Publisher::Publisher(const PublisherOptions& options)
                options.batch),
       others_(participant_, qos_),
       status_last_(clocks::steady_now()) {
+  if (lossless_) lossy_fusions_.emplace(participant_, qos_);
   if (options.record_folder) {
     recording_.emplace(*options.record_folder, options.source_settings,
                        lossless_ ? FullQueuePolicy::wait : FullQueuePolicy::lose);
@@ -319,12 +330,16 @@ SensorPublisher::~SensorPublisher() = default;
 
 void SensorPublisher::run(Source& source, const process::StopSignal& stop) {
   publisher_->obey(stop);
-  if (source.is_recording()) publisher_->wait_for_readers();
+  if (source.is_recording()) publisher_->wait_for_readers(stop);
   source.run(*publisher_, stop);
   publisher_->publish_statuses(clocks::steady_now());
   publisher_->finish_log();
   publisher_->flush();
-  if (source.is_recording()) publisher_->wait_until_read();
+  if (source.is_recording()) publisher_->wait_until_read(stop);
+}
+
+std::uint64_t SensorPublisher::lost_by_fusions() const {
+  return publisher_->lost_by_fusions();
 }
 
 void SensorPublisher::finish() {

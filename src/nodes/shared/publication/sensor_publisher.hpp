@@ -7,6 +7,7 @@
 #include "recording/log_meta.hpp"
 #include <sonopose/dds/binding/domain.hpp>
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -36,6 +37,9 @@ public:
   /// until each stream has a reader, and at the end until the readers have received everything. Throws what
   /// the source throws.
   void run(Source& source, const process::StopSignal& stop);
+
+  /// Number of events of a lossless recording that fusions have lost, because they are not lossless.
+  [[nodiscard]] std::uint64_t lost_by_fusions() const;
 
   /// Waits until a recording is written. Throws files::IoError if samples are missing from it. Call it at the
   /// end.
