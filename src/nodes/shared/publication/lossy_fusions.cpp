@@ -15,6 +15,8 @@ namespace {
 
 namespace topics = dds::topics;
 
+constexpr TimeNs status_poll_ns = 20'000'000;
+
 bool keeps_all(const dds::Qos& qos) {
   const auto history = qos.policy<dds::policy::History>().value_or(dds::policy::History{});
   return history.kind == dds::policy::HistoryKind::keep_all;
@@ -33,8 +35,9 @@ std::string name_of(const std::string& participant_key,
 LossyFusions::LossyFusions(const dds::DomainParticipant& participant, const dds::qos::Provider& qos)
     : participant_(participant), qos_(qos), discovery_(participant) {}
 
-/// Adds those that have appeared, and logs them.
-void LossyFusions::find() {
+/// Adds those that have appeared, and logs them. Returns true if a reader may be another one, whose writers
+/// are not discovered yet.
+bool LossyFusions::find() {
   const auto writers = discovery_.writers();
   const auto writer_of = [&writers](const std::string& participant_key, const char* topic) {
     const auto found = std::find_if(writers.begin(), writers.end(), [&](const auto& writer) {
@@ -43,20 +46,25 @@ void LossyFusions::find() {
     return found == writers.end() ? nullptr : &*found;
   };
   const dds::FoundEndpoint* const own = writer_of(discovery_.own_key(), topics::imu.name);
-  if (own == nullptr) return;
+  if (own == nullptr) return false;
+  bool is_uncertain = false;
   for (const dds::FoundEndpoint& reader : discovery_.readers()) {
     if (reader.topic_name != topics::imu.name || keeps_all(reader.qos)) continue;
     if (!dds::qos::mismatches(own->qos, reader.qos).empty()) continue;
-    if (writer_of(reader.participant_key, topics::pose.name) == nullptr) continue;
+    const auto* const status = writer_of(reader.participant_key, topics::fusion_status.name);
+    if (status == nullptr || writer_of(reader.participant_key, topics::pose.name) == nullptr) {
+      is_uncertain = true;
+      continue;
+    }
     const auto [found, is_new] = fusions_.try_emplace(reader.participant_key);
     Fusion& fusion = found->second;
-    const auto* const status = writer_of(reader.participant_key, topics::fusion_status.name);
-    if (status != nullptr) fusion.status_writer = status->handle;
     if (!is_new) continue;
+    fusion.status_writer = status->handle;
     fusion.name = name_of(reader.participant_key, discovery_.participants());
     logging::warning(
         fmt::format("{} may lose events at --rate 0: it has been started without --lossless", fusion.name));
   }
+  return is_uncertain;
 }
 
 /// Takes statuses. `has_begun`: a new one counts all its losses.
@@ -77,7 +85,6 @@ void LossyFusions::take(bool has_begun) {
 /// Takes statuses until each fusion has one of each of its beacons since `since`.
 void LossyFusions::wait_for_statuses(SteadyTime since, TimeNs max_ns, bool has_begun,
                                      const process::StopSignal& stop) {
-  constexpr TimeNs poll_period_ns = 20'000'000;
   const SteadyTime end = clocks::steady_now() + max_ns;
   do {
     take(has_begun);
@@ -85,12 +92,15 @@ void LossyFusions::wait_for_statuses(SteadyTime since, TimeNs max_ns, bool has_b
       return entry.second.has_status_since(since);
     });
     if (are_complete) return;
-  } while (clocks::steady_now() < end && !stop.wait_until(clocks::steady_now() + poll_period_ns));
+  } while (clocks::steady_now() < end && !stop.wait_until(clocks::steady_now() + status_poll_ns));
 }
 
 void LossyFusions::warn(const process::StopSignal& stop) {
-  constexpr TimeNs max_ns = 300'000'000;  // the latest statuses are latched
-  find();
+  constexpr TimeNs max_ns = 300'000'000;  // for discovery, and for the latest statuses, which are latched
+  const SteadyTime end = clocks::steady_now() + max_ns;
+  while (find() && clocks::steady_now() < end) {
+    if (stop.wait_until(clocks::steady_now() + status_poll_ns)) return;
+  }
   if (fusions_.empty()) return;
   statuses_.emplace(topics::make_reader(participant_, qos_, topics::fusion_status));
   wait_for_statuses(clocks::steady_now(), max_ns, false, stop);

@@ -45,7 +45,7 @@ private:
     [[nodiscard]] std::uint64_t lost() const;
   };
 
-  void find();
+  bool find();
   void take(bool has_begun);
   void wait_for_statuses(SteadyTime since, TimeNs max_ns, bool has_begun, const process::StopSignal& stop);
 
