@@ -24,6 +24,7 @@ inline constexpr std::array verbs{
     Verb{"doctor", "Diagnoses a running system and suggests remedies."},
     Verb{"settings", "Shows and changes the settings of a running sonopose-fusion."},
     Verb{"simulate", "Writes a run of the built-in simulator, with its truth, as a sensor-log folder."},
+    Verb{"import", "Makes a sensor-log folder of tables of an IMU and of positions."},
     Verb{"mcap", "Shows, selects, merges, repairs and exports recordings of the bus."},
     Verb{"replay", "Runs the fusion over a recording, without DDS, and scores it."},
     Verb{"evaluate", "Scores the fused pose on the simulator's scenarios and on recordings."},
