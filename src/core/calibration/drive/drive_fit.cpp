@@ -1,13 +1,15 @@
 #include "calibration/drive/drive_fit.hpp"
 
-#include "calibration/drive/course.hpp"
 #include "calibration/drive/measurements.hpp"
+#include "calibration/drive/pieces.hpp"
 #include "calibration/drive/scoring.hpp"
 #include "calibration/drive/start.hpp"
 #include "calibration/drive/values.hpp"
+#include <sonopose/settings/settings_table.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace sonopose::calibration::drive {
 namespace {
@@ -18,6 +20,29 @@ using detail::Problem;
 
 constexpr std::size_t min_fixes = 100;
 
+struct Input {
+  std::span<const std::vector<Event>> recordings;
+  std::vector<Measurements> logs;  ///< whole
+  const settings::Settings& settings;
+  const DriveOptions& options;
+
+  [[nodiscard]] auto observer_of(std::string_view stage) const {
+    return [this, stage](int step) {
+      if (options.on_progress) options.on_progress(stage, step);
+    };
+  }
+};
+
+/// Fit of the pieces of all recordings.
+struct Attempt {
+  double set_back_s = 0;  ///< delay by which the stamps of fixes and headings were set back
+  std::vector<Measurements> pieces;
+  std::string lacking;       ///< what a fit would need; empty if there is one
+  std::size_t accepted = 0;  ///< number of fixes and headings that the engine uses
+  Fit fit;
+  DriveFit result;
+};
+
 std::size_t used_fixes(const std::vector<Measurements>& logs) {
   std::size_t count = 0;
   for (const Measurements& log : logs) {
@@ -27,26 +52,36 @@ std::size_t used_fixes(const std::vector<Measurements>& logs) {
   return count;
 }
 
-void check_fixes(const std::vector<Measurements>& logs) {
-  const std::size_t count = used_fixes(logs);
-  if (count >= min_fixes) return;
-  throw CalibrationError(std::to_string(count) + " usable fixes; " + std::to_string(min_fixes) +
-                         " are needed: record for a minute or two");
+/// Why the fixes do not suffice; empty if they do.
+std::string lack_of_fixes(std::size_t count, const std::string& cause) {
+  if (count >= min_fixes) return {};
+  return std::to_string(count) + " usable fixes; " + std::to_string(min_fixes) + " are needed: " + cause;
 }
 
 std::vector<Measurements> read(std::span<const std::vector<Event>> recordings,
                                const settings::Settings& settings) {
   constexpr std::size_t min_samples = 500;
+  const char* const remedy = "record for a minute or two";
   std::vector<Measurements> logs;
   for (const std::vector<Event>& events : recordings) {
     logs.push_back(detail::measurements_of(events, settings));
+    logs.back().recording = logs.size() - 1;
     if (logs.back().imu.size() < min_samples) {
       throw CalibrationError(std::to_string(logs.back().imu.size()) + " IMU samples; " +
-                             std::to_string(min_samples) + " are needed: record for a minute or two");
+                             std::to_string(min_samples) + " are needed: " + remedy);
     }
   }
-  check_fixes(logs);
+  const std::string lacking = lack_of_fixes(used_fixes(logs), remedy);
+  if (!lacking.empty()) throw CalibrationError(lacking);
   return logs;
+}
+
+/// Notes in the attempt if too few of the fixes are left, and why. Returns true if there are enough.
+bool has_enough_fixes(const Input& input, Attempt& attempt, const std::string& cause_of_others) {
+  const std::size_t count = used_fixes(attempt.pieces);
+  attempt.lacking =
+      lack_of_fixes(count, "the other " + std::to_string(used_fixes(input.logs) - count) + cause_of_others);
+  return attempt.lacking.empty();
 }
 
 /// Yaws at the starts of logs without headings.
@@ -69,7 +104,7 @@ void find_lost_yaws(const std::vector<Measurements>& logs, const std::vector<boo
                     double delay_s, std::vector<double>& start_yaw_rad) {
   for (std::size_t log = 0; log < logs.size(); ++log) {
     if (!had_headings[log] || logs[log].has_heading()) continue;
-    start_yaw_rad[log] = detail::best_start_yaw(logs[log], delay_s).yaw_rad;
+    start_yaw_rad[log] = detail::best_start_yaw_rad(logs[log], delay_s);
   }
 }
 
@@ -78,37 +113,108 @@ bool is_delay_known(const Fit& fit) {
   return fit.covariance(detail::at_delay, detail::at_delay) < well_known_s * well_known_s;
 }
 
+/// Restricts fixes and headings to those that the engine uses once it knows mount and delay.
+void judge_by_engine(const Input& input, double mount_rad, double delay_s, Attempt& attempt) {
+  for (std::size_t at = 0; at < input.recordings.size(); ++at) {
+    const std::vector<Event>& events = input.recordings[at];
+    const auto used = attempt.set_back_s == 0.0
+                          ? detail::used_by_engine(events, input.settings, mount_rad, delay_s)
+                          : detail::used_by_engine(detail::set_back(events, attempt.set_back_s),
+                                                   input.settings, mount_rad, delay_s);
+    attempt.accepted += used.size();
+    for (Measurements& piece : attempt.pieces) {
+      if (piece.recording != at) continue;
+      for (detail::Fix& fix : piece.fixes) fix.used = used.contains(fix.sequence);
+      for (detail::Heading& heading : piece.headings) heading.used = used.contains(heading.sequence);
+    }
+  }
+}
+
 /// Maximises from the grid, twice: first without outliers of the grid's best point, then with the
 /// measurements that the engine uses once it knows mount and delay.
-Fit fit_logs(std::span<const std::vector<Event>> recordings, const settings::Settings& settings,
-             const DriveOptions& options, std::vector<Measurements>& logs) {
-  const auto observer_of = [&options](std::string_view stage) {
-    return [&options, stage](int step) {
-      if (options.on_progress) options.on_progress(stage, step);
-    };
-  };
-  observer_of("search")(0);
-  const std::vector<bool> had_headings = have_headings(logs);
-  detail::Start start = detail::grid_search(logs);
-  detail::reject_outliers(logs, start);
-  check_fixes(logs);
-  find_lost_yaws(logs, had_headings, start.parameters.delay_s, start.start_yaw_rad);
-  Problem rough_problem(logs);
+void fit_pieces(const Input& input, Attempt& attempt) {
+  std::vector<Measurements>& pieces = attempt.pieces;
+  for (const Measurements& log : input.logs) {
+    detail::append_pieces(detail::set_back(log, attempt.set_back_s), pieces);
+  }
+  if (!has_enough_fixes(input, attempt,
+                        " have no IMU samples around them, at least for six seconds without a silence")) {
+    return;
+  }
+  input.observer_of("search")(0);
+  const std::vector<bool> had_headings = have_headings(pieces);
+  detail::Start start = detail::grid_search(pieces);
+  detail::reject_outliers(pieces, start);
+  if (!has_enough_fixes(input, attempt, " contradict them or the IMU")) return;
+  find_lost_yaws(pieces, had_headings, start.parameters.delay_s, start.start_yaw_rad);
+  Problem rough_problem(pieces);
   const Fit rough =
       detail::maximise(rough_problem, rough_problem.vector_of(start.parameters, start.start_yaw_rad),
-                       observer_of("first fit"));
+                       input.observer_of("first fit"));
   detail::Parameters found = rough_problem.parameters_of(rough.unknowns, 0);
   if (!is_delay_known(rough)) found.delay_s = 0.0;  // otherwise the engine would refuse fixes for their age
   std::vector<double> start_yaws = start_yaws_of(rough_problem, rough);
-  const std::vector<bool> had_rough_headings = have_headings(logs);
-  observer_of("judgement")(0);
-  for (std::size_t log = 0; log < logs.size(); ++log) {
-    detail::judge_by_engine(recordings[log], settings, found, logs[log]);
+  const std::vector<bool> had_rough_headings = have_headings(pieces);
+  input.observer_of("judgement")(0);
+  judge_by_engine(input, found.mount_rad, found.delay_s, attempt);
+  if (!has_enough_fixes(input, attempt, " are refused by the fusion, and sonopose-replay says why")) return;
+  find_lost_yaws(pieces, had_rough_headings, found.delay_s, start_yaws);
+  Problem problem(pieces);
+  attempt.fit = detail::maximise(problem, problem.vector_of(found, start_yaws), input.observer_of("fit"));
+  attempt.result.converged = attempt.fit.converged;
+  problem.start_lever_arms_at(attempt.fit.lever_arms);
+  detail::set_values(problem, attempt.fit, attempt.result);
+  detail::check_imu(problem, attempt.fit, attempt.result);
+}
+
+/// True if the attempt knows the delay, and the margins of the pieces are wide enough for it.
+bool has_delay(const Attempt& attempt) {
+  constexpr double max_delay_s = 0.3;
+  static_assert(max_delay_s < detail::margin_s);
+  const Value& delay = attempt.result[Quantity::delay];
+  return attempt.lacking.empty() && delay.is_known() && std::abs(delay.value) <= max_delay_s;
+}
+
+/// Fits with the stamps as they are. If that shows no delay, the clocks of fixes and IMU may differ by more
+/// than the search covers.
+Attempt best_attempt(const Input& input) {
+  Attempt attempt;
+  fit_pieces(input, attempt);
+  if (has_delay(attempt)) return attempt;
+  Attempt other;
+  other.set_back_s = detail::coarse_delay_s(input.logs, input.observer_of("search of the clocks"));
+  if (other.set_back_s == 0.0) return attempt;
+  fit_pieces(input, other);
+  return has_delay(other) ? other : attempt;
+}
+
+/// Returns why the fusion cannot correct this delay; empty if it can.
+std::string clock_fault(const Input& input, const Attempt& attempt, double delay_s) {
+  constexpr double min_share = 0.9;
+  const double max_s = std::get<double>(settings::setting_info("delay.correction_s").maximum);
+  bool is_correctable = std::abs(delay_s) <= max_s;
+  if (is_correctable && attempt.set_back_s != 0.0) {
+    const double mount_rad = attempt.fit.unknowns(detail::at_mount);
+    std::size_t accepted = 0;
+    for (const std::vector<Event>& events : input.recordings) {
+      accepted += detail::used_by_engine(events, input.settings, mount_rad, delay_s).size();
+    }
+    is_correctable = static_cast<double>(accepted) >= min_share * static_cast<double>(attempt.accepted);
   }
-  check_fixes(logs);
-  find_lost_yaws(logs, had_rough_headings, found.delay_s, start_yaws);
-  Problem problem(logs);
-  return detail::maximise(problem, problem.vector_of(found, start_yaws), observer_of("fit"));
+  if (is_correctable) return {};
+  return "the stamps of the IMU are " + std::to_string(std::lround(1e3 * std::abs(delay_s))) + " ms " +
+         (delay_s < 0.0 ? "ahead of" : "behind") +
+         " those of the fixes, more than delay.correction_s can correct: set the clock that stamps them, or "
+         "correct the stamps in the driver";
+}
+
+/// Adds the delay by which the stamps were set back.
+void add_to_delay(double delay_s, DriveFit& result) {
+  Value& delay = result[Quantity::delay];
+  delay.value += delay_s;
+  delay.low += delay_s;
+  delay.high += delay_s;
+  for (CurvePoint& point : result.curves[static_cast<std::size_t>(Quantity::delay)]) point.value += delay_s;
 }
 
 void count(std::span<const std::vector<Event>> recordings, const std::vector<Measurements>& logs,
@@ -143,20 +249,24 @@ void count(std::span<const std::vector<Event>> recordings, const std::vector<Mea
 
 DriveFit calibrate_drive(std::span<const std::vector<Event>> recordings, const settings::Settings& settings,
                          const DriveOptions& options) {
-  std::vector<Measurements> logs = read(recordings, settings);
-  const Fit fit = fit_logs(recordings, settings, options, logs);
-  Problem problem(logs);
-  problem.start_lever_arms_at(fit.lever_arms);
-  DriveFit result;
-  count(recordings, logs, result);
-  result.converged = fit.converged;
-  detail::set_values(problem, fit, result);
-  detail::check_imu(problem, fit, result);
+  const Input input{recordings, read(recordings, settings), settings, options};
+  Attempt attempt = best_attempt(input);
+  if (!attempt.lacking.empty()) throw CalibrationError(attempt.lacking);
+  DriveFit& result = attempt.result;
+  count(recordings, attempt.pieces, result);
+  for (const Measurements& log : input.logs) result.imu_silences += detail::silences_in(log);
+  result.used_s = detail::duration_s(attempt.pieces);
   if (options.curves) {
     if (options.on_progress) options.on_progress("curves", 0);
-    detail::add_curves(problem, fit, result);
+    Problem problem(attempt.pieces);
+    problem.start_lever_arms_at(attempt.fit.lever_arms);
+    detail::add_curves(problem, attempt.fit, result);
   }
-  return result;
+  add_to_delay(attempt.set_back_s, result);
+  if (result[Quantity::delay].is_known()) {
+    result.clock_fault = clock_fault(input, attempt, result[Quantity::delay].value);
+  }
+  return std::move(attempt.result);
 }
 
 }  // namespace sonopose::calibration::drive

@@ -74,6 +74,10 @@ struct DriveFit {
   std::size_t fixes_used = 0;
   std::size_t headings = 0;
   std::size_t headings_used = 0;
+  std::size_t imu_silences = 0;  ///< silences of the IMU, at which the recordings are cut
+  double used_s = 0;             ///< duration of the pieces in between that are long enough
+  /// Reason why the fusion cannot correct the delay that was found, and what to do; empty if it can.
+  std::string clock_fault;
   double squared_fix_innovation = 0;      ///< normalised, mean per degree of freedom; 1 if the noise is right
   double squared_heading_innovation = 0;  ///< normalised, mean per degree of freedom; 1 if the noise is right
   std::array<std::vector<CurvePoint>, quantity_count>
@@ -91,8 +95,8 @@ struct DriveOptions {
 };
 
 /// Calibrates one installation from recordings, each a list of events in the order of arrival, with the
-/// settings of the fusion (calibration of the IMU, admission). Throws CalibrationError if there are too few
-/// samples or fixes.
+/// settings of the fusion (calibration of the IMU, admission). Cuts them at silences of the IMU. Finds delays
+/// of up to 3 s. Throws CalibrationError if there are too few samples or fixes.
 DriveFit calibrate_drive(std::span<const std::vector<Event>> recordings, const settings::Settings& settings,
                          const DriveOptions& options = {});
 

@@ -39,11 +39,12 @@ struct Heading {
   bool used = true;
 };
 
-/// Measurements of one log in the order of their stamps.
+/// Measurements of one log, or of a piece of it, in the order of their stamps.
 struct Measurements {
   std::vector<ImuMeasurement> imu;  ///< calibrated
   std::vector<Fix> fixes;
   std::vector<Heading> headings;
+  std::size_t recording = 0;  ///< index of the recording
 
   [[nodiscard]] bool has_heading() const;
 };
@@ -77,7 +78,11 @@ struct PassOptions {
   Vector3d lever_arm_m = Vector3d::Zero();  ///< start of the lever arm's estimate
 };
 
+/// Distance of the measurements of a piece to its ends, as the delay may move them.
+inline constexpr double margin_s = 0.4;
+
 /// Residuals of all used fixes and headings except those of the first seconds, in which the filter settles.
-Pass forward_pass(const Measurements& log, const Parameters& parameters, const PassOptions& options);
+/// The IMU must not be silent, and the measurements must keep `margin_s`.
+Pass forward_pass(const Measurements& piece, const Parameters& parameters, const PassOptions& options);
 
 }  // namespace sonopose::calibration::drive::detail

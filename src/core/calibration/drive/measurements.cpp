@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 namespace sonopose::calibration::drive::detail {
 namespace {
@@ -43,13 +42,13 @@ Measurements measurements_of(std::span<const Event> events, const settings::Sett
   return log;
 }
 
-void judge_by_engine(std::span<const Event> events, const settings::Settings& settings,
-                     const Parameters& parameters, Measurements& log) {
+std::set<std::uint64_t> used_by_engine(std::span<const Event> events, const settings::Settings& settings,
+                                       double mount_rad, double delay_s) {
   settings::Settings known = settings;
-  known.heading.mount_offset_deg = geometry::wrap_angle(parameters.mount_rad) / geometry::radians_per_degree;
+  known.heading.mount_offset_deg = geometry::wrap_angle(mount_rad) / geometry::radians_per_degree;
   known.delay.extrapolate = true;
   known.delay.source = settings::DelaySource::measured;
-  known.delay.correction_s = parameters.delay_s;
+  known.delay.correction_s = delay_s;
   known.delay.estimate = false;
   std::set<std::uint64_t> used;
   for (const auto& segment : estimation::offline::judged(known, events)) {
@@ -60,8 +59,23 @@ void judge_by_engine(std::span<const Event> events, const settings::Settings& se
       if (heading.used) used.insert(heading.sequence);
     }
   }
-  for (Fix& fix : log.fixes) fix.used = used.contains(fix.sequence);
-  for (Heading& heading : log.headings) heading.used = used.contains(heading.sequence);
+  return used;
+}
+
+std::vector<Event> set_back(std::vector<Event> events, double delay_s) {
+  const auto set_sample_back = [delay_s](auto* sample) {
+    if (sample == nullptr) return;
+    sample->emission_time_ns = saturated_sum(sample->emission_time_ns, -to_ns(delay_s));
+    sample->received_time_ns =
+        std::max(saturated_sum(sample->received_time_ns, -to_ns(delay_s)), sample->emission_time_ns);
+  };
+  for (Event& event : events) {
+    set_sample_back(std::get_if<UltrasonicFix>(&event));
+    set_sample_back(std::get_if<PairHeading>(&event));
+  }
+  std::stable_sort(events.begin(), events.end(),
+                   [](const Event& a, const Event& b) { return available_at_ns(a) < available_at_ns(b); });
+  return events;
 }
 
 double gyro_scatter_radps_rthz(const Measurements& log) {

@@ -98,9 +98,9 @@ Normal normal_of(const Problem& problem, const VectorXd& unknowns, const std::ve
   for (Index i = 0; i < count; ++i) {
     VectorXd moved = unknowns;
     moved(i) = unknowns(i) + step_of(i);
-    above.push_back(problem.passes(moved));
+    above.push_back(problem.passes_after_change(centre, moved, i));
     moved(i) = unknowns(i) - step_of(i);
-    below.push_back(problem.passes(moved));
+    below.push_back(problem.passes_after_change(centre, moved, i));
   }
   std::vector<Slope> slopes(static_cast<std::size_t>(count));
   for (std::size_t log = 0; log < centre.size(); ++log) {
@@ -182,11 +182,22 @@ Parameters Problem::parameters_of(const VectorXd& unknowns, std::size_t log) con
           .gyro_radps_rthz = std::exp(unknowns(at_gyro))};
 }
 
+Pass Problem::pass(const VectorXd& unknowns, std::size_t log) const {
+  return forward_pass(logs_[log], parameters_of(unknowns, log), {.lever_arm_m = lever_arms_m_[log]});
+}
+
 std::vector<Pass> Problem::passes(const VectorXd& unknowns) const {
   std::vector<Pass> all;
+  for (std::size_t log = 0; log < logs_.size(); ++log) all.push_back(pass(unknowns, log));
+  return all;
+}
+
+std::vector<Pass> Problem::passes_after_change(const std::vector<Pass>& before, const VectorXd& unknowns,
+                                               Index changed) const {
+  if (changed < common_unknowns) return passes(unknowns);
+  std::vector<Pass> all = before;
   for (std::size_t log = 0; log < logs_.size(); ++log) {
-    all.push_back(
-        forward_pass(logs_[log], parameters_of(unknowns, log), {.lever_arm_m = lever_arms_m_[log]}));
+    if (at_start_yaw_[log] == changed) all[log] = pass(unknowns, log);
   }
   return all;
 }

@@ -12,8 +12,8 @@
 
 namespace sonopose::calibration::drive::detail {
 
-/// Indices of the unknowns in a vector. Noises are logarithms. The start yaws of logs without headings follow
-/// as further unknowns.
+/// Indices of the unknowns in a vector. Noises are logarithms. The start yaws of pieces without headings
+/// follow as further unknowns.
 enum Unknown : int {
   at_mount,
   at_delay,
@@ -28,7 +28,7 @@ enum Unknown : int {
 /// Standard deviation of a fix from an unknown, its logarithm: never below the resolution of a beacon.
 double fix_noise_m(double logarithm);
 
-/// Logs of one installation, with common mount, delay and noise.
+/// Pieces of the logs of one installation, with common mount, delay and noise.
 class Problem {
 public:
   /// Keeps a reference to `logs`.
@@ -42,6 +42,11 @@ public:
   /// Makes one pass over each log.
   [[nodiscard]] std::vector<Pass> passes(const Eigen::VectorXd& unknowns) const;
 
+  /// The same after a change of one unknown, where a start yaw changes only the pass of its log.
+  [[nodiscard]] std::vector<Pass> passes_after_change(const std::vector<Pass>& before,
+                                                      const Eigen::VectorXd& unknowns,
+                                                      Eigen::Index changed) const;
+
   /// −2 log L of these passes, including the priors of the unknowns.
   [[nodiscard]] double minus_2_log_l(const Eigen::VectorXd& unknowns, const std::vector<Pass>& passes) const;
 
@@ -54,6 +59,8 @@ public:
   [[nodiscard]] const std::vector<Measurements>& logs() const { return logs_; }
 
 private:
+  [[nodiscard]] Pass pass(const Eigen::VectorXd& unknowns, std::size_t log) const;
+
   const std::vector<Measurements>& logs_;
   std::vector<Vector3d> lever_arms_m_;
   std::vector<Eigen::Index> at_start_yaw_;  ///< per log; −1 if it has headings

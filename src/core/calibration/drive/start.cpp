@@ -1,10 +1,13 @@
 #include "calibration/drive/start.hpp"
 
+#include "calibration/drive/pieces.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 namespace sonopose::calibration::drive::detail {
 namespace {
@@ -26,53 +29,95 @@ double angle_of(std::ptrdiff_t mount) {
   return static_cast<double>(mount) * 2.0 * std::numbers::pi / mounts;
 }
 
-/// −2 log L for an angle, which is the mount or, for a log without headings, the yaw at the start.
-double coarse_minus_2_log_l(const Measurements& log, double angle_rad, double delay_s) {
-  Parameters parameters = coarse_parameters();
-  parameters.delay_s = delay_s;
-  parameters.mount_rad = parameters.start_yaw_rad = angle_rad;
-  return forward_pass(log, parameters, {.soft_gate = soft_gate}).minus_2_log_l;
+/// −2 log L of so many residuals.
+struct Likelihood {
+  double minus_2_log_l = 0;
+  std::size_t residuals = 0;
+
+  Likelihood& operator+=(const Likelihood& other) {
+    minus_2_log_l += other.minus_2_log_l;
+    residuals += other.residuals;
+    return *this;
+  }
+  bool operator<(const Likelihood& other) const { return minus_2_log_l < other.minus_2_log_l; }
+};
+
+/// Likelihood of each angle, which is the mount or, for a log without headings, the yaw at the start.
+std::array<Likelihood, mounts> coarse_likelihoods(const Measurements& log, double delay_s) {
+  std::array<Likelihood, mounts> all;
+  for (int angle = 0; angle < mounts; ++angle) {
+    Parameters parameters = coarse_parameters();
+    parameters.delay_s = delay_s;
+    parameters.mount_rad = parameters.start_yaw_rad = angle_of(angle);
+    const Pass pass = forward_pass(log, parameters, {.soft_gate = soft_gate});
+    all[static_cast<std::size_t>(angle)] = {pass.minus_2_log_l, pass.residuals.size()};
+  }
+  return all;
+}
+
+/// Most probable mount, or yaws at the start, at one delay.
+struct Candidate {
+  Start start;
+  Likelihood likelihood;
+};
+
+Candidate best_at(const std::vector<Measurements>& logs, double delay_s) {
+  Candidate best;
+  best.start = {coarse_parameters(), std::vector<double>(logs.size(), 0.0)};
+  best.start.parameters.delay_s = delay_s;
+  std::array<Likelihood, mounts> sums{};  // sums over the logs with headings
+  for (std::size_t log = 0; log < logs.size(); ++log) {
+    const auto each = coarse_likelihoods(logs[log], delay_s);
+    if (logs[log].has_heading()) {
+      for (std::size_t mount = 0; mount < sums.size(); ++mount) sums.at(mount) += each.at(mount);
+    } else {
+      const auto best_yaw = std::min_element(each.begin(), each.end());
+      best.start.start_yaw_rad[log] = angle_of(best_yaw - each.begin());
+      best.likelihood += *best_yaw;
+    }
+  }
+  const auto best_mount = std::min_element(sums.begin(), sums.end());
+  best.start.parameters.mount_rad = angle_of(best_mount - sums.begin());
+  best.likelihood += *best_mount;
+  return best;
 }
 
 }  // namespace
 
-StartYaw best_start_yaw(const Measurements& log, double delay_s) {
-  StartYaw best{0.0, std::numeric_limits<double>::infinity()};
-  for (int direction = 0; direction < mounts; ++direction) {
-    const double yaw_rad = angle_of(direction);
-    const double minus_2_log_l = coarse_minus_2_log_l(log, yaw_rad, delay_s);
-    if (minus_2_log_l < best.minus_2_log_l) best = {yaw_rad, minus_2_log_l};
-  }
-  return best;
+double best_start_yaw_rad(const Measurements& log, double delay_s) {
+  const auto each = coarse_likelihoods(log, delay_s);
+  return angle_of(std::min_element(each.begin(), each.end()) - each.begin());
 }
 
 Start grid_search(const std::vector<Measurements>& logs) {
-  Start best;
-  double min_of_all = std::numeric_limits<double>::infinity();
+  std::optional<Candidate> best;
   for (int delay = -delays_to_each_side; delay <= delays_to_each_side; ++delay) {
-    const double delay_s = delay_step_s * delay;
-    std::array<double, mounts> sums{};  // sums over the logs with headings
-    std::vector<double> best_yaw_rad(logs.size(), 0.0);
-    double others = 0;
-    for (std::size_t log = 0; log < logs.size(); ++log) {
-      if (!logs[log].has_heading()) {
-        const StartYaw best_of_log = best_start_yaw(logs[log], delay_s);
-        best_yaw_rad[log] = best_of_log.yaw_rad;
-        others += best_of_log.minus_2_log_l;
-        continue;
-      }
-      for (int mount = 0; mount < mounts; ++mount) {
-        sums[static_cast<std::size_t>(mount)] += coarse_minus_2_log_l(logs[log], angle_of(mount), delay_s);
-      }
-    }
-    const auto best_mount = std::min_element(sums.begin(), sums.end());
-    if (!(*best_mount + others < min_of_all)) continue;
-    min_of_all = *best_mount + others;
-    best = {coarse_parameters(), best_yaw_rad};
-    best.parameters.delay_s = delay_s;
-    best.parameters.mount_rad = angle_of(best_mount - sums.begin());
+    const Candidate candidate = best_at(logs, delay_step_s * delay);
+    if (!best || candidate.likelihood < best->likelihood) best = candidate;
   }
-  return best;
+  return best->start;
+}
+
+double coarse_delay_s(const std::vector<Measurements>& logs, const std::function<void(int step)>& observer) {
+  constexpr double step_s = 0.1;
+  constexpr int steps_to_each_side = 30;
+  double best_s = 0;
+  double best_mean = std::numeric_limits<double>::infinity();
+  for (int step = 0; step <= 2 * steps_to_each_side; ++step) {
+    observer(step);
+    // The nearest first: a periodic motion looks the same after a period.
+    const double delay_s = step_s * (step % 2 == 0 ? -step / 2 : (step + 1) / 2);
+    std::vector<Measurements> pieces;
+    for (const Measurements& log : logs) append_pieces(set_back(log, delay_s), pieces);
+    const Likelihood found = best_at(pieces, 0.0).likelihood;
+    if (found.residuals == 0) continue;
+    // Other fixes fall into the silences of the IMU, so the numbers of residuals differ.
+    const double mean = found.minus_2_log_l / static_cast<double>(found.residuals);
+    if (!(mean < best_mean)) continue;
+    best_mean = mean;
+    best_s = delay_s;
+  }
+  return best_s;
 }
 
 void reject_outliers(std::vector<Measurements>& logs, const Start& start) {

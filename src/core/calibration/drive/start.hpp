@@ -4,6 +4,7 @@
 
 #include "calibration/drive/likelihood.hpp"
 
+#include <functional>
 #include <vector>
 
 namespace sonopose::calibration::drive::detail {
@@ -14,16 +15,15 @@ struct Start {
 };
 
 /// Most probable yaw, of several in all directions, at the start of a log without headings.
-struct StartYaw {
-  double yaw_rad = 0;
-  double minus_2_log_l = 0;
-};
-
-StartYaw best_start_yaw(const Measurements& log, double delay_s);
+double best_start_yaw_rad(const Measurements& log, double delay_s);
 
 /// Most probable point of a grid over all mounts and delays of up to 150 ms. Its noise is so large that the
 /// neighbours of the right point explain the logs.
 Start grid_search(const std::vector<Measurements>& logs);
+
+/// Most probable delay of up to 3 s to both sides, on a coarse grid: the clocks of fixes and IMU may differ.
+/// `logs` are whole.
+double coarse_delay_s(const std::vector<Measurements>& logs, const std::function<void(int step)>& observer);
 
 /// Removes fixes and headings that contradict the others at this start.
 void reject_outliers(std::vector<Measurements>& logs, const Start& start);

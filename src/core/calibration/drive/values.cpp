@@ -196,8 +196,8 @@ void check_imu(const Problem& problem, const Fit& fit, DriveFit& result) {
   for (Value& value : result.values) {
     mark_unknown(
         value,
-        "calibrate or replace the IMU, or record without slip: its rates and accelerations contradict the "
-        "fixes");
+        "calibrate or replace the IMU, set its clock, or record without slip: its rates and accelerations "
+        "contradict the fixes");
   }
   if (has_heading(problem)) set_mount_from_course(problem, result);
 }

@@ -20,16 +20,19 @@ std::string names_of(const std::vector<std::filesystem::path>& logs) {
   return names;
 }
 
-/// Throws if no wanted quantity is known.
+/// Throws if no wanted quantity is known, or only a delay that the fusion cannot correct.
 void check(const DriveCalibration& result) {
   std::string missing;
+  const char* problem = "not observable";
   for (const Quantity quantity : result.wanted) {
     const calibration::drive::Value& value = result.fit[quantity];
-    if (value.is_known()) return;
-    missing +=
-        fmt::format("; {}: {}", choices_of(quantity)[static_cast<std::size_t>(quantity)], value.missing);
+    const bool is_correctable = quantity != Quantity::delay || result.fit.clock_fault.empty();
+    if (value.is_known() && is_correctable) return;
+    if (!is_correctable) problem = "no setting";
+    missing += fmt::format("; {}: {}", choices_of(quantity)[static_cast<std::size_t>(quantity)],
+                           is_correctable ? value.missing : result.fit.clock_fault);
   }
-  throw CalibrationError(names_of(result.logs) + ": not observable" + missing);
+  throw CalibrationError(fmt::format("{}: {}{}", names_of(result.logs), problem, missing));
 }
 
 }  // namespace

@@ -35,6 +35,8 @@ std::string drive_json(const DriveCalibration& result) {
               {"fixes_used", fit.fixes_used},
               {"headings", fit.headings},
               {"headings_used", fit.headings_used},
+              {"imu_silences", fit.imu_silences},
+              {"used_s", fit.used_s},
               {"stamped_delay_s", fit.stamped_delay_s},
               {"stamped_delay_spread_s", fit.stamped_delay_spread_s},
               {"squared_fix_innovation", fit.squared_fix_innovation},
@@ -43,6 +45,7 @@ std::string drive_json(const DriveCalibration& result) {
               {"mount_method", from_course ? "course" : "likelihood"}};
   for (const auto& log : result.logs) object["logs"].push_back(log.string());
   if (from_course) object["why_course"] = fit.why_course;
+  if (!fit.clock_fault.empty()) object["clock_fault"] = fit.clock_fault;
   for (const Quantity quantity : result.wanted) {
     const auto at = static_cast<std::size_t>(quantity);
     Json& each = object["quantities"][std::string(choices_of(quantity)[at])] =

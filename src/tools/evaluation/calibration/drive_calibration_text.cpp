@@ -48,9 +48,27 @@ std::string text_of(Quantity quantity, const Value& value) {
 
 std::string delay_text(const DriveFit& fit) {
   constexpr double milliseconds = 1e3;
-  return labelled("", fmt::format("a fix is {:.1f} ms old when it is received; its stamp says {:.1f} ms",
-                                  milliseconds * (fit.stamped_delay_s + fit[Quantity::delay].value),
-                                  milliseconds * fit.stamped_delay_s));
+  const Value& delay = fit[Quantity::delay];
+  const double age_ms = milliseconds * (fit.stamped_delay_s + delay.value);
+  std::string text =
+      labelled("", fmt::format("a fix is {:.1f} ms old when it is received; its stamp says {:.1f} ms", age_ms,
+                               milliseconds * fit.stamped_delay_s));
+  if (fit.stamped_delay_s + delay.high < 0.0) {
+    text +=
+        labelled("", fmt::format("that is before it is measured: the stamps of the IMU are ahead, by {:.1f} "
+                                 "ms if those of the fixes are right",
+                                 -milliseconds * delay.value));
+  }
+  if (!fit.clock_fault.empty()) text += labelled("", "no setting: " + fit.clock_fault);
+  return text;
+}
+
+/// Returns how the recordings were cut, if they were.
+std::string silences_text(const DriveCalibration& result) {
+  const DriveFit& fit = result.fit;
+  if (fit.imu_silences == 0) return {};
+  return labelled("", fmt::format("cut at {} silence{} of the IMU; the pieces of 6 s and more last {:.0f} s",
+                                  fit.imu_silences, fit.imu_silences == 1 ? "" : "s", fit.used_s));
 }
 
 /// Returns half of the interval in a setting's own unit: "+- 0.16 deg, 95 %".
@@ -70,6 +88,7 @@ std::string drive_text(const DriveCalibration& result) {
   for (const auto& log : result.logs) text += labelled("log", files::toml::quoted(log));
   text += labelled("", fmt::format("{:.0f} s; {} of {} fixes and {} of {} headings used", result.duration_s,
                                    fit.fixes_used, fit.fixes, fit.headings_used, fit.headings));
+  text += silences_text(result);
   for (const Quantity quantity : result.wanted) {
     const Value& value = fit[quantity];
     text += text_of(quantity, value);
@@ -99,7 +118,7 @@ std::vector<files::toml::Assignment> drive_settings(const DriveCalibration& resu
       assignments.push_back({prefix + "heading", "mount_offset_deg",
                              rounded(degrees_per_radian * value.value, decimals_deg),
                              half_of(value, degrees_per_radian, "deg")});
-    } else if (quantity == Quantity::delay) {
+    } else if (quantity == Quantity::delay && result.fit.clock_fault.empty()) {
       assignments.push_back(
           {prefix + "delay", "correction_s", rounded(value.value, decimals_s), half_of(value, 1.0, "s")});
       if (result.has_fixed_delay) assignments.push_back({prefix + "delay", "source", "\"measured\"", {}});

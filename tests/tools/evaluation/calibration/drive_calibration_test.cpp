@@ -54,6 +54,19 @@ SCENARIO("the text has each value with its interval, or the motion that is missi
       CHECK_THAT(text, Contains("58.0 ms old when it is received; its stamp says 70.0 ms"));
       CHECK_THAT(text, Contains("unknown (between -50 and 110): turn more"));
     }
+    AND_WHEN("the IMU was silent") {
+      result.fit.imu_silences = 2;
+      result.fit.used_s = 231.0;
+      CHECK_THAT(evaluation::drive_text(result),
+                 Contains("cut at 2 silences of the IMU") && Contains("231 s"));
+    }
+    AND_WHEN("fixes seem to be received before they are measured") {
+      result.fit[Quantity::delay] = {-0.079, -0.080, -0.078, {}};
+      THEN("the clock of the IMU is the cause") {
+        CHECK_THAT(evaluation::drive_text(result), Contains("-79 ms, between -80 and -78") &&
+                                                       Contains("stamps of the IMU are ahead, by 79.0 ms"));
+      }
+    }
     AND_WHEN("the mount is that of the course") {
       result.fit.mount_method = MountMethod::course;
       result.fit.why_course = "the IMU slips";
@@ -117,6 +130,15 @@ SCENARIO("the settings are those of the fusion, for all beacons or for one") {
         CHECK(config.for_beacon(7).heading.mount_offset_deg == settings::Settings{}.heading.mount_offset_deg);
       }
     }
+    WHEN("the fusion cannot correct the delay") {
+      result.fit.clock_fault = "the IMU is ahead";
+      THEN("it is no setting, and the report says why") {
+        const auto settings = evaluation::drive_settings(result, std::nullopt);
+        REQUIRE(settings.size() == 1);
+        CHECK(settings.front().name == "mount_offset_deg");
+        CHECK_THAT(evaluation::drive_text(result), Contains("no setting: the IMU is ahead"));
+      }
+    }
     WHEN("the mount is not known") {
       result.fit[Quantity::mount].missing = "accelerate";
       THEN("it is no setting") {
@@ -159,6 +181,17 @@ SCENARIO("logs that show nothing of what is wanted are an error that names them"
   request.wanted = {Quantity::mount};
   CHECK_THROWS_WITH(evaluation::calibrate_drive(request),
                     Contains("rest: not observable") && Contains("accelerate"));
+  recording::SensorLogWriter ahead_writer(folder / "ahead");
+  for (Event& event : sim::record(sim::find_scenario("drone"), {.duration_s = 40.0}).events) {
+    if (auto* imu = std::get_if<ImuSample>(&event)) imu->sensor_time_ns += 1'000'000'000;
+    ahead_writer.write(event);
+  }
+  ahead_writer.flush();
+  request.logs = {folder / "ahead"};
+  request.wanted = {Quantity::delay};
+  CHECK_THROWS_WITH(
+      evaluation::calibrate_drive(request),
+      Contains("ahead: no setting; delay: the stamps of the IMU are ") && Contains(" ms ahead of"));
   request.logs = {folder / "none"};
   CHECK_THROWS_AS(evaluation::calibrate_drive(request), files::IoError);
 }

@@ -1,0 +1,147 @@
+/// Recordings with silences of the IMU, and of clocks that differ.
+
+#include "calibration/drive/drive_fit.hpp"
+#include "calibration/drive/simulated_drive.hpp"
+#include "sim/random.hpp"
+#include "sim/simulator.hpp"
+#include "support/seeds.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace stamps_test {
+
+using namespace sonopose;
+using namespace sonopose::test;
+using namespace sonopose::calibration::drive;
+using Catch::Contains;
+
+using Events = std::vector<Event>;
+
+DriveFit calibrated(const Events& events) {
+  const std::vector<Events> recordings{events};
+  return calibrate_drive(recordings, settings::Settings{});
+}
+
+/// A drive with true stamps and a mount of zero.
+Events drive_of(const char* scenario, std::uint64_t seed, bool pair_heading, double duration_s = 60.0) {
+  sim::Scenario one = sim::find_scenario(scenario);
+  one.sensors.pair_heading = pair_heading;
+  return sim::record(one, {.seed = seed, .duration_s = duration_s}).events;
+}
+
+TimeNs start_of(const Events& events) {
+  for (const Event& event : events) {
+    if (const auto* imu = std::get_if<ImuSample>(&event)) return imu->sensor_time_ns;
+  }
+  return 0;
+}
+
+/// Removes the samples of the IMU in a part of the drive.
+void silence(Events& events, double from_s, double duration_s) {
+  const TimeNs begin_ns = start_of(events) + to_ns(from_s);
+  const TimeNs end_ns = begin_ns + to_ns(duration_s);
+  std::erase_if(events, [&](const Event& event) {
+    const auto* imu = std::get_if<ImuSample>(&event);
+    return imu != nullptr && imu->sensor_time_ns >= begin_ns && imu->sensor_time_ns < end_ns;
+  });
+}
+
+/// The IMU's clock is ahead of that of the fixes, in the order in which a log folder has its rows.
+Events with_imu_ahead(Events events, double ahead_s) {
+  for (Event& event : events) {
+    if (auto* imu = std::get_if<ImuSample>(&event)) imu->sensor_time_ns += to_ns(ahead_s);
+  }
+  std::stable_sort(events.begin(), events.end(),
+                   [](const Event& a, const Event& b) { return available_at_ns(a) < available_at_ns(b); });
+  return events;
+}
+
+struct Coverage {
+  int known = 0;
+  int covered = 0;
+
+  void add(const Value& value, double truth) {
+    if (!value.is_known()) return;
+    ++known;
+    covered += value.low <= truth && truth <= value.high ? 1 : 0;
+  }
+};
+
+/// Silences of random places and lengths, of ten seconds in all at most.
+void silence_at_random(Events& events, double duration_s, std::uint64_t seed) {
+  constexpr std::uint64_t stream = 77;
+  sim::Random random(seed, stream);
+  double left_s = 10.0;
+  for (int count = 0; count < 3 && left_s > 0.3; ++count) {
+    const double length_s = random.uniform_in({0.3, std::min(6.0, left_s)});
+    silence(events, random.uniform_in({1.0, duration_s - 1.0 - length_s}), length_s);
+    left_s -= length_s;
+  }
+}
+
+SCENARIO("a silent IMU does not make the delay wrong, with a pair or a single beacon", "[accuracy]") {
+  constexpr double duration_s = 60.0;
+  const unsigned seeds = test::seeds(2, 40);
+  for (const char* const scenario : {"forklift", "hall", "kart", "drone"}) {
+    for (const bool pair_heading : {true, false}) {
+      GIVEN(std::string(scenario) + (pair_heading ? " with a pair" : " with a single beacon")) {
+        Coverage delay;
+        Coverage mount;
+        for (unsigned seed = 3001; seed < 3001 + seeds; ++seed) {
+          Events events = drive_of(scenario, seed, pair_heading, duration_s);
+          silence_at_random(events, duration_s, seed);
+          const DriveFit fit = calibrated(events);
+          CHECK(fit.imu_silences >= 1);
+          CHECK(fit.used_s < duration_s);
+          delay.add(fit[Quantity::delay], 0.0);
+          mount.add(fit[Quantity::mount], 0.0);
+        }
+        THEN("the intervals contain the truth in about 95 % of the seeds") {
+          // One more than 90 %: a few seeds may have one outside.
+          CAPTURE(delay.covered, delay.known, mount.covered, mount.known);
+          CHECK(delay.covered + 1 >= 0.9 * delay.known);
+          CHECK(mount.covered + 1 >= 0.9 * mount.known);
+          if (pair_heading) CHECK(mount.known > 0);
+        }
+      }
+    }
+  }
+}
+
+SCENARIO("a drive whose IMU falls silent every few seconds is refused, with the reason") {
+  Events events = drive_of("forklift", 3100, true);
+  for (double from_s = 2.0; from_s < 60.0; from_s += 5.0) silence(events, from_s, 1.0);
+  CHECK_THROWS_WITH(calibrated(events), Contains("0 usable fixes") && Contains("without a silence"));
+}
+
+SCENARIO("clocks of fixes and IMU that differ are found, whichever is ahead") {
+  const bool pair_heading = GENERATE(true, false);
+  const Events events = drive_of("drone", 3101, pair_heading);
+  for (const double ahead_s : {0.08, -0.08, 0.4, -0.4, 1.3, -2.2}) {
+    GIVEN("an IMU that is ahead by " + std::to_string(ahead_s) + " s") {
+      const DriveFit fit = calibrated(with_imu_ahead(events, ahead_s));
+      THEN("the delay is that, and it is no setting where the fusion cannot correct it") {
+        const Value& delay = fit[Quantity::delay];
+        REQUIRE(delay.is_known());
+        CHECK(delay.value == Approx(-ahead_s).margin(0.008));
+        CHECK(static_cast<double>(fit.fixes_used) > 0.9 * static_cast<double>(fit.fixes));
+        // The fusion refuses a fix that is measured 0.3 s after its receipt: 70 ms after its emission.
+        const bool is_correctable = ahead_s < 0.37 && ahead_s > -0.5;
+        CHECK(fit.clock_fault.empty() == is_correctable);
+        if (!is_correctable) CHECK_THAT(fit.clock_fault, Contains(ahead_s > 0.0 ? "ahead" : "behind"));
+      }
+    }
+  }
+}
+
+SCENARIO("fixes of another time than the IMU are no reason to record for longer") {
+  const Events events = with_imu_ahead(drive_of("walk", 3102, true), 1000.0);
+  CHECK_THROWS_WITH(calibrated(events), Contains("no IMU samples around them"));
+}
+
+}  // namespace stamps_test
