@@ -1,16 +1,48 @@
 #include <sonopose/text/escaped.hpp>
 #include <sonopose/text/hexadecimal.hpp>
 
+#include <array>
 #include <span>
 
 namespace sonopose::text {
 
+namespace {
+
+/// The character at the start of a text.
+struct Character {
+  std::size_t bytes = 1;
+  bool is_shown = false;  ///< no control character, and in UTF-8
+};
+
+Character first_of(std::string_view text) {
+  constexpr char32_t erase = 0x7f;
+  constexpr char32_t last_of_c1 = 0x9f;
+  const auto lead = static_cast<unsigned char>(text.front());
+  if (lead < 0x80) return {1, lead >= ' ' && lead != erase};
+  const std::size_t bytes = lead < 0xc0 ? 1 : lead < 0xe0 ? 2 : lead < 0xf0 ? 3 : lead < 0xf8 ? 4 : 1;
+  if (bytes == 1 || bytes > text.size()) return {};
+  char32_t code = lead & (0x7fU >> bytes);
+  for (const char each : text.substr(1, bytes - 1)) {
+    const auto byte = static_cast<unsigned char>(each);
+    if ((byte & 0xc0U) != 0x80) return {};
+    code = (code << 6U) | (byte & 0x3fU);
+  }
+  constexpr std::array<char32_t, 5> min_codes{0, 0, 0x80, 0x800, 0x10000};
+  const bool is_surrogate = code >= 0xd800 && code < 0xe000;
+  if (code < min_codes.at(bytes) || code > 0x10ffff || is_surrogate) return {};
+  return {bytes, code > last_of_c1};
+}
+
+}  // namespace
+
 std::string escaped(std::string_view text) {
-  constexpr char erase = 127;
   std::string clean;
-  for (const char& each : text) {
-    const bool is_control = (each >= 0 && each < ' ') || each == erase;
-    clean += is_control ? "\\x" + hexadecimal(std::as_bytes(std::span(&each, 1))) : std::string(1, each);
+  while (!text.empty()) {
+    const Character next = first_of(text);
+    for (const char& each : text.substr(0, next.bytes)) {
+      clean += next.is_shown ? std::string(1, each) : "\\x" + hexadecimal(std::as_bytes(std::span(&each, 1)));
+    }
+    text.remove_prefix(next.bytes);
   }
   return clean;
 }

@@ -1,5 +1,7 @@
 #include "logging/line_format.hpp"
 
+#include <sonopose/text/escaped.hpp>
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,11 +31,15 @@ Stream stream_of(int descriptor, const char* journal_stream) {
 
 std::string formatted(Stream stream, std::string_view program, Level level, std::string_view text) {
   const Form& form = forms.at(static_cast<std::size_t>(level));
-  if (stream == Stream::text) return fmt::format("{}: {}{}\n", program, form.word, text);
   std::string lines;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
-    lines += fmt::format("<{}>{}\n", form.priority, text.substr(begin, end - begin));
+    const std::string line = text::escaped(text.substr(begin, end - begin));
+    if (stream == Stream::journal) {
+      lines += fmt::format("<{}>{}\n", form.priority, line);
+    } else {
+      lines += begin == 0 ? fmt::format("{}: {}{}\n", program, form.word, line) : "  " + line + "\n";
+    }
     begin = end + 1;
   }
   return lines;

@@ -9,7 +9,21 @@ using sonopose::text::escaped;
 TEST_CASE("control characters of foreign text are shown, and not sent to the terminal") {
   CHECK(escaped("/imu\x1b[2J\n") == "/imu\\x1b[2J\\x0a");
   CHECK(escaped("\x7f") == "\\x7f");
-  CHECK(escaped("Größe 3 µT") == "Größe 3 µT");
+  CHECK(escaped("Größe 3 µT, 漢字 🚀") == "Größe 3 µT, 漢字 🚀");
+}
+
+TEST_CASE("control characters of eight bits are shown too, in UTF-8 and alone") {
+  CHECK(escaped("/imu\xc2\x9b"
+                "2J") == "/imu\\xc2\\x9b2J");
+  CHECK(escaped("/imu\x9b"
+                "2J") == "/imu\\x9b2J");
+}
+
+TEST_CASE("bytes that are not UTF-8 are shown as numbers") {
+  CHECK(escaped("a\xc3") == "a\\xc3");
+  CHECK(escaped("\xc0\xaf") == "\\xc0\\xaf");           // longer than needed
+  CHECK(escaped("\xed\xa0\x80") == "\\xed\\xa0\\x80");  // half of a pair of UTF-16
+  CHECK(escaped("\xf4\x90\x80\x80") == "\\xf4\\x90\\x80\\x80");
 }
 
 }  // namespace escaped_test

@@ -33,6 +33,13 @@ SCENARIO("each line of a longer text has its priority in the journal") {
   CHECK(formatted(Stream::journal, "sonopose-x", Level::failure, "one\ntwo") == "<3>one\n<3>two\n");
 }
 
+SCENARIO("a line sends no control characters, and cannot pass for another one") {
+  const std::string topic = "/imu\x1b[2J\xc2\x9b\nsonopose-x: error: forged";
+  CHECK(formatted(Stream::text, "sonopose-x", Level::warning, topic) ==
+        "sonopose-x: warning: /imu\\x1b[2J\\xc2\\x9b\n  sonopose-x: error: forged\n");
+  CHECK(formatted(Stream::journal, "sonopose-x", Level::warning, "a\tb") == "<4>a\\x09b\n");
+}
+
 SCENARIO("the journal is recognised by the device and inode that systemd announces") {
   int ends[2] = {-1, -1};
   REQUIRE(::pipe(ends) == 0);
