@@ -1,6 +1,9 @@
 #include "bridge/pacer.hpp"
 
 #include "clocks/clocks.hpp"
+#include "logging/log.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -30,6 +33,11 @@ bool Pacer::wait_for(TimeNs time_ns, publication::SampleSink& sink, const proces
   const SteadyTime due =
       rate_ == 0.0 ? now
                    : began_ + static_cast<TimeNs>(std::clamp(passed_ns / rate_, -century_ns, century_ns));
+  constexpr TimeNs logged_wait_ns = 5'000'000'000;
+  if (due - now >= logged_wait_ns) {
+    logging::warning(
+        fmt::format("the next sample is due in {:.1f} s", static_cast<double>(due - now) * 1e-9));
+  }
   while (true) {
     if (now - ticked_ >= tick_period_ns) {
       sink.tick();
