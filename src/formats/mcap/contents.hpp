@@ -21,15 +21,10 @@ struct Block {
   Kind kind = Kind::chunk;
   std::uint64_t offset = 0;
   std::uint64_t length = 0;
-  TimeSpan log_times;  ///< log times of its messages
-  std::vector<std::uint16_t>
-      channels;  ///< channels of its messages, in order in a scanned file; empty: not known
-};
-
-/// The place of a record.
-struct Extent {
-  std::uint64_t offset = 0;
-  std::uint64_t length = 0;  ///< length including opcode and length field
+  TimeSpan log_times;                   ///< log times of its messages
+  std::vector<std::uint16_t> channels;  ///< channels of its messages, ascending
+  bool was_scanned = false;             ///< messages of other channels were named as damage
+  std::size_t file = 0;                 ///< number of the file, in a recording of several
 };
 
 struct Contents {
@@ -40,8 +35,11 @@ struct Contents {
   Statistics statistics;
   std::vector<Block> blocks;                   ///< blocks in file order, without overlap
   std::vector<Extent> metadata;                ///< metadata records in file order, without overlap
+  std::vector<Extent> attachments;             ///< attachments in file order, without overlap
   std::vector<std::string> damages;            ///< descriptions of damage in the file
   std::vector<std::string> unreadable_blocks;  ///< damages that cost messages before the end
+  std::uint64_t lost_messages = 0;             ///< messages that the file counts, but that were not found
+  bool may_lack_more = false;                  ///< damage costs messages that nothing counts
   bool is_indexed = false;                     ///< the summary was used; otherwise the whole file was read
 
   /// Keeps the first ones of a file, which are enough.

@@ -75,15 +75,9 @@ std::optional<std::string> Fields::repeated_key() const {
          " metadata has a key twice; its first value is used";
 }
 
-TimeSpan Fields::times() {
-  TimeSpan times;
-  times.start_ns = number<std::uint64_t>("message_start_time");
-  times.end_ns = number<std::uint64_t>("message_end_time");
-  if (times.is_empty()) {
-    fail("message_start_time",
-         "is " + std::to_string(times.start_ns) + ", after message_end_time " + std::to_string(times.end_ns));
-  }
-  return times;
+void Fields::skip_times() {
+  take(sizeof(std::uint64_t), "message_start_time");
+  take(sizeof(std::uint64_t), "message_end_time");
 }
 
 Header decode_header(Fields fields) {
@@ -132,7 +126,7 @@ Message decode_message(Fields fields) {
 
 ChunkFields decode_chunk(Fields& fields) {
   ChunkFields chunk;
-  chunk.log_times = fields.times();
+  fields.skip_times();
   chunk.uncompressed_size = fields.number<std::uint64_t>("uncompressed_size");
   chunk.uncompressed_crc = fields.number<std::uint32_t>("uncompressed_crc");
   chunk.compression = fields.text("compression");
@@ -140,28 +134,23 @@ ChunkFields decode_chunk(Fields& fields) {
   return chunk;
 }
 
-ChunkIndex decode_chunk_index(Fields fields) {
-  ChunkIndex index;
-  index.log_times = fields.times();
-  index.chunk_start_offset = fields.number<std::uint64_t>("chunk_start_offset");
-  index.chunk_length = fields.number<std::uint64_t>("chunk_length");
-  Fields offsets = fields.sized("message_index_offsets");
-  while (!offsets.is_at_end()) {
-    const auto channel_id = offsets.number<std::uint16_t>("message_index_offsets");
-    index.message_index_offsets[channel_id] = offsets.number<std::uint64_t>("message_index_offsets");
-  }
-  return index;
+Extent decode_chunk_index(Fields fields) {
+  fields.skip_times();
+  Extent chunk;
+  chunk.offset = fields.number<std::uint64_t>("chunk_start_offset");
+  chunk.length = fields.number<std::uint64_t>("chunk_length");
+  return chunk;
 }
 
-std::vector<std::uint64_t> decode_message_index(Fields fields) {
-  fields.number<std::uint16_t>("channel_id");
+MessageIndex decode_message_index(Fields fields) {
+  MessageIndex index;
+  index.channel_id = fields.number<std::uint16_t>("channel_id");
   Fields records = fields.sized("records");
-  std::vector<std::uint64_t> log_times_ns;
   while (!records.is_at_end()) {
-    log_times_ns.push_back(records.number<std::uint64_t>("records"));
+    index.log_times_ns.push_back(records.number<std::uint64_t>("records"));
     records.number<std::uint64_t>("records");  // the place in the chunk
   }
-  return log_times_ns;
+  return index;
 }
 
 Statistics decode_statistics(Fields fields) {
@@ -172,8 +161,7 @@ Statistics decode_statistics(Fields fields) {
   statistics.attachment_count = fields.number<std::uint32_t>("attachment_count");
   statistics.metadata_count = fields.number<std::uint32_t>("metadata_count");
   statistics.chunk_count = fields.number<std::uint32_t>("chunk_count");
-  const TimeSpan log_times = fields.times();
-  if (statistics.message_count > 0) statistics.log_times = log_times;
+  fields.skip_times();
   Fields counts = fields.sized("channel_message_counts");
   while (!counts.is_at_end()) {
     const auto channel_id = counts.number<std::uint16_t>("channel_message_counts");
@@ -189,12 +177,25 @@ Metadata decode_metadata(Fields& fields) {
   return metadata;
 }
 
-MetadataIndex decode_metadata_index(Fields fields) {
-  MetadataIndex index;
-  index.offset = fields.number<std::uint64_t>("offset");
-  index.length = fields.number<std::uint64_t>("length");
-  index.name = fields.text("name");
-  return index;
+AttachmentFields decode_attachment(Fields fields) {
+  const std::size_t length = fields.rest().size();
+  AttachmentFields attachment;
+  attachment.log_time_ns = fields.number<std::uint64_t>("log_time");
+  attachment.create_time_ns = fields.number<std::uint64_t>("create_time");
+  attachment.name = fields.text("name");
+  attachment.media_type = fields.text("media_type");
+  attachment.data_size = fields.number<std::uint64_t>("data");
+  fields.take(attachment.data_size, "data");
+  attachment.crc_at = length - fields.rest().size();
+  attachment.crc = fields.number<std::uint32_t>("crc");
+  return attachment;
+}
+
+Extent decode_record_index(Fields fields) {
+  Extent record;
+  record.offset = fields.number<std::uint64_t>("offset");
+  record.length = fields.number<std::uint64_t>("length");
+  return record;
 }
 
 namespace {

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace sonopose::mcap {
 
@@ -71,7 +72,9 @@ public:
   TextMap map(std::string_view field);
   /// The content of a map or array with a 32-bit length.
   Fields sized(std::string_view field);
-  TimeSpan times();
+  /// Skips first and last log time: writers have stated wrong ones. Messages and their indexes have the right
+  /// ones.
+  void skip_times();
   std::span<const std::byte> take(std::uint64_t count, std::string_view field);
 
   [[nodiscard]] std::span<const std::byte> rest() const { return rest_; }
@@ -89,24 +92,26 @@ private:
 
 /// A chunk without its records.
 struct ChunkFields {
-  TimeSpan log_times;
   std::uint64_t uncompressed_size = 0;
   std::uint32_t uncompressed_crc = 0;
   std::string compression;
   std::uint64_t compressed_size = 0;
 };
 
-struct ChunkIndex {
-  TimeSpan log_times;
-  std::uint64_t chunk_start_offset = 0;
-  std::uint64_t chunk_length = 0;
-  std::map<std::uint16_t, std::uint64_t> message_index_offsets;
+struct MessageIndex {
+  std::uint16_t channel_id = 0;
+  std::vector<std::uint64_t> log_times_ns;  ///< log times of its messages
 };
 
-struct MetadataIndex {
-  std::uint64_t offset = 0;
-  std::uint64_t length = 0;
+/// An attachment without its data.
+struct AttachmentFields {
+  std::uint64_t log_time_ns = 0;
+  std::uint64_t create_time_ns = 0;
   std::string name;
+  std::string media_type;
+  std::uint64_t data_size = 0;
+  std::uint32_t crc = 0;
+  std::size_t crc_at = 0;  ///< place of the checksum in the content; it covers what precedes it
 };
 
 struct Footer {
@@ -126,10 +131,11 @@ Schema decode_schema(Fields fields);
 Channel decode_channel(Fields& fields);  ///< records a repeated key in `fields`
 Message decode_message(Fields fields);
 ChunkFields decode_chunk(Fields& fields);  ///< leaves what follows the size of the records
-ChunkIndex decode_chunk_index(Fields fields);
-std::vector<std::uint64_t> decode_message_index(Fields fields);  ///< log times of its messages
-Statistics decode_statistics(Fields fields);
-Metadata decode_metadata(Fields& fields);  ///< records a repeated key in `fields`
-MetadataIndex decode_metadata_index(Fields fields);
+Extent decode_chunk_index(Fields fields);
+MessageIndex decode_message_index(Fields fields);
+Statistics decode_statistics(Fields fields);  ///< without log times
+Metadata decode_metadata(Fields& fields);     ///< records a repeated key in `fields`
+AttachmentFields decode_attachment(Fields fields);
+Extent decode_record_index(Fields fields);  ///< the index of an attachment or of metadata
 
 }  // namespace sonopose::mcap

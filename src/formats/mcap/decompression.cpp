@@ -20,13 +20,14 @@ std::span<std::byte> grow(std::vector<std::byte>& to, std::size_t used, std::siz
   return std::span(to).subspan(used);
 }
 
-/// Decompresses by steps. `step` shortens both spans from the front. It returns true at the end of the
-/// stream, and empty if the bytes are invalid.
+/// Decompresses by steps. `step` shortens both spans from the front. It returns true at the end of a frame,
+/// after which the next one may begin, and empty if the bytes are invalid.
 template <class Step>
 Decompressed decompress_steps(std::span<const std::byte> from, std::size_t limit, std::vector<std::byte>& to,
                               const Step& step) {
   to.clear();
   std::size_t used = 0;
+  std::optional<std::size_t> frames_end;  // size of the complete frames
   for (;;) {
     const std::span<std::byte> target = grow(to, used, limit);
     std::span<std::byte> rest = target;
@@ -35,12 +36,15 @@ Decompressed decompress_steps(std::span<const std::byte> from, std::size_t limit
     const std::size_t written = target.size() - rest.size();
     used += written;
     if (used > limit) return Decompressed::too_long;
+    const bool is_frame_end = ended && *ended;
+    if (is_frame_end) frames_end = used;
     const bool is_stuck = written == 0 && unread == from.size();
-    if (!ended || *ended || is_stuck || (from.empty() && !rest.empty())) {
+    if (!ended || is_stuck || (from.empty() && (is_frame_end || !rest.empty()))) {
       to.resize(used);
-      if (!ended) return Decompressed::invalid;
-      if (!*ended) return Decompressed::cut;
-      return from.empty() ? Decompressed::complete : Decompressed::invalid;
+      // Compressors may fill up a block with bytes that are no frame.
+      const bool is_padding = frames_end == used && used == limit;
+      if (is_padding || (is_frame_end && from.empty())) return Decompressed::complete;
+      return ended ? Decompressed::cut : Decompressed::invalid;
     }
   }
 }

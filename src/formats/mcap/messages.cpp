@@ -8,8 +8,8 @@
 
 namespace sonopose::mcap {
 
-/// Opens each block when its first message may be the next one, and takes the earliest message of all open
-/// blocks.
+/// Opens each block when its first message may be the next one, and takes the earliest next message of all
+/// open blocks. In file order, one block of each file is open.
 class Messages::Merge {
 public:
   Merge(const Reader& reader, Selection selection) : reader_{reader}, selection_{std::move(selection)} {
@@ -21,17 +21,21 @@ public:
       if (!selection_.channel || selection_.channel(channel)) channels_.insert(id);
     }
     for (const Block& block : reader.contents().blocks) {
-      if (is_selected(block)) waiting_.push_back(&block);
+      if (!is_selected(block)) continue;
+      const std::size_t queue = is_by_time() ? 0 : block.file;
+      if (queue >= queues_.size()) queues_.resize(queue + 1);
+      queues_[queue].blocks.push_back(&block);
     }
-    if (is_by_time()) {
-      std::ranges::stable_sort(waiting_, {}, [](const Block* block) { return block->log_times.start_ns; });
+    if (!is_by_time()) return;
+    for (Queue& queue : queues_) {
+      std::ranges::stable_sort(queue.blocks, {}, [](const Block* each) { return each->log_times.start_ns; });
     }
   }
 
   std::optional<Message> next() {
     close_finished();
-    while (next_waiting_ < waiting_.size() && may_be_next(*waiting_[next_waiting_])) {
-      open(*waiting_[next_waiting_++]);
+    for (std::size_t i = 0; i < queues_.size(); ++i) {
+      while (may_be_next(queues_[i])) open(*queues_[i].blocks[queues_[i].next++], i);
     }
     if (open_.empty()) return std::nullopt;
     std::ranges::pop_heap(open_, is_later);
@@ -43,8 +47,16 @@ public:
   [[nodiscard]] const std::vector<std::string>& skipped() const { return skipped_; }
 
 private:
+  /// Blocks that are opened one after another.
+  struct Queue {
+    std::vector<const Block*> blocks;
+    std::size_t next = 0;  ///< the next one to open
+    std::size_t open = 0;  ///< number of open ones
+  };
+
   struct OpenBlock {
-    std::uint64_t file_offset = 0;
+    std::pair<std::size_t, std::uint64_t> place;  ///< file and offset
+    std::size_t queue = 0;
     LoadedBlock loaded;
     std::size_t next = 0;
 
@@ -53,7 +65,7 @@ private:
   using Open = std::unique_ptr<OpenBlock>;
 
   static bool is_later(const Open& a, const Open& b) {
-    return std::pair(a->time_ns(), a->file_offset) > std::pair(b->time_ns(), b->file_offset);
+    return std::pair(a->time_ns(), a->place) > std::pair(b->time_ns(), b->place);
   }
 
   [[nodiscard]] bool is_by_time() const { return selection_.order == Selection::Order::log_time; }
@@ -62,13 +74,12 @@ private:
     if (block.log_times.end_ns < selection_.start_ns || block.log_times.start_ns > selection_.end_ns) {
       return false;
     }
-    return block.channels.empty() ||
-           std::ranges::any_of(block.channels, [this](std::uint16_t id) { return channels_.contains(id); });
+    return std::ranges::any_of(block.channels, [this](std::uint16_t id) { return channels_.contains(id); });
   }
 
-  [[nodiscard]] bool may_be_next(const Block& block) const {
-    if (open_.empty()) return true;
-    return is_by_time() && block.log_times.start_ns <= open_.front()->time_ns();
+  [[nodiscard]] bool may_be_next(const Queue& queue) const {
+    if (queue.next == queue.blocks.size() || (!is_by_time() && queue.open > 0)) return false;
+    return open_.empty() || queue.blocks[queue.next]->log_times.start_ns <= open_.front()->time_ns();
   }
 
   /// Closes the block of the last message, which is behind the heap, if it is finished.
@@ -79,15 +90,17 @@ private:
       std::ranges::push_heap(open_, is_later);
     } else {
       open_bytes_ -= block.loaded.size_bytes();
+      --queues_[block.queue].open;
       open_.pop_back();
     }
   }
 
-  void open(const Block& block) {
+  void open(const Block& block, std::size_t queue) {
     auto opened = std::make_unique<OpenBlock>();
-    opened->file_offset = block.offset;
+    opened->place = {block.file, block.offset};
+    opened->queue = queue;
     try {
-      opened->loaded = reader_.file().load(block);
+      opened->loaded = reader_.file(block.file).load(block);
       select(opened->loaded, block);
     } catch (const FormatError& error) {
       if (selection_.damaged == Selection::Damaged::refuse) throw;
@@ -97,27 +110,28 @@ private:
     if (opened->loaded.messages.empty()) return;
     open_bytes_ += opened->loaded.size_bytes();
     if (open_bytes_ > selection_.max_bytes) {
-      reader_.file()
+      reader_.file(block.file)
           .place(block.offset)
           .fail("the chunks that overlap in time have " + std::to_string(open_bytes_) +
                 " bytes, the limit is " + std::to_string(selection_.max_bytes));
     }
+    ++queues_[queue].open;
     open_.push_back(std::move(opened));
     std::ranges::push_heap(open_, is_later);
   }
 
   void select(LoadedBlock& loaded, const Block& block) const {
-    if (!reader_.contents().is_indexed) {
+    std::erase_if(loaded.messages, [&](const LoadedBlock::Item& item) {
+      const auto id = reader_.channel_id(block.file, item.channel_id);
       // The scan has named messages of channels that were undefined at that point.
-      std::erase_if(loaded.messages, [&](const LoadedBlock::Item& item) {
-        return !std::ranges::binary_search(block.channels, item.channel_id);
-      });
-    }
-    for (const LoadedBlock::Item& item : loaded.messages) {
-      if (reader_.channels().contains(item.channel_id)) continue;
-      reader_.file()
+      if (block.was_scanned) return !id || !std::ranges::binary_search(block.channels, *id);
+      if (id) return false;
+      reader_.file(block.file)
           .place(block.offset)
           .fail("a message has channel " + std::to_string(item.channel_id) + ", which is not in the summary");
+    });
+    for (LoadedBlock::Item& item : loaded.messages) {
+      item.channel_id = *reader_.channel_id(block.file, item.channel_id);
     }
     std::erase_if(loaded.messages, [this](const LoadedBlock::Item& item) {
       return item.log_time_ns < selection_.start_ns || item.log_time_ns > selection_.end_ns ||
@@ -129,9 +143,8 @@ private:
   const Reader& reader_;
   Selection selection_;
   std::set<std::uint16_t> channels_;
-  std::vector<const Block*> waiting_;
-  std::size_t next_waiting_ = 0;
-  std::vector<Open> open_;  ///< a heap
+  std::vector<Queue> queues_;  ///< by time, one; in file order, one for each file
+  std::vector<Open> open_;     ///< a heap
   std::uint64_t open_bytes_ = 0;
   bool has_taken_ = false;  ///< the last element is not in the heap
   std::vector<std::string> skipped_;

@@ -1,9 +1,12 @@
 #include "mcap/reader.hpp"
 
+#include "mcap/append.hpp"
+#include "mcap/compression.hpp"
 #include "mcap/record_file.hpp"
 #include "mcap/scan.hpp"
 #include "mcap/summary.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace sonopose::mcap {
@@ -11,20 +14,27 @@ namespace sonopose::mcap {
 namespace {
 
 Contents read_contents(const RecordFile& file) {
-  std::string damage;
-  try {
-    if (auto contents = read_summary(file)) return std::move(*contents);
-  } catch (const FormatError& error) {
-    damage = error.what();
+  SummaryReading summary = read_summary(file);
+  if (summary.contents) return std::move(*summary.contents);
+  Contents contents = scan(file, std::move(summary.record_offsets));
+  const std::uint64_t found = contents.statistics.message_count;
+  const std::uint64_t stated = summary.message_count.value_or(found + contents.lost_messages);
+  const bool has_reported = !contents.damages.empty();  // a cut file, or lost messages
+  if (!has_reported && !summary.damage.empty()) contents.add_damage(summary.damage);
+  if (!has_reported && stated != found) {
+    contents.add_damage(file.name() + ": Statistics message_count is " + std::to_string(stated) +
+                        ", but there are " + std::to_string(found) + " messages");
   }
-  Contents contents = scan(file);
-  // The scan has already reported a cut file.
-  if (!damage.empty() && contents.damages.empty()) contents.add_damage(damage);
+  if (summary.message_count) {
+    contents.lost_messages = std::max(contents.lost_messages, stated - std::min(stated, found));
+    contents.may_lack_more = false;
+  }
   return contents;
 }
 
 /// Also returns a description of damage that leaves the record usable.
-std::pair<Metadata, std::optional<std::string>> read_metadata(const RecordFile& file, const Extent& record) {
+std::pair<Metadata, std::optional<std::string>> read_metadata(const Reader& reader, const Extent& record) {
+  const RecordFile& file = reader.file(record.file);
   const Bytes content = file.content(record, Opcode::metadata);
   Fields fields(content, Opcode::metadata, file.place(record.offset));
   Metadata metadata = decode_metadata(fields);
@@ -33,29 +43,62 @@ std::pair<Metadata, std::optional<std::string>> read_metadata(const RecordFile& 
 
 }  // namespace
 
-Reader::Reader(const std::filesystem::path& file) : Reader(std::make_unique<FileSource>(file)) {}
+Reader::Reader(const std::filesystem::path& file) : Reader(std::vector{file}) {}
 
-Reader::Reader(std::unique_ptr<ByteSource> source)
-    : file_{std::make_unique<RecordFile>(std::move(source))}, contents_{read_contents(*file_)} {}
+Reader::Reader(const std::vector<std::filesystem::path>& files) {
+  for (const auto& file : files) add(std::make_unique<FileSource>(file));
+  name_ = files.front().string();
+  if (files.size() > 1) name_ += " and " + std::to_string(files.size() - 1) + " more";
+}
+
+Reader::Reader(std::unique_ptr<ByteSource> source) {
+  name_ = source->name();
+  add(std::move(source));
+}
 
 Reader::~Reader() = default;
 Reader::Reader(Reader&&) noexcept = default;
 Reader& Reader::operator=(Reader&&) noexcept = default;
 
-const std::string& Reader::name() const {
-  return file_->name();
+void Reader::add(std::unique_ptr<ByteSource> source) {
+  files_.push_back(std::make_unique<RecordFile>(std::move(source)));
+  Contents contents = read_contents(*files_.back());
+  channel_ids_.emplace_back();
+  if (files_.size() > 1) {
+    channel_ids_.back() = append(contents_, std::move(contents), *files_.back(), files_.size() - 1);
+    return;
+  }
+  contents_ = std::move(contents);
+  for (const auto& [id, channel] : contents_.channels) channel_ids_.back().emplace(id, id);
 }
 
 std::uint64_t Reader::size_bytes() const {
-  return file_->size();
+  std::uint64_t bytes = 0;
+  for (const auto& file : files_) bytes += file->size();
+  return bytes;
+}
+
+std::optional<std::uint16_t> Reader::channel_id(std::size_t file, std::uint16_t id) const {
+  const auto found = channel_ids_.at(file).find(id);
+  return found == channel_ids_.at(file).end() ? std::nullopt : std::optional(found->second);
+}
+
+Bytes Reader::attachment(const Extent& record) const {
+  const Place place = file(record.file).place(record.offset);
+  Bytes content = file(record.file).content(record, Opcode::attachment);
+  const AttachmentFields fields = decode_attachment(Fields(content, Opcode::attachment, place));
+  if (fields.crc != 0 && fields.crc != crc32(std::span(content).first(fields.crc_at))) {
+    place.fail("Attachment crc does not match the attachment");
+  }
+  return content;
 }
 
 std::vector<Metadata> Reader::metadata() const {
   std::vector<Metadata> metadata;
   MemoryLimit memory;
   for (const Extent& record : contents_.metadata) {
-    metadata.push_back(read_metadata(*file_, record).first);
-    memory.reserve(memory_of(metadata.back()), "the metadata take", file_->place(record.offset));
+    metadata.push_back(read_metadata(*this, record).first);
+    memory.reserve(memory_of(metadata.back()), "the metadata take", file(record.file).place(record.offset));
   }
   return metadata;
 }
@@ -65,8 +108,8 @@ std::vector<Metadata> Reader::metadata(std::vector<std::string>& damages) const 
   MemoryLimit memory;
   for (const Extent& record : contents_.metadata) {
     try {
-      auto [one, damage] = read_metadata(*file_, record);
-      memory.reserve(memory_of(one), "the metadata take", file_->place(record.offset));
+      auto [one, damage] = read_metadata(*this, record);
+      memory.reserve(memory_of(one), "the metadata take", file(record.file).place(record.offset));
       metadata.push_back(std::move(one));
       if (damage) damages.push_back(std::move(*damage));
     } catch (const FormatError& error) {

@@ -17,12 +17,14 @@ namespace sonopose::mcap {
 
 class RecordFile;
 
-/// Uses the index if the file has one. A file without index, or a cut one, is read from start to end once.
-/// Damaged parts are left out and named in `damages()`.
+/// A recording in one file or several. Uses the index if a file has one. A file without index, or a cut one,
+/// is read from start to end once. Damaged parts are left out and named in `damages()`.
 class Reader {
 public:
   /// Throws files::IoError if the file cannot be read, and FormatError if it is not an MCAP file.
   explicit Reader(const std::filesystem::path& file);
+  /// Channels that are alike in several files are one. Profile and library are those of the first file.
+  explicit Reader(const std::vector<std::filesystem::path>& files);
   explicit Reader(std::unique_ptr<ByteSource> source);
   ~Reader();
   Reader(Reader&&) noexcept;
@@ -30,7 +32,8 @@ public:
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
 
-  [[nodiscard]] const std::string& name() const;
+  /// Name of the file, or of the first one and the number of the others.
+  [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] std::uint64_t size_bytes() const;
   [[nodiscard]] const Contents& contents() const { return contents_; }
   [[nodiscard]] const std::map<std::uint16_t, Schema>& schemas() const { return contents_.schemas; }
@@ -44,18 +47,27 @@ public:
   /// The same, but leaves out damaged records and describes them in `damages`.
   [[nodiscard]] std::vector<Metadata> metadata(std::vector<std::string>& damages) const;
 
-  [[nodiscard]] const RecordFile& file() const { return *file_; }
+  /// Reads the content of an attachment record. Throws FormatError, also if its checksum does not match.
+  [[nodiscard]] std::vector<std::byte> attachment(const Extent& record) const;
+
+  [[nodiscard]] const RecordFile& file(std::size_t number = 0) const { return *files_.at(number); }
+  /// The id in `channels()` of a channel of one of the files; empty if the file has no such channel.
+  [[nodiscard]] std::optional<std::uint16_t> channel_id(std::size_t file, std::uint16_t id) const;
 
 private:
-  std::unique_ptr<RecordFile> file_;
+  void add(std::unique_ptr<ByteSource> source);
+
+  std::string name_;
+  std::vector<std::unique_ptr<RecordFile>> files_;
   Contents contents_;
+  std::vector<std::map<std::uint16_t, std::uint16_t>> channel_ids_;  ///< for each file
 };
 
 /// A choice of messages, and their order.
 struct Selection {
   enum class Order {
     log_time,  ///< log time, then file order
-    file,
+    file,      ///< file order; several files are merged by log time
   };
   enum class Damaged { refuse, skip };
 

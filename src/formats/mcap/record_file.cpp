@@ -90,7 +90,10 @@ void check_decompressed(Decompressed result, const ChunkFields& chunk, std::span
 }  // namespace
 
 Message LoadedBlock::message(const Item& item) const {
-  return decode_message(Fields(std::span(records).subspan(item.offset, item.size), Opcode::message, Place{}));
+  Message message =
+      decode_message(Fields(std::span(records).subspan(item.offset, item.size), Opcode::message, Place{}));
+  message.channel_id = item.channel_id;
+  return message;
 }
 
 Bytes RecordFile::bytes(std::uint64_t offset, std::uint64_t count) const {

@@ -81,6 +81,13 @@ struct Metadata {
   bool operator==(const Metadata&) const = default;
 };
 
+/// The place of a record.
+struct Extent {
+  std::uint64_t offset = 0;
+  std::uint64_t length = 0;  ///< length including opcode and length field
+  std::size_t file = 0;      ///< number of the file, in a recording of several
+};
+
 /// First and last log time of messages. Without messages, both are 0 in a file.
 struct TimeSpan {
   std::uint64_t start_ns = std::numeric_limits<std::uint64_t>::max();

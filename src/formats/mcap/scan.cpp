@@ -17,19 +17,15 @@ constexpr std::uint64_t plain_block_bytes = 4U << 20U;
 
 class Scan final : private Definitions {
 public:
-  explicit Scan(const RecordFile& file) : file_{file} {}
+  Scan(const RecordFile& file, std::vector<std::uint64_t> known_offsets)
+      : file_{file}, known_offsets_{std::move(known_offsets)} {}
 
   Contents run() {
     const Header header = read_header(file_);
     contents_.profile = header.profile;
     contents_.library = header.library;
     at_ = magic.size() + file_.prefix(magic.size(), file_.size()).record_length();
-    try {
-      while (next_record()) {
-      }
-    } catch (const FormatError& error) {
-      // The start of the next record is unknown.
-      add_damage(std::string(error.what()) + ": it was cut, or is damaged from here on");
+    while (!is_at_end()) {
     }
     end_plain();
     finish();
@@ -37,16 +33,51 @@ public:
   }
 
 private:
+  /// Reads records up to damage or the end of the data section. Returns false if reading can go on.
+  bool is_at_end() {
+    try {
+      while (next_record()) {
+      }
+      return true;
+    } catch (const FormatError& error) {
+      return !resume(error);
+    }
+  }
+
+  /// The start of the next record is unknown. Goes to the next one that is known, even in the record before
+  /// the damage, whose length may be wrong. Returns false if there is none.
+  bool resume(const FormatError& error) {
+    constexpr int max_resumptions = 100;  // from each one, a forged file could be read to its end
+    contents_.may_lack_more = true;
+    const bool is_known = std::ranges::binary_search(known_offsets_, at_);
+    const auto next = std::ranges::upper_bound(known_offsets_, is_known ? at_ : last_at_);
+    if (next == known_offsets_.end() || ++resumptions_ > max_resumptions) {
+      add_damage(std::string(error.what()) + ": it was cut, or is damaged from here on");
+      return false;
+    }
+    end_plain();
+    const std::string text = std::string(error.what()) + "; reading goes on at byte " + std::to_string(*next);
+    if (at_ < file_.size() && file_.bytes(at_, 1).front() == static_cast<std::byte>(Opcode::chunk)) {
+      contents_.add_unreadable_block(text);
+    } else {
+      add_damage(text);
+    }
+    last_at_ = at_ = *next;
+    return true;
+  }
+
   /// Returns false at the end of the data section.
   bool next_record() {
     if (at_ == file_.size()) file_.place(at_).fail("the file ends without DataEnd and Footer");
     if (is_cut_chunk()) return false;
     const Prefix prefix = file_.prefix(at_, file_.size());
+    last_at_ = at_;
     try {
       visit(prefix);
     } catch (const FormatError& error) {
       if (prefix.opcode == Opcode::chunk) {
         contents_.add_unreadable_block(error.what());
+        count_lost_chunk(at_ + prefix.record_length());
       } else {
         add_damage(error.what());
       }
@@ -55,14 +86,35 @@ private:
     return prefix.opcode != Opcode::data_end && prefix.opcode != Opcode::footer;
   }
 
+  /// Counts the messages of a chunk that cannot be read, by the indexes that follow it.
+  void count_lost_chunk(std::uint64_t at) {
+    bool has_index = false;
+    try {
+      for (Prefix next = file_.prefix(at, file_.size()); next.opcode == Opcode::message_index;
+           next = file_.prefix(at, file_.size())) {
+        const Bytes content = file_.content(at, Opcode::message_index);
+        const MessageIndex index =
+            decode_message_index(Fields(content, Opcode::message_index, file_.place(at)));
+        contents_.lost_messages += index.log_times_ns.size();
+        has_index = true;
+        at += next.record_length();
+      }
+    } catch (const FormatError&) {
+      has_index = false;
+    }
+    contents_.may_lack_more = contents_.may_lack_more || !has_index;
+  }
+
   /// Reads the last chunk of a cut file up to the cut.
   bool is_cut_chunk() {
-    if (file_.size() - at_ < record_prefix_bytes) return false;
+    const bool is_last = known_offsets_.empty() || known_offsets_.back() <= at_;
+    if (!is_last || file_.size() - at_ < record_prefix_bytes) return false;
     const Bytes start = file_.bytes(at_, record_prefix_bytes);
     const std::uint64_t rest = file_.size() - at_;
     if (start[0] != static_cast<std::byte>(Opcode::chunk)) return false;
     if (load<std::uint64_t>(start.data() + 1) <= rest - record_prefix_bytes) return false;
     add_damage(file_.place(at_).text() + ": the file ends in this chunk: it was cut");
+    contents_.may_lack_more = true;
     end_plain();
     try {
       add_block({Block::Kind::cut, at_, rest, {}, {}});
@@ -89,7 +141,7 @@ private:
         add_metadata(prefix);
         break;
       case Opcode::attachment:
-        ++contents_.statistics.attachment_count;
+        contents_.attachments.push_back({at_, prefix.record_length()});
         break;
       default:
         break;
@@ -116,10 +168,12 @@ private:
       add_block(block);
     } catch (const FormatError& error) {
       contents_.add_unreadable_block(error.what());
+      contents_.may_lack_more = true;
     }
   }
 
   void add_block(Block block) {
+    block.was_scanned = true;
     LoadedBlock loaded = file_.load(block, this);
     drop_unknown(loaded, block);
     if (loaded.messages.empty()) return;
@@ -166,6 +220,7 @@ private:
       return true;
     });
     for (const auto& [channel_id, count] : unknown) {
+      contents_.lost_messages += count;
       add_damage(file_.place(block.offset).text() + ": channel " + std::to_string(channel_id) +
                  " is not defined before; messages of it that are left out: " + std::to_string(count));
     }
@@ -178,10 +233,14 @@ private:
     statistics.schema_count = static_cast<std::uint16_t>(contents_.schemas.size());
     statistics.channel_count = static_cast<std::uint32_t>(contents_.channels.size());
     statistics.metadata_count = static_cast<std::uint32_t>(contents_.metadata.size());
+    statistics.attachment_count = static_cast<std::uint32_t>(contents_.attachments.size());
   }
 
   const RecordFile& file_;
+  std::vector<std::uint64_t> known_offsets_;
   std::uint64_t at_ = 0;
+  std::uint64_t last_at_ = 0;  ///< place of the last record with a possible length
+  int resumptions_ = 0;
   Block plain_{Block::Kind::plain, 0, 0, {}, {}};
   MemoryLimit memory_;
   Contents contents_;
@@ -198,8 +257,8 @@ Header read_header(const RecordFile& file) {
   return decode_header(Fields(content, Opcode::header, file.place(magic.size())));
 }
 
-Contents scan(const RecordFile& file) {
-  return Scan(file).run();
+Contents scan(const RecordFile& file, std::vector<std::uint64_t> known_offsets) {
+  return Scan(file, std::move(known_offsets)).run();
 }
 
 }  // namespace sonopose::mcap

@@ -15,23 +15,39 @@ class Summary {
 public:
   explicit Summary(const RecordFile& file) : file_{file} {}
 
-  std::optional<Contents> read() {
+  SummaryReading read() {
     const Header header = read_header(file_);
     contents_.profile = header.profile;
     contents_.library = header.library;
     contents_.is_indexed = true;
-    const Footer footer = read_footer();
-    if (footer.summary_start == 0) return std::nullopt;
-    read_records(footer);
-    if (!is_sufficient()) return std::nullopt;
-    std::ranges::sort(contents_.blocks, {}, &Block::offset);
-    std::ranges::sort(contents_.metadata, {}, &Extent::offset);
-    require_separate();
-    if (!has_all_channels() || !read_between_chunks()) return std::nullopt;
-    return std::move(contents_);
+    SummaryReading reading;
+    try {
+      if (has_all_messages()) reading.contents = std::move(contents_);
+    } catch (const FormatError& error) {
+      reading.damage = error.what();
+    }
+    reading.message_count = stated_count_;
+    for (const Extent& record : records_) reading.record_offsets.push_back(record.offset);
+    std::ranges::sort(reading.record_offsets);
+    return reading;
   }
 
 private:
+  /// Returns false if the file must be read from start to end instead.
+  bool has_all_messages() {
+    const Footer footer = read_footer();
+    if (footer.summary_start == 0) return false;
+    read_records(footer);
+    if (!is_sufficient()) return false;
+    std::ranges::sort(records_, {}, &Extent::offset);
+    require_separate();
+    for (std::vector<Extent>* extents : {&contents_.metadata, &contents_.attachments}) {
+      std::ranges::sort(*extents, {}, &Extent::offset);
+    }
+    std::ranges::sort(contents_.blocks, {}, &Block::offset);
+    return read_between_records() && has_all_definitions();
+  }
+
   Footer read_footer() {
     const std::uint64_t size = file_.size();
     const std::uint64_t end = magic.size() + footer_bytes;
@@ -84,117 +100,118 @@ private:
       if (auto damage = fields.repeated_key()) contents_.add_damage(std::move(*damage));
     } else if (opcode == Opcode::statistics) {
       contents_.statistics = decode_statistics(fields);
-      has_statistics_ = true;
+      stated_count_ = contents_.statistics.message_count;
     } else if (opcode == Opcode::chunk_index) {
-      add_chunk(decode_chunk_index(fields), fields);
+      const Extent chunk = in_data(decode_chunk_index(fields), "chunk_start_offset", fields);
+      contents_.blocks.push_back({Block::Kind::chunk, chunk.offset, chunk.length, {}, {}});
     } else if (opcode == Opcode::metadata_index) {
-      const MetadataIndex index = decode_metadata_index(fields);
-      require_in_data(index.offset, index.length, "offset", fields);
-      contents_.metadata.push_back({index.offset, index.length});
+      contents_.metadata.push_back(in_data(decode_record_index(fields), "offset", fields));
+    } else if (opcode == Opcode::attachment_index) {
+      contents_.attachments.push_back(in_data(decode_record_index(fields), "offset", fields));
     }
   }
 
-  void require_in_data(std::uint64_t offset, std::uint64_t length, std::string_view field,
-                       const Fields& fields) const {
-    if (offset >= magic.size() && offset < summary_start_ && length <= summary_start_ - offset) return;
-    fields.fail(field, "is " + std::to_string(offset) + " with length " + std::to_string(length) +
-                           ", but the data end at byte " + std::to_string(summary_start_));
-  }
-
-  void add_chunk(const ChunkIndex& index, const Fields& fields) {
-    require_in_data(index.chunk_start_offset, index.chunk_length, "chunk_start_offset", fields);
-    Block block{Block::Kind::chunk, index.chunk_start_offset, index.chunk_length, index.log_times, {}};
-    for (const auto& [channel_id, offset] : index.message_index_offsets) block.channels.push_back(channel_id);
-    contents_.blocks.push_back(std::move(block));
+  /// Keeps the place of a record that the summary names. Throws FormatError if it is not in the data section.
+  Extent in_data(Extent record, std::string_view field, const Fields& fields) {
+    if (record.offset < magic.size() || record.offset >= summary_start_ ||
+        record.length > summary_start_ - record.offset) {
+      fields.fail(field, "is " + std::to_string(record.offset) + " with length " +
+                             std::to_string(record.length) + ", but the data end at byte " +
+                             std::to_string(summary_start_));
+    }
+    return records_.emplace_back(record);
   }
 
   /// Refuses overlapping entries, which would be read twice: a small file could take any time and memory.
   void require_separate() const {
-    std::vector<Extent> extents = contents_.metadata;
-    for (const Block& block : contents_.blocks) extents.push_back({block.offset, block.length});
-    std::ranges::sort(extents, {}, &Extent::offset);
-    const auto overlap = std::ranges::adjacent_find(extents, [](const Extent& a, const Extent& b) {
+    const auto overlap = std::ranges::adjacent_find(records_, [](const Extent& a, const Extent& b) {
       return b.offset - a.offset < std::max<std::uint64_t>(a.length, record_prefix_bytes);
     });
-    if (overlap == extents.end()) return;
+    if (overlap == records_.end()) return;
     const Extent& next = *std::next(overlap);
     file_.place(summary_start_)
         .fail("the summary has a record at byte " + std::to_string(overlap->offset) + " with length " +
               std::to_string(overlap->length) + ", but another one at byte " + std::to_string(next.offset));
   }
 
-  /// Returns false if the file must be read from start to end instead.
   [[nodiscard]] bool is_sufficient() const {
-    return has_statistics_ && contents_.statistics.chunk_count == contents_.blocks.size() &&
-           contents_.statistics.metadata_count == contents_.metadata.size() &&
-           (contents_.statistics.message_count == 0 || !contents_.blocks.empty());
+    const Statistics& statistics = contents_.statistics;
+    return stated_count_ && statistics.chunk_count == contents_.blocks.size() &&
+           statistics.metadata_count == contents_.metadata.size() &&
+           statistics.attachment_count == contents_.attachments.size();
   }
 
-  /// A summary need not repeat the channels.
-  [[nodiscard]] bool has_all_channels() const {
+  /// A summary need not repeat the channels and schemas.
+  [[nodiscard]] bool has_all_definitions() const {
     const auto is_known = [this](std::uint16_t channel_id) {
       return contents_.channels.contains(channel_id);
     };
     const auto knows_all = [&](const Block& block) { return std::ranges::all_of(block.channels, is_known); };
+    const auto has_schema = [this](const auto& channel) {
+      const std::uint16_t id = channel.second.schema_id;
+      return id == no_schema || contents_.schemas.contains(id);
+    };
     return std::ranges::all_of(contents_.blocks, knows_all) &&
-           std::ranges::all_of(contents_.statistics.channel_message_counts,
-                               [&](const auto& entry) { return is_known(entry.first); });
+           std::ranges::all_of(contents_.channels, has_schema);
   }
 
-  /// Reads the records between the chunks. Returns false if there are messages: the summary does not have
-  /// them.
-  bool read_between_chunks() {
-    std::vector<Block>& blocks = contents_.blocks;
-    const std::uint64_t data_at = magic.size() + file_.prefix(magic.size(), file_.size()).record_length();
-    bool has_messages =
-        has_messages_in(data_at, blocks.empty() ? summary_start_ : blocks.front().offset, nullptr);
-    for (std::size_t i = 0; i < blocks.size() && !has_messages; ++i) {
-      const std::uint64_t end = i + 1 < blocks.size() ? blocks[i + 1].offset : summary_start_;
-      has_messages = has_messages_in(blocks[i].offset + blocks[i].length, end, &blocks[i]);
-      contents_.statistics.log_times.include(blocks[i].log_times);
+  /// Reads the records that the summary does not name. Returns false unless they are indexes of all messages:
+  /// the summary has no times of messages without an index, and none of those outside of chunks.
+  bool read_between_records() {
+    Statistics& statistics = contents_.statistics;
+    statistics.channel_message_counts.clear();
+    std::uint64_t at = magic.size() + file_.prefix(magic.size(), file_.size()).record_length();
+    auto block = contents_.blocks.begin();
+    Block* chunk = nullptr;
+    for (const Extent& record : records_) {
+      if (!read_up_to(record.offset, at, chunk)) return false;
+      at = record.offset + record.length;
+      if (block != contents_.blocks.end() && block->offset == record.offset) chunk = &*block++;
     }
-    return !has_messages;
-  }
-
-  /// Reads the records of a span, up to damage. Indexes of messages belong to the chunk `before`.
-  bool has_messages_in(std::uint64_t at, std::uint64_t end, Block* before) {
-    try {
-      while (at < end) {
-        const Prefix prefix = file_.prefix(at, end);
-        if (prefix.opcode == Opcode::message) return true;
-        if (prefix.opcode == Opcode::data_end) return false;
-        if (prefix.opcode == Opcode::message_index && before != nullptr) include_times(*before, at, prefix);
-        at += prefix.record_length();
-      }
-    } catch (const FormatError&) {  // NOLINT(bugprone-empty-catch): the chunks can still be read
+    if (!read_up_to(summary_start_, at, chunk)) return false;
+    std::uint64_t indexed_count = 0;
+    for (const auto& [channel_id, count] : statistics.channel_message_counts) indexed_count += count;
+    for (Block& each : contents_.blocks) {
+      std::ranges::sort(each.channels);
+      if (each.log_times.is_empty()) return false;
+      statistics.log_times.include(each.log_times);
     }
-    return false;
+    return indexed_count == statistics.message_count;
   }
 
-  /// Widens the times of a chunk: writers have stated wrong ones in its header.
-  void include_times(Block& block, std::uint64_t at, const Prefix& prefix) {
-    constexpr std::uint64_t max_bytes = 64U << 20U;  // of a long file, trust the headers
-    index_bytes_ += prefix.length;
-    if (index_bytes_ > max_bytes) return;
+  /// `chunk`: the one before, which the indexes belong to.
+  bool read_up_to(std::uint64_t end, std::uint64_t at, Block* chunk) {
+    while (at < end) {
+      const Prefix prefix = file_.prefix(at, end);
+      if (prefix.opcode == Opcode::data_end) return true;
+      if (prefix.opcode == Opcode::message || prefix.opcode == Opcode::chunk) return false;
+      if (prefix.opcode == Opcode::message_index && chunk != nullptr) add_index(*chunk, at);
+      at += prefix.record_length();
+    }
+    return true;
+  }
+
+  void add_index(Block& chunk, std::uint64_t at) {
     const Bytes content = file_.content(at, Opcode::message_index);
-    for (const std::uint64_t time_ns :
-         decode_message_index(Fields(content, Opcode::message_index, file_.place(at)))) {
-      block.log_times.include(time_ns);
-    }
+    const MessageIndex index = decode_message_index(Fields(content, Opcode::message_index, file_.place(at)));
+    if (index.log_times_ns.empty()) return;
+    for (const std::uint64_t time_ns : index.log_times_ns) chunk.log_times.include(time_ns);
+    chunk.channels.push_back(index.channel_id);
+    contents_.statistics.channel_message_counts[index.channel_id] += index.log_times_ns.size();
   }
 
   const RecordFile& file_;
   Contents contents_;
   std::uint64_t footer_at_ = 0;
   std::uint64_t summary_start_ = 0;
-  std::uint64_t index_bytes_ = 0;  ///< size of the indexes of messages that were read
-  bool has_statistics_ = false;
+  std::vector<Extent> records_;  ///< records that the summary names
+  std::optional<std::uint64_t> stated_count_;
   MemoryLimit memory_;
 };
 
 }  // namespace
 
-std::optional<Contents> read_summary(const RecordFile& file) {
+SummaryReading read_summary(const RecordFile& file) {
   return Summary(file).read();
 }
 

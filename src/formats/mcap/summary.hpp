@@ -5,12 +5,21 @@
 #include "mcap/contents.hpp"
 #include "mcap/record_file.hpp"
 
+#include <cstdint>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace sonopose::mcap {
 
-/// Returns empty if the file has no summary, or one that does not suffice to find its messages. Throws
-/// FormatError if the summary or the end of the file is damaged.
-std::optional<Contents> read_summary(const RecordFile& file);
+struct SummaryReading {
+  std::optional<Contents> contents;            ///< empty if the summary does not suffice to find all messages
+  std::string damage;                          ///< damage of the summary or between the chunks
+  std::optional<std::uint64_t> message_count;  ///< number of messages that the summary states
+  std::vector<std::uint64_t> record_offsets{};  ///< known starts of records, ascending
+};
+
+/// Throws FormatError if this is not an MCAP file.
+SummaryReading read_summary(const RecordFile& file);
 
 }  // namespace sonopose::mcap

@@ -9,8 +9,6 @@
 namespace sonopose::mcap {
 namespace {
 
-constexpr std::uint64_t crc_bytes = sizeof(std::uint32_t);
-
 class Verification {
 public:
   explicit Verification(const Reader& reader) : reader_{reader}, file_{reader.file()} {}
@@ -36,13 +34,14 @@ private:
     if (at == file_.size()) file_.place(at).fail("the file ends without DataEnd");
     const Prefix prefix = file_.prefix(at, file_.size());
     if (prefix.opcode == Opcode::data_end) {
-      check(at, "DataEnd data_section_crc", number_at(at + record_prefix_bytes), data_crc_,
+      check(at, "DataEnd data_section_crc", number_at<std::uint32_t>(at + record_prefix_bytes), data_crc_,
             "does not match the data section");
       return false;
     }
     try {
       if (prefix.opcode == Opcode::attachment) check_attachment(at, prefix);
       if (prefix.opcode == Opcode::chunk) check_chunk(at, prefix);
+      if (prefix.opcode == Opcode::message) ++message_count_;
     } catch (const FormatError& error) {
       damages_.emplace_back(error.what());
     }
@@ -52,11 +51,29 @@ private:
   }
 
   void check_attachment(std::uint64_t at, const Prefix& prefix) {
-    if (prefix.length < crc_bytes) file_.place(at).fail("Attachment is too short for its crc");
-    const std::uint64_t covered = prefix.length - crc_bytes;
     const std::uint64_t content_at = at + record_prefix_bytes;
-    check(at, "Attachment crc", number_at(content_at + covered), crc_of(content_at, covered, 0),
-          "does not match the attachment");
+    std::uint64_t covered =
+        0;  // fields before the checksum; a later version of the format may add some after it
+    const auto require = [&](std::uint64_t count) {
+      if (count > prefix.length - covered) file_.place(at).fail("Attachment is too short for its crc");
+    };
+    const auto skip = [&](std::uint64_t count) {
+      require(count);
+      covered += count;
+    };
+    const auto skip_sized = [&]<class Size>(Size) {
+      require(sizeof(Size));
+      const std::uint64_t size = number_at<Size>(content_at + covered);
+      covered += sizeof(Size);
+      skip(size);
+    };
+    skip(2 * sizeof(std::uint64_t));  // log_time, create_time
+    skip_sized(std::uint32_t{});      // name
+    skip_sized(std::uint32_t{});      // media_type
+    skip_sized(std::uint64_t{});      // data
+    require(sizeof(std::uint32_t));
+    check(at, "Attachment crc", number_at<std::uint32_t>(content_at + covered),
+          crc_of(content_at, covered, 0), "does not match the attachment");
   }
 
   /// Checks a chunk, unless a reader without index has already read it.
@@ -72,7 +89,7 @@ private:
     const std::uint64_t stated = reader_.statistics().message_count;
     if (!reader_.contents().is_indexed || !damages_.empty() || stated == message_count_) return;
     damages_.push_back(file_.name() + ": Statistics message_count is " + std::to_string(stated) +
-                       ", but there are " + std::to_string(message_count_) + " messages in chunks");
+                       ", but there are " + std::to_string(message_count_) + " messages");
   }
 
   void check(std::uint64_t at, const std::string& field, std::uint32_t stored, std::uint32_t computed,
@@ -81,8 +98,9 @@ private:
     damages_.push_back(file_.place(at).text() + ": " + field + " " + what);
   }
 
-  [[nodiscard]] std::uint32_t number_at(std::uint64_t at) const {
-    return load<std::uint32_t>(file_.bytes(at, crc_bytes).data());
+  template <std::unsigned_integral T>
+  [[nodiscard]] T number_at(std::uint64_t at) const {
+    return load<T>(file_.bytes(at, sizeof(T)).data());
   }
 
   /// Continues the checksum `before`, in pieces: a record may exceed the memory.
@@ -100,7 +118,7 @@ private:
   const Reader& reader_;
   const RecordFile& file_;
   std::uint32_t data_crc_ = 0;
-  std::uint64_t message_count_ = 0;  ///< messages in chunks
+  std::uint64_t message_count_ = 0;
   std::vector<std::string> damages_;
 };
 

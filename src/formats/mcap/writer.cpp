@@ -1,5 +1,6 @@
 #include "mcap/writer.hpp"
 
+#include "mcap/decoder.hpp"
 #include "mcap/encoder.hpp"
 
 #include <algorithm>
@@ -15,7 +16,7 @@ constexpr std::uint64_t reserve_bytes = 64U << 10U;
 
 constexpr std::size_t data_end_bytes = record_prefix_bytes + 4;
 constexpr std::size_t summary_offset_bytes = record_prefix_bytes + 1 + 8 + 8;
-constexpr std::size_t groups = 5;
+constexpr std::size_t groups = 5;  // and attachments
 /// Size of a channel's entry in the statistics.
 constexpr std::size_t channel_count_bytes = 2 + 8;
 
@@ -273,6 +274,28 @@ void Writer::append_metadata(const Metadata& metadata, bool is_last) {
   put_bytes(metadata_index_group_.records, index);
 }
 
+void Writer::write_attachment(std::span<const std::byte> content) {
+  require_open();
+  const AttachmentFields fields =
+      decode_attachment(Fields(content, Opcode::attachment, {"attachment", 0, {}}));
+  Bytes record;
+  put_record(record, Opcode::attachment, [&] { put_bytes(record, content); });
+  Bytes index;
+  put_record(index, Opcode::attachment_index, [&] {
+    put(index, bytes_written_);
+    put(index, std::uint64_t{record.size()});
+    put(index, fields.log_time_ns);
+    put(index, fields.create_time_ns);
+    put(index, fields.data_size);
+    put_text(index, fields.name);
+    put_text(index, fields.media_type);
+  });
+  reserve(record.size(), index.size() + summary_offset_bytes);
+  append(record);
+  ++statistics_.attachment_count;
+  put_bytes(attachment_index_group_.records, index);
+}
+
 std::vector<std::byte> Writer::statistics_record() const {
   Bytes record;
   put_record(record, Opcode::statistics, [&] {
@@ -299,8 +322,10 @@ std::uint64_t Writer::closing_bytes() const {
       channel_count_bytes * (channels_.size() - statistics_.channel_message_counts.size()) +
       statistics_record().size();
   return data_end_bytes + schema_group_.records.size() + channel_group_.records.size() +
-         chunk_index_group_.records.size() + metadata_index_group_.records.size() + counts +
-         groups * summary_offset_bytes + footer_bytes + magic.size();
+         chunk_index_group_.records.size() + metadata_index_group_.records.size() +
+         attachment_index_group_.records.size() + counts +
+         (groups + (statistics_.attachment_count > 0 ? 1 : 0)) * summary_offset_bytes + footer_bytes +
+         magic.size();
 }
 
 std::uint64_t Writer::max_bytes_of(const Chunk& chunk) const {
@@ -317,8 +342,8 @@ std::vector<std::byte> Writer::summary() const {
   const std::size_t summary_at = end.size();
   const Group statistics{Opcode::statistics, statistics_record()};
   Bytes offsets;
-  for (const Group* group :
-       {&schema_group_, &channel_group_, &statistics, &chunk_index_group_, &metadata_index_group_}) {
+  for (const Group* group : {&schema_group_, &channel_group_, &statistics, &chunk_index_group_,
+                             &metadata_index_group_, &attachment_index_group_}) {
     if (group->records.empty()) continue;
     put_record(offsets, Opcode::summary_offset, [&] {
       put(offsets, static_cast<std::uint8_t>(group->opcode));

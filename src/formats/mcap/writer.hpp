@@ -54,6 +54,8 @@ public:
   void end_chunk();
 
   void write_metadata(const Metadata& metadata);
+  /// Writes the content of an Attachment record as another file has it. Throws FormatError if it is none.
+  void write_attachment(std::span<const std::byte> content);
   /// Writes metadata about the end of a recording. May use the space that all other writes leave free, so
   /// that it fits on a full disk.
   void write_last_metadata(const Metadata& metadata);
@@ -104,6 +106,7 @@ private:
   Group channel_group_{Opcode::channel, {}};
   Group chunk_index_group_{Opcode::chunk_index, {}};
   Group metadata_index_group_{Opcode::metadata_index, {}};
+  Group attachment_index_group_{Opcode::attachment_index, {}};
   Statistics statistics_;
   std::uint64_t bytes_written_ = 0;
   std::uint32_t data_crc_ = 0;

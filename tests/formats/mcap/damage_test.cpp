@@ -131,6 +131,24 @@ TEST_CASE("a damaged chunk stops the messages, or is skipped if asked for") {
   CHECK(messages.skipped().size() == 1);
 }
 
+TEST_CASE("the indexes say how many messages a damaged chunk had, also without a summary") {
+  SmallFile file = small_file(Compression::none);
+  file.bytes[file.chunk_ends[1] - two_indexes - 1] ^= std::byte{1};  // last byte of the second chunk
+  file.bytes.resize(file.data_end);
+  SECTION("in a file that was ended without one") {
+    put_record(file.bytes, Opcode::data_end, [&] { put(file.bytes, std::uint32_t{0}); });
+    put_record(file.bytes, Opcode::footer, [&] { put_bytes(file.bytes, Bytes(8 + 8 + 4)); });
+    put_bytes(file.bytes, std::as_bytes(std::span(magic)));
+    CHECK_FALSE(reader_of(file.bytes).contents().may_lack_more);
+  }
+  SECTION("in one that was cut, which may have had more") {
+    CHECK(reader_of(file.bytes).contents().may_lack_more);
+  }
+  const auto reader = reader_of(file.bytes);
+  CHECK(reader.statistics().message_count == 4);
+  CHECK(reader.contents().lost_messages == 2);
+}
+
 /// A file with one metadata record and one chunk, whose summary repeats their index records `metadata` and
 /// `chunks` times. Each repetition is shifted by `shift` bytes.
 Bytes file_with_repeated_index(std::uint32_t chunks, std::uint32_t metadata, std::uint64_t shift) {

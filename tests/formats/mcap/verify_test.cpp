@@ -3,6 +3,7 @@
 #include "mcap/compression.hpp"
 #include "mcap/encoder.hpp"
 #include "mcap/memory.hpp"
+#include "mcap/record_file.hpp"
 #include "mcap/writer.hpp"
 
 #include <catch2/catch.hpp>
@@ -117,6 +118,14 @@ SCENARIO("an attachment has a checksum") {
         const auto damages = verify(reader_of(with_attachment));
         CHECK(damages.size() == (is_sound ? 1 : 2));
         CHECK_THAT(damages.back(), Contains("Attachment is too short for its crc"));
+      }
+    }
+    WHEN("its name is longer than the record") {
+      with_attachment[header_end + record_prefix_bytes + 16] = std::byte{0xff};
+      THEN("it is damaged") {
+        const auto damages = verify(reader_of(with_attachment));
+        REQUIRE(damages.size() == 1);
+        CHECK_THAT(damages.front(), Contains("Attachment is too short for its crc"));
       }
     }
   }
