@@ -8,6 +8,7 @@
 #include "mcap/reader.hpp"
 #include "mcap/verify.hpp"
 #include "support/compression_option.hpp"
+#include "support/moment_option.hpp"
 #include "support/progress.hpp"
 #include "support/run.hpp"
 #include <sonopose/text/count_text.hpp>
@@ -67,9 +68,10 @@ int copy(const Options& options, mcap::Selection::Damaged damaged) {
                                      [&](double share) { progress.at(share, "copying"); }});
   progress.clear();
   warn(result.damages);
-  fmt::print("{}: {} of {}, {}\n", options.out.string(), result.messages,
-             text::count_text(result.stated, "message"),
-             text::count_text(result.metadata, "metadata record"));
+  fmt::print("{}: {} of {}{}, {}, {}\n", options.out.string(), result.messages,
+             result.may_lack_more ? "at least " : "", text::count_text(result.stated, "message"),
+             text::count_text(result.metadata, "metadata record"),
+             text::count_text(result.attachments, "attachment"));
   return 0;
 }
 
@@ -89,10 +91,7 @@ void add_choice_options(CLI::App& command, Options& options) {
       ->delimiter(',')
       ->type_name("TOPIC,...");
   add_beacon(command, options, "Only the messages of this beacon");
-  command.add_option("--start", options.choice.start_s, "From this many seconds after the first message")
-      ->check(apps::number_between(0.0, 9e9));
-  command.add_option("--end", options.choice.end_s, "To this many seconds after the first message")
-      ->check(apps::number_between(0.0, 9e9));
+  apps::add_span_options(command, options.choice.start, options.choice.end);
 }
 
 CLI::App* add_command(CLI::App& app, Options& options, const char* name, const char* description,

@@ -1,8 +1,9 @@
-// sonopose-play: publishes an MCAP recording on the bus.
+// sonopose-play: publishes a recording in MCAP files on the bus.
 
 #include "player/player_node.hpp"
 #include "support/bus_options.hpp"
 #include "support/log_option.hpp"
+#include "support/moment_option.hpp"
 #include "support/topic_option.hpp"
 #include <sonopose/text/count_text.hpp>
 
@@ -35,6 +36,10 @@ int serve(Options& options) {
   if (report.refused > 0) {
     fmt::print("refused, not of the type of their topic: {}\n", text::count_text(report.refused, "message"));
   }
+  if (report.shortened_gaps > 0) {
+    fmt::print("shortened: {}, by {:.1f} s\n", text::count_text(report.shortened_gaps, "gap"),
+               report.left_out_s);
+  }
   if (report.damaged > 0) fmt::print("not played: {}\n", text::count_text(report.damaged, "damaged chunk"));
   if (report.lost_by_fusions > 0) {
     fmt::print("lost by fusions without --lossless: {}\n", text::count_text(report.lost_by_fusions, "event"));
@@ -48,7 +53,9 @@ int main(int argc, char** argv) {
   Options options;
   player::PlayerOptions& player = options.player;
   apps::Program app("play", "On a terminal the space bar pauses and goes on, s plays one message, q ends.");
-  app.add_option("file", player.file, "The recording")->required()->type_name("FILE");
+  app.add_option("file", player.recording, "The recording: MCAP files, or a folder of them")
+      ->required()
+      ->type_name("FILE");
   apps::add_bus_options(app, options.bus);
   apps::add_log_option(app, options.log_level);
   app.add_option("--rate", player.rate,
@@ -56,10 +63,8 @@ int main(int argc, char** argv) {
       ->check(apps::number_between(0.0, 1e6))
       ->capture_default_str();
   app.add_flag("--loop", player.loop, "Begin again at the end, until stopped");
-  app.add_option("--start", player.start_s, "From this time of the recording on, in seconds")
-      ->check(apps::number_between(0.0, 1e9))
-      ->type_name("S");
-  app.add_option("--end", player.end_s, "To this time of the recording")
+  apps::add_span_options(app, player.start, player.end);
+  app.add_option("--max-gap", player.max_gap_s, "Shorten longer times without a message to this one")
       ->check(apps::number_between(0.0, 1e9))
       ->type_name("S");
   app.add_option("--topics", player.topics, "Only these topics")

@@ -1,5 +1,6 @@
 // sonopose-replay: runs the fusion engine over a sensor-log folder, without DDS and without a clock.
 
+#include "bus_log/recording_files.hpp"
 #include "bus_log/sensor_log.hpp"
 #include "evaluation/replay/run.hpp"
 #include "evaluation/replay/smoothed_run.hpp"
@@ -65,9 +66,9 @@ std::string report(const evaluation::RunResult& result, const evaluation::Timing
 }
 
 recording::SensorLog read_log(const apps::ReplayOptions& options, evaluation::Timing& timing) {
-  const apps::Waiting waiting("reading " + options.log.filename().string());
+  const apps::Waiting waiting("reading " + bus_log::name_of(options.logs));
   const auto reading = Clock::now();
-  recording::SensorLog log = bus_log::read_sensor_log(options.log, options.beacon);
+  recording::SensorLog log = bus_log::read_sensor_log(options.logs, options.beacon);
   timing.reading_s = seconds_since(reading);
   return log;
 }
@@ -90,7 +91,7 @@ int compare(const CLI::App& app, const apps::ReplayOptions& options) {
   const recording::SensorLog log = read_log(options, timing);
   std::vector<evaluation::RunResult> results;
   std::optional<plots::Plot> plot;
-  if (options.plot) plot.emplace(*options.plot, options.log.string(), log);
+  if (options.plot) plot.emplace(*options.plot, bus_log::name_of(options.logs), log);
   for (std::size_t i = 0; i < configs.size(); ++i) {
     const std::string name = options.compared[i].string();
     const evaluation::RunOptions run = run_options(options, configs[i].for_beacon(log.address));
@@ -123,7 +124,7 @@ int replay_log(const CLI::App& app, const apps::ReplayOptions& options) {
     out.emplace(*options.out, options.smooth ? Covariances::yes : Covariances::no);
   }
   std::optional<plots::Plot> plot;
-  if (options.plot) plot.emplace(*options.plot, options.log.string(), log);
+  if (options.plot) plot.emplace(*options.plot, bus_log::name_of(options.logs), log);
   plots::RunCurves* const curves =
       plot ? &plot->add_run(options.smooth ? "smoothed" : "fused", run.settings, run_name(run)) : nullptr;
   const auto write = [&](const auto& sample) {

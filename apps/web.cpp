@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,7 +29,7 @@ struct Given {
   std::string floor_plan;
   std::vector<double> floor_plan_area_m;
   std::string geofence;
-  std::string recording;
+  std::vector<std::filesystem::path> recording;
   std::optional<BeaconAddress> beacon;
 };
 
@@ -54,7 +55,7 @@ int main(int argc, char** argv) {
   Given given;
   apps::Program app("web", "Only this machine can open the page unless --listen says otherwise.");
   auto* const recording = app.add_option("recording", given.recording,
-                                         "Show this instead of the bus: an MCAP file or a sensor-log folder");
+                                         "Show this instead of the bus: MCAP files or a sensor-log folder");
   app.add_option("--beacon", given.beacon,
                  "Only this beacon; required if the recording has several and no poses")
       ->type_name("ADDRESS")
@@ -108,7 +109,7 @@ int main(int argc, char** argv) {
     };
     process::StopSignal stop;
     if (!given.recording.empty()) {
-      reading.emplace("reading " + given.recording);
+      reading.emplace("reading " + given.recording.front().string());
       web::serve_recording({.recording = given.recording,
                             .beacon = given.beacon,
                             .server = options.server,

@@ -1,5 +1,6 @@
 #include "case_options.hpp"
 
+#include "bus_log/recording_files.hpp"
 #include "logging/log.hpp"
 #include "run.hpp"
 #include "sim/scenario.hpp"
@@ -7,7 +8,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 namespace sonopose::apps {
@@ -15,7 +18,8 @@ namespace sonopose::apps {
 void add_case_options(CLI::App& app, CaseOptions& options) {
   app.add_option(
          "CASE", options.named,
-         "Scenarios, and recordings: folders or MCAP files (default: all scenarios but the harder ones)")
+         "Scenarios, and recordings: folders or MCAP files; NAME_001.mcap, NAME_002.mcap, ... are one "
+         "(default: all scenarios but the harder ones)")
       ->type_name("");
   app.add_flag("--harder", options.harder,
                "Score the harder scenarios, which differ from run to run, and CASE if any");
@@ -36,18 +40,53 @@ void report_left_out(const std::string& what) {
   logging::warning("left out: " + what);
 }
 
+/// Files of a recording.
+using Recording = std::vector<std::filesystem::path>;
+
+/// Returns the number of a file of the recorder, 12 of NAME_012.mcap, and sets `name` to NAME.
+std::optional<unsigned> number_of(const std::filesystem::path& file, std::string& name) {
+  const std::string stem = file.stem().string();
+  const std::size_t at = stem.rfind('_');
+  if (at == std::string::npos) return std::nullopt;
+  unsigned number = 0;
+  const char* const end = stem.data() + stem.size();
+  const auto read = std::from_chars(stem.data() + at + 1, end, number);
+  if (read.ec != std::errc() || read.ptr != end) return std::nullopt;
+  name = stem.substr(0, at);
+  return number;
+}
+
+/// Returns true if the recorder has written this file after the other one.
+bool is_next(const std::filesystem::path& file, const std::filesystem::path& before) {
+  std::string name;
+  std::string name_before;
+  const auto number = number_of(file, name);
+  const auto number_before = number_of(before, name_before);
+  return number && number_before && *number > *number_before && name == name_before &&
+         file.parent_path() == before.parent_path() && file.extension() == before.extension();
+}
+
+/// Adds a file or a folder of MCAP files.
+void add_recording(const std::filesystem::path& path, std::vector<Recording>& recordings) {
+  if (!recordings.empty() && is_next(path, recordings.back().back())) {
+    recordings.back().push_back(path);
+  } else {
+    recordings.push_back({path});
+  }
+}
+
 /// Adds the recordings in a folder that are not in the list yet. Reports those that are left out.
-void add_recordings(const std::filesystem::path& folder, std::vector<std::filesystem::path>& recordings) {
+void add_recordings(const std::filesystem::path& folder, std::vector<Recording>& recordings) {
   const evaluation::FoundRecordings found = evaluation::recordings_in(folder);
   for (const std::string& text : found.left_out) report_left_out(text);
   if (found.folders.empty()) {
     throw files::IoError(folder.string() + ": has no recording with imu.csv and ultrasonic.csv");
   }
   for (const std::filesystem::path& recording : found.folders) {
-    const bool is_known = std::any_of(
-        recordings.begin(), recordings.end(),
-        [&recording](const std::filesystem::path& known) { return equivalent(known, recording); });
-    if (!is_known) recordings.push_back(recording);
+    const bool is_known =
+        std::any_of(recordings.begin(), recordings.end(),
+                    [&recording](const Recording& known) { return equivalent(known.front(), recording); });
+    if (!is_known) recordings.push_back({recording});
   }
 }
 
@@ -71,11 +110,11 @@ const sim::Scenario& scenario_named(const std::string& name) {
 void for_each_case(const CaseOptions& options, const std::function<void(std::vector<evaluation::Case>)>& use,
                    const std::function<void(const CasePlace&)>& begin) {
   std::vector<const sim::Scenario*> chosen;
-  std::vector<std::filesystem::path> recordings;
+  std::vector<Recording> recordings;
   for (const std::string& name : options.named) {
     // A folder with the name of a scenario needs a slash: ./walk.
-    if (!is_scenario(name) && std::filesystem::is_regular_file(name)) {
-      recordings.emplace_back(name);
+    if (!is_scenario(name) && !bus_log::is_log_folder(name)) {
+      add_recording(name, recordings);
     } else if (!is_scenario(name) && std::filesystem::exists(name)) {
       add_recordings(name, recordings);
     } else {
@@ -95,8 +134,8 @@ void for_each_case(const CaseOptions& options, const std::function<void(std::vec
   for (const sim::Scenario* scenario : chosen) {
     place.name_columns = std::max(place.name_columns, scenario->name.size());
   }
-  for (const std::filesystem::path& folder : recordings) {
-    place.name_columns = std::max(place.name_columns, folder.string().size());
+  for (const Recording& recording : recordings) {
+    place.name_columns = std::max(place.name_columns, bus_log::name_of(recording).size());
   }
   const auto begin_case = [&](std::string name) {
     place.name = std::move(name);
@@ -112,11 +151,11 @@ void for_each_case(const CaseOptions& options, const std::function<void(std::vec
     use(std::move(runs));
   }
   std::size_t unreadable = 0;
-  for (const std::filesystem::path& folder : recordings) {
-    begin_case(folder.string());
+  for (const Recording& recording : recordings) {
+    begin_case(bus_log::name_of(recording));
     std::vector<evaluation::Case> runs;
     try {
-      runs.push_back(evaluation::recorded_case(folder, options.beacon));
+      runs.push_back(evaluation::recorded_case(recording, options.beacon));
     } catch (const files::IoError& error) {
       report_left_out(error.what());
       ++unreadable;

@@ -1,5 +1,6 @@
 #include "replay_options.hpp"
 
+#include "bus_log/recording_files.hpp"
 #include "choice.hpp"
 #include "run.hpp"
 #include <sonopose/text/count_text.hpp>
@@ -12,7 +13,9 @@ namespace sonopose::apps {
 
 void add_replay_options(CLI::App& app, ReplayOptions& options) {
   const CLI::Validator seconds = number_between(0.0, 1e9);
-  app.add_option("LOG", options.log, "Sensor-log folder, or MCAP file")->required()->type_name("PATH");
+  app.add_option("LOG", options.logs, "Sensor-log folder, or MCAP files or a folder of them")
+      ->required()
+      ->type_name("PATH");
   add_config_options(app, options.config);
   add_beacon_option(app, options.beacon);
   app.add_option(
@@ -83,7 +86,7 @@ void require_fixes(const ReplayOptions& options, const evaluation::RunResult& re
   const bool uses_fixes = options.engine != ReplayEngine::strapdown && !options.run.until_s;
   if (!uses_fixes || result.counters.fixes_used > 0) return;
   throw std::runtime_error(
-      fmt::format("{}: no fix was used, {} rejected", options.log.string(),
+      fmt::format("{}: no fix was used, {} rejected", bus_log::name_of(options.logs),
                   text::count_text(result.counters.fixes_rejected, "fix was", "fixes were")));
 }
 

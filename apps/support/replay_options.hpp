@@ -16,7 +16,7 @@ namespace sonopose::apps {
 enum class ReplayEngine { documented, kalman, strapdown };
 
 struct ReplayOptions {
-  std::filesystem::path log;
+  std::vector<std::filesystem::path> logs;  ///< a recording, in several MCAP files or one of any kind
   ConfigOptions config;
   std::vector<std::filesystem::path> compared;  ///< two files of settings, or none
   std::optional<BeaconAddress> beacon;

@@ -86,6 +86,32 @@ SCENARIO("a recording of the bus is shown, selected and exported") {
       CHECK(state_hash_of(run(SONOPOSE_TEST_REPLAY, {folder / "log"})) == expected);
     }
   }
+  GIVEN("times of the day and of the log") {
+    const auto times = sonopose::mcap::Reader(file).statistics().log_times;
+    const auto filtered = [&](const std::vector<std::string>& arguments) {
+      std::filesystem::remove(folder / "part.mcap");
+      std::vector<std::string> all{"filter", file, "--out", folder / "part.mcap"};
+      all.insert(all.end(), arguments.begin(), arguments.end());
+      const Result result = mcap(all);
+      return result.code == 0 ? result.output : result.error;
+    };
+    THEN("they select like the seconds after the first message") {
+      const std::string from_ten = filtered({"--start", "10"});
+      REQUIRE_THAT(from_ten, Contains(" of "));
+      CHECK(filtered({"--start", std::to_string(times.start_ns + 10'000'000'000)}) == from_ten);
+    }
+    THEN("they are understood as info prints them") {
+      const std::string info = mcap({"info", file}).output;
+      const std::size_t at = info.find("begins    ") + 10;
+      const std::string begin = info.substr(at, info.find('\n', at) - at);
+      CHECK(filtered({"--start", begin}) == filtered({}));
+    }
+    THEN("others are refused") {
+      CHECK_THAT(filtered({"--start", "2026-13-01T00:00"}),
+                 Contains("--start") && Contains("nor a UTC time"));
+      CHECK_THAT(filtered({"--start", "-1"}), Contains("--start"));
+    }
+  }
   GIVEN("a filter that selects nothing") {
     const Result result = mcap({"filter", file, "--start", "100000", "--out", folder / "nothing.mcap"});
     THEN("it fails, and leaves no file") {
@@ -104,6 +130,28 @@ SCENARIO("a recording of the bus is shown, selected and exported") {
       CHECK_THAT(result.output, Contains(" of ") && Contains(" messages"));
       CHECK(mcap({"info", "--verify", folder / "good.mcap"}).code == 0);
     }
+  }
+}
+
+SCENARIO("the files of a recorder are one recording") {
+  const TemporaryFolder folder;
+  const std::string whole = folder / "whole.mcap";
+  record_walks(whole, {7});
+  const std::string first = folder / "run_001.mcap";
+  const std::string second = folder / "run_002.mcap";
+  REQUIRE(mcap({"filter", whole, "--end", "10", "--out", first}).code == 0);
+  REQUIRE(mcap({"filter", whole, "--start", "10.000001", "--out", second}).code == 0);
+  THEN("a replay has the same result as that of one file") {
+    CHECK(state_hash_of(run(SONOPOSE_TEST_REPLAY, {first, second})) ==
+          state_hash_of(run(SONOPOSE_TEST_REPLAY, {whole})));
+  }
+  THEN("they are one case, and others are cases of their own") {
+    const Result result = run(SONOPOSE_TEST_EVALUATE, {first, second, whole, "--json"});
+    CAPTURE(result.error);
+    REQUIRE(result.code == 0);
+    const auto rows = nlohmann::json::parse(result.output);
+    CHECK(rows.size() == 2);
+    CHECK_THAT(result.output, Contains("run_001.mcap and 1 more"));
   }
 }
 

@@ -219,6 +219,74 @@ SCENARIO("a part of a recording is played, as often and when it is asked for") {
   }
 }
 
+SCENARIO("a part of a recording is played with the state of latched topics before it") {
+  GIVEN("a recording that names a stationary beacon at its start only") {
+    const TemporaryFolder folder;
+    const std::string file = folder / "run.mcap";
+    const StationaryBeacon stationary{100, 1, Vector3d(1.0, 2.0, 3.0)};
+    {
+      BusRecording recording(file);
+      for (const Event& event : walk(2.0)) {
+        const auto log_time_ns = static_cast<std::uint64_t>(available_at_ns(event));
+        if (sequence_of(event) == 1) {
+          recording.write(topics::stationary_beacon, topics::to_idl(stationary), log_time_ns);
+        }
+        recording.write(event, log_time_ns);
+      }
+    }
+    const Bus bus;
+    Consumer<sonopose_StationaryBeacon> beacons(bus, topics::stationary_beacon);
+    WHEN("it is played from its second second on") {
+      REQUIRE(bus.play({file, "--start", "1", "--rate", "0"})->wait_for_exit() == 0);
+      THEN("the beacon is known") {
+        REQUIRE(beacons.wait_for_count(1));
+        CHECK(beacons.samples.front() == stationary);
+      }
+    }
+  }
+}
+
+SCENARIO("a recording across a step of the host's clock is played") {
+  GIVEN("a second whose clock is set six years ahead in its middle, in two files of a folder") {
+    const TemporaryFolder folder;
+    const std::filesystem::path drive = folder / "drive";
+    std::filesystem::create_directories(drive);
+    const auto events = walk(1.0);
+    constexpr std::uint64_t six_years_ns = 2190ULL * 86400 * 1'000'000'000;
+    {
+      BusRecording before(drive / "run_001.mcap");
+      BusRecording after(drive / "run_002.mcap");
+      for (std::size_t i = 0; i < events.size(); ++i) {
+        const auto log_time_ns = static_cast<std::uint64_t>(available_at_ns(events[i]));
+        if (i < events.size() / 2) {
+          before.write(events[i], log_time_ns);
+        } else {
+          after.write(events[i], log_time_ns + six_years_ns);
+        }
+      }
+    }
+    const Bus bus;
+    WHEN("long gaps are shortened") {
+      const auto play = bus.play({drive.string(), "--no-wait", "--max-gap", "0.1", "--restamp"});
+      THEN("all is played, and the gap is named") {
+        REQUIRE(play->wait_for_exit() == 0);
+        CHECK_THAT(play->text(Stream::output),
+                   Contains("played " + std::to_string(events.size()) + " messages in ") &&
+                       Contains("shortened: 1 gap, by "));
+        CHECK_THAT(play->text(Stream::error),
+                   Contains("no messages for 2190.0 days after ") && Contains("shortened to 0.1 s"));
+      }
+    }
+    WHEN("they are not") {
+      const auto play = bus.play({drive.string(), "--no-wait"});
+      THEN("the player says what it waits for, and what to do") {
+        CHECK(play->wait_for_line(Stream::error, "--max-gap S shortens such gaps"));
+        CHECK(play->end_by(SIGINT).code == 0);
+      }
+    }
+  }
+}
+
 SCENARIO("a player waits for the number of readers that was asked for") {
   GIVEN("a recording of two topics, and a reader of one of them") {
     const TemporaryFolder folder;

@@ -1,12 +1,10 @@
 #include "bus_log/copy.hpp"
 
 #include "files/error.hpp"
-#include "logging/log.hpp"
 #include "mcap/file_sink.hpp"
 #include "mcap/verify.hpp"
 #include "mcap/writer.hpp"
 #include "recording/part_file.hpp"
-#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -25,7 +23,9 @@ struct Input {
       : reader{file},
         messages{
             reader, request.choice, request.damaged,
-            request.inputs.size() == 1 ? mcap::Selection::Order::file : mcap::Selection::Order::log_time} {}
+            request.inputs.size() == 1 ? mcap::Selection::Order::file : mcap::Selection::Order::log_time} {
+    messages.begin_with_latched();
+  }
 
   mcap::Reader reader;
   ChosenMessages messages;
@@ -38,8 +38,9 @@ public:
   explicit Copy(const CopyRequest& request) : damaged_{request.damaged}, on_progress_{request.on_progress} {
     for (const auto& file : request.inputs) {
       Input& input = inputs_.emplace_back(file, request);
-      total_ += input.reader.statistics().message_count;
-      result_.attachments += input.reader.statistics().attachment_count;
+      const mcap::Contents& contents = input.reader.contents();
+      result_.stated += contents.statistics.message_count + contents.lost_messages;
+      result_.may_lack_more = result_.may_lack_more || contents.may_lack_more;
       const std::string& profile = input.reader.contents().profile;
       const std::string& first = inputs_.front().reader.contents().profile;
       if (profile != first) {
@@ -55,6 +56,9 @@ public:
         writer.write_metadata(metadata);
         ++result_.metadata;
       }
+      for (const mcap::Extent& attachment : input.reader.contents().attachments) {
+        copy_attachment(input.reader, attachment, writer);
+      }
       for (const auto& [id, channel] : input.reader.channels()) {
         if (input.messages.has(channel)) channel_of(input, channel, writer);
       }
@@ -69,20 +73,17 @@ public:
       input->next = input->messages.next();
     }
     writer.close();
-    if (result_.attachments > 0) {
-      logging::warning("not copied: " + text::count_text(result_.attachments, "attachment"));
-    }
     for (const Input& input : inputs_) {
       const auto& damages = input.reader.damages();
       const auto& skipped = input.messages.skipped();
-      result_.damages.insert(result_.damages.end(), damages.begin(), damages.end());
-      result_.damages.insert(result_.damages.end(), skipped.begin(), skipped.end());
+      for (const auto* const texts : {&damages, &skipped, &input.messages.skipped_before()}) {
+        result_.damages.insert(result_.damages.end(), texts->begin(), texts->end());
+      }
       // Known damage already explains a wrong checksum of the whole file.
       if (damaged_ != mcap::Selection::Damaged::skip || !damages.empty() || !skipped.empty()) continue;
       const auto sums = mcap::verify(input.reader);
       result_.damages.insert(result_.damages.end(), sums.begin(), sums.end());
     }
-    result_.stated = std::max(total_, result_.messages);
     require_messages();
     return std::move(result_);
   }
@@ -96,19 +97,32 @@ private:
     return is_skipping ? reader.metadata(result_.damages) : reader.metadata();
   }
 
-  /// Refuses a copy without messages, unless the inputs have none.
+  void copy_attachment(const mcap::Reader& reader, const mcap::Extent& attachment, mcap::Writer& writer) {
+    try {
+      writer.write_attachment(reader.attachment(attachment));
+      ++result_.attachments;
+    } catch (const mcap::FormatError& error) {
+      if (damaged_ != mcap::Selection::Damaged::skip) throw;
+      result_.damages.emplace_back(error.what());
+    }
+  }
+
+  /// Refuses a copy without messages.
   void require_messages() const {
-    if (result_.messages > 0 || (total_ == 0 && result_.damages.empty())) return;
+    if (result_.messages > 0) return;
+    std::string names;
+    for (const Input& input : inputs_) names += (names.empty() ? "" : ", ") + input.reader.name();
     const std::string reason = result_.damages.empty() ? "" : "; " + result_.damages.front();
-    throw files::IoError(fmt::format("{}: none of its {} messages is selected or readable{}",
-                                     inputs_.front().reader.name(), total_, reason));
+    const char* const owner = inputs_.size() == 1 ? "its" : "their";
+    throw files::IoError(fmt::format("{}: none of {} {} messages is selected or readable{}", names, owner,
+                                     result_.stated, reason));
   }
 
   void report_progress() const {
     constexpr std::uint64_t period = 10'000;
     if (!on_progress_ || result_.messages % period != 0) return;
     on_progress_(static_cast<double>(result_.messages) /
-                 static_cast<double>(std::max(total_, result_.messages)));
+                 static_cast<double>(std::max(result_.stated, result_.messages)));
   }
 
   Input* earliest() {
@@ -137,7 +151,6 @@ private:
   mcap::Selection::Damaged damaged_;
   const std::function<void(double)>& on_progress_;
   std::deque<Input> inputs_;
-  std::uint64_t total_ = 0;  ///< messages that all inputs say they have
   CopyResult result_;
 };
 

@@ -25,16 +25,18 @@ struct CopyRequest {
 
 struct CopyResult {
   std::uint64_t messages = 0;
-  std::uint64_t stated = 0;  ///< number of messages that the inputs say they have
+  std::uint64_t stated = 0;    ///< number of messages that the inputs say they have
+  bool may_lack_more = false;  ///< damage costs messages that the inputs do not count
   std::uint64_t metadata = 0;
-  std::uint64_t attachments = 0;     ///< attachments in the inputs, which are not copied
+  std::uint64_t attachments = 0;
   std::vector<std::string> damages;  ///< descriptions of what was left out or is wrong
 };
 
 /// Copies one input in its own order, and merges several by log time. At equal times, earlier inputs come
-/// first. All metadata comes first, and channels without messages are kept. The output is called OUTPUT.part
-/// while it is written. Throws files::IoError and removes the output, for example if the inputs have
-/// different profiles, or no message of theirs is selected or readable.
+/// first. All metadata and attachments come first, then the state of latched topics at the start of the
+/// choice. Channels without messages are kept. The output is called OUTPUT.part while it is written. Throws
+/// files::IoError and removes the output, for example if the inputs have different profiles, or no message of
+/// theirs is selected or readable.
 CopyResult copy(const CopyRequest& request);
 
 }  // namespace sonopose::bus_log

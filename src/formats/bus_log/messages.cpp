@@ -1,6 +1,7 @@
 #include "bus_log/messages.hpp"
 
 #include "json/json.hpp"
+#include "mcap/chunk_messages.hpp"
 #include <sonopose/dds/binding/cdr.hpp>
 #include <sonopose/dds/topics/serialized_topics.hpp>
 #include <sonopose/dds/topics/topics.hpp>
@@ -124,8 +125,8 @@ mcap::Selection selection_of(const mcap::Reader& reader, const Choice& choice,
   }
   const mcap::TimeSpan& times = reader.statistics().log_times;
   if (times.is_empty()) return selection;
-  if (choice.start_s > 0) selection.start_ns = times.after_start(choice.start_s);
-  if (choice.end_s) selection.end_ns = times.after_start(*choice.end_s);
+  if (choice.start) selection.start_ns = log_time_of(times, *choice.start);
+  if (choice.end) selection.end_ns = log_time_of(times, *choice.end);
   return selection;
 }
 
@@ -152,8 +153,18 @@ ChosenMessages::ChosenMessages(const mcap::Reader& reader, const Choice& choice,
       selection_{selection_of(reader, choice, damaged, order)},
       messages_{reader, selection_} {}
 
+void ChosenMessages::begin_with_latched() {
+  if (selection_.start_ns > 0) latched_ = latched_start(reader_, selection_, dds::qos::Provider());
+}
+
+std::optional<mcap::Message> ChosenMessages::next_of_all() {
+  const auto& latched = latched_.samples.entries();
+  if (next_latched_ == latched.size()) return messages_.next();
+  return message_at(latched_.samples, latched[next_latched_++]);
+}
+
 std::optional<ChosenMessages::Chosen> ChosenMessages::next() {
-  while (const auto message = messages_.next()) {
+  while (const auto message = next_of_all()) {
     const mcap::Channel& channel = reader_.channels().at(message->channel_id);
     if (!beacon_) return Chosen{&channel, *message};
     const auto beacon = beacon_of(channel, *message);

@@ -2,9 +2,12 @@
 /// \file
 /// Selects messages of a recording, finds their beacon, and writes them as JSON.
 
+#include "bus_log/latched_start.hpp"
+#include "bus_log/moment.hpp"
 #include "mcap/reader.hpp"
 #include <sonopose/samples/samples.hpp>
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,8 +26,8 @@ std::string json_of(const mcap::Channel& channel, const mcap::Message& message);
 struct Choice {
   std::vector<std::string> topics{};      ///< names with or without "sonopose/"; empty: all
   std::optional<BeaconAddress> beacon{};  ///< only messages of this beacon
-  double start_s = 0;                     ///< time after the first message of the file
-  std::optional<double> end_s{};          ///< time after the first message of the file
+  std::optional<Moment> start{};
+  std::optional<Moment> end{};
 };
 
 /// The chosen messages of a recording, by time or in file order. Throws files::IoError that lists the file's
@@ -34,6 +37,9 @@ public:
   ChosenMessages(const mcap::Reader& reader, const Choice& choice,
                  mcap::Selection::Damaged damaged = mcap::Selection::Damaged::refuse,
                  mcap::Selection::Order order = mcap::Selection::Order::log_time);
+
+  /// Lets the state of latched topics at the start come first (latched_start.hpp).
+  void begin_with_latched();
 
   /// Returns true if messages of a channel of the file can be chosen.
   [[nodiscard]] bool has(const mcap::Channel& channel) const {
@@ -48,11 +54,17 @@ public:
   std::optional<Chosen> next();
 
   [[nodiscard]] const std::vector<std::string>& skipped() const { return messages_.skipped(); }
+  /// Descriptions of what could not be read before the start.
+  [[nodiscard]] const std::vector<std::string>& skipped_before() const { return latched_.damages; }
 
 private:
+  std::optional<mcap::Message> next_of_all();
+
   const mcap::Reader& reader_;
   std::optional<BeaconAddress> beacon_;
   mcap::Selection selection_;
+  LatchedStart latched_;
+  std::size_t next_latched_ = 0;
   mcap::Messages messages_;
 };
 

@@ -2,6 +2,7 @@
 
 #include "bus_log/dashboard_log.hpp"
 #include "bus_log/decoded.hpp"
+#include "bus_log/recording_files.hpp"
 #include "logging/log.hpp"
 #include "mcap/reader.hpp"
 #include "recording/input_check.hpp"
@@ -14,13 +15,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <functional>
 #include <iterator>
 #include <limits>
 #include <map>
 #include <set>
-#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -54,10 +53,11 @@ std::string listed(const std::set<BeaconAddress>& addresses) {
   return text;
 }
 
-/// One beacon of one file.
+/// One beacon of one recording.
 class FileLog {
 public:
-  FileLog(const std::filesystem::path& file, std::optional<BeaconAddress> address) : reader_{file} {
+  FileLog(const std::vector<std::filesystem::path>& files, std::optional<BeaconAddress> address)
+      : reader_{files} {
     require_our_types(reader_, is_known_);
     address_ = chosen(address);
   }
@@ -204,21 +204,9 @@ private:
 
 }  // namespace
 
-bool is_file(const std::filesystem::path& log) {
-  std::error_code unknown;  // ignored: reading an inaccessible file gives the reason
-  return std::filesystem::is_regular_file(log, unknown);
-}
-
-bool is_mcap(const std::filesystem::path& log) {
-  if (!is_file(log)) return false;
-  const mcap::FileSource source(log);
-  std::array<std::byte, 4> begin{};
-  if (source.size() < begin.size()) return false;
-  source.read(0, begin);
-  return std::ranges::equal(begin, std::as_bytes(std::span(mcap::magic)).first(begin.size()));
-}
-
 namespace {
+
+using Paths = std::vector<std::filesystem::path>;
 
 void log_warnings(const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) logging::warning(warning);
@@ -227,21 +215,27 @@ void log_warnings(const std::vector<std::string>& warnings) {
 }  // namespace
 
 std::filesystem::path imu_source(const std::filesystem::path& log) {
-  return is_file(log) ? log : log / recording::imu_file;
+  return is_log_folder(log) ? log / recording::imu_file : log;
 }
 
 recording::SensorLog read_sensor_log(const std::filesystem::path& log, std::optional<BeaconAddress> address) {
-  auto read = !is_file(log)  ? recording::read_sensor_log(log, address)
-              : is_mcap(log) ? FileLog(log, address).read()
-                             : read_dashboard_log(log, address);
-  std::ranges::move(recording::input_findings(log.string(), read.events), std::back_inserter(read.warnings));
+  return read_sensor_log(Paths{log}, address);
+}
+
+recording::SensorLog read_sensor_log(const Paths& paths, std::optional<BeaconAddress> address) {
+  const std::filesystem::path& first = paths.front();
+  auto read = is_in_mcap(paths)      ? FileLog(recording_files(paths), address).read()
+              : is_log_folder(first) ? recording::read_sensor_log(first, address)
+                                     : read_dashboard_log(first, address);
+  std::ranges::move(recording::input_findings(name_of(paths), read.events),
+                    std::back_inserter(read.warnings));
   log_warnings(read.warnings);
   return read;
 }
 
 std::vector<ImuSample> read_imu_log(const std::filesystem::path& log, std::optional<BeaconAddress> address) {
   std::vector<ImuSample> samples;
-  if (!is_file(log)) {
+  if (is_log_folder(log)) {
     samples = recording::read_imu_log(log, address);
     log_warnings(recording::input_findings(log.string(), samples));
     return samples;

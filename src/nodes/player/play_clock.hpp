@@ -22,6 +22,9 @@ public:
   /// Due time of that time of the recording; empty during a pause.
   [[nodiscard]] std::optional<SteadyTime> due(std::uint64_t log_time_ns) const;
 
+  /// Lets the times after the current one be due earlier, as if the recording lacked this duration.
+  void leave_out(std::uint64_t duration_ns) { log_time_ns_ += duration_ns; }
+
   void pause(SteadyTime now);
   void resume(SteadyTime now);
   /// Plays a message during a pause; a later `resume` continues from its time.

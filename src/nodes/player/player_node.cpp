@@ -1,9 +1,13 @@
 #include "player/player_node.hpp"
 
 #include "bus_log/instance_end.hpp"
+#include "bus_log/latched_start.hpp"
+#include "bus_log/recording_files.hpp"
 #include "clocks/clocks.hpp"
 #include "logging/log.hpp"
+#include "mcap/chunk_messages.hpp"
 #include "mcap/reader.hpp"
+#include "player/gaps.hpp"
 #include "player/play_clock.hpp"
 #include "player/republisher.hpp"
 #include "publication/lossy_fusions.hpp"
@@ -16,6 +20,7 @@
 #include <set>
 #include <stdexcept>
 #include <utility>
+#include <variant>
 
 namespace sonopose::player {
 namespace {
@@ -27,6 +32,12 @@ dds::DomainOptions domain_options(const PlayerOptions& options) {
   dds::DomainOptions domain = options.domain;
   domain.wait_for_readers = options.rate == 0.0;
   return domain;
+}
+
+/// Limited to the range of TimeNs: recorded times may have any value.
+TimeNs time_of(std::uint64_t log_time_ns) {
+  constexpr auto max_ns = static_cast<std::uint64_t>(std::numeric_limits<TimeNs>::max());
+  return static_cast<TimeNs>(std::min(log_time_ns, max_ns));
 }
 
 /// Playable part of a file: the topics that get a writer, and the channels, including the ends of instances.
@@ -66,7 +77,13 @@ Playable playable_of(const mcap::Reader& reader, const PlayerOptions& options) {
   return playable;
 }
 
-/// Selects the messages to play by the file's log time.
+std::string text_of(const bus_log::Moment& moment) {
+  const auto* const after_s = std::get_if<double>(&moment);
+  return after_s != nullptr ? fmt::format("{} s", *after_s)
+                            : fmt::format("log time {} ns", std::get<std::uint64_t>(moment));
+}
+
+/// Selects the messages to play by their log time.
 mcap::Selection selection_of(const mcap::Reader& reader, const PlayerOptions& options,
                              const std::set<std::uint16_t>& channel_ids) {
   const mcap::TimeSpan all = reader.statistics().log_times;
@@ -75,13 +92,13 @@ mcap::Selection selection_of(const mcap::Reader& reader, const PlayerOptions& op
   selection.channel = [channel_ids](const mcap::Channel& channel) {
     return channel_ids.contains(channel.id);
   };
-  selection.start_ns = all.after_start(options.start_s);
-  if (options.end_s) selection.end_ns = all.after_start(*options.end_s);
+  if (options.start) selection.start_ns = bus_log::log_time_of(all, *options.start);
+  if (options.end) selection.end_ns = bus_log::log_time_of(all, *options.end);
   selection.damaged = mcap::Selection::Damaged::skip;
-  if (selection.start_ns > all.end_ns || selection.start_ns > selection.end_ns) {
-    throw std::invalid_argument(fmt::format("{}: has no messages from {} s{} on; its last one is at {:.3f} s",
-                                            reader.name(), options.start_s,
-                                            options.end_s ? fmt::format(" to {} s", *options.end_s) : "",
+  if (selection.start_ns > all.end_ns || selection.end_ns < std::max(selection.start_ns, all.start_ns)) {
+    throw std::invalid_argument(fmt::format("{}: has no messages from {}{} on; its last one is at {:.3f} s",
+                                            reader.name(), text_of(options.start.value_or(0.0)),
+                                            options.end ? " to " + text_of(*options.end) : "",
                                             static_cast<double>(all.end_ns - all.start_ns) * 1e-9));
   }
   return selection;
@@ -98,6 +115,7 @@ public:
         playable_(playable_of(reader, options)),
         selection_(selection_of(reader, options, playable_.channel_ids)),
         clock_(options.rate),
+        gaps_(options.max_gap_s, options.rate, reader.statistics().log_times.start_ns),
         participant_(domain_options(options)),
         qos_(options.qos_file),
         publisher_(participant_, qos_, {playable_.topics.begin(), playable_.topics.end()},
@@ -110,6 +128,8 @@ public:
 private:
   void wait_for_readers();
   void play_once();
+  void go_on_to(std::uint64_t log_time_ns);
+  bool publish(const mcap::Message& message);
   bool wait_for(std::uint64_t log_time_ns);
   void obey_pause(std::uint64_t log_time_ns);
   void begin(std::uint64_t log_time_ns);
@@ -121,14 +141,21 @@ private:
   Playable playable_;
   mcap::Selection selection_;
   PlayClock clock_;
+  Gaps gaps_;
   dds::DomainParticipant participant_;
   dds::qos::Provider qos_;
   Republisher publisher_;
   std::optional<publication::LossyFusions> lossy_fusions_;  ///< empty unless the rate is 0
+  TimeNs shift_ns_ = 0;  ///< of the times of the messages
+  bus_log::LatchedStart latched_;
   PlayerReport report_;
 };
 
 PlayerReport Play::run() {
+  if (options_.start) {
+    latched_ = bus_log::latched_start(reader_, selection_, qos_, [this] { return stop_.requested(); });
+    for (const std::string& damage : latched_.damages) logging::warning("not read: " + damage);
+  }
   if (options_.wait_for_readers) wait_for_readers();
   if (lossy_fusions_) lossy_fusions_->warn(stop_);
   const SteadyTime began = clocks::steady_now();
@@ -139,6 +166,8 @@ PlayerReport Play::run() {
     logging::warning(fmt::format("a reader of {} has not confirmed the last messages", topic));
   }
   if (lossy_fusions_) report_.lost_by_fusions = lossy_fusions_->count_lost(stop_);
+  report_.shortened_gaps = gaps_.shortened();
+  report_.left_out_s = gaps_.left_out_s();
   report_.duration_s = static_cast<double>(clocks::steady_now() - began) * 1e-9;
   return report_;
 }
@@ -170,30 +199,48 @@ void Play::wait_for_readers() {
 
 void Play::play_once() {
   mcap::Messages messages(reader_, selection_);
-  bool is_first = true;
-  while (const auto message = messages.next()) {
-    if (std::exchange(is_first, false)) begin(message->log_time_ns);
-    if (!wait_for(message->log_time_ns)) return;
-    using Outcome = Republisher::Outcome;
-    const auto outcome =
-        publisher_.publish(reader_.channels().at(message->channel_id).topic, *message, stop_);
-    if (outcome == Outcome::refused && stop_.requested()) return;  // it may have waited for a reader
-    if (outcome == Outcome::published) ++report_.played;
-    if (outcome == Outcome::refused) ++report_.refused;
+  auto message = messages.next();
+  if (!message && latched_.samples.is_empty())
+    throw std::invalid_argument(reader_.name() + ": has no messages of these topics at these times");
+  begin(message ? message->log_time_ns : selection_.start_ns);
+  for (const auto& entry : latched_.samples.entries()) {
+    if (!publish(message_at(latched_.samples, entry))) return;
+  }
+  for (; message; message = messages.next()) {
+    go_on_to(message->log_time_ns);
+    if (!wait_for(message->log_time_ns) || !publish(*message)) return;
   }
   for (const std::string& damage : messages.skipped()) logging::warning("not played: " + damage);
   report_.damaged = messages.skipped().size() + reader_.contents().unreadable_blocks.size();
-  if (is_first)
-    throw std::invalid_argument(reader_.name() + ": has no messages of these topics at these times");
+}
+
+/// Returns false if the stop came.
+bool Play::publish(const mcap::Message& message) {
+  using Outcome = Republisher::Outcome;
+  const auto outcome = publisher_.publish(reader_.channels().at(message.channel_id).topic, message, stop_);
+  if (outcome == Outcome::refused && stop_.requested()) return false;  // it may have waited for a reader
+  if (outcome == Outcome::published) ++report_.played;
+  if (outcome == Outcome::refused) ++report_.refused;
+  return true;
 }
 
 void Play::begin(std::uint64_t log_time_ns) {
   if (options_.restamp) {
-    const auto recorded_ns = static_cast<TimeNs>(
-        std::min<std::uint64_t>(log_time_ns, static_cast<std::uint64_t>(std::numeric_limits<TimeNs>::max())));
-    publisher_.shift_times(saturated_difference(clocks::host_now(), recorded_ns));
+    shift_ns_ = saturated_difference(clocks::host_now(), time_of(log_time_ns));
+    publisher_.shift_times(shift_ns_);
   }
+  gaps_.begin(log_time_ns);
   clock_.begin(log_time_ns, clocks::steady_now());  // after the other clock: no message is from the future
+}
+
+/// Leaves out what a gap has too much, also in the times of the messages.
+void Play::go_on_to(std::uint64_t log_time_ns) {
+  const std::uint64_t left_out_ns = gaps_.go_on_to(log_time_ns);
+  if (left_out_ns == 0) return;
+  clock_.leave_out(left_out_ns);
+  if (!options_.restamp) return;
+  shift_ns_ = saturated_difference(shift_ns_, time_of(left_out_ns));
+  publisher_.shift_times(shift_ns_);
 }
 
 /// Waits until the message is due, or the user steps to it. Returns false if the stop came.
@@ -230,8 +277,11 @@ void Play::obey_pause(std::uint64_t log_time_ns) {
 }  // namespace
 
 PlayerReport play(const PlayerOptions& options, PlayControl& control, const process::StopSignal& stop) {
-  const mcap::Reader reader(options.file);
+  const mcap::Reader reader(bus_log::recording_files(options.recording));
   for (const std::string& damage : reader.damages()) logging::warning(damage);
+  if (const auto step = step_back_in(reader)) {
+    logging::warning(*step + "; messages are played by log time, what came after the step first");
+  }
   return Play(reader, options, control, stop).run();
 }
 

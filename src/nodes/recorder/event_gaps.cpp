@@ -1,6 +1,6 @@
 #include "recorder/event_gaps.hpp"
 
-#include "recorder/chunk_messages.hpp"
+#include "mcap/chunk_messages.hpp"
 #include <sonopose/dds/topics/serialized_topics.hpp>
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 
 #include "bus_log/instance_end.hpp"
 #include "files/error.hpp"
-#include "recorder/chunk_messages.hpp"
+#include "mcap/chunk_messages.hpp"
 
 #include <fmt/format.h>
 
@@ -27,7 +27,7 @@ std::uint16_t channel_id_of(const std::vector<ChannelSpec>& channels, std::strin
   return 0;
 }
 
-LatchedSamples latched_samples(const std::vector<ChannelSpec>& channels) {
+bus_log::LatchedSamples latched_samples(const std::vector<ChannelSpec>& channels) {
   std::map<std::uint16_t, const dds::topics::SerializedTopic*> topics;
   for (const ChannelSpec& channel : channels) {
     const auto* const topic = channel.is_latched ? dds::topics::find_topic(channel.topic) : nullptr;

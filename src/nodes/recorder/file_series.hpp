@@ -2,10 +2,10 @@
 /// \file
 /// Consecutive files of one recording.
 
+#include "bus_log/latched_samples.hpp"
 #include "mcap/file_sink.hpp"
 #include "mcap/writer.hpp"
 #include "recorder/arrival_span.hpp"
-#include "recorder/latched_samples.hpp"
 #include "recorder/settings_log.hpp"
 #include "recorder/topic_tap.hpp"
 #include "recording/part_file.hpp"
@@ -132,7 +132,7 @@ private:
   std::optional<File> current_ SONOPOSE_GUARDED_BY(mutex_);
   TapCounts counts_at_start_ SONOPOSE_GUARDED_BY(mutex_);  ///< counts at the start of the current file
   TapCounts counts_reported_ SONOPOSE_GUARDED_BY(mutex_);  ///< counts last written to the current file
-  LatchedSamples latched_ SONOPOSE_GUARDED_BY(mutex_);
+  bus_log::LatchedSamples latched_ SONOPOSE_GUARDED_BY(mutex_);
   SettingsLog settings_ SONOPOSE_GUARDED_BY(mutex_);
   /// Start of the current file, if it has a message.
   std::optional<SteadyTime> began_ SONOPOSE_GUARDED_BY(mutex_);

@@ -1,6 +1,6 @@
 #include "recorder/raw_ends.hpp"
 
-#include "recorder/chunk_messages.hpp"
+#include "mcap/chunk_messages.hpp"
 
 #include <span>
 

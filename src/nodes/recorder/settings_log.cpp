@@ -1,6 +1,6 @@
 #include "recorder/settings_log.hpp"
 
-#include "recorder/chunk_messages.hpp"
+#include "mcap/chunk_messages.hpp"
 #include <sonopose/dds/binding/cdr.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/idl_types.hpp>

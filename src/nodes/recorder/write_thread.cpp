@@ -2,7 +2,7 @@
 
 #include "clocks/clocks.hpp"
 #include "logging/log.hpp"
-#include "recorder/chunk_messages.hpp"
+#include "mcap/chunk_messages.hpp"
 #include "recorder/raw_ends.hpp"
 
 #include <fmt/format.h>

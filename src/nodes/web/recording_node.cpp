@@ -1,5 +1,6 @@
 #include "web/recording_node.hpp"
 
+#include "bus_log/recording_files.hpp"
 #include "logging/log.hpp"
 #include "web/page_messages.hpp"
 #include "web/recording/recording_json.hpp"
@@ -22,7 +23,7 @@ public:
                .is_recording = true,
                .allows_changes = false,
                .domain_id = {},
-               .title = options.recording.string()} {
+               .title = bus_log::name_of(options.recording)} {
     files_.add("/recording.json", "application/json",
                recording::recording_json(options.recording, options.beacon));
   }
@@ -60,7 +61,7 @@ private:
 void serve_recording(const RecordingOptions& options, const http::OnReady& on_ready,
                      process::StopSignal& stop) {
   http::Server server(options.server);
-  logging::info("reading " + options.recording.string());
+  logging::info("reading " + bus_log::name_of(options.recording));
   RecordingSite site(options, server);
   stop.listen_to_signals();  // before, a signal ends the process immediately
   const http::Serving serving(server, site);

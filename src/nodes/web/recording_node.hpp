@@ -10,12 +10,14 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace sonopose::web {
 
 struct RecordingOptions {
-  std::filesystem::path recording;      ///< MCAP file, log of the vendor's Dashboard, or sensor-log folder
-  std::optional<BeaconAddress> beacon;  ///< selects one beacon of a file of several
+  /// MCAP files, a log of the vendor's Dashboard, or a sensor-log folder
+  std::vector<std::filesystem::path> recording;
+  std::optional<BeaconAddress> beacon;  ///< selects one beacon of several
   http::ServerOptions server;
   MapLayers map;
   std::string version;

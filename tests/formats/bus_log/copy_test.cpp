@@ -1,10 +1,14 @@
 #include "bus_log/copy.hpp"
 
+#include "bus_log/instance_end.hpp"
 #include "bus_log/recorded.hpp"
 #include "bus_log/sensor_log.hpp"
 #include "bus_log/summary.hpp"
 #include "evaluation/replay/run.hpp"
 #include "evaluation/report/exported.hpp"
+#include "mcap/compression.hpp"
+#include "mcap/encoder.hpp"
+#include "mcap/verify.hpp"
 #include "sim/simulator.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -119,6 +123,45 @@ SCENARIO("messages of a recording are selected") {
       CHECK(messages.next()->log_time_ns == 3'000);
     }
   }
+  GIVEN("an attachment") {
+    {
+      BusRecording recording(folder / "plan.mcap");
+      mcap::Bytes content;
+      mcap::put(content, std::uint64_t{5});  // log_time
+      mcap::put(content, std::uint64_t{4});  // create_time
+      mcap::put_text(content, "plan.png");
+      mcap::put_text(content, "image/png");
+      mcap::put(content, std::uint64_t{3});
+      mcap::put_bytes(content, std::as_bytes(std::span("abc", 3)));
+      mcap::put(content, mcap::crc32(content));
+      recording.writer().write_attachment(content);
+      for (std::size_t i = 0; i < 20; ++i) recording.write(events[i], 1'000 * i);
+    }
+    THEN("a part of the recording keeps it") {
+      const auto result =
+          copy({{folder / "plan.mcap"}, folder / "part.mcap", {{}, {}, std::uint64_t{9'000}}});
+      CHECK(result.messages == 11);
+      CHECK(result.attachments == 1);
+      const mcap::Reader reader(folder / "part.mcap");
+      CHECK(reader.contents().is_indexed);
+      const mcap::Reader whole(folder / "plan.mcap");
+      CHECK(reader.attachment(reader.contents().attachments.at(0)) ==
+            whole.attachment(whole.contents().attachments.at(0)));
+      CHECK(mcap::verify(reader).empty());
+    }
+    THEN("a damaged one is named, and only a repair leaves it out") {
+      std::string damaged = read_text(folder / "plan.mcap");
+      damaged[damaged.find("abc")] = 'X';
+      write_text(folder / "damaged.mcap", damaged);
+      CopyRequest request{{folder / "damaged.mcap"}, folder / "good.mcap"};
+      CHECK_THROWS_WITH(copy(request), Contains("Attachment crc does not match"));
+      request.damaged = mcap::Selection::Damaged::skip;
+      const auto result = copy(request);
+      CHECK(result.messages == 20);
+      CHECK(result.attachments == 0);
+      CHECK_THAT(result.damages.at(0), Contains("Attachment crc does not match"));
+    }
+  }
   GIVEN("a file that exists") {
     write_text(folder / "old.mcap", "precious");
     THEN("it is not overwritten") {
@@ -128,8 +171,91 @@ SCENARIO("messages of a recording are selected") {
   }
 }
 
+/// Logs where a stationary beacon is.
+void write_position(BusRecording& recording, BeaconAddress address, double x_m, std::uint64_t log_time_ns) {
+  const StationaryBeacon beacon{address, 1, Vector3d(x_m, 0.0, 2.0)};
+  recording.write(dds::topics::stationary_beacon, dds::topics::to_idl(beacon), log_time_ns);
+}
+
+SCENARIO("a part of a recording begins with the state of latched topics") {
+  const TemporaryFolder folder;
+  GIVEN("stationary beacons before it: one moved, one left, one that stays where it is") {
+    const Path file = folder / "run.mcap";
+    {
+      BusRecording recording(file);
+      for (const BeaconAddress address : {BeaconAddress{100}, BeaconAddress{101}, BeaconAddress{102}}) {
+        write_position(recording, address, 1.0, 1'000);
+      }
+      recording.writer().end_chunk();
+      write_position(recording, 100, 5.0, 2'000);
+      const std::string end =
+          json_of({.topic = "sonopose/stationary_beacon",
+                   .disposed = true,
+                   .key_cdr = dds::write_cdr(dds::topics::to_idl(StationaryBeacon{101, 1, {}})),
+                   .source_time_ns = 1});
+      mcap::Writer& writer = recording.writer();
+      const auto ends = writer.add_channel(0, instance_ends_topic, instance_ends_encoding);
+      writer.write({ends, 1, 3'000, 3'000, std::as_bytes(std::span(end))});
+      for (std::uint64_t i = 0; i < 10; ++i) recording.write(ImuSample{}, 4'000 + 100 * i);
+    }
+    const auto part_of = [&](const Choice& choice) {
+      std::filesystem::remove(folder / "part.mcap");
+      copy({{file}, folder / "part.mcap", choice});
+      const mcap::Reader reader(folder / "part.mcap");
+      std::vector<std::string> lines;
+      ChosenMessages messages(reader, {});
+      while (const auto chosen = messages.next()) {
+        lines.push_back(std::to_string(chosen->message.log_time_ns) +
+                        json_of(*chosen->channel, chosen->message));
+      }
+      return lines;
+    };
+    THEN("the latest positions of those that are there come first, at the time of its start") {
+      const auto lines = part_of({{}, {}, std::uint64_t{4'500}});
+      REQUIRE(lines.size() == 2 + 5);
+      CHECK_THAT(lines[0], Catch::StartsWith("4500") && Contains("\"address\":100") && Contains("5.0"));
+      CHECK_THAT(lines[1], Catch::StartsWith("4500") && Contains("\"address\":102"));
+      CHECK_THAT(lines[2], Catch::StartsWith("4500") && Contains("sonopose/imu"));
+    }
+    THEN("topics that are not chosen are left out") {
+      CHECK(part_of({{"imu"}, {}, std::uint64_t{4'500}}).size() == 5);
+      CHECK(part_of({{"stationary_beacon"}, {}, std::uint64_t{4'500}}).size() == 2);
+    }
+    THEN("a part behind the end has nothing") {
+      CHECK_THROWS_WITH(part_of({{}, {}, std::uint64_t{9'000}}), Contains("none of its 15 messages"));
+    }
+  }
+  GIVEN("a topic of ROS 2 that is latched by what its channel offers") {
+    const Path file = folder / "ros.mcap";
+    {
+      mcap::FileSink sink(file);
+      mcap::Writer writer(sink, {.profile = "ros2"});
+      const auto add = [&writer](const char* topic, const char* durability) {
+        return writer.add_channel(0, topic, "cdr",
+                                  {{"offered_qos_profiles", std::string("- depth: 1\n  durability: ") +
+                                                                durability + "\n  deadline:"}});
+      };
+      const auto map = add("/map", "transient_local");
+      const auto tf_static = add("/tf_static", "1");
+      const auto odom = add("/odom", "2");
+      for (const auto id : {map, tf_static, odom}) writer.write({id, 1, 10, 10, {}});
+      for (std::uint64_t i = 2; i < 5; ++i) writer.write({odom, 1, 10 * i, 10 * i, {}});
+    }
+    THEN("its latest message comes first") {
+      CHECK(copy({{file}, folder / "part.mcap", {{}, {}, std::uint64_t{35}}}).messages == 3);
+    }
+  }
+}
+
 SCENARIO("recordings are merged") {
   const TemporaryFolder folder;
+  GIVEN("recordings without messages") {
+    for (const char* const name : {"a.mcap", "b.mcap"}) BusRecording(folder / name).close();
+    THEN("the error names all of them") {
+      CHECK_THROWS_WITH(copy({{folder / "a.mcap", folder / "b.mcap"}, folder / "both.mcap"}),
+                        Contains("a.mcap, ") && Contains("b.mcap: none of their 0 messages"));
+    }
+  }
   GIVEN("recordings of two beacons at the same time") {
     const auto first = record_walk(folder / "a.mcap", 12);
     record_walk(folder / "b.mcap", 300);

@@ -92,6 +92,43 @@ SCENARIO("a recording of the bus is an input like a log folder") {
   }
 }
 
+SCENARIO("several files are one input") {
+  const TemporaryFolder folder;
+  GIVEN("a drive in three files of the recorder, and one whose topics are in files of their own") {
+    const auto events = walk(6.0).events;
+    std::filesystem::create_directories(folder / "drive");
+    const std::vector<std::filesystem::path> parts{folder / "drive/run_9.mcap", folder / "drive/run_10.mcap",
+                                                   folder / "drive/run_11.mcap"};
+    for (std::size_t part = 0; part < parts.size(); ++part) {
+      BusRecording recording(parts[part]);
+      const std::size_t end = events.size() * (part + 1) / parts.size();
+      for (std::size_t i = events.size() * part / parts.size(); i < end; ++i) {
+        recording.write(events[i], time_of(events[i]));
+      }
+    }
+    {
+      BusRecording imu(folder / "imu.mcap");
+      BusRecording others(folder / "others.mcap");
+      for (const Event& event : events) {
+        (std::holds_alternative<ImuSample>(event) ? imu : others).write(event, time_of(event));
+      }
+    }
+    THEN("all events are read in their order, from the files and from the folder") {
+      for (const auto& paths :
+           {parts, std::vector{folder / "drive"}, std::vector{folder / "others.mcap", folder / "imu.mcap"}}) {
+        const auto log = bus_log::read_sensor_log(paths);
+        CHECK(log.events == events);
+        CHECK(log.warnings.empty());
+      }
+      CHECK(bus_log::read_imu_log(folder / "drive").size() > 500);
+    }
+    THEN("a folder that is no such recording is named") {
+      CHECK_THROWS_WITH(bus_log::read_sensor_log({parts[0], folder.path() / "nowhere"}),
+                        Contains("nowhere: does not exist"));
+    }
+  }
+}
+
 SCENARIO("the host's clock is set back during a recording") {
   const TemporaryFolder folder;
   const auto file = folder / "run.mcap";

@@ -25,6 +25,15 @@ TEST_CASE("At the rate 0 everything is due at once") {
   CHECK(clock.due(1'000 * second) == now);
 }
 
+TEST_CASE("What is left out is not waited for") {
+  PlayClock clock(2.0);
+  clock.begin(100 * second, now);
+  clock.leave_out(1'000'000 * second);
+  CHECK(clock.due(1'000'104 * second) == now + 2 * second);
+  clock.leave_out(10 * second);
+  CHECK(clock.due(1'000'120 * second) == now + 5 * second);
+}
+
 TEST_CASE("A pause moves what follows it") {
   PlayClock clock(1.0);
   clock.begin(100 * second, now);

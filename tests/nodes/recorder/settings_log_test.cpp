@@ -1,6 +1,6 @@
 #include "recorder/settings_log.hpp"
 
-#include "recorder/latched_samples.hpp"
+#include "bus_log/latched_samples.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -97,7 +97,7 @@ TEST_CASE("The settings of a beacon can be told from the records at any time") {
 }
 
 TEST_CASE("The latest settings begin with those of all beacons") {
-  LatchedSamples latched({{1, dds::topics::find_topic("settings")}}, 2);
+  bus_log::LatchedSamples latched({{1, dds::topics::find_topic("settings")}}, 2);
   latched.on(Chunk().add(1, 0, {{"a", "1"}}).add(2, 7, {{"a", "1"}}).add(3, all_beacons, {{"a", "2"}}).get());
   const Texts found = texts(SettingsLog(1).on(latched.chunk_at(9)));
   REQUIRE(found.size() == 3);

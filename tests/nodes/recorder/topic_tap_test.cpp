@@ -2,7 +2,7 @@
 
 #include "bus_log/instance_end.hpp"
 #include "dds/dds_fixture.hpp"
-#include "recorder/chunk_messages.hpp"
+#include "mcap/chunk_messages.hpp"
 #include "recorder/messages.hpp"
 #include "recorder/raw_ends.hpp"
 

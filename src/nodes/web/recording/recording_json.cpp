@@ -1,6 +1,7 @@
 #include "web/recording/recording_json.hpp"
 
 #include "bus_log/decoded.hpp"
+#include "bus_log/recording_files.hpp"
 #include "bus_log/sensor_log.hpp"
 #include "evaluation/replay/run.hpp"
 #include "files/error.hpp"
@@ -94,12 +95,14 @@ std::optional<std::string> recorded_outputs(const mcap::Reader& reader, std::opt
 
 }  // namespace
 
-std::string recording_json(const std::filesystem::path& recording, std::optional<BeaconAddress> beacon) {
-  if (bus_log::is_mcap(recording)) {
-    if (auto text = recorded_outputs(mcap::Reader(recording), beacon)) return *std::move(text);
+std::string recording_json(const std::vector<std::filesystem::path>& recording,
+                           std::optional<BeaconAddress> beacon) {
+  if (bus_log::is_in_mcap(recording)) {
+    const mcap::Reader reader(bus_log::recording_files(recording));
+    if (auto text = recorded_outputs(reader, beacon)) return *std::move(text);
   }
   const sonopose::recording::SensorLog log = bus_log::read_sensor_log(recording, beacon);
-  if (log.events.empty()) throw files::IoError(recording.string() + ": has no samples");
+  if (log.events.empty()) throw files::IoError(bus_log::name_of(recording) + ": has no samples");
   Document document(seconds_between(available_at_ns(log.events.front()), available_at_ns(log.events.back())));
   for (TruthSample truth : log.truth) {
     truth.address = log.address;

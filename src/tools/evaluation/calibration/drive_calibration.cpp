@@ -1,5 +1,6 @@
 #include "evaluation/calibration/drive_calibration.hpp"
 
+#include "bus_log/recording_files.hpp"
 #include "bus_log/sensor_log.hpp"
 #include "recording/log_folder.hpp"
 
@@ -45,7 +46,7 @@ DriveCalibration calibrate_drive(const DriveRequest& request) {
   std::vector<std::vector<Event>> recordings;
   for (const auto& log : request.logs) {
     recordings.push_back(
-        bus_log::read_sensor_log(log, bus_log::is_file(log) ? request.beacon : std::nullopt).events);
+        bus_log::read_sensor_log(log, bus_log::is_log_folder(log) ? std::nullopt : request.beacon).events);
     if (recordings.back().empty()) throw CalibrationError(log.string() + ": has no samples");
     result.duration_s += seconds_between(available_at_ns(recordings.back().front()),
                                          available_at_ns(recordings.back().back()));

@@ -1,5 +1,6 @@
 #include "evaluation/replay/cases.hpp"
 
+#include "bus_log/recording_files.hpp"
 #include "bus_log/sensor_log.hpp"
 #include "files/missing.hpp"
 #include "sim/simulator.hpp"
@@ -27,12 +28,12 @@ Case simulated_case(const sim::Scenario& scenario, std::uint64_t seed) {
           .without_good_fixes = std::move(without_good_fixes)};
 }
 
-Case recorded_case(const std::filesystem::path& recording, std::optional<BeaconAddress> beacon) {
-  if (!bus_log::is_file(recording)) beacon.reset();
+Case recorded_case(const std::vector<std::filesystem::path>& recording, std::optional<BeaconAddress> beacon) {
+  if (bus_log::is_log_folder(recording.front())) beacon.reset();
   sonopose::recording::SensorLog log = bus_log::read_sensor_log(recording, beacon);
-  if (log.events.empty()) throw files::IoError(recording.string() + ": has no samples");
+  if (log.events.empty()) throw files::IoError(bus_log::name_of(recording) + ": has no samples");
   Case test_case;
-  test_case.name = recording.string();
+  test_case.name = bus_log::name_of(recording);
   test_case.events = std::move(log.events);
   test_case.truth = std::move(log.truth);
   test_case.wheel_speeds = std::move(log.wheel_speeds);

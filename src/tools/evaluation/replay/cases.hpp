@@ -29,9 +29,10 @@ struct Case {
 /// Creates one run of a scenario.
 Case simulated_case(const sim::Scenario& scenario, std::uint64_t seed);
 
-/// Reads a sensor-log folder or a file, named by its path. `beacon` selects one in a file with several.
+/// Reads a recording, named by its path: a sensor-log folder, or MCAP files. `beacon` selects one of several.
 /// Throws files::IoError, also if there are no samples.
-Case recorded_case(const std::filesystem::path& recording, std::optional<BeaconAddress> beacon = {});
+Case recorded_case(const std::vector<std::filesystem::path>& recording,
+                   std::optional<BeaconAddress> beacon = {});
 
 /// The recordings in a folder and its subfolders, in alphabetical order.
 struct FoundRecordings {

@@ -49,7 +49,7 @@ SCENARIO("a recording without poses shows what the fusion makes of it") {
     BusRecording recording(file);
     write_inputs(recording, walk());
   }
-  const json read = json::parse(recording_json(file));
+  const json read = json::parse(recording_json({file}));
   REQUIRE(read["beacons"].size() == 1);
   const json& shown = read["beacons"][0];
   CHECK(read["duration"].get<double>() == Approx(20.0).margin(0.5));
@@ -65,7 +65,7 @@ SCENARIO("a recording without poses shows what the fusion makes of it") {
     CHECK(shown["status"]["t"].empty());
   }
   THEN("another beacon's address is refused") {
-    CHECK_THROWS_WITH(recording_json(file, 99), Contains("99"));
+    CHECK_THROWS_WITH(recording_json({file}, 99), Contains("99"));
   }
 }
 
@@ -84,11 +84,11 @@ SCENARIO("a recording with poses shows those, of all beacons or one") {
       }
     }
   }
-  const json all = json::parse(recording_json(file));
+  const json all = json::parse(recording_json({file}));
   REQUIRE(all["beacons"].size() == 2);
   CHECK(all["beacons"][1]["poses"]["y"].back() == 12.0);
   CHECK(all["beacons"][1]["poses"]["x"].size() == 100);
-  const json one = json::parse(recording_json(file, 12));
+  const json one = json::parse(recording_json({file}, 12));
   REQUIRE(one["beacons"].size() == 1);
   CHECK(one["beacons"][0]["address"] == 12);
 }
@@ -130,7 +130,7 @@ SCENARIO("a recording with statuses shows latency, delay, battery and the lines 
     BusRecording recording(file);
     write_statuses(recording, beacon);
   }
-  const json read = json::parse(recording_json(file));
+  const json read = json::parse(recording_json({file}));
   const json& status = read["beacons"][0]["status"];
   REQUIRE(status["t"].size() == 3);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -160,7 +160,7 @@ SCENARIO("statuses of another type are left out, and the poses are shown") {
     write_statuses(recording, beacon);
     recording.writer().write({channel, 1, log_time(1'700'000'000'000'000'000), 0, {}});
   }
-  const json read = json::parse(recording_json(file));
+  const json read = json::parse(recording_json({file}));
   CHECK(read["beacons"][0]["poses"]["t"].size() > 50);
   const json& status = read["beacons"][0]["status"];
   CHECK(status["battery"] == json({3.7, 3.7, 3.7}));  // statuses of our type only
@@ -177,18 +177,18 @@ SCENARIO("poses of another type are refused") {
     recording.writer().add_channel(schema, "sonopose/pose", "cdr");
     recording.write(dds::topics::reset, {.address = 7, .request_id = 1}, 5);
   }
-  CHECK_THROWS_WITH(recording_json(file), Contains("topic sonopose/pose has another type"));
+  CHECK_THROWS_WITH(recording_json({file}), Contains("topic sonopose/pose has another type"));
 }
 
 SCENARIO("a file that is no recording is refused with its name") {
   const TemporaryFolder folder;
   const auto file = folder / "broken.mcap";
   write_text(file, "no recording at all");
-  CHECK_THROWS_WITH(recording_json(file), Contains("broken.mcap"));
-  CHECK_THROWS_WITH(recording_json(folder / "absent"), Contains("absent"));
+  CHECK_THROWS_WITH(recording_json({file}), Contains("broken.mcap"));
+  CHECK_THROWS_WITH(recording_json({folder / "absent"}), Contains("absent"));
   const auto empty = folder / "empty.mcap";
   { BusRecording(empty).close(); }
-  CHECK_THROWS_WITH(recording_json(empty), Contains("empty.mcap"));
+  CHECK_THROWS_WITH(recording_json({empty}), Contains("empty.mcap"));
 }
 
 }  // namespace recording_json_test

@@ -125,7 +125,7 @@ TEST_CASE("recorded flights: the position error is below 2 cm, and below 4 cm wi
   const bool is_documented = GENERATE(true, false);
   const settings::Settings settings = is_documented ? documented() : settings::Settings{};
   for (const auto& recording : recordings) {
-    const CaseResult result = evaluation::evaluate(evaluation::recorded_case(recording), settings);
+    const CaseResult result = evaluation::evaluate(evaluation::recorded_case({recording}), settings);
     INFO(result.name << (is_documented ? ", documented" : ", Kalman"));
     CHECK(result.prediction.fixes.size() > 400);
     if (!is_documented) CHECK(result.prediction.distance_p50_m < 0.05);

@@ -1,12 +1,21 @@
-#include "recorder/latched_samples.hpp"
+#include "bus_log/latched_samples.hpp"
 
 #include "bus_log/instance_end.hpp"
-#include "recorder/chunk_messages.hpp"
-#include "recorder/messages.hpp"
+#include "mcap/chunk_messages.hpp"
+#include <sonopose/dds/binding/cdr.hpp>
+#include <sonopose/dds/topics/topics.hpp>
 
 #include <catch2/catch.hpp>
 
-namespace sonopose::recorder::test::latched_samples_test {
+namespace latched_samples_test {
+
+using namespace sonopose;
+using bus_log::LatchedSamples;
+
+/// A serialized reset command: the smallest native type.
+std::vector<std::byte> command_cdr(BeaconAddress address, std::uint64_t id) {
+  return dds::write_cdr(sonopose_ResetCommand{.address = address, .request_id = id}, std::endian::little);
+}
 
 constexpr std::uint16_t estimate_channel = 1;
 constexpr std::uint16_t ends_channel = 2;
@@ -84,4 +93,4 @@ SCENARIO("a channel without keys keeps what its programs have said") {
   }
 }
 
-}  // namespace sonopose::recorder::test::latched_samples_test
+}  // namespace latched_samples_test

@@ -1,33 +1,34 @@
-#include "recorder/latched_samples.hpp"
+#include "bus_log/latched_samples.hpp"
 
 #include "bus_log/instance_end.hpp"
-#include "recorder/chunk_messages.hpp"
+#include "mcap/chunk_messages.hpp"
 
 #include <span>
 #include <utility>
 
-namespace sonopose::recorder {
+namespace sonopose::bus_log {
 namespace {
 
-std::string_view text_of(std::span<const std::byte> data) {
+std::string_view text_in(std::span<const std::byte> data) {
   return {reinterpret_cast<const char*>(data.data()), data.size()};  // NOLINT(*-reinterpret-cast): text
 }
 
 }  // namespace
 
 void LatchedSamples::on(const mcap::Chunk& chunk) {
-  for (const mcap::Chunk::Entry& entry : chunk.entries()) {
-    if (entry.channel_id == ends_channel_id_) {
-      forget(text_of(message_at(chunk, entry).data));
-    } else if (const auto topic = topics_.find(entry.channel_id); topic != topics_.end()) {
-      const mcap::Message message = message_at(chunk, entry);
-      samples_[key_of(entry.channel_id, *topic->second, message.data)] = {
-          message.sequence, message.publish_time_ns, {message.data.begin(), message.data.end()}};
-    } else if (const auto plain = plain_.find(entry.channel_id); plain != plain_.end()) {
-      const mcap::Message message = message_at(chunk, entry);
-      keep(plain->second,
-           {message.sequence, message.publish_time_ns, {message.data.begin(), message.data.end()}});
-    }
+  for (const mcap::Chunk::Entry& entry : chunk.entries()) on(message_at(chunk, entry));
+}
+
+void LatchedSamples::on(const mcap::Message& message) {
+  const auto sample = [&message] {
+    return Sample{message.sequence, message.publish_time_ns, {message.data.begin(), message.data.end()}};
+  };
+  if (message.channel_id == ends_channel_id_) {
+    forget(text_in(message.data));
+  } else if (const auto topic = topics_.find(message.channel_id); topic != topics_.end()) {
+    samples_[key_of(message.channel_id, *topic->second, message.data)] = sample();
+  } else if (const auto plain = plain_.find(message.channel_id); plain != plain_.end()) {
+    keep(plain->second, sample());
   }
 }
 
@@ -45,7 +46,7 @@ LatchedSamples::Key LatchedSamples::key_of(std::uint16_t channel_id,
 }
 
 void LatchedSamples::forget(std::string_view instance_end) {
-  const bus_log::InstanceEnd end = bus_log::instance_end_of(instance_end);
+  const InstanceEnd end = instance_end_of(instance_end);
   for (const auto& [channel_id, topic] : topics_) {
     if (topic->name == end.topic) samples_.erase(key_of(channel_id, *topic, end.key_cdr));
   }
@@ -67,4 +68,4 @@ mcap::Chunk LatchedSamples::chunk_at(std::uint64_t log_time_ns) const {
   return chunk;
 }
 
-}  // namespace sonopose::recorder
+}  // namespace sonopose::bus_log

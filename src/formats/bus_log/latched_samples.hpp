@@ -1,6 +1,7 @@
 #pragma once
 /// \file
-/// The latest samples of topics that send them to late readers. Every file of a recording starts with them.
+/// The latest samples of topics that send them to late readers. Every file of a recording starts with them,
+/// and so does a part of a recording.
 
 #include "mcap/chunk.hpp"
 #include <sonopose/dds/topics/serialized_topics.hpp>
@@ -15,8 +16,9 @@
 #include <utility>
 #include <vector>
 
-namespace sonopose::recorder {
+namespace sonopose::bus_log {
 
+/// Memory for the latched samples of any topics.
 class LatchedSamples {
 public:
   /// `topics`: native topics of latched channels; `ends_channel_id`: channel of the ends of instances.
@@ -30,6 +32,7 @@ public:
 
   /// Remembers the latched samples of a chunk, and forgets instances that ended.
   void on(const mcap::Chunk& chunk);
+  void on(const mcap::Message& message);
 
   /// All of them, logged at this time.
   [[nodiscard]] mcap::Chunk chunk_at(std::uint64_t log_time_ns) const;
@@ -57,4 +60,4 @@ private:
   std::map<std::uint16_t, std::vector<Sample>> plain_;  ///< by channel, oldest first
 };
 
-}  // namespace sonopose::recorder
+}  // namespace sonopose::bus_log

@@ -1,0 +1,28 @@
+#pragma once
+/// \file
+/// The files of a recording.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace sonopose::bus_log {
+
+/// Returns the MCAP files in a folder, by name: numbers by their value, so that run_9 precedes run_10. Empty
+/// for a log folder, and for anything else but a folder.
+std::vector<std::filesystem::path> mcap_files_in(const std::filesystem::path& folder);
+
+/// Returns the given files, and those of the given folders, which are one recording. Throws files::IoError if
+/// a folder has no MCAP file.
+std::vector<std::filesystem::path> recording_files(const std::vector<std::filesystem::path>& given);
+
+/// Returns true for several paths, for a file that begins like MCAP, and for a folder of such files.
+bool is_in_mcap(const std::vector<std::filesystem::path>& recording);
+
+/// Returns false for a file, and for a folder with the MCAP files of one recording.
+bool is_log_folder(const std::filesystem::path& recording);
+
+/// Name of a recording, for messages: the path, or the first one and the number of the others.
+std::string name_of(const std::vector<std::filesystem::path>& recording);
+
+}  // namespace sonopose::bus_log

@@ -1,0 +1,84 @@
+#include "player/gaps.hpp"
+
+#include "logging/log.hpp"
+#include "mcap/record_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+#include <utility>
+
+namespace sonopose::player {
+namespace {
+
+constexpr double ns_per_s = 1e9;
+
+/// Returns "12.3 s", "4.5 min", "6.7 h" or "2190.5 days".
+std::string duration_text(double duration_s) {
+  constexpr double minute_s = 60;
+  constexpr double hour_s = 3600;
+  constexpr double day_s = 86400;
+  if (duration_s < 2 * minute_s) return fmt::format("{:.1f} s", duration_s);
+  if (duration_s < 2 * hour_s) return fmt::format("{:.1f} min", duration_s / minute_s);
+  if (duration_s < 2 * day_s) return fmt::format("{:.1f} h", duration_s / hour_s);
+  return fmt::format("{:.1f} days", duration_s / day_s);
+}
+
+}  // namespace
+
+Gaps::Gaps(std::optional<double> max_gap_s, double rate, std::uint64_t begin_ns)
+    : max_gap_s_(max_gap_s), rate_(rate), begin_ns_(begin_ns) {
+  if (max_gap_s && (!std::isfinite(*max_gap_s) || *max_gap_s < 0.0)) {
+    throw std::invalid_argument(fmt::format("max_gap_s = {}: must be 0 or greater", *max_gap_s));
+  }
+}
+
+std::uint64_t Gaps::go_on_to(std::uint64_t log_time_ns) {
+  const std::uint64_t gap_ns = log_time_ns - std::min(log_time_ns, last_ns_);
+  const double gap_s = static_cast<double>(gap_ns) / ns_per_s;
+  const bool is_shortened = max_gap_s_ && gap_s > *max_gap_s_;
+  log(gap_s, is_shortened);
+  last_ns_ = std::max(last_ns_, log_time_ns);
+  if (!is_shortened) return 0;
+  const std::uint64_t left_out_ns = gap_ns - static_cast<std::uint64_t>(*max_gap_s_ * ns_per_s);
+  ++shortened_;
+  left_out_s_ += static_cast<double>(left_out_ns) / ns_per_s;
+  return left_out_ns;
+}
+
+void Gaps::log(double gap_s, bool is_shortened) {
+  constexpr double min_logged_wait_s = 5;
+  constexpr int max_logged = 20;
+  const bool is_waited_for = rate_ > 0.0 && gap_s / rate_ >= min_logged_wait_s;
+  if (!is_waited_for || logged_ > max_logged) return;
+  if (++logged_ > max_logged) {
+    logging::warning("further gaps are not named");
+    return;
+  }
+  const double after_s = static_cast<double>(last_ns_ - begin_ns_) / ns_per_s;
+  logging::warning(fmt::format(
+      "no messages for {} after {:.3f} s{}", duration_text(gap_s), after_s,
+      is_shortened ? fmt::format(", shortened to {} s", *max_gap_s_) : "; --max-gap S shortens such gaps"));
+}
+
+std::optional<std::string> step_back_in(const mcap::Reader& reader) {
+  constexpr std::uint64_t min_step_ns = 1'000'000'000;
+  std::map<std::pair<std::size_t, std::uint16_t>, std::uint64_t> latest_starts_ns;  // by file and channel
+  for (const mcap::Block& block : reader.contents().blocks) {
+    for (const std::uint16_t channel : block.channels) {
+      std::uint64_t& latest_ns = latest_starts_ns[{block.file, channel}];
+      if (block.log_times.end_ns < latest_ns && latest_ns - block.log_times.end_ns > min_step_ns) {
+        return fmt::format("{}: the log times go back by {}: the host's clock was set",
+                           reader.file(block.file).name(),
+                           duration_text(static_cast<double>(latest_ns - block.log_times.end_ns) / ns_per_s));
+      }
+      latest_ns = std::max(latest_ns, block.log_times.start_ns);
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace sonopose::player
