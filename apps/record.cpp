@@ -4,11 +4,12 @@
 #include "recorder/recorder_node.hpp"
 #include "recorder/signal_trigger.hpp"
 #include "support/bus_options.hpp"
-#include "support/compression_option.hpp"
 #include "support/log_option.hpp"
+#include "support/record_options.hpp"
 #include "support/topic_option.hpp"
 #include "support/version.hpp"
 #include <sonopose/text/count_text.hpp>
+#include <sonopose/text/escaped.hpp>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -51,8 +52,11 @@ void print(const recorder::RecorderReport& report) {
   fmt::print("lost: {} by a full queue, {} by the disk, {} by DDS\nmissing: {} of beacons\n",
              report.counts.lost_queue, report.lost_disk, report.counts.lost_dds,
              text::count_text(report.counts.events_missing, "input"));
+  if (report.removed_files > 0) {
+    fmt::print("removed: {}\n", text::count_text(report.removed_files, "older file"));
+  }
   for (const auto& [topic, writers] : report.foreign_topics) {
-    fmt::print("not recorded: {} ({})\n", topic, text::count_text(writers, "writer"));
+    fmt::print("not recorded: {} ({})\n", text::escaped(topic), text::count_text(writers, "writer"));
   }
   const std::uint64_t more = report.unnamed_topics;
   if (more > 0) fmt::print("not recorded: {}\n", text::count_text(more, "more topic"));
@@ -80,45 +84,6 @@ int serve(Options& options, const std::string& command) {
   return report.is_complete() ? 0 : 1;
 }
 
-/// Lower limit for a file and for memory: a second of several beacons.
-constexpr double min_bytes = 1e6;
-
-void add_file_options(CLI::App& app, recorder::RecorderOptions& options) {
-  apps::add_compression_option(app, options.compression);
-  app.add_option("--max-size", options.max_size_bytes,
-                 "Begin another file before one is larger, such as 500MB")
-      ->transform(CLI::AsSizeValue(true))
-      ->check(apps::number_between(min_bytes))
-      ->type_name("SIZE");
-  app.add_option("--max-duration", options.max_duration_s, "Begin another file after this many seconds")
-      ->check(apps::number_between(1.0, 1e9))
-      ->type_name("S");
-}
-
-void add_last_options(CLI::App& app, recorder::RecorderOptions& options) {
-  CLI::Option* keep =
-      app.add_option("--keep-last", options.keep_last_s,
-                     "Keep this many seconds in memory, and write them on SIGUSR1 or a trigger")
-          ->check(apps::number_between(1.0, 86400.0))
-          ->type_name("S")
-          ->excludes(app.get_option("--ros2"));
-  app.add_option("--keep-memory", options.keep_bytes, "The memory for --keep-last [256MB]")
-      ->transform(CLI::AsSizeValue(true))
-      ->check(apps::number_between(min_bytes))
-      ->type_name("SIZE")
-      ->needs(keep);
-  app.add_option("--trigger-topic", options.trigger_topic,
-                 "Write the last seconds at each sample of this topic")
-      ->check(apps::topic_name())
-      ->type_name("TOPIC")
-      ->needs(keep);
-  app.add_flag(
-         "--trigger-status", options.trigger_on_status,
-         "Write the last seconds when a pose becomes stale, frozen, doubted or overloaded, or lacks IMU "
-         "samples")
-      ->needs(keep);
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -142,8 +107,8 @@ int main(int argc, char** argv) {
   app.add_option("--duration", recording.duration_s, "End after this many seconds; 0: record until stopped")
       ->check(apps::number_between(0.0, 1e9))
       ->capture_default_str();
-  add_file_options(app, recording);
-  add_last_options(app, recording);
+  apps::add_file_options(app, recording);
+  apps::add_last_options(app, recording);
   std::string command = "sonopose-record";
   for (int i = 1; i < argc; ++i) command += std::string(" ") + argv[i];
   return apps::run(app, argc, argv, [&] { return serve(options, command); });

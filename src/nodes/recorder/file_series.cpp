@@ -2,6 +2,7 @@
 
 #include "bus_log/instance_end.hpp"
 #include "files/error.hpp"
+#include "logging/log.hpp"
 #include "mcap/chunk_messages.hpp"
 
 #include <fmt/format.h>
@@ -138,7 +139,7 @@ void FileSeries::write_head() {
       throw std::logic_error("channel " + channel.topic + " has another number than in the queue");
   }
   mcap::TextMap about = options_.about;
-  about["file_index"] = std::to_string(files_.size() + 1);
+  about["file_index"] = std::to_string(removed_files_ + complete_.size() + 1);
   current_->writer.write_metadata({"sonopose.recording", about});
 }
 
@@ -161,19 +162,41 @@ void FileSeries::prepare_for(const mcap::Chunk& chunk, const ArrivalSpan& taken)
   if (const char* const limit = current_ ? limit_of(chunk, taken) : nullptr; limit != nullptr) {
     end_file(limit, counts_reported_, {});
   }
-  if (current_) return;
-  begin_file();
-  write_latched(chunk);
+  if (!current_) {
+    begin_file();
+    write_latched(chunk);
+  }
+  remove_old(bytes_with(chunk));
+}
+
+void FileSeries::remove_old(std::uint64_t current_bytes) {
+  std::uint64_t total = current_bytes;
+  for (const Complete& each : complete_) total += each.bytes;
+  while (!complete_.empty()) {
+    const bool are_too_many = options_.max_files > 0 && complete_.size() >= options_.max_files;
+    const bool are_too_large = options_.max_total_bytes > 0 && total > options_.max_total_bytes;
+    if (!are_too_many && !are_too_large) return;
+    total -= complete_.front().bytes;
+    const std::filesystem::path file = std::move(complete_.front().file);
+    complete_.pop_front();
+    ++removed_files_;
+    std::error_code error;
+    std::filesystem::remove(file, error);
+    logging::info(error ? fmt::format("{}: cannot be removed: {}", file.string(), error.message())
+                        : fmt::format("{}: removed, the oldest file", file.string()));
+  }
 }
 
 const char* FileSeries::limit_of(const mcap::Chunk& chunk, const ArrivalSpan& taken) const {
   if (!began_) return nullptr;
-  const mcap::Writer& writer = current_->writer;
-  const std::uint64_t bytes =
-      writer.bytes_written() + writer.closing_bytes() + writer.max_bytes_of(chunk) + metadata_bytes(chunk);
-  if (options_.max_size_bytes > 0 && bytes > options_.max_size_bytes) return "size";
+  if (options_.max_size_bytes > 0 && bytes_with(chunk) > options_.max_size_bytes) return "size";
   if (options_.max_duration_ns > 0 && taken.end - *began_ > options_.max_duration_ns) return "duration";
   return nullptr;
+}
+
+std::uint64_t FileSeries::bytes_with(const mcap::Chunk& chunk) const {
+  const mcap::Writer& writer = current_->writer;
+  return writer.bytes_written() + writer.closing_bytes() + writer.max_bytes_of(chunk) + metadata_bytes(chunk);
 }
 
 /// Upper bound of the records after a chunk: settings, losses, and the end.
@@ -269,14 +292,15 @@ void FileSeries::end_file(const std::string& reason, const TapCounts& counts, co
     if (!failure) failure = std::current_exception();
   }
   finished_messages_ += recorded;
-  finished_bytes_ += writer.bytes_written();
+  const std::uint64_t bytes = writer.bytes_written();
+  finished_bytes_ += bytes;
   lost_ = lost_now();
   lost_at_start_ = lost_;
   current_->part.is_kept = true;
   const recording::PartFile name = current_->name;
   current_.reset();
   name.commit();
-  files_.push_back(name.file());
+  complete_.push_back({name.file(), bytes});
   if (failure) std::rethrow_exception(failure);
 }
 
@@ -292,7 +316,14 @@ void FileSeries::count_lost(std::uint64_t messages) {
 
 std::vector<std::filesystem::path> FileSeries::files() const {
   const threads::Lock lock(mutex_);
-  return files_;
+  std::vector<std::filesystem::path> names;
+  for (const Complete& each : complete_) names.push_back(each.file);
+  return names;
+}
+
+std::size_t FileSeries::removed_files() const {
+  const threads::Lock lock(mutex_);
+  return removed_files_;
 }
 
 std::uint64_t FileSeries::message_count() const {

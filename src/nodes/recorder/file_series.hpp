@@ -14,6 +14,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -41,6 +42,8 @@ struct SeriesOptions {
   bool is_numbered = false;           ///< FILE_001, FILE_002, … instead of one file
   std::uint64_t max_size_bytes = 0;   ///< limit of a file; 0: none
   std::int64_t max_duration_ns = 0;   ///< limit of a file; 0: none
+  std::size_t max_files = 0;          ///< older ones are removed; 0: none is
+  std::uint64_t max_total_bytes = 0;  ///< limit of all files, of which the oldest are removed; 0: none
 };
 
 /// The files of a recording. All members may be called from any thread, and throw files::IoError.
@@ -79,8 +82,9 @@ public:
   [[nodiscard]] std::uint64_t message_count() const;
   [[nodiscard]] std::uint64_t byte_count() const;
   [[nodiscard]] std::uint64_t lost_disk() const;
-  /// Names of the complete files.
+  /// Names of the complete files, without those that were removed.
   [[nodiscard]] std::vector<std::filesystem::path> files() const;
+  [[nodiscard]] std::size_t removed_files() const;
   /// Temporary name of the current file, or of the next one.
   [[nodiscard]] std::filesystem::path part() const;
 
@@ -118,6 +122,10 @@ private:
   [[nodiscard]] std::filesystem::path file_of(std::size_t number) const SONOPOSE_REQUIRES(mutex_);
   [[nodiscard]] std::size_t next_number() const SONOPOSE_REQUIRES(mutex_);
   void prepare_for(const mcap::Chunk& chunk, const ArrivalSpan& taken) SONOPOSE_REQUIRES(mutex_);
+  /// Upper bound of the current file's size if the chunk is its last one.
+  [[nodiscard]] std::uint64_t bytes_with(const mcap::Chunk& chunk) const SONOPOSE_REQUIRES(mutex_);
+  /// Removes the oldest files that exceed the limits, together with the current one of that size.
+  void remove_old(std::uint64_t current_bytes) SONOPOSE_REQUIRES(mutex_);
   /// Limit that requires another file before the chunk; null if the chunk fits into this one.
   [[nodiscard]] const char* limit_of(const mcap::Chunk& chunk, const ArrivalSpan& taken) const
       SONOPOSE_REQUIRES(mutex_);
@@ -140,7 +148,12 @@ private:
   std::uint64_t repeated_ SONOPOSE_GUARDED_BY(mutex_) = 0;
   /// Repeated messages that the disk lost: an earlier file has them.
   std::uint64_t repeated_lost_ SONOPOSE_GUARDED_BY(mutex_) = 0;
-  std::vector<std::filesystem::path> files_ SONOPOSE_GUARDED_BY(mutex_);
+  struct Complete {
+    std::filesystem::path file;
+    std::uint64_t bytes = 0;
+  };
+  std::deque<Complete> complete_ SONOPOSE_GUARDED_BY(mutex_);  ///< files that were not removed
+  std::size_t removed_files_ SONOPOSE_GUARDED_BY(mutex_) = 0;
   /// Number of the current file, or of the previous one.
   std::size_t last_number_ SONOPOSE_GUARDED_BY(mutex_) = 0;
   std::uint64_t finished_messages_ SONOPOSE_GUARDED_BY(mutex_) = 0;

@@ -19,6 +19,7 @@
 #include <algorithm>
 #include <exception>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 namespace sonopose::recorder {
@@ -53,9 +54,23 @@ std::vector<ChannelSpec> channels_of(const std::vector<const topics::SerializedT
   return channels;
 }
 
+bool is_numbered(const RecorderOptions& options) {
+  return options.max_size_bytes > 0 || options.max_duration_s > 0 || options.max_total_bytes > 0 ||
+         options.keep_last_s > 0;
+}
+
+void check_limits(const RecorderOptions& options) {
+  if (options.max_files > 0 && !is_numbered(options)) {
+    throw std::invalid_argument(
+        "--max-files: there is one file without --max-size, --max-duration, --max-total or --keep-last");
+  }
+  if (options.max_total_bytes > 0 && options.max_size_bytes > options.max_total_bytes / 2) {
+    throw std::invalid_argument("--max-total: must be at least twice --max-size");
+  }
+}
+
 SeriesOptions series_options(const RecorderOptions& options, std::uint32_t domain_id) {
-  const bool is_numbered =
-      options.max_size_bytes > 0 || options.max_duration_s > 0 || options.keep_last_s > 0;
+  constexpr std::uint64_t files_of_total = 10;  // without a limit of a file
   return {
       .file = options.file,
       .writer = {.profile = {}, .library = "sonopose " + options.version, .compression = options.compression},
@@ -64,9 +79,12 @@ SeriesOptions series_options(const RecorderOptions& options, std::uint32_t domai
                 {"version", options.version},
                 {"command", options.command},
                 {"domain", std::to_string(domain_id)}},
-      .is_numbered = is_numbered,
-      .max_size_bytes = options.max_size_bytes,
-      .max_duration_ns = to_ns(options.max_duration_s)};
+      .is_numbered = is_numbered(options),
+      .max_size_bytes =
+          options.max_size_bytes > 0 ? options.max_size_bytes : options.max_total_bytes / files_of_total,
+      .max_duration_ns = to_ns(options.max_duration_s),
+      .max_files = options.max_files,
+      .max_total_bytes = options.max_total_bytes};
 }
 
 Pipeline::Settings native_settings(const RecorderOptions& options, std::uint32_t domain_id,
@@ -117,8 +135,10 @@ std::vector<const topics::SerializedTopic*> selected_topics(const RecorderOption
 
 namespace {
 
-/// Selects the topics. Also throws std::invalid_argument if a trigger could never fire.
+/// Selects the topics. Also throws std::invalid_argument if a trigger could never fire, and if the limits do
+/// not fit each other.
 std::vector<const topics::SerializedTopic*> checked_topics(const RecorderOptions& options) {
+  check_limits(options);
   auto selected = selected_topics(options);
   const auto require = [&](const std::string& option, const std::string& topic) {
     if (std::find(selected.begin(), selected.end(), &topic_named(topic)) != selected.end()) return;
@@ -144,6 +164,7 @@ private:
   [[nodiscard]] bool has_failed() const;
   void report_begin() const;
   void report_news();
+  void report_rate();
   void report_foreign(std::vector<dds::FoundEndpoint> writers);
   [[nodiscard]] mcap::TextMap foreign_text() const;
   TopicTrigger* trigger_of(const topics::SerializedTopic& topic);
@@ -164,6 +185,7 @@ private:
   SteadyTime began_ = clocks::steady_now();
   TapCounts reported_;
   std::uint64_t incompatible_reported_ = 0;
+  bool is_rate_reported_ = false;
   std::exception_ptr failure_;  ///< error other than of the disk; null without one
 };
 
@@ -223,6 +245,7 @@ void Recorder::Node::run(const process::StopSignal& stop) {
       if (ros2_topics_) ros2_topics_->update(writers);
       report_foreign(writers);
       report_news();
+      report_rate();
       stop.wait_until(std::min(end, clocks::steady_now() + poll_period_ns), news_);
     }
   } catch (const std::exception&) {
@@ -263,6 +286,26 @@ void Recorder::Node::report_news() {
   }
 }
 
+/// Says once how much the recording takes: many beacons fill a disk within hours.
+void Recorder::Node::report_rate() {
+  constexpr double after_s = 60;
+  constexpr double day_s = 86400;
+  constexpr double hour_s = 3600;
+  const double duration_s = seconds_between(began_, clocks::steady_now());
+  if (is_rate_reported_ || options_.keep_last_s > 0 || duration_s < after_s) return;
+  is_rate_reported_ = true;
+  const auto bytes = native_.series().byte_count() + (ros2_ ? ros2_->series().byte_count() : 0);
+  const double rate = static_cast<double>(bytes) / duration_s;
+  std::error_code unknown;
+  const auto space = std::filesystem::space(std::filesystem::absolute(options_.file).parent_path(), unknown);
+  const bool has_limit = options_.max_total_bytes > 0 || unknown || rate <= 0;
+  logging::info(fmt::format("the recording takes {:.1f} GB a day{}", rate * day_s * 1e-9,
+                            has_limit
+                                ? ""
+                                : fmt::format("; the disk has space for {:.1f} h (--max-total limits it)",
+                                              static_cast<double>(space.available) / rate / hour_s)));
+}
+
 mcap::TextMap Recorder::Node::foreign_text() const {
   std::string text;
   for (const auto& [topic, writers] : foreign_.writer_counts()) {
@@ -293,6 +336,7 @@ RecorderReport Recorder::Node::finish() {
     report.lost_disk += pipeline->series().lost_disk();
     report.received.merge(pipeline->received());
     for (const auto& file : pipeline->series().files()) report.files.push_back(file);
+    report.removed_files += pipeline->series().removed_files();
   }
   report_news();
   return report;

@@ -31,6 +31,8 @@ struct RecorderOptions {
   mcap::Compression compression = mcap::Compression::lz4;
   std::uint64_t max_size_bytes = 0;       ///< limit of a file; 0: none
   double max_duration_s = 0;              ///< limit of a file; 0: none
+  std::size_t max_files = 0;              ///< older ones are removed; 0: none is
+  std::uint64_t max_total_bytes = 0;      ///< limit of all files, of which the oldest are removed; 0: none
   double keep_last_s = 0;                 ///< length of the memory; 0: write everything immediately
   std::size_t keep_bytes = 256UL << 20U;  ///< memory for the last seconds
   std::string trigger_topic = {};         ///< short or full name; any sample of it writes the last seconds
@@ -50,6 +52,7 @@ struct RecorderReport {
   std::uint64_t lost_disk = 0;
   double duration_s = 0;
   std::vector<std::filesystem::path> files;
+  std::size_t removed_files = 0;
   std::map<std::string, std::uint64_t> received;      ///< by topic
   std::map<std::string, std::size_t> foreign_topics;  ///< number of writers by topic
   std::size_t unnamed_topics = 0;                     ///< number of further foreign topics

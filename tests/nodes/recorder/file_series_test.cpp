@@ -7,6 +7,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <csignal>
 #include <sys/resource.h>
 
@@ -276,6 +277,44 @@ TEST_CASE("A file that cannot begin loses its messages, and counts them") {
   CHECK_THROWS_AS(write(series, chunk_of(1, 1, command_cdr(7, 1)), {}), files::IoError);
   CHECK(series.lost_disk() == 1);
   CHECK(series.message_count() == 0);
+}
+
+TEST_CASE("The oldest files of a recording are removed") {
+  const TemporaryFolder folder;
+  SeriesOptions options = options_for(folder / "run.mcap");
+  options.is_numbered = true;
+  options.max_duration_ns = second;
+  sonopose::test::write_text(folder / "run_000.mcap", "of somebody else");
+
+  SECTION("by their number") {
+    options.max_files = 2;
+    FileSeries series(options);
+    for (std::uint64_t i = 1; i <= 4; ++i) write(series, chunk_of(1, 2 * i * second, command_cdr(7, i)), {});
+    series.finish("stopped", {});
+    CHECK(series.files() == std::vector{folder / "run_003.mcap", folder / "run_004.mcap"});
+    CHECK_FALSE(exists(folder / "run_001.mcap"));
+    CHECK_FALSE(exists(folder / "run_002.mcap"));
+    CHECK(series.removed_files() == 2);
+    CHECK(series.message_count() == 4);
+    CHECK(metadata_of(folder / "run_004.mcap", "sonopose.recording")["file_index"] == "4");
+  }
+  SECTION("by their size, together with the one that is being written") {
+    options.max_total_bytes = 20'000;
+    const std::vector<std::byte> data(1'000);
+    FileSeries series(options);
+    std::uint64_t max_bytes = 0;
+    for (std::uint64_t i = 1; i <= 40; ++i) {
+      write(series, chunk_of(1, 2 * i * second, data), {});
+      std::uint64_t bytes = 0;
+      for (const auto& file : series.files()) bytes += file_size(file);
+      max_bytes = std::max(max_bytes, bytes + file_size(series.part()));
+    }
+    series.finish("stopped", {});
+    CHECK(max_bytes <= 20'000);
+    CHECK(max_bytes > 10'000);
+    CHECK(series.files().size() + series.removed_files() == 40);
+  }
+  CHECK(exists(folder / "run_000.mcap"));
 }
 
 }  // namespace sonopose::recorder::test::file_series_test
