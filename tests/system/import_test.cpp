@@ -19,9 +19,9 @@ using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
 
-/// Tables of a simulated walk: times in seconds from the start, positions 80 ms late by their times.
+/// Tables of a simulated forklift: times in seconds from the start, positions 80 ms late by their times.
 void write_tables(const TemporaryFolder& folder) {
-  const auto run = sim::record(sim::find_scenario("kart"), {.seed = 41, .duration_s = 90.0});
+  const auto run = sim::record(sim::find_scenario("forklift"), {.seed = 41, .duration_s = 90.0});
   const TimeNs start_ns = available_at_ns(run.events.front());
   std::string imu = "time,GyroA_x,GyroA_y,GyroA_z,acc_x,acc_y,acc_z\n";
   std::string positions = "time;x;y;z\n";

@@ -379,8 +379,8 @@ SCENARIO("a replay that used no fix says why and fails") {
     write_text(imu, earlier);
     const std::string error = refusal({recording.log()});
     THEN("both are said") {
-      CHECK_THAT(error,
-                 Contains("all fixes are after the IMU samples, by ") && Contains("/log: no fix was used"));
+      CHECK_THAT(error, Contains("most fixes are after the IMU samples, half of them by ") &&
+                            Contains("/log: no fix was used"));
     }
   }
   GIVEN("no IMU sample") {

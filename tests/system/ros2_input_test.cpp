@@ -219,7 +219,8 @@ SCENARIO("fixes of another clock than the IMU's are refused with the reason") {
       REQUIRE(fusion->wait_for_line(Stream::error, "beacon 42: all fixes are refused"));
       const Result doctor =
           run(SONOPOSE_TEST_DOCTOR, {"--domain", std::to_string(bus.domain_id()), "--duration", "2.5"});
-      CHECK_THAT(doctor.output, Contains("its fusion refuses ") && Contains(" are too old"));
+      CHECK_THAT(doctor.output,
+                 Contains("its fusion refuses ") && Contains(" too old (admission.max_fix_age_s)"));
     }
   }
 }

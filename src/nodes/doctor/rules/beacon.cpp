@@ -284,7 +284,7 @@ private:
         "the stamps of fixes and IMU samples must come from one clock (sonopose-monitor shows their delay)";
     switch (cause) {
       case FixRefusal::low_quality:
-        return {fmt::format("of a quality below {:g} %", admission.min_quality_percent),
+        return {"of a quality below admission.min_quality_percent",
                 "check the line of sight to the stationary beacons, or lower admission.min_quality_percent"};
       case FixRefusal::too_old:
         return {"too old (admission.max_fix_age_s)",

@@ -196,11 +196,13 @@ TEST_CASE("The causes of refused fixes are named with their remedies, the most f
                  "its fusion refuses");
   };
   const Finding poor = finding(outcomes_of(170, {{FixRefusal::low_quality, 54}}));
-  CHECK(poor.what == "its fusion refuses 54 of its 170 fixes: 54 of a quality below 80 %");
+  CHECK(poor.what ==
+        "its fusion refuses 54 of its 170 fixes: 54 of a quality below admission.min_quality_percent");
   CHECK_THAT(poor.remedy, Contains("line of sight") && Contains("admission.min_quality_percent") &&
                               !Contains("clock") && !Contains("stamps"));
   const Finding old = finding(outcomes_of(100, {{FixRefusal::too_old, 98}, {FixRefusal::low_quality, 2}}));
-  CHECK_THAT(old.what, Contains("98 too old") && Contains(", 2 of a quality below 80 %"));
+  CHECK_THAT(old.what,
+             Contains("98 too old") && Contains(", 2 of a quality below admission.min_quality_percent"));
   CHECK_THAT(old.remedy, Contains("one clock") && !Contains("quality"));
   CHECK_THAT(finding(outcomes_of(100, {{FixRefusal::too_new, 30}})).remedy, Contains("one clock"));
   CHECK_THAT(finding(outcomes_of(100, {{FixRefusal::invalid, 30}})).remedy,
