@@ -278,8 +278,7 @@ private:
   }
 
   /// A cause for which fixes are refused, after their number, and its remedy.
-  [[nodiscard]] std::pair<std::string, std::string> refusal_texts(FixRefusal cause) const {
-    const settings::AdmissionSettings& admission = beacon_.fusion_settings.admission;
+  static std::pair<std::string, std::string> refusal_texts(FixRefusal cause) {
     constexpr const char* one_clock =
         "the stamps of fixes and IMU samples must come from one clock (sonopose-monitor shows their delay)";
     switch (cause) {

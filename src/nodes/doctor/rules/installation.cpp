@@ -109,6 +109,35 @@ public:
     delay();
   }
 
+  /// Reports a wrong sign. Returns false if there is none.
+  [[nodiscard]] bool signs() const {
+    auto axes = inverted_axes();
+    if (axes.empty()) return false;
+    // In the horizontal plane, inverting X equals inverting Y with a mount that is off by 180°.
+    const bool has_mount = std::any_of(beacon_.pieces.begin(), beacon_.pieces.end(), [&](const Piece& piece) {
+      return piece.inverted.at(axes.front()).mount_rad.has_value();
+    });
+    if (has_mount) {
+      axes = {*std::min_element(axes.begin(), axes.end(), [&](std::size_t a, std::size_t b) {
+        return mount_error_rad_with(a) < mount_error_rad_with(b);
+      })};
+    }
+    std::string names;
+    for (const std::size_t axis : axes) {
+      names += (names.empty() ? "" : " or ");
+      names += "xyz"[axis];
+    }
+    findings_.push_back(
+        {Severity::error, name_of(beacon_),
+         fmt::format(
+             "its accelerometer has the wrong sign on the body's axis {}: only then does the IMU agree "
+             "with the fixes",
+             names),
+         "correct the sign in the driver of the IMU, or replace the beacon; calibration.axes can only "
+         "rotate"});
+    return true;
+  }
+
 private:
   [[nodiscard]] double configured_mount_rad() const {
     return beacon_.fusion_settings.heading.mount_offset_deg * geometry::radians_per_degree;
@@ -148,34 +177,6 @@ private:
             std::min(min_error_rad, std::abs(geometry::wrap_angle(mount->value - configured_mount_rad())));
     }
     return min_error_rad;
-  }
-
-  [[nodiscard]] bool signs() const {
-    auto axes = inverted_axes();
-    if (axes.empty()) return false;
-    // In the horizontal plane, inverting X equals inverting Y with a mount that is off by 180°.
-    const bool has_mount = std::any_of(beacon_.pieces.begin(), beacon_.pieces.end(), [&](const Piece& piece) {
-      return piece.inverted.at(axes.front()).mount_rad.has_value();
-    });
-    if (has_mount) {
-      axes = {*std::min_element(axes.begin(), axes.end(), [&](std::size_t a, std::size_t b) {
-        return mount_error_rad_with(a) < mount_error_rad_with(b);
-      })};
-    }
-    std::string names;
-    for (const std::size_t axis : axes) {
-      names += (names.empty() ? "" : " or ");
-      names += "xyz"[axis];
-    }
-    findings_.push_back(
-        {Severity::error, name_of(beacon_),
-         fmt::format(
-             "its accelerometer has the wrong sign on the body's axis {}: only then does the IMU agree "
-             "with the fixes",
-             names),
-         "correct the sign in the driver of the IMU, or replace the beacon; calibration.axes can only "
-         "rotate"});
-    return true;
   }
 
   void mount() const {
@@ -241,6 +242,10 @@ private:
 };
 
 }  // namespace
+
+bool has_wrong_sign(const BeaconObservation& beacon, Findings& findings) {
+  return InstallationCheck(beacon, findings).signs();
+}
 
 void check_installation(const BeaconObservation& beacon, Findings& findings) {
   InstallationCheck(beacon, findings).run();
