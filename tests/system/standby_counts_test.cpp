@@ -71,7 +71,8 @@ struct RefusedShare {
     const Result result = test::look(pair.bus.domain_id(), {"--duration", "3", "--json"});
     CAPTURE(result.output, result.error);
     double share = 0;
-    for (const auto& finding : nlohmann::json::parse(result.output)["findings"]) {
+    const nlohmann::json report = nlohmann::json::parse(result.output);
+    for (const auto& finding : report["findings"]) {
       const std::string what = finding["what"];
       unsigned refused = 0;
       unsigned reports = 0;

@@ -31,8 +31,8 @@ enum class Cause : std::uint8_t { none, fixes, installation };
 void check_pose(double window_s, const BeaconObservation& beacon, Cause cause, Findings& findings);
 /// Checks mount offset, delay and accelerometer signs of one beacon, if it moves.
 void check_installation(const BeaconObservation& beacon, Findings& findings);
-/// Reports an accelerometer axis with a wrong sign of one beacon, if it moves. Returns false if there is none.
-bool has_wrong_sign(const BeaconObservation& beacon, Findings& findings);
+/// Reports a wrong sign of one beacon's accelerometer axis Z, if it moves. Returns false if it is right.
+bool has_wrong_sign_of_z(const BeaconObservation& beacon, Findings& findings);
 /// Reports fixes off the track of one beacon.
 void check_tracks(const BeaconObservation& beacon, Findings& findings);
 /// Checks units, mount and calibration of one beacon's IMU. Returns false if units or axes are wrong: then

@@ -110,8 +110,16 @@ public:
   }
 
   /// Reports a wrong sign. Returns false if there is none.
-  [[nodiscard]] bool signs() const {
-    auto axes = inverted_axes();
+  [[nodiscard]] bool signs() const { return report_sign(inverted_axes()); }
+
+  /// The same for axis Z alone.
+  [[nodiscard]] bool sign_of_z() const {
+    const std::vector<std::size_t> axes = inverted_axes();
+    return axes == std::vector<std::size_t>{2} && report_sign(axes);
+  }
+
+private:
+  [[nodiscard]] bool report_sign(std::vector<std::size_t> axes) const {
     if (axes.empty()) return false;
     // In the horizontal plane, inverting X equals inverting Y with a mount that is off by 180°.
     const bool has_mount = std::any_of(beacon_.pieces.begin(), beacon_.pieces.end(), [&](const Piece& piece) {
@@ -138,7 +146,6 @@ public:
     return true;
   }
 
-private:
   [[nodiscard]] double configured_mount_rad() const {
     return beacon_.fusion_settings.heading.mount_offset_deg * geometry::radians_per_degree;
   }
@@ -243,8 +250,8 @@ private:
 
 }  // namespace
 
-bool has_wrong_sign(const BeaconObservation& beacon, Findings& findings) {
-  return InstallationCheck(beacon, findings).signs();
+bool has_wrong_sign_of_z(const BeaconObservation& beacon, Findings& findings) {
+  return InstallationCheck(beacon, findings).sign_of_z();
 }
 
 void check_installation(const BeaconObservation& beacon, Findings& findings) {

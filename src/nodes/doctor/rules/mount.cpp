@@ -54,7 +54,9 @@ bool check_direction(const BeaconObservation& beacon, std::string_view when, con
   const double tilt_deg =
       std::acos(std::clamp(force.normalized().z(), -1.0, 1.0)) / geometry::radians_per_degree;
   if (tilt_deg > wrong_axis_deg) {
-    if (has_wrong_sign(beacon, findings)) return false;  // then no other axes are right
+    // A wrong sign of Z alone also turns the force upside down.
+    constexpr double upside_down_deg = 135.0;
+    if (tilt_deg > upside_down_deg && has_wrong_sign_of_z(beacon, findings)) return false;
     const Vector3d force_sensor = calibration::sensor_to_body(axes).transpose() * force;
     findings.push_back(
         {Severity::warning, name_of(beacon),

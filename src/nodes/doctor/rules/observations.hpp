@@ -134,8 +134,9 @@ struct BeaconObservation {
   std::optional<BeaconStatus> status;         ///< last status
   std::optional<FusionStatus> fusion_before;
   std::optional<FusionStatus> fusion;
-  std::vector<FusionStatus> fusions;      ///< last status of each running fusion of the beacon
-  std::vector<FusionSpan> ended_fusions;  ///< ended fusions whose poses consumers received: their losses count too
+  std::vector<FusionStatus> fusions;  ///< last status of each running fusion of the beacon
+  std::vector<FusionSpan>
+      ended_fusions;  ///< ended fusions whose poses consumers received: their losses count too
   StatusCounts status_counts;
   FixOutcomes fix_outcomes;
   std::uint64_t pair_fixes = 0;         ///< fixes that are the centre of a pair
