@@ -319,11 +319,8 @@ SCENARIO("an index of messages is damaged") {
   Bytes bytes = file.closed();
   GIVEN("an index that says it is longer than its record") {
     bytes[at + record_prefix_bytes + 2] = std::byte{0xff};
-    const Reader reader = reader_of(bytes);
-    THEN("it is named, and no message is lost, also none outside of chunks") {
-      REQUIRE(reader.damages().size() == 1);
-      CHECK_THAT(reader.damages()[0], Contains("MessageIndex records needs "));
-      CHECK(times_of(reader) == Times{1, 2, 3, 5, 6, 7});
+    THEN("no message is lost, also none outside of chunks") {
+      CHECK(times_of(reader_of(bytes)) == Times{1, 2, 3, 5, 6, 7});
     }
   }
   GIVEN("a record whose length hides where the next one begins") {
