@@ -42,10 +42,12 @@ struct Likelihood {
   bool operator<(const Likelihood& other) const { return minus_2_log_l < other.minus_2_log_l; }
 };
 
-/// Likelihood of each angle, which is the mount or, for a log without headings, the yaw at the start.
-std::array<Likelihood, mounts> coarse_likelihoods(const Measurements& log, double delay_s) {
+/// Likelihood of every `stride`th angle, which is the mount or, for a log without headings, the yaw at the
+/// start. The others get none.
+std::array<Likelihood, mounts> coarse_likelihoods(const Measurements& log, double delay_s, int stride = 1) {
   std::array<Likelihood, mounts> all;
-  for (int angle = 0; angle < mounts; ++angle) {
+  all.fill({.minus_2_log_l = std::numeric_limits<double>::infinity()});
+  for (int angle = 0; angle < mounts; angle += stride) {
     Parameters parameters = coarse_parameters();
     parameters.delay_s = delay_s;
     parameters.mount_rad = parameters.start_yaw_rad = angle_of(angle);
@@ -61,13 +63,13 @@ struct Candidate {
   Likelihood likelihood;
 };
 
-Candidate best_at(const std::vector<Measurements>& logs, double delay_s) {
+Candidate best_at(const std::vector<Measurements>& logs, double delay_s, int stride = 1) {
   Candidate best;
   best.start = {coarse_parameters(), std::vector<double>(logs.size(), 0.0)};
   best.start.parameters.delay_s = delay_s;
   std::array<Likelihood, mounts> sums{};  // sums over the logs with headings
   for (std::size_t log = 0; log < logs.size(); ++log) {
-    const auto each = coarse_likelihoods(logs[log], delay_s);
+    const auto each = coarse_likelihoods(logs[log], delay_s, stride);
     if (logs[log].has_heading()) {
       for (std::size_t mount = 0; mount < sums.size(); ++mount) sums.at(mount) += each.at(mount);
     } else {
@@ -99,8 +101,10 @@ Start grid_search(const std::vector<Measurements>& logs) {
 }
 
 double coarse_delay_s(const std::vector<Measurements>& logs, const std::function<void(int step)>& observer) {
-  constexpr double step_s = 0.1;
-  constexpr int steps_to_each_side = 30;
+  // The search that follows covers less than a step to each side, and all mounts.
+  constexpr double step_s = 0.2;
+  constexpr int steps_to_each_side = 15;
+  constexpr int stride = 2;
   double best_s = 0;
   double best_mean = std::numeric_limits<double>::infinity();
   for (int step = 0; step <= 2 * steps_to_each_side; ++step) {
@@ -109,7 +113,7 @@ double coarse_delay_s(const std::vector<Measurements>& logs, const std::function
     const double delay_s = step_s * (step % 2 == 0 ? -step / 2 : (step + 1) / 2);
     std::vector<Measurements> pieces;
     for (const Measurements& log : logs) append_pieces(set_back(log, delay_s), pieces);
-    const Likelihood found = best_at(pieces, 0.0).likelihood;
+    const Likelihood found = best_at(pieces, 0.0, stride).likelihood;
     if (found.residuals == 0) continue;
     // Other fixes fall into the silences of the IMU, so the numbers of residuals differ.
     const double mean = found.minus_2_log_l / static_cast<double>(found.residuals);
