@@ -8,12 +8,10 @@
 #include "recording/tables.hpp"
 #include "support/config_options.hpp"
 #include "support/run.hpp"
-#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,7 +21,7 @@ using namespace sonopose;
 
 struct Options {
   recording::TableFiles files;
-  std::vector<std::string> columns;  ///< OURS=THEIRS
+  std::vector<std::string> columns;  ///< NAME=COLUMN
   std::filesystem::path out;
   BeaconAddress beacon = recording::default_log_address;
 };

@@ -134,8 +134,10 @@ void refuse_empty_paths(const CLI::App& app) {
 std::string reason_of(const std::exception& error) {
   const auto* const system = dynamic_cast<const std::system_error*>(&error);
   if (system == nullptr || system->code() != std::errc::resource_unavailable_try_again) return error.what();
-  return fmt::format("{}: too few processes and threads may start ({})", error.what(),
-                     "ulimit -u; TasksMax= of a service; --pids-limit of a container");
+  return fmt::format(
+      "{}: too few processes and threads may start (ulimit -u; TasksMax= of a service; "
+      "--pids-limit of a container)",
+      error.what());
 }
 
 /// The name for exceptions of other threads. Set once, before there are any.

@@ -46,10 +46,10 @@ class Tracker {
 public:
   Tracker(typename F::Settings settings, FieldUse field) : settings_(std::move(settings)), field_(field) {}
 
-  /// Processes one sample. Returns false and does nothing if it is not a measurement (not finite or beyond
-  /// any sensor's range), is earlier than the previous one or so much later that the next one must confirm it
-  /// (is_unconfirmed_jump). After `max_backward_samples` of those in a row
-  /// the clock was set back: the filter goes on from there.
+  /// Processes one sample. Returns false and does nothing if the sample is not a measurement (not finite or
+  /// beyond any sensor's range), is earlier than the previous one, or is so much later that the next one must
+  /// confirm it (is_unconfirmed_jump). After `max_backward_samples` earlier samples in a row, the clock was
+  /// set back: the filter goes on from there.
   bool on(const ImuSample& imu) {
     if (!is_measurement(imu)) return false;
     if (started_ && is_unconfirmed_jump(announced_ns_, time_ns_, imu.sensor_time_ns)) return false;

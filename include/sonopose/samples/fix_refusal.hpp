@@ -12,13 +12,13 @@ namespace sonopose {
 
 enum class FixRefusal : std::uint8_t {
   low_quality,
-  too_old,  ///< than the IMU samples
-  too_new,  ///< than the IMU samples
+  too_old,  ///< older than the IMU samples allow
+  too_new,  ///< newer than the IMU samples
   no_imu,   ///< no IMU sample before it
   invalid   ///< repeated, out of order, not finite or out of range
 };
 
-inline constexpr std::size_t fix_refusal_count = 5;
+inline constexpr std::size_t fix_refusal_count = static_cast<std::size_t>(FixRefusal::invalid) + 1;
 
 /// Cause of the refusal; empty if the fix was not refused.
 inline std::optional<FixRefusal> refusal_of(const FixReport& report) {

@@ -44,9 +44,9 @@ struct SettingsReply {
   bool operator==(const SettingsReply&) const = default;
 };
 
-/// Settings of one beacon's engine; under all_beacons, those of a beacon without its own. As changed
-/// settings: what a configuration file needs, so only the values that differ from the defaults and, of a
-/// beacon, its own that differ from those for all.
+/// Settings of one beacon's engine; under all_beacons, those of a beacon without its own. On the topic of
+/// changed settings, it has only what a configuration file needs: the values that differ from the defaults,
+/// and a beacon's own values that differ from those for all.
 struct EffectiveSettings {
   BeaconAddress address = 0;
   TimeNs time_ns = 0;                     ///< time of writing

@@ -1,6 +1,7 @@
 #include "motion/imu_summary.hpp"
 
 #include <sonopose/geometry/rotation.hpp>
+#include <sonopose/statistics/quantile.hpp>
 
 #include <Eigen/Geometry>
 
@@ -15,13 +16,6 @@ namespace sonopose::motion {
 namespace {
 
 constexpr TimeNs turn_ns = 4'000'000'000;
-
-double quantile(std::vector<double>& values, double share) {
-  const auto nth =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), nth, values.end());
-  return *nth;
-}
 
 /// Sum of squared deviations from a mean.
 struct Deviation {
@@ -77,9 +71,10 @@ ImuSummary summary_of(std::span<const Reading> imu) {
     rates_radps.push_back(reading.rate_body_radps.norm());
   }
   summary.duration_s = seconds_between(imu.front().time_ns, imu.back().time_ns);
-  summary.median_force_mps2 = quantile(forces_mps2, 0.5);
-  summary.force_range_mps2 = quantile(forces_mps2, 0.75) - quantile(forces_mps2, 0.25);
-  summary.fast_rate_radps = quantile(rates_radps, 0.95);
+  summary.median_force_mps2 = statistics::quantile(forces_mps2, 0.5);
+  summary.force_range_mps2 =
+      statistics::quantile(forces_mps2, 0.75) - statistics::quantile(forces_mps2, 0.25);
+  summary.fast_rate_radps = statistics::quantile(rates_radps, 0.95);
   std::tie(summary.turned_deviation_mps2, summary.unturned_deviation_mps2) = deviations_mps2(imu);
   return summary;
 }

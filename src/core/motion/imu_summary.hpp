@@ -22,7 +22,7 @@ enum class ForceUnit : std::uint8_t {
 struct ImuSummary {
   double duration_s = 0;
   Vector3d mean_force_body_mps2 = Vector3d::Zero();
-  double median_force_mps2 = 0;  ///< of the magnitude
+  double median_force_mps2 = 0;  ///< median of the magnitude
   double force_range_mps2 = 0;   ///< interquartile range of the magnitude
   double fast_rate_radps = 0;    ///< exceeded by every twentieth sample
   /// RMS deviation of the specific force from its mean over 4 s, turned by the rates to axes that do not turn

@@ -4,6 +4,7 @@
 
 #include <sonopose/samples/samples.hpp>
 
+#include <optional>
 #include <vector>
 
 namespace sonopose::motion {
@@ -14,6 +15,12 @@ struct Reading {
   Vector3d rate_body_radps = Vector3d::Zero();
   Vector3d force_body_mps2 = Vector3d::Zero();
 };
+
+/// Returns the reading of a sample; empty if it is not finite.
+inline std::optional<Reading> reading_of(const ImuSample& imu) {
+  if (!imu.angular_velocity_body_radps.allFinite() || !imu.specific_force_body_mps2.allFinite()) return {};
+  return Reading{imu.sensor_time_ns, imu.angular_velocity_body_radps, imu.specific_force_body_mps2};
+}
 
 /// One fix, with the time at which the fusion takes it for measured.
 struct Position {

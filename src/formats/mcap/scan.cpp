@@ -25,7 +25,7 @@ public:
     contents_.profile = header.profile;
     contents_.library = header.library;
     at_ = magic.size() + file_.prefix(magic.size(), file_.size()).record_length();
-    while (!is_at_end()) {
+    while (!read_to_end()) {
     }
     end_plain();
     finish();
@@ -33,8 +33,8 @@ public:
   }
 
 private:
-  /// Reads records up to damage or the end of the data section. Returns false if reading can go on.
-  bool is_at_end() {
+  /// Reads records up to damage or the end of the data section. Returns false if it must be called again.
+  bool read_to_end() {
     try {
       while (next_record()) {
       }

@@ -179,7 +179,8 @@ private:
     return indexed_count == statistics.message_count;
   }
 
-  /// `chunk`: the one before, which the indexes belong to.
+  /// Reads the records up to `end`. Returns false for a message or a chunk that the summary does not name.
+  /// Indexes of messages belong to `chunk`, the one before.
   bool read_up_to(std::uint64_t end, std::uint64_t at, Block* chunk) {
     while (at < end) {
       const Prefix prefix = file_.prefix(at, end);

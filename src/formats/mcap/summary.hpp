@@ -12,6 +12,7 @@
 
 namespace sonopose::mcap {
 
+/// Result of reading a summary.
 struct SummaryReading {
   std::optional<Contents> contents;            ///< empty if the summary does not suffice to find all messages
   std::string damage;                          ///< damage of the summary or between the chunks
@@ -19,7 +20,7 @@ struct SummaryReading {
   std::vector<std::uint64_t> record_offsets{};  ///< known starts of records, ascending
 };
 
-/// Throws FormatError if this is not an MCAP file.
+/// Reads the summary and the indexes of messages. Throws FormatError if this is not an MCAP file.
 SummaryReading read_summary(const RecordFile& file);
 
 }  // namespace sonopose::mcap

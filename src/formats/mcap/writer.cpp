@@ -16,7 +16,7 @@ constexpr std::uint64_t reserve_bytes = 64U << 10U;
 
 constexpr std::size_t data_end_bytes = record_prefix_bytes + 4;
 constexpr std::size_t summary_offset_bytes = record_prefix_bytes + 1 + 8 + 8;
-constexpr std::size_t groups = 5;  // and attachments
+constexpr std::size_t groups = 5;  // without that of attachments, which is rare
 /// Size of a channel's entry in the statistics.
 constexpr std::size_t channel_count_bytes = 2 + 8;
 

@@ -45,8 +45,7 @@ std::vector<std::string> findings_of(const std::string& name, const std::vector<
 
 void InputCheck::add(const ImuSample& imu) {
   imu_.push_back(imu.sensor_time_ns);
-  if (!imu.specific_force_body_mps2.allFinite() || !imu.angular_velocity_body_radps.allFinite()) return;
-  readings_.push_back({imu.sensor_time_ns, imu.angular_velocity_body_radps, imu.specific_force_body_mps2});
+  if (const auto reading = motion::reading_of(imu)) readings_.push_back(*reading);
 }
 
 void InputCheck::add(const UltrasonicFix& fix) {
@@ -161,9 +160,8 @@ std::vector<std::string> InputCheck::units_of_readings() const {
   }
   if (motion::has_rates_in_degrees(imu)) {
     texts.push_back(
-        fmt::format("the gyroscope exceeds {:.3g} rad/s in every twentieth sample, and gravity does not turn "
-                    "with it; is it "
-                    "in deg/s? {}w_x [deg s^-1], w_y [deg s^-1], w_z [deg s^-1]",
+        fmt::format("the gyroscope exceeds {:.3g} rad/s in every twentieth sample, which is too fast or "
+                    "contradicts gravity; is it in deg/s? {}w_x [deg s^-1], w_y [deg s^-1], w_z [deg s^-1]",
                     imu.fast_rate_radps, how_to_name));
   }
   return texts;

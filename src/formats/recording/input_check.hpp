@@ -24,7 +24,7 @@ public:
   [[nodiscard]] std::vector<std::string> findings() const;
 
 private:
-  using Stamps = std::vector<TimeNs>;  ///< of one stream, in its order
+  using Stamps = std::vector<TimeNs>;  ///< stamps of one stream, in its order
 
   static std::optional<std::string> unit_of_time(const char* what, const Stamps& stamps, double min_rate_hz,
                                                  double max_rate_hz);
@@ -36,7 +36,7 @@ private:
   Stamps imu_;
   Stamps fixes_;
   Stamps headings_;
-  std::vector<TimeNs> fix_ages_ns_;  ///< from emission to reception
+  std::vector<TimeNs> fix_ages_ns_;  ///< durations from emission to reception
   std::vector<TimeNs> heading_ages_ns_;
   std::vector<motion::Reading> readings_;
 };

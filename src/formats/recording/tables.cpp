@@ -19,7 +19,7 @@ constexpr std::size_t position_columns_required = 4;
 
 /// Added while reading, since a table may begin at zero or before.
 constexpr TimeNs reading_offset_ns = 1'000'000'000'000'000'000;
-constexpr TimeNs first_ns = 1'000'000'000;  ///< of tables that begin at zero
+constexpr TimeNs first_ns = 1'000'000'000;  ///< first time of tables that begin at zero
 
 files::CsvLayout table_of(files::CsvLayout layout, files::ColumnNames& names) {
   layout.given_names = &names;

@@ -99,13 +99,13 @@ public:
       if (read.status == ReadStatus::data) {
         const auto got = std::span(buffer).first(read.size);
         bytes_received_ += read.size;
-        watch_.on_bytes(got);
         decoder_.feed(got, [&](const marvelmind::Packet& packet) {
           if (!accepts(packet, read.sender)) return;
           const TimeNs arrival_ns = clock_.at(read.arrival);
           pass_on_map(packet, saturated_sum(arrival_ns, clock_.host_ahead_ns()), sink);
           assembler_.on(packet, arrival_ns, publish);
         });
+        watch_.on_bytes(got);
         if (capture_) capture_->append(got);
       } else if (read.status == ReadStatus::end || read.status == ReadStatus::stopped) {
         break;
@@ -233,7 +233,7 @@ private:
 constexpr const char* protocol_setting =
     "the protocol of the beacon's UART and USB output to Marvelmind (Dashboard, Interfaces)";
 
-/// What a file has that lacks valid frames. `begin`: its first bytes.
+/// Throws an error that names what a file without valid frames has instead. `begin`: its first bytes.
 [[noreturn]] void refuse_foreign(const std::filesystem::path& path, std::uint64_t size,
                                  std::span<const std::uint8_t> begin) {
   const std::string foreign = marvelmind::foreign_protocol(begin);

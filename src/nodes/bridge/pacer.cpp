@@ -2,6 +2,7 @@
 
 #include "clocks/clocks.hpp"
 #include "logging/log.hpp"
+#include <sonopose/text/duration_text.hpp>
 
 #include <fmt/format.h>
 
@@ -35,8 +36,8 @@ bool Pacer::wait_for(TimeNs time_ns, publication::SampleSink& sink, const proces
                    : began_ + static_cast<TimeNs>(std::clamp(passed_ns / rate_, -century_ns, century_ns));
   constexpr TimeNs logged_wait_ns = 5'000'000'000;
   if (due - now >= logged_wait_ns) {
-    logging::warning(
-        fmt::format("the next sample is due in {:.1f} s", static_cast<double>(due - now) * 1e-9));
+    logging::warning(fmt::format("the next sample is due in {}",
+                                 text::duration_text(static_cast<double>(due - now) * 1e-9)));
   }
   while (true) {
     if (now - ticked_ >= tick_period_ns) {

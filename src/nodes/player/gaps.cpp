@@ -2,6 +2,7 @@
 
 #include "logging/log.hpp"
 #include "mcap/record_file.hpp"
+#include <sonopose/text/duration_text.hpp>
 
 #include <fmt/format.h>
 
@@ -15,17 +16,6 @@ namespace sonopose::player {
 namespace {
 
 constexpr double ns_per_s = 1e9;
-
-/// Returns "12.3 s", "4.5 min", "6.7 h" or "2190.5 days".
-std::string duration_text(double duration_s) {
-  constexpr double minute_s = 60;
-  constexpr double hour_s = 3600;
-  constexpr double day_s = 86400;
-  if (duration_s < 2 * minute_s) return fmt::format("{:.1f} s", duration_s);
-  if (duration_s < 2 * hour_s) return fmt::format("{:.1f} min", duration_s / minute_s);
-  if (duration_s < 2 * day_s) return fmt::format("{:.1f} h", duration_s / hour_s);
-  return fmt::format("{:.1f} days", duration_s / day_s);
-}
 
 }  // namespace
 
@@ -60,7 +50,7 @@ void Gaps::log(double gap_s, bool is_shortened) {
   }
   const double after_s = static_cast<double>(last_ns_ - begin_ns_) / ns_per_s;
   logging::warning(fmt::format(
-      "no messages for {} after {:.3f} s{}", duration_text(gap_s), after_s,
+      "no messages for {} after {:.3f} s{}", text::duration_text(gap_s), after_s,
       is_shortened ? fmt::format(", shortened to {} s", *max_gap_s_) : "; --max-gap S shortens such gaps"));
 }
 
@@ -71,9 +61,9 @@ std::optional<std::string> step_back_in(const mcap::Reader& reader) {
     for (const std::uint16_t channel : block.channels) {
       std::uint64_t& latest_ns = latest_starts_ns[{block.file, channel}];
       if (block.log_times.end_ns < latest_ns && latest_ns - block.log_times.end_ns > min_step_ns) {
-        return fmt::format("{}: the log times go back by {}: the host's clock was set",
-                           reader.file(block.file).name(),
-                           duration_text(static_cast<double>(latest_ns - block.log_times.end_ns) / ns_per_s));
+        return fmt::format(
+            "{}: the log times go back by {}: the host's clock was set", reader.file(block.file).name(),
+            text::duration_text(static_cast<double>(latest_ns - block.log_times.end_ns) / ns_per_s));
       }
       latest_ns = std::max(latest_ns, block.log_times.start_ns);
     }

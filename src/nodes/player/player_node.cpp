@@ -2,6 +2,7 @@
 
 #include "bus_log/instance_end.hpp"
 #include "bus_log/latched_start.hpp"
+#include "bus_log/moment.hpp"
 #include "bus_log/recording_files.hpp"
 #include "clocks/clocks.hpp"
 #include "logging/log.hpp"
@@ -32,12 +33,6 @@ dds::DomainOptions domain_options(const PlayerOptions& options) {
   dds::DomainOptions domain = options.domain;
   domain.wait_for_readers = options.rate == 0.0;
   return domain;
-}
-
-/// Limited to the range of TimeNs: recorded times may have any value.
-TimeNs time_of(std::uint64_t log_time_ns) {
-  constexpr auto max_ns = static_cast<std::uint64_t>(std::numeric_limits<TimeNs>::max());
-  return static_cast<TimeNs>(std::min(log_time_ns, max_ns));
 }
 
 /// Playable part of a file: the topics that get a writer, and the channels, including the ends of instances.
@@ -146,7 +141,7 @@ private:
   dds::qos::Provider qos_;
   Republisher publisher_;
   std::optional<publication::LossyFusions> lossy_fusions_;  ///< empty unless the rate is 0
-  TimeNs shift_ns_ = 0;  ///< of the times of the messages
+  TimeNs shift_ns_ = 0;                                     ///< shift of the times of the messages
   bus_log::LatchedStart latched_;
   PlayerReport report_;
 };
@@ -226,7 +221,7 @@ bool Play::publish(const mcap::Message& message) {
 
 void Play::begin(std::uint64_t log_time_ns) {
   if (options_.restamp) {
-    shift_ns_ = saturated_difference(clocks::host_now(), time_of(log_time_ns));
+    shift_ns_ = saturated_difference(clocks::host_now(), bus_log::time_of(log_time_ns));
     publisher_.shift_times(shift_ns_);
   }
   gaps_.begin(log_time_ns);
@@ -239,7 +234,7 @@ void Play::go_on_to(std::uint64_t log_time_ns) {
   if (left_out_ns == 0) return;
   clock_.leave_out(left_out_ns);
   if (!options_.restamp) return;
-  shift_ns_ = saturated_difference(shift_ns_, time_of(left_out_ns));
+  shift_ns_ = saturated_difference(shift_ns_, bus_log::time_of(left_out_ns));
   publisher_.shift_times(shift_ns_);
 }
 

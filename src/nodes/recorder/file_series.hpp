@@ -42,7 +42,7 @@ struct SeriesOptions {
   bool is_numbered = false;           ///< FILE_001, FILE_002, … instead of one file
   std::uint64_t max_size_bytes = 0;   ///< limit of a file; 0: none
   std::int64_t max_duration_ns = 0;   ///< limit of a file; 0: none
-  std::size_t max_files = 0;          ///< older ones are removed; 0: none is
+  std::size_t max_files = 0;          ///< limit, beyond which the oldest files are removed; 0: none
   std::uint64_t max_total_bytes = 0;  ///< limit of all files, of which the oldest are removed; 0: none
 };
 

@@ -31,7 +31,7 @@ struct RecorderOptions {
   mcap::Compression compression = mcap::Compression::lz4;
   std::uint64_t max_size_bytes = 0;       ///< limit of a file; 0: none
   double max_duration_s = 0;              ///< limit of a file; 0: none
-  std::size_t max_files = 0;              ///< older ones are removed; 0: none is
+  std::size_t max_files = 0;              ///< limit, beyond which the oldest files are removed; 0: none
   std::uint64_t max_total_bytes = 0;      ///< limit of all files, of which the oldest are removed; 0: none
   double keep_last_s = 0;                 ///< length of the memory; 0: write everything immediately
   std::size_t keep_bytes = 256UL << 20U;  ///< memory for the last seconds

@@ -73,7 +73,7 @@ void report_out_of_time() noexcept {
 extern "C" void sonopose_on_stop_signal(int signal) {
   const int saved_errno = errno;
   if (signal == SIGXCPU) report_out_of_time();
-  if (signal == SIGINT || signal == SIGTERM) {      // others are not from somebody who waits
+  if (signal == SIGINT || signal == SIGTERM) {      // only these come from a person who waits
     const TimeNs now_ns = clocks::steady_now().ns;  // neither allocates nor locks
     TimeNs first_ns = 0;
     if (!signalled_ns.compare_exchange_strong(first_ns, now_ns) && now_ns - first_ns > repeated_after_ns) {

@@ -36,7 +36,7 @@ SCENARIO("times without messages are named") {
     Gaps gaps({}, 1.0, begin_ns);
     THEN("a step of the clock is named, with the option that shortens it") {
       CHECK_THAT(log_of(gaps, {12 * second / 10, six_years}),
-                 Contains("no messages for 2190.0 days after 1.200 s; --max-gap S shortens such gaps"));
+                 Contains("no messages for 6.0 years after 1.200 s; --max-gap S shortens such gaps"));
       CHECK(gaps.shortened() == 0);
     }
     THEN("the periods of samples are not, and neither is a step back") {

@@ -52,7 +52,7 @@ std::size_t used_fixes(const std::vector<Measurements>& logs) {
   return count;
 }
 
-/// Why the fixes do not suffice; empty if they do.
+/// Reason why the fixes do not suffice; empty if they do.
 std::string lack_of_fixes(std::size_t count, const std::string& cause) {
   if (count >= min_fixes) return {};
   return std::to_string(count) + " usable fixes; " + std::to_string(min_fixes) + " are needed: " + cause;

@@ -247,9 +247,7 @@ std::vector<motion::Reading> BeaconProbe::corrected_readings(const settings::Set
   const calibration::Calibration calibration(settings.calibration);
   std::vector<motion::Reading> readings;
   for (const auto& [received_ns, raw] : readings_.entries()) {
-    const ImuSample imu = calibration.corrected(raw);
-    if (!imu.angular_velocity_body_radps.allFinite() || !imu.specific_force_body_mps2.allFinite()) continue;
-    readings.push_back({imu.sensor_time_ns, imu.angular_velocity_body_radps, imu.specific_force_body_mps2});
+    if (const auto reading = motion::reading_of(calibration.corrected(raw))) readings.push_back(*reading);
   }
   return readings;
 }

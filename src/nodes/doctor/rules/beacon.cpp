@@ -1,6 +1,7 @@
 #include "doctor/rules/checks.hpp"
 #include "observation/beacon_observer.hpp"
 #include <sonopose/text/count_text.hpp>
+#include <sonopose/text/duration_text.hpp>
 
 #include <fmt/format.h>
 
@@ -24,21 +25,6 @@ constexpr double large_jitter_s = 0.030;
 /// Limit above the latency on one host, and far above the error of synchronised clocks.
 constexpr double large_clock_difference_s = 0.050;
 
-/// "45.0 s", "12.4 min", "3.1 h", "2.5 d", "56.9 years".
-std::string duration_text(double duration_s) {
-  struct Unit {
-    double length_s;
-    const char* name;
-  };
-  constexpr std::array longer{Unit{365.25 * 86400, "years"}, Unit{86400, "d"}, Unit{3600, "h"},
-                              Unit{60, "min"}};
-  for (const Unit& unit : longer) {
-    if (duration_s >= 2 * unit.length_s)
-      return fmt::format("{:.1f} {}", duration_s / unit.length_s, unit.name);
-  }
-  return fmt::format("{:.1f} s", duration_s);
-}
-
 /// The beacon's clock. The bridge maps its stamps, whatever it shows.
 std::string clock_text(const BeaconStatus& status) {
   constexpr double max_offset_s = 60;  // of a clock that is set
@@ -48,9 +34,9 @@ std::string clock_text(const BeaconStatus& status) {
   const double beacon_s = seconds_between(0, status.time_ns) - offset_s;
   if (beacon_s < year_s) {
     return fmt::format("its clock is not set: it counts from its start, {} ago",
-                       duration_text(std::max(0.0, beacon_s)));
+                       text::duration_text(std::max(0.0, beacon_s)));
   }
-  return fmt::format("its clock is {} {}", duration_text(std::abs(offset_s)),
+  return fmt::format("its clock is {} {}", text::duration_text(std::abs(offset_s)),
                      offset_s > 0 ? "behind" : "ahead");
 }
 

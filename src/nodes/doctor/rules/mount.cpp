@@ -115,13 +115,11 @@ bool check_units(const BeaconObservation& beacon, Findings& findings) {
       break;
   }
   if (motion::has_rates_in_degrees(imu)) {
-    findings.push_back(
-        {Severity::error, name_of(beacon),
-         fmt::format(
-             "its gyroscope exceeds {:.3g} rad/s in every twentieth sample, and gravity does not turn "
-             "with it: it seems to be in deg/s",
-             imu.fast_rate_radps),
-         "publish rad/s, or set " + scaled_by("gyroscope", geometry::radians_per_degree)});
+    findings.push_back({Severity::error, name_of(beacon),
+                        fmt::format("its gyroscope exceeds {:.3g} rad/s in every twentieth sample, which is "
+                                    "too fast or contradicts gravity: it seems to be in deg/s",
+                                    imu.fast_rate_radps),
+                        "publish rad/s, or set " + scaled_by("gyroscope", geometry::radians_per_degree)});
   }
   return findings.size() == before;
 }

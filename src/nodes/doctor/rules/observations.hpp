@@ -143,7 +143,7 @@ struct BeaconObservation {
   settings::Settings fusion_settings;   ///< settings of its fusion; the defaults if unknown
   std::uint64_t timed_fixes = 0;        ///< fixes whose delay was measured by the hardware
   std::vector<motion::Piece> pieces;    ///< fits of the installation to IMU and fixes
-  motion::ImuSummary imu_summary;       ///< with the calibration applied
+  motion::ImuSummary imu_summary;       ///< summary with the calibration applied
   std::optional<RestObservation> rest;  ///< empty if it does not rest
 };
 

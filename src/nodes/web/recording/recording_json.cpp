@@ -1,6 +1,7 @@
 #include "web/recording/recording_json.hpp"
 
 #include "bus_log/decoded.hpp"
+#include "bus_log/moment.hpp"
 #include "bus_log/recording_files.hpp"
 #include "bus_log/sensor_log.hpp"
 #include "evaluation/replay/run.hpp"
@@ -45,11 +46,6 @@ std::set<std::uint16_t> shown_channels(const mcap::Reader& reader) {
   return shown;
 }
 
-TimeNs log_time_of(const mcap::Message& message) {
-  return static_cast<TimeNs>(
-      std::min<std::uint64_t>(message.log_time_ns, std::numeric_limits<TimeNs>::max()));
-}
-
 /// Recorded outputs; empty if there are no poses.
 std::optional<std::string> recorded_outputs(const mcap::Reader& reader, std::optional<BeaconAddress> beacon) {
   const auto& times = reader.statistics().log_times;
@@ -67,7 +63,7 @@ std::optional<std::string> recorded_outputs(const mcap::Reader& reader, std::opt
   };
   while (const auto message = messages.next()) {
     const std::string& topic = reader.channels().at(message->channel_id).topic;
-    const TimeNs log_time_ns = log_time_of(*message);
+    const TimeNs log_time_ns = bus_log::time_of(message->log_time_ns);
     document.advance(log_time_ns);
     if (topic == topics::pose.name) {
       add(bus_log::decoded(topics::pose, reader, *message), log_time_ns);

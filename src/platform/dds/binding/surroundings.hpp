@@ -16,7 +16,7 @@ void check_free_descriptors(const std::string& about);
 void check_free_threads(const std::string& about);
 
 /// Throws `Error` if the daemon of the shared memory that the user enables does not run: Cyclone DDS would
-/// wait for a minute, deaf to signals, and abort.
+/// ignore signals for a minute, and then abort.
 void check_shared_memory(const std::string& about, const UserNetwork& user);
 
 /// Says which interfaces there are, and how to get a missing one.

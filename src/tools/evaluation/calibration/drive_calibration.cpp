@@ -29,7 +29,7 @@ void check(const DriveCalibration& result) {
     const calibration::drive::Value& value = result.fit[quantity];
     const bool is_correctable = quantity != Quantity::delay || result.fit.clock_fault.empty();
     if (value.is_known() && is_correctable) return;
-    if (!is_correctable) problem = "no setting";
+    if (!is_correctable) problem = "no setting can correct it";
     missing += fmt::format("; {}: {}", choices_of(quantity)[static_cast<std::size_t>(quantity)],
                            is_correctable ? value.missing : result.fit.clock_fault);
   }

@@ -2,6 +2,7 @@
 #include "evaluation/calibration/toml_text.hpp"
 #include "files/toml/quoted.hpp"
 #include <sonopose/geometry/rotation.hpp>
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -59,7 +60,7 @@ std::string delay_text(const DriveFit& fit) {
                                  "ms if those of the fixes are right",
                                  -milliseconds * delay.value));
   }
-  if (!fit.clock_fault.empty()) text += labelled("", "no setting: " + fit.clock_fault);
+  if (!fit.clock_fault.empty()) text += labelled("", "no setting can correct it: " + fit.clock_fault);
   return text;
 }
 
@@ -67,8 +68,8 @@ std::string delay_text(const DriveFit& fit) {
 std::string silences_text(const DriveCalibration& result) {
   const DriveFit& fit = result.fit;
   if (fit.imu_silences == 0) return {};
-  return labelled("", fmt::format("cut at {} silence{} of the IMU; the pieces of 6 s and more last {:.0f} s",
-                                  fit.imu_silences, fit.imu_silences == 1 ? "" : "s", fit.used_s));
+  return labelled("", fmt::format("cut at {} of the IMU; the pieces of 6 s and more last {:.0f} s",
+                                  text::count_text(fit.imu_silences, "silence"), fit.used_s));
 }
 
 /// Returns half of the interval in a setting's own unit: "+- 0.16 deg, 95 %".

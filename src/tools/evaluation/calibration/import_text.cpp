@@ -48,6 +48,7 @@ std::string clock_text(const std::vector<Event>& events) {
     const auto fit = calibration::drive::calibrate_drive(std::span(&events, 1), settings::Settings{});
     const calibration::drive::Value& delay = fit[calibration::drive::Quantity::delay];
     if (!delay.is_known()) return line("offset not known: " + delay.missing);
+    if (!fit.clock_fault.empty()) return line(fit.clock_fault);
     return line(
         fmt::format("the positions are {:.3f} s older than their times (95 %: {:.3f} to {:.3f}); "
                     "replay with --set delay.correction_s={:.3f}",
@@ -67,8 +68,7 @@ std::string import_text(const recording::Tables& tables) {
   for (const Event& event : tables.log.events) {
     if (const auto* imu = std::get_if<ImuSample>(&event)) {
       imu_ns.push_back(imu->sensor_time_ns);
-      readings.push_back(
-          {imu->sensor_time_ns, imu->angular_velocity_body_radps, imu->specific_force_body_mps2});
+      if (const auto reading = motion::reading_of(*imu)) readings.push_back(*reading);
     } else if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
       fixes_ns.push_back(fix->emission_time_ns);
     }

@@ -4,10 +4,10 @@
 ///
 /// | File             | Columns |
 /// |------------------|---------|
-/// | `trajectory.tum` | `t x y z qx qy qz qw`: s, m; separated by spaces, as evo and others read it; from the
-/// first position | | `pose.csv`       | time, position, attitude, velocity, status (bits of PoseStatus) | |
-/// `covariance.csv` | on request: time, upper triangles of position, rotation and velocity | | `fixes.csv` |
-/// every field of FixReport, the flags also as names |
+/// | `trajectory.tum` | `t x y z qx qy qz qw` from the first position on, in s and m, as evo reads it |
+/// | `pose.csv`       | time, position, attitude, velocity, status (bits of PoseStatus) |
+/// | `covariance.csv` | on request: time, upper triangles of position, rotation and velocity |
+/// | `fixes.csv`      | every field of FixReport, the flags also as names |
 
 #include "evaluation/report/trajectory_file.hpp"
 #include "files/csv_writer.hpp"

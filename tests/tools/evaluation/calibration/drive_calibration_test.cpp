@@ -136,7 +136,7 @@ SCENARIO("the settings are those of the fusion, for all beacons or for one") {
         const auto settings = evaluation::drive_settings(result, std::nullopt);
         REQUIRE(settings.size() == 1);
         CHECK(settings.front().name == "mount_offset_deg");
-        CHECK_THAT(evaluation::drive_text(result), Contains("no setting: the IMU is ahead"));
+        CHECK_THAT(evaluation::drive_text(result), Contains("no setting can correct it: the IMU is ahead"));
       }
     }
     WHEN("the mount is not known") {
@@ -189,9 +189,9 @@ SCENARIO("logs that show nothing of what is wanted are an error that names them"
   ahead_writer.flush();
   request.logs = {folder / "ahead"};
   request.wanted = {Quantity::delay};
-  CHECK_THROWS_WITH(
-      evaluation::calibrate_drive(request),
-      Contains("ahead: no setting; delay: the stamps of the IMU are ") && Contains(" ms ahead of"));
+  CHECK_THROWS_WITH(evaluation::calibrate_drive(request),
+                    Contains("ahead: no setting can correct it; delay: the stamps of the IMU are ") &&
+                        Contains(" ms ahead of"));
   request.logs = {folder / "none"};
   CHECK_THROWS_AS(evaluation::calibrate_drive(request), files::IoError);
 }
