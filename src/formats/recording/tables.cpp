@@ -8,6 +8,7 @@
 #include <functional>
 #include <limits>
 #include <string_view>
+#include <system_error>
 #include <variant>
 
 namespace sonopose::recording {
@@ -75,14 +76,20 @@ std::vector<std::string> unused_columns(const files::ColumnNames& names) {
 
 }  // namespace
 
-Tables read_tables(const TableFiles& files, files::ColumnNames& names, BeaconAddress address) {
+Tables read_tables(const TableFiles& given_files, files::ColumnNames& names, BeaconAddress address) {
   Tables tables;
+  TableFiles files = given_files;
+  std::error_code error;
+  const bool is_one_file = std::filesystem::equivalent(files.imu, files.positions, error);
+  if (is_one_file) files.positions = files.imu;
   std::vector<ImuSample> imu =
       read_imu_csv(files.imu, address, ImuMeaning::unknown, table_of(imu_layout(), names));
-  const bool is_one_file = files.imu == files.positions;
   std::vector<UltrasonicFix> fixes = read_positions(files.positions, names, address, is_one_file, tables);
   if (files.truth) tables.log.truth = read_truth_csv(*files.truth, address, table_of(truth_layout(), names));
   check_names(names);
+  if (imu.empty()) throw files::IoError(files.imu.string() + ": has no row with IMU values");
+  if (fixes.empty()) throw files::IoError(files.positions.string() + ": has no row with a position");
+  if (files.truth && tables.log.truth.empty()) throw files::IoError(files.truth->string() + ": has no row");
   tables.unused_columns = unused_columns(names);
 
   std::vector<std::reference_wrapper<TimeNs>> times;

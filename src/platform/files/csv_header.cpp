@@ -2,6 +2,7 @@
 
 #include "files/column_units.hpp"
 #include "files/error.hpp"
+#include "files/units.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -71,10 +72,16 @@ char separator_of(std::string_view header) {
 
 }  // namespace
 
+namespace {
+constexpr std::size_t max_header_bytes = 200;
+constexpr std::size_t max_candidates = 5;
+}  // namespace
+
 MissingColumn::MissingColumn(const std::string& where, std::string_view column, std::string_view header,
                              const std::vector<std::string>& candidates)
-    : IoError(where + ": the header has no column \"" + std::string(column) + "\": \"" + std::string(header) +
-              "\""),
+    : IoError(where + ": the header has no column \"" + std::string(column) + "\": \"" +
+              std::string(header.substr(0, max_header_bytes)) +
+              (header.size() > max_header_bytes ? "…" : "") + "\""),
       column_(column_of(column).name) {
   const auto axis_of = [](std::string_view name) {
     return std::tolower(static_cast<unsigned char>(name.back()));
@@ -84,13 +91,15 @@ MissingColumn::MissingColumn(const std::string& where, std::string_view column, 
     return !name.empty() && axis_of(name) == axis_of(column_);
   });
   if (candidates_.empty()) candidates_ = candidates;
+  std::erase_if(candidates_, [](const std::string& name) { return parse_number(name).has_value(); });
+  candidates_.resize(std::min(candidates_.size(), max_candidates));
 }
 
 CsvHeader::CsvHeader(const CsvLayout& layout, std::string_view line, const std::string& where) {
   if (line.starts_with('#')) line.remove_prefix(1);
   separator_ = separator_of(line);
   split(line, [this](std::size_t, std::string_view cell) { add_name(cell); });
-  if (layout.given_names != nullptr) rename(*layout.given_names);
+  if (layout.given_names != nullptr) rename(*layout.given_names, where);
   places_.fill(missing);
   factors_.fill(1.0L);
   for (std::size_t place = 0; place < names_.size(); ++place) match(layout, place, where);
@@ -118,13 +127,20 @@ void CsvHeader::add_name(std::string_view cell) {
   is_open_ = bracket != std::string::npos && names_.back().find_first_of("])") == std::string::npos;
 }
 
-/// A file has the same columns for all its readers, so a found name may be of another layout.
-void CsvHeader::rename(ColumnNames& given) {
+/// A file has the same columns for all its readers, so a found name may be of another layout. A column keeps
+/// its unit unless the given name has one.
+void CsvHeader::rename(ColumnNames& given, const std::string& where) {
   for (std::string& name : names_) {
     const auto found = given.own_by_given.find(name);
     if (found == given.own_by_given.end()) continue;
     given.found.insert(name);
-    name = found->second;
+    const auto unit = column_of(name).unit;
+    const auto given_unit = column_of(found->second).unit;
+    if (unit && given_unit && *unit != *given_unit) {
+      throw IoError(where + ": column \"" + name + "\" names the unit \"" + std::string(*unit) +
+                    "\", but it is given as \"" + found->second + "\"");
+    }
+    name = found->second + (unit && !given_unit ? " [" + std::string(*unit) + "]" : "");
   }
 }
 

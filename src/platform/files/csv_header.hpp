@@ -92,7 +92,7 @@ public:
 
 private:
   void add_name(std::string_view cell);
-  void rename(ColumnNames& given);
+  void rename(ColumnNames& given, const std::string& where);
   void match(const CsvLayout& layout, std::size_t place, const std::string& where);
   void require_units(const std::string& where) const;
 

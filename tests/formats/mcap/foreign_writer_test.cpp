@@ -38,7 +38,7 @@ struct StatedChunk {
   std::string compression = "";
 };
 
-/// What a writer may leave out, and what it may add.
+/// Parts that a writer may leave out or add.
 struct Form {
   bool has_schemas = true;
   bool has_statistics = true;

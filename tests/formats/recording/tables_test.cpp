@@ -21,9 +21,9 @@ SCENARIO("tables of other programs become a log") {
                "0,01;0;0;-90;0;0;-1,5;20\n");
     write_text(folder / "positions.csv", "t [s],y [mm],x [mm],z [mm]\n0.005,2000,1500,0\n0.006,,,\n");
     names.own_by_given = {{"Zeit (s)", "timestamp [s]"},
-                          {"Rate X (deg/s)", "w_x [deg/s]"},
-                          {"Rate Y (deg/s)", "w_y [deg/s]"},
-                          {"Rate Z (deg/s)", "w_z [deg/s]"}};
+                          {"Rate X (deg/s)", "w_x"},  // keeps its unit
+                          {"Rate Y (deg/s)", "w_y"},
+                          {"Rate Z (deg/s)", "w_z"}};
     const Tables tables = read_tables({folder / "imu.csv", folder / "positions.csv", {}}, names, 9);
     THEN("the events have SI units and times from 1 s on, in order") {
       REQUIRE(tables.log.events.size() == 3);
@@ -79,6 +79,23 @@ SCENARIO("a column that is missing or given in vain is an error") {
         CHECK(error.column() == "w_x");
         CHECK(error.candidates() == std::vector<std::string>{"rate1_x"});
       }
+    }
+  }
+  GIVEN("a name with another unit than the header's") {
+    write_text(folder / "imu.csv", "timestamp,rate_x [rad/s],w_y,w_z,a_x,a_y,a_z\n1,0,0,0,0,0,9.8\n");
+    names.own_by_given = {{"rate_x [rad/s]", "w_x [deg/s]"}};
+    THEN("both are named") {
+      CHECK_THROWS_WITH(read_tables(files, names, 7),
+                        Contains("rad/s") && Contains("given as \"w_x [deg/s]\""));
+    }
+  }
+  GIVEN("tables without a row") {
+    THEN("each is refused") {
+      write_text(folder / "imu.csv", "timestamp,w_x,w_y,w_z,a_x,a_y,a_z\n");
+      CHECK_THROWS_WITH(read_tables(files, names, 7), Contains("imu.csv: has no row with IMU values"));
+      write_text(folder / "imu.csv", "timestamp,w_x,w_y,w_z,a_x,a_y,a_z\n1,0,0,0,0,0,9.8\n");
+      write_text(folder / "positions.csv", "timestamp,x,y,z\n");
+      CHECK_THROWS_WITH(read_tables(files, names, 7), Contains("positions.csv: has no row with a position"));
     }
   }
   GIVEN("a name that no header has") {

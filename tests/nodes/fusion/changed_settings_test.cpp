@@ -1,4 +1,4 @@
-/// What a configuration file needs, while settings change.
+/// Settings for a configuration file, while they change.
 
 #include "fusion/changed_settings.hpp"
 

@@ -119,6 +119,13 @@ public:
   }
 
 private:
+  /// An accelerometer that turns gravity upside down explains the same turns as a gyroscope with the wrong
+  /// sign.
+  [[nodiscard]] bool has_gravity_upwards() const {
+    const Vector3d& force = beacon_.imu_summary.mean_force_body_mps2;
+    return force.z() > force.head<2>().norm();
+  }
+
   [[nodiscard]] bool report_sign(std::vector<std::size_t> axes) const {
     if (axes.empty()) return false;
     // In the horizontal plane, inverting X equals inverting Y with a mount that is off by 180°.
@@ -129,6 +136,14 @@ private:
       axes = {*std::min_element(axes.begin(), axes.end(), [&](std::size_t a, std::size_t b) {
         return mount_error_rad_with(a) < mount_error_rad_with(b);
       })};
+    }
+    if (axes == std::vector<std::size_t>{2} && has_gravity_upwards()) {
+      findings_.push_back(
+          {Severity::error, name_of(beacon_),
+           "its gyroscope has the wrong sign about the body's axis z, or about all axes: only then "
+           "does the IMU agree with the fixes",
+           "correct the sign in the driver of the IMU; calibration.axes can only rotate"});
+      return true;
     }
     std::string names;
     for (const std::size_t axis : axes) {
@@ -141,8 +156,8 @@ private:
              "its accelerometer has the wrong sign on the body's axis {}: only then does the IMU agree "
              "with the fixes",
              names),
-         "correct the sign in the driver of the IMU, or replace the beacon; calibration.axes can only "
-         "rotate"});
+         "correct the sign in the driver of the IMU (of all axes if it reports gravity instead of specific "
+         "force), or replace the beacon; calibration.axes can only rotate"});
     return true;
   }
 

@@ -25,7 +25,7 @@ public:
   /// each known beacon, ordered by address. Empty if none arrived within `timeout_s`.
   std::vector<EffectiveSettings> effective(BeaconAddress address, double timeout_s);
 
-  /// What a configuration file needs to give the settings of every fusion again, changes that still wait
+  /// Settings that a configuration file needs to give those of every fusion again, changes that still wait
   /// included (EffectiveSettings), in any order. Always has all_beacons; empty if not everything arrived
   /// within `timeout_s`. Throws std::runtime_error if fusions have different settings.
   std::vector<EffectiveSettings> changed(double timeout_s);

@@ -23,6 +23,8 @@ std::string stream_text(std::string_view name, std::vector<TimeNs> times_ns) {
   const double gap_at_s =
       seconds_between(times_ns.front(), times_ns[static_cast<std::size_t>(longest - steps_ns.begin())]);
   const double longest_s = seconds_between(0, *longest);
+  std::erase(steps_ns, 0);  // of repeated rows
+  if (steps_ns.empty()) return fmt::format("{:<12}{} with one stamp\n", name, times_ns.size());
   std::ranges::nth_element(steps_ns, steps_ns.begin() + static_cast<std::ptrdiff_t>(steps_ns.size() / 2));
   return fmt::format("{:<12}{} in {:.1f} s, usually {:.4g} Hz; the longest gap is {:.3g} s, at {:.1f} s\n",
                      name, times_ns.size(), seconds_between(times_ns.front(), times_ns.back()),

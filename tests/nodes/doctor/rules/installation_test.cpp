@@ -101,4 +101,24 @@ TEST_CASE("An inverted axis of the accelerometer is found, and which one") {
   }
 }
 
+TEST_CASE("A gyroscope with the wrong sign is found where gravity shows the accelerometer to be right") {
+  std::uint64_t seed = 1941;
+  for (int drive = 0; drive < 3; ++drive) {
+    for (const bool all_axes : {false, true}) {
+      CAPTURE(seed, all_axes);
+      auto events = events_of("forklift", seed++, 30);
+      for (Event& event : events) {
+        auto* const imu = std::get_if<ImuSample>(&event);
+        if (imu == nullptr) continue;
+        Vector3d& rate = imu->angular_velocity_body_radps;
+        rate = all_axes ? Vector3d(-rate) : Vector3d(rate.x(), rate.y(), -rate.z());
+      }
+      const std::string problems = problems_of(observed(events, {}, {10, 12}));
+      CAPTURE(problems);
+      CHECK_THAT(problems, Contains("its gyroscope has the wrong sign about the body's axis z"));
+      CHECK_THAT(problems, !Contains("accelerometer has the wrong sign"));
+    }
+  }
+}
+
 }  // namespace installation_test
