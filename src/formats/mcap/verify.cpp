@@ -63,7 +63,7 @@ private:
     };
     const auto skip_sized = [&]<class Size>(Size) {
       require(sizeof(Size));
-      const std::uint64_t size = number_at<Size>(content_at + covered);
+      const auto size = number_at<Size>(content_at + covered);
       covered += sizeof(Size);
       skip(size);
     };

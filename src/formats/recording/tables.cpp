@@ -3,6 +3,8 @@
 #include "files/csv_reader.hpp"
 #include "recording/log_columns.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <functional>
@@ -56,7 +58,7 @@ std::vector<UltrasonicFix> read_positions(const std::filesystem::path& file, fil
 void check_names(const files::ColumnNames& names) {
   for (const auto& [given, own] : names.own_by_given) {
     if (names.found.contains(given)) continue;
-    throw files::IoError("no table has a column \"" + given + "\" (given as \"" + own + "\")");
+    throw files::IoError(fmt::format("no table has a column \"{}\" (given as \"{}\")", given, own));
   }
 }
 
@@ -68,7 +70,7 @@ std::vector<std::string> unused_columns(const files::ColumnNames& names) {
       const bool is_unused = std::ranges::all_of(by_reader, [&](const auto& columns) {
         return std::ranges::find(columns, column) != columns.end();
       });
-      if (is_unused) unused.push_back(file + ": " + column);
+      if (is_unused) unused.push_back(fmt::format("{}: {}", file, column));
     }
   }
   return unused;

@@ -137,8 +137,9 @@ void CsvHeader::rename(ColumnNames& given, const std::string& where) {
     const auto unit = column_of(name).unit;
     const auto given_unit = column_of(found->second).unit;
     if (unit && given_unit && *unit != *given_unit) {
-      throw IoError(where + ": column \"" + name + "\" names the unit \"" + std::string(*unit) +
-                    "\", but it is given as \"" + found->second + "\"");
+      std::string text = where + ": column \"";
+      text.append(name).append("\" names the unit \"").append(*unit);
+      throw IoError(text.append("\", but it is given as \"").append(found->second).append("\""));
     }
     name = found->second + (unit && !given_unit ? " [" + std::string(*unit) + "]" : "");
   }

@@ -113,7 +113,8 @@ std::string save(const std::vector<EffectiveSettings>& changed, const std::files
   for (const EffectiveSettings& settings : changed) {
     const std::string prefix =
         settings.address == all_beacons ? "" : fmt::format("beacon.{}.", settings.address);
-    for (const auto& [key, value] : settings.values) config.assign(prefix + key + "=" + value);
+    for (const auto& [key, value] : settings.values)
+      config.assign(fmt::format("{}{}={}", prefix, key, value));
     count += settings.values.size();
   }
   files::write_whole(file,

@@ -127,7 +127,8 @@ std::string interface_advice(Network network, const UserNetwork& user) {
   const std::vector<Interface> usable = usable_interfaces();
   std::string text;
   for (const auto& [name, address] : usable) {
-    text += (text.empty() ? "" : ", ") + name + " (" + address + ")";
+    text += text.empty() ? "" : ", ";
+    text.append(name).append(" (").append(address).append(")");
   }
   text = usable.empty() ? "no interface is up with an IPv4 address" : "up with an IPv4 address: " + text;
   const bool needs_loopback = usable.empty() || (network != Network::lan && user.interfaces.empty());
