@@ -72,7 +72,7 @@ std::optional<std::string> InputCheck::unit_of_time(const char* what, const Stam
     if (stamps[i] == stamps[i - 1]) ++equal;
     if (stamps[i] > stamps[i - 1]) steps_ns.push_back(stamps[i] - stamps[i - 1]);
   }
-  if (equal > 0 && 2 * equal + 1 >= stamps.size()) {
+  if (stamps.size() > min_steps && 2 * equal + 1 >= stamps.size()) {
     return fmt::format("{} of {} {} have the stamp of the one before", equal, stamps.size(), what);
   }
   if (steps_ns.size() < min_steps) return std::nullopt;
