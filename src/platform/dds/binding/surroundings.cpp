@@ -51,7 +51,7 @@ std::size_t start_threads(std::size_t count) {
   threads.reserve(count);
   try {
     while (threads.size() < count) threads.emplace_back([&end] { end.wait(); });
-  } catch (const std::system_error&) {  // NOLINT(bugprone-empty-catch): the result tells
+  } catch (const std::system_error&) {  // NOLINT(bugprone-empty-catch): the number of threads shows it
   }
   end.count_down();
   return threads.size();
