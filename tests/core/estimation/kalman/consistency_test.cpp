@@ -58,8 +58,8 @@ struct Consistency {
   }
 };
 
-template <class Matrix, class Vector>
-double squared_norm(const Matrix& covariance, const Vector& error) {
+/// For all sizes: a decomposition for each would take seconds to compile.
+double squared_norm(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& error) {
   return error.dot(covariance.llt().solve(error));
 }
 
@@ -81,8 +81,7 @@ void add(Consistency& consistency, const FusedPose& pose, const TruthSample& tru
   Eigen::Matrix<double, 6, 1> error;
   error << truth.position_world_m - pose.position_world_m,
       rotation_world_rad(pose.q_body_to_world, truth.q_body_to_world);
-  consistency.attitude.add(squared_norm(pose_covariance.bottomRightCorner<3, 3>().eval(), error.tail<3>()),
-                           3);
+  consistency.attitude.add(squared_norm(pose_covariance.bottomRightCorner<3, 3>(), error.tail<3>()), 3);
   consistency.pose.add(squared_norm(pose_covariance, error), 6);
 }
 
