@@ -38,11 +38,17 @@
 
     // The newest comes first, also if an older one arrives later.
     insert(event) {
+      const same = this.sameOf(event);
+      if (same) {
+        same.others.push(event);
+        this.label(same);
+        return;
+      }
       const label = element("b", { textContent: nameOf(event) });
       const item = element("li", { className: event.level, hidden: !this.isShown(event) }, [
         element("time", { textContent: clockText(event.t) }), label, element("span", { textContent: event.text }),
       ]);
-      const line = { event, item, label };
+      const line = { event, item, label, others: [] };
       const at = this.countAfter(event.t);
       this.list.insertBefore(item, this.lines[at]?.item || null);
       this.lines.splice(at, 0, line);
@@ -51,6 +57,17 @@
       if (this.count(line, 1)) this.labelAll(nameOf(event));
       else this.label(line);
       if (this.arrived.length > mostEvents) this.removeFirst();
+    }
+
+    // The same line of another process of the program within a second: an active fusion and its standby say the same.
+    sameOf(event) {
+      for (let at = this.countAfter(event.t + 1); at < this.lines.length; at += 1) {
+        const line = this.lines[at];
+        if (line.event.t < event.t - 1) return null;
+        const isSame = line.event.text === event.text && nameOf(line.event) === nameOf(event);
+        if (isSame && ![line.event, ...line.others].some((each) => processOf(each) === processOf(event))) return line;
+      }
+      return null;
     }
 
     // The one that arrived first.
@@ -86,10 +103,11 @@
       return wereSeveral !== counts.size > 1;
     }
 
-    // Names the process too, if there are several of the program.
-    label({ event, label }) {
+    // Names the processes too, if there are several of the program.
+    label({ event, label, others }) {
       const name = nameOf(event);
-      const text = name && this.processes.get(name).size > 1 ? `${name} ${processOf(event)}` : name;
+      const isOneOfSeveral = name && (others.length > 0 || this.processes.get(name).size > 1);
+      const text = isOneOfSeveral ? `${name} ${[event, ...others].map(processOf).join(", ")}` : name;
       if (label.textContent !== text) label.textContent = text;
     }
 

@@ -209,12 +209,13 @@
       const end = fixes.count(this.model.shown);
       const begin = Math.max(0, fixes.size - (fixes.pushed - drawn));
       const step = Math.ceil((end - begin) / mostTrackPoints) || 1;
+      const size = this.model.beacons.size > 4 ? 0.5 : 1; // the rejected fixes of many would cover the map
       for (let i = begin; i < end; i += 1) {
         const verdict = fixes.get("verdict", i);
         if (verdict === 0 && i % step !== 0 && i !== end - 1) continue;
         const [left, top] = this.toScreen(fixes.get("x", i), fixes.get("y", i));
         context.fillStyle = verdicts[verdict].colour;
-        const radius = verdict === 0 ? 1.5 : 2.5;
+        const radius = size * (verdict === 0 ? 1.5 : 2.5);
         context.fillRect(left - radius, top - radius, 2 * radius, 2 * radius);
       }
     }

@@ -31,17 +31,6 @@ globalThis.sonopose = {};
     };
   };
 
-  // Angles in degrees without the steps at 180: each within 180 of the one before, or of its reference if there are some.
-  const unwrapped = (angles, references = null) => {
-    let near = null;
-    return angles.map((angle, i) => {
-      if (angle === null) return null;
-      near = references?.[i] ?? near ?? angle;
-      near = angle + 360 * Math.round((near - angle) / 360);
-      return near;
-    });
-  };
-
   // From the world (m, x to the right, y up) to the screen (pixels, y down) and back.
   class View {
     constructor(limits) {
@@ -116,5 +105,5 @@ globalThis.sonopose = {};
     }
   }
 
-  Object.assign(sonopose, { verdicts, truthColour, element, styleOf, ellipseOf, unwrapped, View, LinePath });
+  Object.assign(sonopose, { verdicts, truthColour, element, styleOf, ellipseOf, View, LinePath });
 })();

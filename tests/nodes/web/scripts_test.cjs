@@ -13,7 +13,7 @@ const load = (name) => {
 };
 globalThis.location = { search: "", protocol: "http:", host: "localhost:8080" };
 for (const name of ["shared.js", "model.js", "connection.js"]) load(name);
-const { Model, Columns, Connection, LinePath, View, verdicts, ellipseOf, compareKnown, setStatusTable, words, hasHeading, unwrapped } = sonopose;
+const { Model, Columns, Connection, LinePath, View, verdicts, ellipseOf, compareKnown, setStatusTable, words, hasHeading } = sonopose;
 
 const near = (a, b) => assert.ok(Math.abs(a - b) < 1e-9, `${a} is not ${b}`);
 
@@ -153,13 +153,6 @@ test("the map draws three standard deviations as an ellipse and the heading as a
   map.drawHeading({ yaw: Math.PI / 2, status: 16 }, 50, 60, 10); // unknown
   assert.equal(called("rotate").length, 1);
   assert.equal(called("arc").length, 1);
-});
-
-test("angles have no steps at 180 degrees, and lie beside their reference", () => {
-  assert.deepEqual(unwrapped([170, -179, null, -160, 179, -170, 170, 160]), [170, 181, null, 200, 179, 190, 170, 160]);
-  const turns = Array.from({ length: 40 }, (_, i) => 30 * i);
-  assert.deepEqual(unwrapped(turns.map((angle) => ((angle + 180) % 360) - 180)), turns);
-  assert.deepEqual(unwrapped([-179, null, 5, 5], [181, 200, null, 725]), [181, null, 5, 725]);
 });
 
 test("a live connection that falls silent is opened again", () => {
@@ -396,11 +389,11 @@ test("a label is written again only if its program has one process more or less 
       set: (value) => { text = value; writes += 1; },
     });
   };
-  for (let i = 0; i < 499; i += 1) events.add(line(i, "", "sonopose-fusion", 1));
+  for (let i = 0; i < 499; i += 1) events.add(line(i, `${i}`, "sonopose-fusion", 1));
   assert.ok(writes <= 2 * 499, `${writes} writes for 499 lines`);
-  events.add(line(499, "", "sonopose-fusion", 2));
+  events.add(line(499, "499", "sonopose-fusion", 2));
   assert.deepEqual(new Set(labelsOf()), new Set(["fusion robot:1", "fusion robot:2"]));
-  for (let i = 500; i < 999; i += 1) events.add(line(i, "", "sonopose-fusion", 2));
+  for (let i = 500; i < 999; i += 1) events.add(line(i, `${i}`, "sonopose-fusion", 2));
   assert.deepEqual(new Set(labelsOf()), new Set(["fusion"])); // the other process's lines are gone
   assert.ok(writes <= 3 * 999, `${writes} writes for 999 lines`);
 });
@@ -417,6 +410,18 @@ test("lines that were lost are a line of their own, before the next one of their
     ["error", "warning", "info", "warning", "info", "info"]);
   parts.level.choose("warning");
   assert.deepEqual(textsOf(), ["d", "1 line is missing", "3 lines are missing"]);
+});
+
+test("the same line of a second process, such as a standby, is shown once, with both processes", () => {
+  const { events, textsOf, labelsOf } = makeEvents();
+  events.add(line(10, "beacon 7: heading is known", "sonopose-fusion", 1));
+  events.add(line(10.2, "beacon 7: heading is known", "sonopose-fusion", 2));
+  assert.deepEqual(textsOf(), ["beacon 7: heading is known"]);
+  assert.deepEqual(labelsOf(), ["fusion robot:1, robot:2"]);
+  events.add(line(10.4, "beacon 7: heading is known", "sonopose-fusion", 1)); // it says so again
+  events.add(line(12, "beacon 7: heading is known", "sonopose-fusion", 2));
+  events.add(line(12, "beacon 7: heading is known", "sonopose-bridge", 3));
+  assert.equal(textsOf().length, 4);
 });
 
 test("lines after the time that is shown of a recording are hidden, and only those that change are touched", () => {
