@@ -103,8 +103,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     }
     if (kind < 128) {
       now += 5'000'000;
-      for (const auto& collated : estimator->collate(stream.next(), 0, now, now)) {
-        check_result(estimator->process(collated).result);
+      estimator->collate(stream.next(), 0, now, now);
+      while (const auto outcome = estimator->process_next()) {
+        check_result(outcome->result);
         if (const auto change = estimator->take_settings_change()) check_settings(*change);
       }
       continue;
