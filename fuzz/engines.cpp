@@ -51,10 +51,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   while (stream.has_more() && events < max_events) {
     ++events;
     now += 5'000'000;
-    for (const auto& collated : estimator.collate(stream.next(), 0, now, now)) {
-      check_result(estimator.process(collated).result);
-      estimator.finish_pending_work();
-    }
+    estimator.collate(stream.next(), 0, now, now);
+    while (const auto outcome = estimator.process_next()) check_result(outcome->result);
     if (events % 64 == 0) estimator.reset(0);
   }
   check_counters(estimator.status(), events);
