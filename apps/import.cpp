@@ -80,6 +80,7 @@ recording::Tables read(const Options& options) {
 int import(const Options& options) {
   recording::refuse_recording_in(options.out);
   const recording::Tables tables = read(options);
+  for (const std::string& text : tables.log.warnings) logging::warning(text);
   for (const std::string& text : recording::input_findings(options.out.string(), tables.log.events)) {
     logging::warning(text);
   }

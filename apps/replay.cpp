@@ -104,7 +104,7 @@ int compare(const CLI::App& app, const apps::ReplayOptions& options) {
     fmt::print("{}", report(results.back(), timing, options.json));
   }
   draw(plot);
-  for (const auto& result : results) require_fixes(options, result);
+  for (const auto& result : results) require_result(options, result);
   return 0;
 }
 
@@ -136,7 +136,7 @@ int replay_log(const CLI::App& app, const apps::ReplayOptions& options) {
   if (options.save_state) evaluation::save_state(*options.save_state, result.end);
   draw(plot);
   fmt::print("{}", report(result, timing, options.json));
-  require_fixes(options, result);
+  require_result(options, result);
   return 0;
 }
 

@@ -7,7 +7,9 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <stdexcept>
+#include <string>
 
 namespace sonopose::apps {
 
@@ -82,12 +84,26 @@ config::FusionConfig configuration(const CLI::App& app, const ReplayOptions& opt
   return configuration(app, config);
 }
 
-void require_fixes(const ReplayOptions& options, const evaluation::RunResult& result) {
-  const bool uses_fixes = options.engine != ReplayEngine::strapdown && !options.run.until_s;
-  if (!uses_fixes || result.counters.fixes_used > 0) return;
+void require_result(const ReplayOptions& options, const evaluation::RunResult& result) {
+  if (options.run.until_s) return;
+  const std::string name = bus_log::name_of(options.logs);
+  if (options.engine != ReplayEngine::strapdown && result.counters.fixes_used == 0) {
+    if (result.counters.fixes_rejected == 0) throw std::runtime_error(name + ": has no fix");
+    const std::string reason = result.refusals.reason();
+    throw std::runtime_error(
+        fmt::format("{}: no fix was used, {} rejected{}{}", name,
+                    text::count_text(result.counters.fixes_rejected, "fix was", "fixes were"),
+                    reason.empty() ? "" : ": ", reason));
+  }
+  const evaluation::Score& score = result.fused;
+  if (!result.has_truth || score.poses > 0 || std::isfinite(score.tilt_rmse_deg)) return;
   throw std::runtime_error(
-      fmt::format("{}: no fix was used, {} rejected", bus_log::name_of(options.logs),
-                  text::count_text(result.counters.fixes_rejected, "fix was", "fixes were")));
+      score.poses_without_truth == 0
+          ? fmt::format("{}: no score: no pose comes {} s (--after) after the first event", name,
+                        options.run.after_s)
+          : fmt::format(
+                "{}: no score: none of {} has a true position: are the truth and the IMU of one clock?", name,
+                text::count_text(score.poses_without_truth, "pose")));
 }
 
 evaluation::RunOptions run_options(const ReplayOptions& options, const settings::Settings& settings) {

@@ -36,8 +36,9 @@ void add_replay_options(CLI::App& app, ReplayOptions& options);
 /// Reads the configuration, with --engine instead of fusion.engine. Throws config::ConfigError.
 config::FusionConfig configuration(const CLI::App& app, const ReplayOptions& options);
 
-/// Throws std::runtime_error if the run used no fix, unless it is strapdown integration or ends early.
-void require_fixes(const ReplayOptions& options, const evaluation::RunResult& result);
+/// Throws std::runtime_error with the cause if the run used no fix, unless it is strapdown integration, or if
+/// it has truth and no score. A run that ends early needs neither.
+void require_result(const ReplayOptions& options, const evaluation::RunResult& result);
 
 /// Options of a run with these settings.
 evaluation::RunOptions run_options(const ReplayOptions& options, const settings::Settings& settings);

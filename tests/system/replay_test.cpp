@@ -1,10 +1,7 @@
 /// The program sonopose-replay: output, files and errors.
 
-#include "recording/log_writer.hpp"
-#include "sim/simulator.hpp"
-#include "support/process.hpp"
-#include "support/temporary_folder.hpp"
 #include "system/replay_rows.hpp"
+#include "system/replay_run.hpp"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -16,57 +13,9 @@
 
 namespace replay_test {
 
-using namespace sonopose;
-using namespace sonopose::test;
+using namespace replay_run;
 using Catch::Contains;
 using nlohmann::json;
-
-/// A folder with the recording `log`: 12 s of a scenario.
-class Recording {
-public:
-  explicit Recording(bool with_truth = true) {
-    sim::Simulator simulator(sim::find_scenario("outlier_bursts"), {.duration_s = 12.0});
-    recording::SensorLogWriter writer(log());
-    while (const auto step = simulator.next()) {
-      writer.write(step->event);
-      if (with_truth && step->truth) writer.write(*step->truth);
-    }
-    writer.flush();
-  }
-
-  [[nodiscard]] std::string log() const { return (folder_ / "log").string(); }
-  std::filesystem::path operator/(const char* name) const { return folder_ / name; }
-
-  /// Appends a row to a file.
-  void append(const char* file, const std::string& row) const {
-    const auto path = std::filesystem::path(log()) / file;
-    write_text(path, read_text(path) + row + "\n");
-  }
-
-private:
-  TemporaryFolder folder_;
-};
-
-Result replay(const std::vector<std::string>& arguments, const Environment& environment = {}) {
-  return run(SONOPOSE_TEST_REPLAY, arguments, environment);
-}
-
-json report_of(std::vector<std::string> arguments) {
-  arguments.emplace_back("--json");
-  const Result result = replay(arguments);
-  CAPTURE(result.error);
-  REQUIRE(result.code == 0);
-  return json::parse(result.output);
-}
-
-/// Runs the program with arguments that it must refuse; returns the message.
-std::string refusal(const std::vector<std::string>& arguments, const Environment& environment = {}) {
-  const Result result = replay(arguments, environment);
-  CAPTURE(arguments, result.error);
-  REQUIRE(result.code);
-  CHECK(*result.code > 0);
-  return result.error;
-}
 
 std::size_t lines_of(const std::filesystem::path& file) {
   const std::string text = read_text(file);
@@ -325,70 +274,6 @@ SCENARIO("errors are named, and the exit code is 1") {
   CHECK_THAT(refusal(everything), Contains("no samples"));
   CHECK((results() == before));
   CHECK_FALSE(exists(recording / "out/pose.csv.part"));
-}
-
-SCENARIO("impossible rows are counted and have no other effect") {
-  const Recording recording;
-  recording.append("imu.csv",
-                   "1700000012000000000,nan,0,0,0,0,9.8\n1700000012010000000,0,0,inf,0,0,9.8\n"
-                   "1700000012020000000,0,0,10000,0,0,9.8");
-  recording.append("ultrasonic.csv", "1700000011950000000,1700000012005000000,1e6,nan,0,90");
-  const json report = report_of({recording.log()});
-  CHECK(report["samples_invalid"] == 3);
-  CHECK(report["imu_samples"] == 1200);
-  CHECK(report["fix_flags"]["invalid"] == 1);
-  CHECK(report["position_max_m"].is_number());
-}
-
-SCENARIO("one wrong IMU stamp affects only that sample, and the report counts it") {
-  const Recording recording;
-  const json clean = report_of({recording.log(), "--after", "6"});
-  const auto imu = std::filesystem::path(recording.log()) / "imu.csv";
-  std::string rows = read_text(imu);
-  const auto at = rows.find("\n1700000008000000000,");
-  REQUIRE(at != std::string::npos);
-  rows.replace(at + 1, 13, "1700001008000");  // 1000 s later
-  write_text(imu, rows);
-  const json report = report_of({recording.log(), "--after", "6"});
-  CHECK(report["imu_stamps_back"] == 1);
-  CHECK(report["fixes_used"] == clean["fixes_used"]);
-  CHECK(report["poses_scored"].get<int>() >= clean["poses_scored"].get<int>() - 10);
-  const Result text = replay({recording.log(), "--after", "6"});
-  CHECK_THAT(text.output, Contains("no truth") && Contains("1 IMU stamp went back"));
-  CHECK(report_of({recording.log(), "--until", "10"})["imu_samples"].get<int>() > 980);
-}
-
-SCENARIO("a replay that used no fix says why and fails") {
-  const Recording recording;
-  const auto imu = std::filesystem::path(recording.log()) / "imu.csv";
-  GIVEN("an IMU whose header names a unit of time that its stamps do not have") {
-    std::string rows = read_text(imu);
-    write_text(imu, rows.replace(rows.find("[ns]"), 4, "[ms]"));
-    THEN("the stamps are refused, with the row") {
-      CHECK_THAT(refusal({recording.log()}), Contains("/imu.csv:2: column 1 (timestamp [ms])") &&
-                                                 Contains("is not a time between 1 and 2^62"));
-    }
-  }
-  GIVEN("an IMU of another clock") {
-    std::istringstream rows(read_text(imu));
-    std::string earlier;
-    for (std::string row; std::getline(rows, row);) {
-      if (row.starts_with("17")) row.replace(0, 2, "16");
-      earlier += row + "\n";
-    }
-    write_text(imu, earlier);
-    const std::string error = refusal({recording.log()});
-    THEN("both are said") {
-      CHECK_THAT(error, Contains("most fixes are after the IMU samples, half of them by ") &&
-                            Contains("/log: no fix was used"));
-    }
-  }
-  GIVEN("no IMU sample") {
-    write_text(imu, read_text(imu).substr(0, read_text(imu).find('\n') + 1));
-    THEN("there is nothing to fuse") {
-      CHECK_THAT(refusal({recording.log()}), Contains("there is no IMU sample"));
-    }
-  }
 }
 
 SCENARIO("a replay opens no DDS domain") {

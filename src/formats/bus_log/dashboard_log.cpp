@@ -83,11 +83,11 @@ recording::SensorLog read_dashboard_log(const std::filesystem::path& file,
   if (found == read.beacons.end()) {
     throw files::IoError(fmt::format("{}: has no beacon {}; it has {}", file.string(), *address, known));
   }
-  recording::SensorLog log;
-  log.address = found->first;
-  log.warnings = std::move(read.warnings);
   const Streams& streams = found->second;
-  log.events = recording::merge_by_availability(streams.imu, streams.fixes, streams.headings);
+  recording::SensorLog log =
+      recording::merge_by_availability(file.string(), streams.imu, streams.fixes, streams.headings);
+  log.address = found->first;
+  log.warnings.insert(log.warnings.begin(), read.warnings.begin(), read.warnings.end());
   return log;
 }
 

@@ -234,12 +234,12 @@ recording::SensorLog read_sensor_log(const Paths& paths, std::optional<BeaconAdd
 }
 
 std::vector<ImuSample> read_imu_log(const std::filesystem::path& log, std::optional<BeaconAddress> address) {
-  std::vector<ImuSample> samples;
   if (is_log_folder(log)) {
-    samples = recording::read_imu_log(log, address);
-    log_warnings(recording::input_findings(log.string(), samples));
-    return samples;
+    recording::ImuLog read = recording::read_imu_log(log, address);
+    log_warnings(read.warnings);
+    return std::move(read.imu);
   }
+  std::vector<ImuSample> samples;
   for (const Event& event : read_sensor_log(log, address).events) {
     if (const auto* imu = std::get_if<ImuSample>(&event)) samples.push_back(*imu);
   }

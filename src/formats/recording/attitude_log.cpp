@@ -2,16 +2,18 @@
 
 #include "files/csv_reader.hpp"
 #include "files/missing.hpp"
-#include "recording/input_check.hpp"
 #include "recording/log_columns.hpp"
+
+#include <utility>
 
 namespace sonopose::recording {
 
 AttitudeLog read_attitude_log(const std::filesystem::path& folder, std::optional<BeaconAddress> address) {
+  ImuLog read = read_imu_log(folder, address);
   AttitudeLog log;
-  log.imu = read_imu_log(folder, address);
+  log.imu = std::move(read.imu);
+  log.warnings = std::move(read.warnings);
   if (log.imu.empty()) throw files::IoError((folder / imu_file).string() + ": no sample");
-  log.warnings = input_findings(folder.string(), log.imu);
   if (files::is_present(folder / truth_file)) {
     log.truth = read_truth_csv(folder / truth_file, log.imu.front().address);
   }

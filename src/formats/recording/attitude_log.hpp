@@ -30,7 +30,7 @@ struct AttitudeLog {
   std::vector<ImuSample> imu;
   std::vector<TruthSample> truth;       ///< NaN for unknown values; empty without a file
   std::vector<TimeSpan> movements;      ///< empty without a file
-  std::vector<std::string> warnings{};  ///< what is wrong with the samples (input_check.hpp)
+  std::vector<std::string> warnings{};  ///< those of the IMU samples (ImuLog)
 };
 
 /// Reads a folder. Throws files::IoError that names file, line, column and value, also if imu.csv has no

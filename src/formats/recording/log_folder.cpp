@@ -3,8 +3,11 @@
 #include "files/csv_reader.hpp"
 #include "files/missing.hpp"
 #include "files/units.hpp"
+#include "recording/input_check.hpp"
 #include "recording/log_columns.hpp"
 #include "recording/log_meta.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -77,60 +80,80 @@ bool is_later_by_more(TimeNs later, TimeNs earlier, std::uint64_t by_ns) {
   return later > earlier && static_cast<std::uint64_t>(later) - static_cast<std::uint64_t>(earlier) > by_ns;
 }
 
-/// IMU samples from any source, with a look-ahead.
+/// IMU samples from any source, without those whose stamps are far ahead.
 template <class ImuSamples>
 class LookAhead {
 public:
   explicit LookAhead(ImuSamples samples) : samples_(std::move(samples)) { look_ahead(); }
 
   [[nodiscard]] const ImuSample* current() const { return in_view_.empty() ? nullptr : &in_view_.front(); }
-  /// Time at which the current sample is merged: its stamp, unless that is far ahead of its neighbours.
-  [[nodiscard]] TimeNs merge_time_ns() const { return comes_at_ns_; }
 
   void step() {
-    before_ns_ = comes_at_ns_;
+    before_ns_ = in_view_.front().sensor_time_ns;
+    ++passed_;
     in_view_.pop_front();
     look_ahead();
   }
 
   [[nodiscard]] std::size_t expected_count() const { return in_view_.size() + samples_.expected_count(); }
 
+  /// One sentence about the samples that were left out, if there are any.
+  [[nodiscard]] std::vector<std::string> warnings(const std::string& name) const {
+    if (left_out_ == 0) return {};
+    return {
+        fmt::format("{}: {} of {} IMU samples are left out: stamped ahead of those that follow, the first "
+                    "by {:.0f} s",
+                    name, left_out_, passed_ + left_out_, first_ahead_s_)};
+  }
+
 private:
-  static constexpr std::size_t max_after = 64;
+  static constexpr std::size_t max_after = 128;
   static constexpr std::uint64_t far_ns = 1'000'000'000;
 
   void look_ahead() {
-    for (; in_view_.size() <= max_after && samples_.current() != nullptr; samples_.step()) {
-      in_view_.push_back(*samples_.current());
-    }
-    if (in_view_.empty()) return;
-    const TimeNs stamp_ns = in_view_.front().sensor_time_ns;
-    comes_at_ns_ = stamp_ns;
-    if (in_view_.size() == 1) return;
-    // The first sample is compared with its successor.
-    const TimeNs before_ns = before_ns_.value_or(in_view_[1].sensor_time_ns);
-    if (!is_later_by_more(stamp_ns, before_ns, far_ns)) return;
-    for (std::size_t i = 1; i < in_view_.size(); ++i) {
-      const TimeNs after_ns = in_view_[i].sensor_time_ns;
-      const bool went_back = is_later_by_more(before_ns, after_ns, far_ns);
-      if (!went_back && is_later_by_more(stamp_ns, after_ns, far_ns)) {
-        comes_at_ns_ = std::min(comes_at_ns_, after_ns);
+    for (;; in_view_.pop_front()) {
+      for (; in_view_.size() <= max_after && samples_.current() != nullptr; samples_.step()) {
+        in_view_.push_back(*samples_.current());
       }
+      const auto follows_ns = stamp_ahead_of();
+      if (!follows_ns) return;
+      if (left_out_++ == 0) first_ahead_s_ = seconds_between(*follows_ns, in_view_.front().sensor_time_ns);
     }
+  }
+
+  /// The median stamp of the following samples, if the first in view is far ahead of them and of the sample
+  /// before, and they step back: neither a silence nor a file in reverse order.
+  [[nodiscard]] std::optional<TimeNs> stamp_ahead_of() const {
+    if (in_view_.size() < 2) return std::nullopt;
+    const TimeNs stamp_ns = in_view_.front().sensor_time_ns;
+    if (before_ns_ && !is_later_by_more(stamp_ns, *before_ns_, far_ns)) return std::nullopt;
+    const auto step_back = std::adjacent_find(
+        in_view_.begin(), in_view_.end(), [](const ImuSample& earlier, const ImuSample& later) {
+          return is_later_by_more(earlier.sensor_time_ns, later.sensor_time_ns, far_ns);
+        });
+    if (step_back == in_view_.end()) return std::nullopt;
+    std::vector<TimeNs> after_ns;
+    for (std::size_t i = 1; i < in_view_.size(); ++i) after_ns.push_back(in_view_[i].sensor_time_ns);
+    const auto median = after_ns.begin() + static_cast<std::ptrdiff_t>((after_ns.size() - 1) / 2);
+    std::nth_element(after_ns.begin(), median, after_ns.end());
+    return is_later_by_more(stamp_ns, *median, far_ns) ? std::optional(*median) : std::nullopt;
   }
 
   ImuSamples samples_;
   std::deque<ImuSample> in_view_;
-  std::optional<TimeNs> before_ns_;  ///< merge time of the previous sample
-  TimeNs comes_at_ns_ = 0;
+  std::optional<TimeNs> before_ns_;  ///< stamp of the previous sample
+  std::size_t passed_ = 0;
+  std::size_t left_out_ = 0;
+  double first_ahead_s_ = 0.0;  ///< lead of the first sample that was left out
 };
 
 /// merge_by_availability with IMU samples from any source.
 template <class ImuSamples>
-std::vector<Event> merged(ImuSamples imu_samples, Samples<UltrasonicFix> fixes,
-                          Samples<PairHeading> headings) {
+SensorLog merged(const std::string& name, ImuSamples imu_samples, Samples<UltrasonicFix> fixes,
+                 Samples<PairHeading> headings) {
   LookAhead imu(std::move(imu_samples));
-  std::vector<Event> events;
+  SensorLog log;
+  std::vector<Event>& events = log.events;
   events.reserve(imu.expected_count() + fixes.expected_count() + headings.expected_count());
   const auto append = [&events](auto& samples) {
     auto sample = *samples.current();
@@ -140,7 +163,7 @@ std::vector<Event> merged(ImuSamples imu_samples, Samples<UltrasonicFix> fixes,
   };
   constexpr TimeNs never = std::numeric_limits<TimeNs>::max();
   while (imu.current() != nullptr || fixes.current() != nullptr || headings.current() != nullptr) {
-    const TimeNs imu_ns = imu.current() != nullptr ? imu.merge_time_ns() : never;
+    const TimeNs imu_ns = imu.current() != nullptr ? imu.current()->sensor_time_ns : never;
     const TimeNs fix_ns = fixes.current() != nullptr ? fixes.current()->received_time_ns : never;
     const TimeNs heading_ns = headings.current() != nullptr ? headings.current()->received_time_ns : never;
     if (imu.current() != nullptr && imu_ns <= fix_ns && imu_ns <= heading_ns) {
@@ -151,7 +174,8 @@ std::vector<Event> merged(ImuSamples imu_samples, Samples<UltrasonicFix> fixes,
       append(headings);
     }
   }
-  return events;
+  log.warnings = imu.warnings(name);
+  return log;
 }
 
 /// Throws if the folder is no log but contains logs of several beacons.
@@ -185,31 +209,35 @@ LogMeta meta_of(const std::filesystem::path& folder, std::optional<BeaconAddress
 
 SensorLog read_sensor_log(const std::filesystem::path& folder, std::optional<BeaconAddress> address) {
   const LogMeta meta = meta_of(folder, address);
-  SensorLog log;
-  log.address = *meta.beacon_address;
+  const BeaconAddress own_address = *meta.beacon_address;
   // Most events are IMU samples: merge each as soon as it is read instead of storing it twice.
-  ImuRows imu(folder / imu_file, log.address, meta.imu_meaning);
-  const auto fixes = read_ultrasonic_csv(folder / ultrasonic_file, log.address);
+  ImuRows imu(folder / imu_file, own_address, meta.imu_meaning);
+  const auto fixes = read_ultrasonic_csv(folder / ultrasonic_file, own_address);
   std::vector<PairHeading> headings;
   if (files::is_present(folder / heading_file))
-    headings = read_heading_csv(folder / heading_file, log.address);
-  log.events = merged(std::move(imu), Samples(fixes), Samples(headings));
+    headings = read_heading_csv(folder / heading_file, own_address);
+  SensorLog log = merged(folder.string(), std::move(imu), Samples(fixes), Samples(headings));
+  log.address = own_address;
   if (files::is_present(folder / truth_file)) log.truth = read_truth_csv(folder / truth_file, log.address);
   if (files::is_present(folder / wheel_speed_file))
     log.wheel_speeds = read_wheel_speed_csv(folder / wheel_speed_file);
   return log;
 }
 
-std::vector<ImuSample> read_imu_log(const std::filesystem::path& folder,
-                                    std::optional<BeaconAddress> address) {
+ImuLog read_imu_log(const std::filesystem::path& folder, std::optional<BeaconAddress> address) {
   const LogMeta meta = meta_of(folder, address);
-  return read_imu_csv(folder / imu_file, *meta.beacon_address, meta.imu_meaning);
+  LookAhead imu(ImuRows(folder / imu_file, *meta.beacon_address, meta.imu_meaning));
+  ImuLog log;
+  for (; imu.current() != nullptr; imu.step()) log.imu.push_back(*imu.current());
+  log.warnings = input_findings(folder.string(), log.imu);
+  for (std::string& warning : imu.warnings(folder.string())) log.warnings.push_back(std::move(warning));
+  return log;
 }
 
-std::vector<Event> merge_by_availability(const std::vector<ImuSample>& imu,
-                                         const std::vector<UltrasonicFix>& fixes,
-                                         const std::vector<PairHeading>& headings) {
-  return merged(Samples(imu), Samples(fixes), Samples(headings));
+SensorLog merge_by_availability(const std::string& name, const std::vector<ImuSample>& imu,
+                                const std::vector<UltrasonicFix>& fixes,
+                                const std::vector<PairHeading>& headings) {
+  return merged(name, Samples(imu), Samples(fixes), Samples(headings));
 }
 
 std::vector<ImuSample> read_imu_csv(const std::filesystem::path& file, BeaconAddress address,

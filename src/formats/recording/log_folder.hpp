@@ -48,21 +48,25 @@ struct SensorLog {
 /// that of meta.toml. Throws files::IoError.
 SensorLog read_sensor_log(const std::filesystem::path& folder, std::optional<BeaconAddress> address = {});
 
-/// Reads only the IMU samples of a folder, in file order and without sequence numbers. Throws files::IoError.
-std::vector<ImuSample> read_imu_log(const std::filesystem::path& folder,
-                                    std::optional<BeaconAddress> address = {});
+/// The IMU samples of a recording, in file order and without sequence numbers.
+struct ImuLog {
+  std::vector<ImuSample> imu;
+  std::vector<std::string> warnings;  ///< what is wrong with the samples (input_check.hpp) or left out
+};
+
+/// Reads only the IMU samples of a folder. Throws files::IoError.
+ImuLog read_imu_log(const std::filesystem::path& folder, std::optional<BeaconAddress> address = {});
 
 /// Merges the three streams and numbers the events from 1. An IMU sample comes at its stamp, a fix or heading
 /// at its receipt; at equal times IMU, fix, heading. Each stream keeps its order: a row that is earlier than
 /// its predecessor follows directly after it.
 ///
-/// A wrong IMU stamp far in the future does not delay other events. A stamp counts as wrong if it is more
-/// than 1 s later than two others: the stamp before it, and one of the next 64 that is not itself more than 1
-/// s earlier than the stamp before. The sample is then merged at the earliest such stamp, and keeps its own.
-/// Smaller delays, as over a bad line, are merged by stamp.
-std::vector<Event> merge_by_availability(const std::vector<ImuSample>& imu,
-                                         const std::vector<UltrasonicFix>& fixes,
-                                         const std::vector<PairHeading>& headings);
+/// Leaves out IMU samples with wrong stamps far in the future, which the estimators would follow, and says so
+/// in the warnings, after `name`. A stamp counts as wrong if it is more than 1 s later than the stamp before
+/// it and than most of the next 128, and the stamps then step back by more than 1 s.
+SensorLog merge_by_availability(const std::string& name, const std::vector<ImuSample>& imu,
+                                const std::vector<UltrasonicFix>& fixes,
+                                const std::vector<PairHeading>& headings);
 
 /// Read single files, in file order and without sequence numbers. A layout with given names leaves out rows
 /// without IMU values. Each throws files::IoError.

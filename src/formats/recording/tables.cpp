@@ -11,6 +11,7 @@
 #include <limits>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <variant>
 
 namespace sonopose::recording {
@@ -103,8 +104,10 @@ Tables read_tables(const TableFiles& given_files, files::ColumnNames& names, Bea
   if (earliest_ns < 1) tables.times_moved_ns = first_ns - earliest_ns;
   for (TimeNs& time_ns : times) time_ns += tables.times_moved_ns - reading_offset_ns;
 
+  SensorLog merged = merge_by_availability(files.imu.string(), imu, fixes, {});
   tables.log.address = address;
-  tables.log.events = merge_by_availability(imu, fixes, {});
+  tables.log.events = std::move(merged.events);
+  tables.log.warnings = std::move(merged.warnings);
   return tables;
 }
 

@@ -3,10 +3,10 @@
 /// One beacon in the fusion: its estimator, event order, changes of settings, and state of its inputs.
 
 #include "estimation/digest.hpp"
-#include "fusion/fix_refusals.hpp"
 #include "fusion/settings_timeline.hpp"
 #include "presence/beacon_presence.hpp"
 #include "presence/silence.hpp"
+#include "transitions/fix_refusals.hpp"
 #include "transitions/transition_detector.hpp"
 #include <sonopose/collation/collator.hpp>
 #include <sonopose/collation/lossless_collator.hpp>
@@ -99,7 +99,7 @@ public:
   /// Digest of every pose and of the present state. A replay of the same events gives the same digest.
   [[nodiscard]] std::string state_hash();
 
-  /// A message about refused fixes (FixRefusals), if there is news. Call it once a second.
+  /// A message about refused fixes (transitions::FixRefusals), if there is news. Call it once a second.
   std::optional<std::string> fix_refusals(SteadyTime now) { return refusals_.update(now); }
 
   /// The gap that events wait for; empty if none wait, and unless lossless.
@@ -121,7 +121,7 @@ private:
   presence::Silence imu_silence_;
   std::uint64_t bridge_ = 0;  ///< sender of the latest IMU sample
   std::optional<SteadyTime> bridge_lost_at_;
-  FixRefusals refusals_;
+  transitions::FixRefusals refusals_;
   estimation::Digest poses_;
   transitions::TransitionDetector detector_;
   transitions::TransitionQueue transitions_;

@@ -35,6 +35,11 @@ std::string order_of(const std::vector<Event>& events) {
   return text;
 }
 
+std::vector<Event> merged(const std::vector<ImuSample>& imu, const std::vector<UltrasonicFix>& fixes,
+                          const std::vector<PairHeading>& headings) {
+  return merge_by_availability("log", imu, fixes, headings).events;
+}
+
 bool all_nan(const Vector3d& v) {
   return std::isnan(v.x()) && std::isnan(v.y()) && std::isnan(v.z());
 }
@@ -232,56 +237,81 @@ SCENARIO("truth is read as others write it") {
 SCENARIO("streams are merged by availability, and no file's order is changed") {
   GIVEN("all three at the same time") {
     THEN("IMU comes first, then fix, then heading") {
-      CHECK(order_of(merge_by_availability({imu_at(5), imu_at(5)}, {fix_at(5)}, {heading_at(5)})) ==
-            "I5 I5 F5 H5");
+      CHECK(order_of(merged({imu_at(5), imu_at(5)}, {fix_at(5)}, {heading_at(5)})) == "I5 I5 F5 H5");
     }
   }
   GIVEN("a fix whose clock went back") {
     THEN("it stays behind the fix before it, and before what comes later in its own file") {
-      CHECK(order_of(merge_by_availability({imu_at(1), imu_at(2), imu_at(3), imu_at(4)},
-                                           {fix_at(3), fix_at(1), fix_at(4)}, {})) == "I1 I2 I3 F3 F1 I4 F4");
+      CHECK(order_of(merged({imu_at(1), imu_at(2), imu_at(3), imu_at(4)}, {fix_at(3), fix_at(1), fix_at(4)},
+                            {})) == "I1 I2 I3 F3 F1 I4 F4");
     }
   }
   GIVEN("an IMU that stamps several samples alike, and once goes back") {
     THEN("every sample stays, in order") {
-      CHECK(order_of(merge_by_availability({imu_at(10), imu_at(10), imu_at(9), imu_at(20)}, {fix_at(9)},
-                                           {heading_at(10)})) == "F9 I10 I10 I9 H10 I20");
+      CHECK(order_of(merged({imu_at(10), imu_at(10), imu_at(9), imu_at(20)}, {fix_at(9)},
+                            {heading_at(10)})) == "F9 I10 I10 I9 H10 I20");
     }
   }
   GIVEN("IMU stamps that are far ahead of those around them") {
     const TimeNs far = 1'000'000'000'000;
-    THEN("they delay no fix, and are not changed") {
-      CHECK(order_of(merge_by_availability({imu_at(10), imu_at(far), imu_at(30), imu_at(40)},
-                                           {fix_at(15), fix_at(35)}, {heading_at(45)})) ==
-            "I10 F15 I1000000000000 I30 F35 I40 H45");
-      CHECK(order_of(merge_by_availability({imu_at(far), imu_at(20), imu_at(30)}, {fix_at(15), fix_at(25)},
-                                           {})) == "F15 I1000000000000 I20 F25 I30");
-      CHECK(order_of(merge_by_availability({imu_at(10), imu_at(far), imu_at(2 * far), imu_at(30), imu_at(40)},
-                                           {fix_at(15), fix_at(35)}, {})) ==
-            "I10 F15 I1000000000000 I2000000000000 I30 F35 I40");
+    THEN("they are left out and delay no fix") {
+      CHECK(order_of(merged({imu_at(10), imu_at(far), imu_at(30), imu_at(40)}, {fix_at(15), fix_at(35)},
+                            {heading_at(45)})) == "I10 F15 I30 F35 I40 H45");
+      CHECK(order_of(merged({imu_at(far), imu_at(20), imu_at(30)}, {fix_at(15), fix_at(25)}, {})) ==
+            "F15 I20 F25 I30");
+      CHECK(order_of(merged({imu_at(10), imu_at(far), imu_at(2 * far), imu_at(30), imu_at(40)},
+                            {fix_at(15), fix_at(35)}, {})) == "I10 F15 I30 F35 I40");
+    }
+    THEN("they are counted") {
+      const auto log = merge_by_availability(
+          "log", {imu_at(far), imu_at(20), imu_at(far), imu_at(30), imu_at(40)}, {}, {});
+      CHECK(log.warnings == std::vector<std::string>{
+                                "log: 2 of 5 IMU samples are left out: stamped ahead of those that follow, "
+                                "the first by 1000 s"});
+    }
+  }
+  GIVEN("fifty stamps in a row that are an hour ahead") {
+    std::vector<ImuSample> imu;
+    for (int i = 0; i < 500; ++i) {
+      const bool is_wrong = i >= 200 && i < 250;
+      imu.push_back(imu_at(1 + i * 10'000'000LL + (is_wrong ? 3'600'000'000'000 : 0)));
+    }
+    THEN("they alone are left out") {
+      CHECK(merged(imu, {}, {}).size() == 450);
+    }
+  }
+  GIVEN("an IMU whose clock is set back by an hour, and one whose rows are in reverse order") {
+    std::vector<ImuSample> set_back;
+    for (int i = 0; i < 500; ++i) {
+      set_back.push_back(imu_at(1 + i * 10'000'000LL + (i < 250 ? 3'600'000'000'000 : 0)));
+    }
+    std::vector<ImuSample> reversed;
+    for (int i = 500; i > 0; --i) reversed.push_back(imu_at(i * 40'000'000LL));
+    THEN("no sample is left out") {
+      CHECK(merged(set_back, {}, {}).size() == 500);
+      CHECK(merged(reversed, {}, {}).size() == 500);
     }
   }
   GIVEN("an IMU stamp that is far behind those around it") {
     const TimeNs now = 1'000'000'000'000;
     THEN("no sample before it comes earlier than its time") {
-      CHECK(order_of(merge_by_availability({imu_at(now), imu_at(now + 10), imu_at(5), imu_at(now + 20)},
-                                           {fix_at(now + 5), fix_at(now + 15)}, {})) ==
+      CHECK(order_of(merged({imu_at(now), imu_at(now + 10), imu_at(5), imu_at(now + 20)},
+                            {fix_at(now + 5), fix_at(now + 15)}, {})) ==
             "I1000000000000 F1000000000005 I1000000000010 I5 F1000000000015 I1000000000020");
     }
   }
   GIVEN("an IMU that was silent for seconds, and sends its samples out of order") {
     const TimeNs later = 5'000'000'000;
     THEN("the first sample after the silence is merged at its time") {
-      CHECK(order_of(merge_by_availability({imu_at(10), imu_at(later + 20), imu_at(later + 10)},
-                                           {fix_at(15), fix_at(later + 15)}, {})) ==
+      CHECK(order_of(merged({imu_at(10), imu_at(later + 20), imu_at(later + 10)},
+                            {fix_at(15), fix_at(later + 15)}, {})) ==
             "I10 F15 F5000000015 I5000000020 I5000000010");
     }
   }
   GIVEN("the latest possible time") {
     constexpr TimeNs last = std::numeric_limits<TimeNs>::max();
     THEN("nothing is lost") {
-      CHECK(merge_by_availability({imu_at(last)}, {fix_at(last)}, {heading_at(last), heading_at(last)})
-                .size() == 4);
+      CHECK(merged({imu_at(last)}, {fix_at(last)}, {heading_at(last), heading_at(last)}).size() == 4);
     }
   }
 }

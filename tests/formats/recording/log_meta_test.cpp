@@ -76,8 +76,8 @@ SCENARIO("meta.toml says what the other files of a log do not") {
       CHECK(std::get<ImuSample>(log.events.front()).meaning == ImuMeaning::mean_since_last);
       for (const Event& event : log.events) CHECK(address_of(event) == 65534);
       CHECK(log.truth.front().address == 65534);
-      CHECK(read_imu_log(folder.path()).front() == read_attitude_log(folder.path()).imu.front());
-      CHECK(read_imu_log(folder.path()).front().meaning == ImuMeaning::mean_since_last);
+      CHECK(read_imu_log(folder.path()).imu.front() == read_attitude_log(folder.path()).imu.front());
+      CHECK(read_imu_log(folder.path()).imu.front().meaning == ImuMeaning::mean_since_last);
     }
     THEN("an address from the user replaces the log's") {
       const SensorLog log = read_sensor_log(folder.path(), 9);

@@ -39,6 +39,7 @@ public:
   void add(const FixReport& report) {
     result_.fix_flags.add(report.flags);
     if ((report.flags & fix_used) == 0) result_.rejected_fix_flags.add(report.flags);
+    result_.refusals.on(report);
     if (is_down_weighted(report)) ++result_.fixes_down_weighted;
     if (observer_.on_report) observer_.on_report(report);
   }

@@ -8,6 +8,7 @@
 #include "evaluation/score/prediction_errors.hpp"
 #include "evaluation/score/score.hpp"
 #include "recording/log_folder.hpp"
+#include "transitions/fix_refusals.hpp"
 #include <sonopose/estimation/any_estimator.hpp>
 #include <sonopose/estimation/offline/smoother.hpp>
 #include <sonopose/samples/pose.hpp>
@@ -58,7 +59,8 @@ struct RunResult {
   std::uint64_t imu_stamps_back = 0;  ///< IMU samples with an earlier stamp than their predecessor
   EstimatorCounters counters;
   FixFlagCounts fix_flags;
-  FixFlagCounts rejected_fix_flags;       ///< flags of the unused fixes
+  FixFlagCounts rejected_fix_flags;  ///< flags of the unused fixes
+  transitions::FixRefusals refusals;
   std::uint64_t fixes_down_weighted = 0;  ///< number of used fixes with reduced weight
   bool has_truth = false;
   Score fused;

@@ -121,8 +121,8 @@ TEST_CASE("a fix has no effect before it was received") {
   fixes.resize(late + 1);
   Outputs early;
   Outputs delayed;
-  run_and_record({recording::merge_by_availability(imu, fixes, {}), {}}, {}, early);
-  run_and_record({recording::merge_by_availability(imu, with_late_fix, {}), {}}, {}, delayed);
+  run_and_record(recording::merge_by_availability("log", imu, fixes, {}), {}, early);
+  run_and_record(recording::merge_by_availability("log", imu, with_late_fix, {}), {}, delayed);
   std::size_t first_difference = 0;
   while (first_difference < early.poses.size() &&
          early.poses[first_difference].position_world_m == delayed.poses[first_difference].position_world_m) {

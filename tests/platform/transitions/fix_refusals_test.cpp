@@ -1,6 +1,6 @@
 /// A series of refused fixes is reported once, with the reason.
 
-#include "fusion/fix_refusals.hpp"
+#include "transitions/fix_refusals.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -8,7 +8,7 @@ namespace fix_refusals_test {
 
 using namespace sonopose;
 using Catch::Contains;
-using fusion::FixRefusals;
+using transitions::FixRefusals;
 
 constexpr TimeNs second_ns = 1'000'000'000;
 

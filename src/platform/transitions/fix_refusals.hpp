@@ -11,7 +11,7 @@
 #include <optional>
 #include <string>
 
-namespace sonopose::fusion {
+namespace sonopose::transitions {
 
 /// Refusals of one beacon. A fix is refused if it is too old, from the future, out of order, out of range or
 /// of low quality. Outliers are judged, not refused. Call `update` about once a second.
@@ -26,9 +26,11 @@ public:
   /// cause, and once when one is accepted again.
   std::optional<std::string> update(SteadyTime now);
 
+  /// The most frequent cause of the refusals since the last accepted fix; empty without one.
+  [[nodiscard]] std::string reason() const;
+
 private:
   [[nodiscard]] std::uint64_t count() const;
-  [[nodiscard]] std::string reason() const;
 
   /// Fixes refused for one cause since the last accepted fix.
   struct Refused {
@@ -40,4 +42,4 @@ private:
   bool reported_ = false;
 };
 
-}  // namespace sonopose::fusion
+}  // namespace sonopose::transitions

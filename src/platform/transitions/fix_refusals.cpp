@@ -1,4 +1,4 @@
-#include "fusion/fix_refusals.hpp"
+#include "transitions/fix_refusals.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <utility>
 
-namespace sonopose::fusion {
+namespace sonopose::transitions {
 
 void FixRefusals::on(const FixReport& report) noexcept {
   const auto cause = refusal_of(report);
@@ -38,6 +38,7 @@ std::optional<std::string> FixRefusals::update(SteadyTime now) {
 }
 
 std::string FixRefusals::reason() const {
+  if (count() == 0) return "";
   const auto most = std::max_element(refused_.begin(), refused_.end(),
                                      [](const Refused& a, const Refused& b) { return a.fixes < b.fixes; });
   const std::string share =
@@ -60,4 +61,4 @@ std::string FixRefusals::reason() const {
   return share + "the latest is not newer than the one before, or its position or its times are out of range";
 }
 
-}  // namespace sonopose::fusion
+}  // namespace sonopose::transitions

@@ -1,0 +1,105 @@
+/// The program sonopose-replay with faulty recordings.
+
+#include "system/replay_run.hpp"
+
+#include <sstream>
+
+namespace replay_faults_test {
+
+using namespace replay_run;
+using Catch::Contains;
+using nlohmann::json;
+
+SCENARIO("impossible rows are counted and have no other effect") {
+  const Recording recording;
+  recording.append("imu.csv",
+                   "1700000012000000000,nan,0,0,0,0,9.8\n1700000012010000000,0,0,inf,0,0,9.8\n"
+                   "1700000012020000000,0,0,10000,0,0,9.8");
+  recording.append("ultrasonic.csv", "1700000011950000000,1700000012005000000,1e6,nan,0,90");
+  const json report = report_of({recording.log()});
+  CHECK(report["samples_invalid"] == 3);
+  CHECK(report["imu_samples"] == 1200);
+  CHECK(report["fix_flags"]["invalid"] == 1);
+  CHECK(report["position_max_m"].is_number());
+}
+
+SCENARIO("IMU stamps far ahead cost only their own samples, and are counted") {
+  const Recording recording;
+  const json clean = report_of({recording.log(), "--after", "6"});
+  const auto imu = std::filesystem::path(recording.log()) / "imu.csv";
+  std::string rows = read_text(imu);
+  auto at = rows.find('\n') + 1;  // the first row, a single one, and two in a row
+  for (const char* const stamp : {"", "17000000080", "17000000090", "17000000090"}) {
+    at = rows.find(stamp, at);
+    REQUIRE(at != std::string::npos);
+    rows.replace(at++, 7, "1700003");  // 3000 s later
+  }
+  write_text(imu, rows);
+  const json report = report_of({recording.log(), "--after", "6"});
+  CHECK(report["imu_stamps_back"] == 0);
+  CHECK(report["fixes_used"].get<int>() >= clean["fixes_used"].get<int>() - 2);
+  CHECK(report["poses_scored"].get<int>() >= clean["poses_scored"].get<int>() - 10);
+  const Result text = replay({recording.log(), "--after", "6"});
+  CHECK_THAT(text.error, Contains("/log: 4 of 1200 IMU samples are left out"));
+  CHECK(report_of({recording.log(), "--until", "10"})["imu_samples"].get<int>() > 980);
+}
+
+SCENARIO("a replay that used no fix says why and fails") {
+  const Recording recording;
+  const auto imu = std::filesystem::path(recording.log()) / "imu.csv";
+  GIVEN("an IMU whose header names a unit of time that its stamps do not have") {
+    std::string rows = read_text(imu);
+    write_text(imu, rows.replace(rows.find("[ns]"), 4, "[ms]"));
+    THEN("the stamps are refused, with the row") {
+      CHECK_THAT(refusal({recording.log()}), Contains("/imu.csv:2: column 1 (timestamp [ms])") &&
+                                                 Contains("is not a time between 1 and 2^62"));
+    }
+  }
+  GIVEN("an IMU of another clock") {
+    std::istringstream rows(read_text(imu));
+    std::string earlier;
+    for (std::string row; std::getline(rows, row);) {
+      if (row.starts_with("17")) row.replace(0, 2, "16");
+      earlier += row + "\n";
+    }
+    write_text(imu, earlier);
+    const std::string error = refusal({recording.log()});
+    THEN("both are said") {
+      CHECK_THAT(error, Contains("most fixes are after the IMU samples, half of them by ") &&
+                            Contains("/log: no fix was used, ") && Contains(" newer than the IMU samples"));
+    }
+  }
+  GIVEN("no IMU sample") {
+    write_text(imu, read_text(imu).substr(0, read_text(imu).find('\n') + 1));
+    THEN("there is nothing to fuse") {
+      CHECK_THAT(refusal({recording.log()}), Contains("there is no IMU sample"));
+    }
+  }
+  GIVEN("no fix") {
+    const auto fixes = std::filesystem::path(recording.log()) / "ultrasonic.csv";
+    write_text(fixes, read_text(fixes).substr(0, read_text(fixes).find('\n') + 1));
+    THEN("that is the cause") {
+      CHECK_THAT(refusal({recording.log()}), Contains("/log: has no fix"));
+    }
+  }
+}
+
+SCENARIO("a replay without a score says why and fails") {
+  const Recording recording;
+  GIVEN("a score that begins after the last pose") {
+    THEN("the option is named") {
+      CHECK_THAT(refusal({recording.log(), "--after", "60"}),
+                 Contains("/log: no score: no pose comes 60 s (--after)"));
+    }
+  }
+  GIVEN("a truth of another clock") {
+    const auto truth = std::filesystem::path(recording.log()) / "truth.csv";
+    write_text(truth, "timestamp [ns],p_x,p_y,p_z\n5,0,0,0\n");
+    THEN("no pose has a true position") {
+      CHECK_THAT(refusal({recording.log()}),
+                 Contains("/log: no score: none of ") && Contains(" of one clock?"));
+    }
+  }
+}
+
+}  // namespace replay_faults_test
