@@ -1,6 +1,7 @@
 #include "player/gaps.hpp"
 
 #include "logging/captured_log.hpp"
+#include "mcap/encoder.hpp"
 #include "mcap/memory.hpp"
 #include "mcap/writer.hpp"
 
@@ -96,6 +97,33 @@ TEST_CASE("A clock that was set back during a recording is found") {
   CHECK_FALSE(step_back_of({{100, 102}, {101, 103}}));  // chunks may overlap
   CHECK_THAT(step_back_of({{100, 101}, {102, 3}, {4, 5}}).value_or(""),
              Contains("memory.mcap: the log times go back by 95.0 s"));
+  CHECK_THAT(step_back_of({{100, 3}}).value_or(""), Contains("go back by 97.0 s"));
+}
+
+TEST_CASE("A clock that was set back is found in a file without chunks") {
+  const auto step_back_of_plain = [](std::initializer_list<std::uint64_t> log_times_s) {
+    mcap::Bytes file;
+    mcap::put_bytes(file, std::as_bytes(std::span(mcap::magic)));
+    mcap::put_record(file, mcap::Opcode::header, [&file] {
+      for (int i = 0; i < 2; ++i) mcap::put_text(file, "");  // profile and library
+    });
+    mcap::put_record(file, mcap::Opcode::channel, [&file] {
+      mcap::put(file, std::uint16_t{1});
+      mcap::put(file, std::uint16_t{0});  // no schema
+      for (const char* const text : {"t", "json"}) mcap::put_text(file, text);
+      mcap::put_sized(file, [] {});
+    });
+    for (const std::uint64_t time_s : log_times_s) {
+      mcap::put_record(file, mcap::Opcode::message, [&file, time_s] {
+        mcap::put(file, std::uint16_t{1});
+        mcap::put(file, std::uint32_t{0});
+        for (int i = 0; i < 2; ++i) mcap::put(file, time_s * second);  // log time and publish time
+      });
+    }
+    return step_back_in(sonopose::test::reader_of(file));
+  };
+  CHECK_FALSE(step_back_of_plain({100, 101, 102}));
+  CHECK_THAT(step_back_of_plain({100, 101, 90, 91}).value_or(""), Contains("go back by 11.0 s"));
 }
 
 }  // namespace sonopose::player::test::gaps_test
