@@ -87,11 +87,10 @@ void BeaconSettings::assign_own(const Assignments& assignments) {
   }
 }
 
-std::vector<SettingAssignment> BeaconSettings::own_texts(const settings::Settings& common) const {
+std::vector<SettingAssignment> BeaconSettings::own_texts() const {
   std::vector<SettingAssignment> texts;
   for (const std::string& key : own_) {
-    const settings::SettingValue value = settings::get(settings_, key);
-    if (value != settings::get(common, key)) texts.push_back({key, settings::to_text(value)});
+    texts.push_back({key, settings::to_text(settings::get(settings_, key))});
   }
   return texts;
 }

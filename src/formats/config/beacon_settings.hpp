@@ -70,8 +70,8 @@ public:
   [[nodiscard]] const settings::Settings& settings() const { return settings_; }
   [[nodiscard]] bool has_own() const { return !own_.empty(); }
 
-  /// Its own settings that differ from the common ones, as text.
-  [[nodiscard]] std::vector<SettingAssignment> own_texts(const settings::Settings& common) const;
+  /// Its own settings as text, also those that equal the common ones now.
+  [[nodiscard]] std::vector<SettingAssignment> own_texts() const;
 
 private:
   settings::Settings settings_;

@@ -20,7 +20,7 @@ std::vector<EffectiveSettings> ChangedSettings::update(BeaconAddress address) {
     if (!addresses_.contains(each)) continue;
     const config::BeaconSettings settings = at_end(each);
     if (!settings.has_own()) continue;
-    auto values = settings.own_texts(common.settings());
+    auto values = settings.own_texts();
     if (values != known_[each]) add(each, std::move(values));
   }
   auto values = config::changed_texts_of(common.settings());

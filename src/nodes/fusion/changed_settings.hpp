@@ -12,8 +12,8 @@
 
 namespace sonopose::fusion {
 
-/// Follows what differs from the defaults after all accepted changes, also for beacons that were not
-/// received. Poses do not wait, as in SettingsRequests.
+/// Follows what differs from the defaults and what is a beacon's own after all accepted changes, also for
+/// beacons that were not received. Poses do not wait, as in SettingsRequests.
 class ChangedSettings {
 public:
   ChangedSettings(threads::Guarded<BeaconEstimators>& estimators, const presence::AddressSet& addresses)

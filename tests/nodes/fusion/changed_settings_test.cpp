@@ -6,6 +6,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <string>
+
 namespace changed_settings_test {
 
 using namespace sonopose;
@@ -25,7 +27,7 @@ std::vector<std::pair<BeaconAddress, Values>> pairs_of(const std::vector<Effecti
 
 using Updates = std::vector<std::pair<BeaconAddress, Values>>;
 
-SCENARIO("only differences from the defaults are needed, and of a beacon only its own from those for all") {
+SCENARIO("differences from the defaults are needed, and all values that are a beacon's own") {
   GIVEN("a fusion with all settings at their defaults") {
     Feeder feeder(false, {});
     const presence::AddressSet addresses;
@@ -42,34 +44,24 @@ SCENARIO("only differences from the defaults are needed, and of a beacon only it
     }
     WHEN("a beacon gets the value of all as its own, and then all get another") {
       feeder.requests.answer(request(7, {{quality, "50"}}));
-      CHECK(changed.update(7).empty());
-      feeder.requests.answer(request(all_beacons, {{quality, "60"}}));
-      THEN("its own one is needed from then on, although it is the default") {
-        CHECK(pairs_of(changed.update(all_beacons)) ==
-              Updates{{7, {{quality, "50"}}}, {all_beacons, {{quality, "60"}}}});
-      }
-      THEN("it no longer is once all have that value again") {
-        changed.update(all_beacons);
-        feeder.requests.answer(request(all_beacons, {{quality, "50"}}));
-        CHECK(pairs_of(changed.update(all_beacons)) == Updates{{7, {}}, {all_beacons, {}}});
+      THEN("its own one is needed, although it is the default") {
+        CHECK(pairs_of(changed.update(7)) == Updates{{7, {{quality, "50"}}}, {all_beacons, {}}});
+        feeder.requests.answer(request(all_beacons, {{quality, "60"}}));
+        CHECK(pairs_of(changed.update(all_beacons)) == Updates{{all_beacons, {{quality, "60"}}}});
       }
     }
   }
-  GIVEN("a configuration that gives two beacons every value as their own, of which one differs") {
+  GIVEN("a configuration that gives a beacon a value as its own that is also that for all") {
     config::FusionConfig config;
-    config.assign("admission.min_quality_percent=60");
-    for (const char* const beacon : {"beacon.7.", "beacon.8."}) {
-      for (const auto& [key, value] : config::texts_of(config.for_beacon(all_beacons))) {
-        config.assign(beacon + key + "=" + value);
-      }
+    for (const char* const beacon : {"", "beacon.8."}) {
+      config.assign(std::string(beacon) + "admission.min_quality_percent=60");
     }
-    config.assign("beacon.8.heading.mount_offset_deg=90");
     Feeder feeder(false, config);
-    THEN("only what differs is needed") {
+    THEN("both are needed: that for all may change") {
       const presence::AddressSet addresses;
       ChangedSettings changed(feeder.estimators, addresses);
       CHECK(pairs_of(changed.update(all_beacons)) ==
-            Updates{{8, {{mount, "90"}}}, {all_beacons, {{quality, "60"}}}});
+            Updates{{8, {{quality, "60"}}}, {all_beacons, {{quality, "60"}}}});
     }
     THEN("a fusion that serves only the other beacon leaves that to the one that serves it") {
       const auto addresses = presence::AddressSet::parse("7");

@@ -118,10 +118,10 @@ std::string save(const std::vector<EffectiveSettings>& changed, const std::files
     count += settings.values.size();
   }
   files::write_whole(file,
-                     "# Saved by sonopose-settings: what differs from the defaults. For --config of the "
-                     "fusion.\n" +
+                     "# Saved by sonopose-settings: what differs from the defaults, and each beacon's own. "
+                     "For --config of the fusion.\n" +
                          config.given_toml());
-  return fmt::format("{}: {} from the defaults", file.string(),
+  return fmt::format("{}: {} from the defaults or are a beacon's own", file.string(),
                      text::count_text(count, "setting that differs", "settings that differ"));
 }
 
