@@ -299,7 +299,11 @@ public:
       const auto got = std::span(buffer).first(read.size);
       if (bytes_read_ == 0) begin_.assign(got.begin(), got.end());
       bytes_read_ += read.size;
+      const std::uint64_t lost_before = decoder_.counters().bytes_lost;
       decoder_.feed(got, play);
+      if (foreign_.empty() && decoder_.counters().bytes_lost > lost_before) {
+        foreign_ = marvelmind::foreign_protocol(got);
+      }
     }
     decoder_.finish(play);
     if (!stopped) assembler_.finish(publish);
@@ -319,10 +323,11 @@ private:
     }
     const std::uint64_t other_frames = counters.unknown_frames + counters.malformed_frames;
     if (counters.bytes_lost == 0 && other_frames == 0) return;
-    logging::warning(fmt::format("{}: {} of {} bytes are in no valid frame ({}), {} of no known kind",
-                                 options_.file.string(), counters.bytes_lost, bytes_read_,
-                                 text::count_text(counters.crc_errors, "wrong checksum"),
-                                 text::count_text(other_frames, "frame")));
+    logging::warning(fmt::format(
+        "{}: {} of {} bytes are in no valid frame ({}), {} of no known kind{}", options_.file.string(),
+        counters.bytes_lost, bytes_read_, text::count_text(counters.crc_errors, "wrong checksum"),
+        text::count_text(other_frames, "frame"),
+        foreign_.empty() ? "" : fmt::format("; found {}: set {}", foreign_, protocol_setting)));
   }
 
   /// Throws for a beacon beyond the limit: a recording must not lose samples silently.
@@ -346,6 +351,7 @@ private:
   Assembler assembler_{marvelmind::TimeMapping::fixed};
   std::uint64_t played_ = 0;
   std::vector<std::uint8_t> begin_;  ///< first bytes of the file
+  std::string foreign_;              ///< name of what is between valid frames, if known
   std::uint64_t bytes_read_ = 0;
   std::uint64_t events_ = 0;
 };

@@ -5,6 +5,7 @@
 #include "bridge/simulator_source.hpp"
 #include "clocks/clocks.hpp"
 #include "files/error.hpp"
+#include "logging/captured_log.hpp"
 #include "marvelmind/encoder.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -12,6 +13,8 @@
 
 #include <fstream>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 namespace byte_sources_test {
 
@@ -258,6 +261,24 @@ SCENARIO("a file of bytes that have no sample is an error that names what they a
                         Catch::Contains("1 valid frame, but no sample") && Catch::Contains("raw IMU"));
     }
   }
+}
+
+SCENARIO("a beacon that turns to another protocol is named with it") {
+  const TemporaryFolder folder;
+  BeaconFile file(folder / "bytes.bin");
+  file << imu_at(10'000) << imu_at(10'010);
+  const auto [bytes, name] = GENERATE(table<std::string, std::string>(
+      {{"$GPGLL,4916.45,N,12311.12,W,225444,A*31\r\n", "NMEA sentences ($GPGLL)"},
+       {std::string("\xB5\x62\x05\x01\x02\x00\x06\x01\x0F\x38", 10),
+        "messages of a u-blox receiver (UBX)"}}));
+  for (int i = 0; i < 20; ++i) file.append(std::vector<std::uint8_t>(bytes.begin(), bytes.end()));
+  CollectingSink sink;
+  logging::test::CapturedError error;
+  make_stream_source({file.path(), 0.0})->run(sink, StopSignal());
+  error.restore();
+  CHECK(sink.events.size() == 2);
+  CHECK_THAT(error.read(), Catch::Contains(" bytes are in no valid frame") &&
+                               Catch::Contains("found " + name + ": set the protocol"));
 }
 
 SCENARIO("a stream is a recording, and ends at the stop") {
