@@ -2,6 +2,7 @@
 
 #include "bus_log/copy.hpp"
 #include "bus_log/messages.hpp"
+#include "bus_log/recording_files.hpp"
 #include "bus_log/summary.hpp"
 #include "evaluation/report/exported.hpp"
 #include "logging/log.hpp"
@@ -39,12 +40,12 @@ void warn(const std::vector<std::string>& damages) {
 
 int info(const Options& options) {
   bool is_sound = true;
-  for (const Path& file : options.files) {
+  const std::vector<Path> files = bus_log::recording_files(options.files);
+  for (const Path& file : files) {
     const mcap::Reader reader(file);
     const auto damages = options.verify ? mcap::verify(reader) : std::vector<std::string>{};
     is_sound = is_sound && (!options.verify || bus_log::is_sound(reader, damages));
-    const bool is_first = &file == &options.files.front();
-    fmt::print("{}{}", options.json || is_first ? "" : "\n",
+    fmt::print("{}{}", options.json || &file == &files.front() ? "" : "\n",
                options.json ? bus_log::summary_json(reader, damages) + "\n"
                             : bus_log::summary_text(reader, damages));
   }
@@ -52,7 +53,7 @@ int info(const Options& options) {
 }
 
 int cat(const Options& options) {
-  const mcap::Reader reader(options.files.front());
+  const mcap::Reader reader(bus_log::recording_files(options.files));
   warn(reader.damages());
   bus_log::ChosenMessages messages(reader, options.choice);
   while (const auto chosen = messages.next()) {
@@ -62,10 +63,10 @@ int cat(const Options& options) {
   return 0;
 }
 
-int copy(const Options& options, mcap::Selection::Damaged damaged) {
+int copy(const Options& options, mcap::Selection::Damaged damaged, bool is_one_recording) {
   apps::Progress progress;
   const auto result = bus_log::copy({options.files, options.out, options.choice, options.compression, damaged,
-                                     [&](double share) { progress.at(share, "copying"); }});
+                                     [&](double share) { progress.at(share, "copying"); }, is_one_recording});
   progress.clear();
   warn(result.damages);
   fmt::print("{}: {} of {}{}, {}, {}\n", options.out.string(), result.messages,
@@ -76,7 +77,7 @@ int copy(const Options& options, mcap::Selection::Damaged damaged) {
 }
 
 int export_files(const Options& options) {
-  const auto result = evaluation::export_recording(options.files.front(), options.choice.beacon, options.out);
+  const auto result = evaluation::export_recording(options.files, options.choice.beacon, options.out);
   fmt::print("{}: {}, {}, {}\n", options.out.string(), text::count_text(result.events, "event"),
              text::count_text(result.poses, "pose"), text::count_text(result.reports, "report"));
   return 0;
@@ -97,7 +98,7 @@ void add_choice_options(CLI::App& command, Options& options) {
 CLI::App* add_command(CLI::App& app, Options& options, const char* name, const char* description,
                       int max_files = CLI::detail::expected_max_vector_size) {
   auto* command = app.add_subcommand(name, description);
-  command->add_option("FILE", options.files, "MCAP file")
+  command->add_option("FILE", options.files, max_files == 1 ? "MCAP file" : "MCAP files or a folder of them")
       ->required()
       ->expected(1, max_files)
       ->type_name("FILE");
@@ -123,9 +124,9 @@ int main(int argc, char** argv) {
   auto* const shown = add_command(app, options, "info", "Print what files have: times, topics, metadata");
   shown->add_flag("--json", options.json, "Print one JSON object for each file");
   shown->add_flag("--verify", options.verify, "Read all of a file; the exit code is 1 if it is damaged");
-  auto* const lines = add_command(app, options, "cat", "Print each message as a line of JSON, by time", 1);
+  auto* const lines = add_command(app, options, "cat", "Print each message as a line of JSON, by time");
   add_choice_options(*lines, options);
-  auto* const filter = add_command(app, options, "filter", "Write some of the messages to another file", 1);
+  auto* const filter = add_command(app, options, "filter", "Write some of the messages to another file");
   add_choice_options(*filter, options);
   add_output(*filter, options, true);
   auto* const merge =
@@ -137,13 +138,13 @@ int main(int argc, char** argv) {
   add_output(*recover, options, true);
   auto* const exporting =
       add_command(app, options, "export",
-                  "Write one beacon as CSV log folder with EuRoC's columns, and its poses as TUM", 1);
+                  "Write one beacon as CSV log folder with EuRoC's columns, and its poses as TUM");
   add_beacon(*exporting, options, "The beacon, if the file has several");
   add_output(*exporting, options, false);
   return apps::run(app, argc, argv, [&] {
     if (shown->parsed()) return info(options);
     if (lines->parsed()) return cat(options);
     if (exporting->parsed()) return export_files(options);
-    return copy(options, recover->parsed() ? skip : refuse);
+    return copy(options, recover->parsed() ? skip : refuse, filter->parsed());
   });
 }

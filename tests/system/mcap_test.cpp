@@ -105,11 +105,16 @@ SCENARIO("a recording of the bus is shown, selected and exported") {
       const std::size_t at = info.find("begins    ") + 10;
       const std::string begin = info.substr(at, info.find('\n', at) - at);
       CHECK(filtered({"--start", begin}) == filtered({}));
+      std::string iso = begin.substr(0, begin.find(" UTC")) + "Z";
+      iso[iso.find(' ')] = 'T';
+      CHECK(filtered({"--start", iso}) == filtered({}));
     }
     THEN("others are refused") {
       CHECK_THAT(filtered({"--start", "2026-13-01T00:00"}),
                  Contains("--start") && Contains("nor a UTC time"));
       CHECK_THAT(filtered({"--start", "-1"}), Contains("--start"));
+      CHECK_THAT(filtered({"--start", "5", "--end", "2"}),
+                 Contains("the end, 2 s, is before the start, 5 s"));
     }
   }
   GIVEN("a filter that selects nothing") {
@@ -144,6 +149,20 @@ SCENARIO("the files of a recorder are one recording") {
   THEN("a replay has the same result as that of one file") {
     CHECK(state_hash_of(run(SONOPOSE_TEST_REPLAY, {first, second})) ==
           state_hash_of(run(SONOPOSE_TEST_REPLAY, {whole})));
+  }
+  THEN("a part of them is that of one file") {
+    const auto part_of = [](std::vector<std::string> files) {
+      std::vector<std::string> arguments{"cat", "--topics=/fix", "--start=9", "--end=11"};
+      arguments.insert(arguments.begin() + 1, files.begin(), files.end());
+      const Result result = mcap(arguments);
+      REQUIRE(result.code == 0);
+      return result.output;
+    };
+    CHECK(part_of({first, second}) == part_of({whole}));
+    const std::string part = folder / "part.mcap";
+    REQUIRE(mcap({"filter", first, second, "--start", "9", "--out", part}).code == 0);
+    CHECK(sonopose::mcap::Reader(part).statistics().log_times.start_ns >=
+          sonopose::mcap::Reader(whole).statistics().log_times.start_ns + 9'000'000'000);
   }
   THEN("they are one case, and others are cases of their own") {
     const Result result = run(SONOPOSE_TEST_EVALUATE, {first, second, whole, "--json"});

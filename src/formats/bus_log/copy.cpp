@@ -1,5 +1,6 @@
 #include "bus_log/copy.hpp"
 
+#include "bus_log/recording_files.hpp"
 #include "files/error.hpp"
 #include "mcap/file_sink.hpp"
 #include "mcap/verify.hpp"
@@ -17,13 +18,24 @@ namespace sonopose::bus_log {
 
 namespace {
 
-/// An input file and its next message.
+using Files = std::vector<std::filesystem::path>;
+
+/// The files of each input.
+std::vector<Files> inputs_of(const CopyRequest& request) {
+  const Files files = recording_files(request.inputs);
+  std::vector<Files> inputs;
+  if (request.is_one_recording) {
+    inputs.push_back(files);
+  } else {
+    for (const std::filesystem::path& file : files) inputs.push_back(Files{file});
+  }
+  return inputs;
+}
+
+/// An input and its next message.
 struct Input {
-  Input(const std::filesystem::path& file, const CopyRequest& request)
-      : reader{file},
-        messages{
-            reader, request.choice, request.damaged,
-            request.inputs.size() == 1 ? mcap::Selection::Order::file : mcap::Selection::Order::log_time} {
+  Input(const Files& files, const CopyRequest& request, mcap::Selection::Order order)
+      : reader{files}, messages{reader, request.choice, request.damaged, order} {
     messages.begin_with_latched();
   }
 
@@ -36,8 +48,10 @@ struct Input {
 class Copy {
 public:
   explicit Copy(const CopyRequest& request) : damaged_{request.damaged}, on_progress_{request.on_progress} {
-    for (const auto& file : request.inputs) {
-      Input& input = inputs_.emplace_back(file, request);
+    const std::vector<Files> all = inputs_of(request);
+    const auto order = all.size() == 1 ? mcap::Selection::Order::file : mcap::Selection::Order::log_time;
+    for (const Files& files : all) {
+      Input& input = inputs_.emplace_back(files, request, order);
       const mcap::Contents& contents = input.reader.contents();
       result_.stated += contents.statistics.message_count + contents.lost_messages;
       result_.may_lack_more = result_.may_lack_more || contents.may_lack_more;
@@ -45,7 +59,7 @@ public:
       const std::string& first = inputs_.front().reader.contents().profile;
       if (profile != first) {
         throw files::IoError(fmt::format(R"({}: has profile "{}", but {} has "{}"; a file has one profile)",
-                                         file.string(), profile, request.inputs.front().string(), first));
+                                         input.reader.name(), profile, inputs_.front().reader.name(), first));
       }
     }
   }
@@ -156,7 +170,7 @@ private:
 
 /// Throws if an input is the output's temporary file: `run.mcap.part` cannot be repaired to `run.mcap`.
 void refuse_own_part(const CopyRequest& request) {
-  for (const std::filesystem::path& input : request.inputs) {
+  for (const std::filesystem::path& input : recording_files(request.inputs)) {
     std::error_code error;
     if (!std::filesystem::equivalent(input, recording::part_of(request.output), error)) continue;
     throw files::IoError(input.string() + ": is where " + request.output.string() +

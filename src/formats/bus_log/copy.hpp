@@ -14,13 +14,14 @@
 namespace sonopose::bus_log {
 
 struct CopyRequest {
-  std::vector<std::filesystem::path> inputs;
-  std::filesystem::path output;  ///< must not exist
-  Choice choice{};               ///< choice from each input
+  std::vector<std::filesystem::path> inputs;  ///< MCAP files, and folders of them
+  std::filesystem::path output;               ///< must not exist
+  Choice choice{};                            ///< choice from each input
   mcap::Compression compression = mcap::Compression::lz4;
   mcap::Selection::Damaged damaged = mcap::Selection::Damaged::refuse;
   std::function<void(double share)> on_progress =
-      {};  ///< occasional callback with the completed share of the inputs
+      {};                         ///< occasional callback with the completed share of the inputs
+  bool is_one_recording = false;  ///< the inputs are parts of one recording, which have common times
 };
 
 struct CopyResult {

@@ -22,7 +22,6 @@ namespace {
 
 namespace topics = dds::topics;
 
-constexpr std::string_view prefix = "sonopose/";
 constexpr std::string_view instance_ends = "sonopose/instance_ends";
 
 /// Operations on the messages of one topic.
@@ -101,10 +100,12 @@ std::optional<BeaconAddress> beacon_of_end(const mcap::Message& message) {
 
 /// The topic of the file that the user names, with or without what precedes the name. Throws files::IoError.
 std::string topic_of(const mcap::Reader& reader, const std::string& name) {
-  for (const std::string& topic : {name, std::string(prefix) + name, "/" + name}) {
-    const auto has_name = [&](const auto& entry) { return entry.second.topic == topic; };
-    if (std::ranges::any_of(reader.channels(), has_name)) return topic;
+  const std::string* alike = nullptr;
+  for (const auto& [id, channel] : reader.channels()) {
+    if (channel.topic == name) return name;
+    if (topics::short_name(channel.topic) == topics::short_name(name)) alike = &channel.topic;
   }
+  if (alike != nullptr) return *alike;
   std::vector<std::string_view> known;
   for (const auto& [id, channel] : reader.channels()) known.push_back(channel.topic);
   throw files::IoError(
@@ -125,8 +126,9 @@ mcap::Selection selection_of(const mcap::Reader& reader, const Choice& choice,
   }
   const mcap::TimeSpan& times = reader.statistics().log_times;
   if (times.is_empty()) return selection;
-  if (choice.start) selection.start_ns = log_time_of(times, *choice.start);
-  if (choice.end) selection.end_ns = log_time_of(times, *choice.end);
+  const mcap::TimeSpan part = part_of(times, choice.start, choice.end);
+  selection.start_ns = part.start_ns;
+  selection.end_ns = part.end_ns;
   return selection;
 }
 

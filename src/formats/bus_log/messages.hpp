@@ -24,7 +24,7 @@ std::string json_of(const mcap::Channel& channel, const mcap::Message& message);
 
 /// A selection of messages of a recording.
 struct Choice {
-  std::vector<std::string> topics{};      ///< names with or without "sonopose/"; empty: all
+  std::vector<std::string> topics{};      ///< names as of topics::short_name; empty: all
   std::optional<BeaconAddress> beacon{};  ///< only messages of this beacon
   std::optional<Moment> start{};
   std::optional<Moment> end{};

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <optional>
+#include <string>
 #include <variant>
 
 namespace sonopose::bus_log {
@@ -20,10 +22,12 @@ inline TimeNs time_of(std::uint64_t log_time_ns) {
   return static_cast<TimeNs>(std::min<std::uint64_t>(log_time_ns, std::numeric_limits<TimeNs>::max()));
 }
 
-/// Returns the log time. `times`: those of the recording.
-inline std::uint64_t log_time_of(const mcap::TimeSpan& times, const Moment& moment) {
-  const auto* const after_s = std::get_if<double>(&moment);
-  return after_s != nullptr ? times.after_start(*after_s) : std::get<std::uint64_t>(moment);
-}
+/// Returns "5 s" or "log time 5000 ns".
+std::string text_of(const Moment& moment);
+
+/// The log times of a part of a recording with these `times`; without start or end, its bound is that of the
+/// type. Throws std::invalid_argument if the end is before the start.
+mcap::TimeSpan part_of(const mcap::TimeSpan& times, const std::optional<Moment>& start,
+                       const std::optional<Moment>& end);
 
 }  // namespace sonopose::bus_log

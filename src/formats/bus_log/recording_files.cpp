@@ -5,16 +5,14 @@
 #include "mcap/byte_source.hpp"
 #include "mcap/records.hpp"
 #include "recording/log_columns.hpp"
-
-#include <fmt/format.h>
+#include <sonopose/text/count_text.hpp>
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <iterator>
 #include <span>
-#include <string_view>
 #include <system_error>
-#include <utility>
 
 namespace sonopose::bus_log {
 
@@ -25,37 +23,6 @@ namespace {
 bool is_file(const fs::path& path) {
   std::error_code unknown;  // ignored: reading an inaccessible file gives the reason
   return fs::is_regular_file(path, unknown);
-}
-
-/// Removes the digits at the start. Returns them without leading zeros, after their number.
-std::pair<std::size_t, std::string_view> take_number(std::string_view& text) {
-  std::string_view digits = text.substr(0, text.find_first_not_of("0123456789"));
-  text.remove_prefix(digits.size());
-  digits.remove_prefix(std::min(digits.find_first_not_of('0'), digits.size()));
-  return {digits.size(), digits};
-}
-
-bool begins_with_digit(std::string_view text) {
-  return !text.empty() && text.front() >= '0' && text.front() <= '9';
-}
-
-bool is_before(const fs::path& path, const fs::path& other) {
-  const std::string name = path.filename().string();
-  const std::string other_name = other.filename().string();
-  std::string_view a = name;
-  std::string_view b = other_name;
-  while (!a.empty() && !b.empty()) {
-    if (begins_with_digit(a) && begins_with_digit(b)) {
-      const auto number = take_number(a);
-      const auto other_number = take_number(b);
-      if (number != other_number) return number < other_number;
-    } else {
-      if (a.front() != b.front()) return a.front() < b.front();
-      a.remove_prefix(1);
-      b.remove_prefix(1);
-    }
-  }
-  return std::pair(a.size(), path) < std::pair(b.size(), other);
 }
 
 /// Returns true for a file that begins like MCAP.
@@ -77,7 +44,9 @@ std::vector<fs::path> mcap_files_in(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder, unknown)) {
     if (is_mcap(entry.path())) files.push_back(entry.path());
   }
-  std::ranges::sort(files, is_before);
+  std::ranges::sort(files, [](const fs::path& a, const fs::path& b) {
+    return ::strverscmp(a.filename().c_str(), b.filename().c_str()) < 0;
+  });
   return files;
 }
 
@@ -105,8 +74,7 @@ bool is_log_folder(const fs::path& recording) {
 }
 
 std::string name_of(const std::vector<fs::path>& recording) {
-  if (recording.size() == 1) return recording.front().string();
-  return fmt::format("{} and {} more", recording.front().string(), recording.size() - 1);
+  return text::first_of(recording.front().string(), recording.size());
 }
 
 }  // namespace sonopose::bus_log

@@ -8,7 +8,7 @@
 
 namespace sonopose::bus_log {
 
-/// Returns the MCAP files in a folder, by name: numbers by their value, so that run_9 precedes run_10. Empty
+/// Returns the MCAP files in a folder, by name: run_9 before run_10 (strverscmp). Empty
 /// for a log folder, and for anything else but a folder.
 std::vector<std::filesystem::path> mcap_files_in(const std::filesystem::path& folder);
 

@@ -5,6 +5,7 @@
 #include "mcap/record_file.hpp"
 #include "mcap/scan.hpp"
 #include "mcap/summary.hpp"
+#include <sonopose/text/count_text.hpp>
 
 #include <algorithm>
 #include <utility>
@@ -47,8 +48,7 @@ Reader::Reader(const std::filesystem::path& file) : Reader(std::vector{file}) {}
 
 Reader::Reader(const std::vector<std::filesystem::path>& files) {
   for (const auto& file : files) add(std::make_unique<FileSource>(file));
-  name_ = files.front().string();
-  if (files.size() > 1) name_ += " and " + std::to_string(files.size() - 1) + " more";
+  name_ = text::first_of(files.front().string(), files.size());
 }
 
 Reader::Reader(std::unique_ptr<ByteSource> source) {

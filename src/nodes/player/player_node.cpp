@@ -21,7 +21,6 @@
 #include <set>
 #include <stdexcept>
 #include <utility>
-#include <variant>
 
 namespace sonopose::player {
 namespace {
@@ -72,12 +71,6 @@ Playable playable_of(const mcap::Reader& reader, const PlayerOptions& options) {
   return playable;
 }
 
-std::string text_of(const bus_log::Moment& moment) {
-  const auto* const after_s = std::get_if<double>(&moment);
-  return after_s != nullptr ? fmt::format("{} s", *after_s)
-                            : fmt::format("log time {} ns", std::get<std::uint64_t>(moment));
-}
-
 /// Selects the messages to play by their log time.
 mcap::Selection selection_of(const mcap::Reader& reader, const PlayerOptions& options,
                              const std::set<std::uint16_t>& channel_ids) {
@@ -87,13 +80,14 @@ mcap::Selection selection_of(const mcap::Reader& reader, const PlayerOptions& op
   selection.channel = [channel_ids](const mcap::Channel& channel) {
     return channel_ids.contains(channel.id);
   };
-  if (options.start) selection.start_ns = bus_log::log_time_of(all, *options.start);
-  if (options.end) selection.end_ns = bus_log::log_time_of(all, *options.end);
+  const mcap::TimeSpan part = bus_log::part_of(all, options.start, options.end);
+  selection.start_ns = part.start_ns;
+  selection.end_ns = part.end_ns;
   selection.damaged = mcap::Selection::Damaged::skip;
-  if (selection.start_ns > all.end_ns || selection.end_ns < std::max(selection.start_ns, all.start_ns)) {
-    throw std::invalid_argument(fmt::format("{}: has no messages from {}{} on; its last one is at {:.3f} s",
-                                            reader.name(), text_of(options.start.value_or(0.0)),
-                                            options.end ? " to " + text_of(*options.end) : "",
+  if (part.start_ns > all.end_ns || part.end_ns < all.start_ns) {
+    throw std::invalid_argument(fmt::format("{}: has no messages from {} {}; its last one is at {:.3f} s",
+                                            reader.name(), bus_log::text_of(options.start.value_or(0.0)),
+                                            options.end ? "to " + bus_log::text_of(*options.end) : "on",
                                             static_cast<double>(all.end_ns - all.start_ns) * 1e-9));
   }
   return selection;

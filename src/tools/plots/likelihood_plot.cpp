@@ -2,6 +2,7 @@
 
 #include "plots/gnuplot.hpp"
 #include "plots/plot.hpp"
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -51,8 +52,8 @@ std::string script_of(const evaluation::DriveCalibration& result, const std::fil
   const auto quantities = drawn(result);
   const std::size_t columns = quantities.size() < 4 ? quantities.size() : 4;
   const std::size_t rows = (quantities.size() + columns - 1) / columns;
-  std::string title = "log-likelihood of " + result.logs.front().string();
-  if (result.logs.size() > 1) title += fmt::format(" and {} more", result.logs.size() - 1);
+  const std::string title =
+      "log-likelihood of " + text::first_of(result.logs.front().string(), result.logs.size());
   std::string script = fmt::format(
       "set terminal {} size {},{} font 'sans,11' background rgb 'white' noenhanced\nset output {}\n"
       "set multiplot layout {},{} title {} font 'sans,14' noenhanced\nset grid xtics ytics lt 1 lw 0.7 lc "

@@ -219,6 +219,7 @@ SCENARIO("a part of a recording begins with the state of latched topics") {
     }
     THEN("topics that are not chosen are left out") {
       CHECK(part_of({{"imu"}, {}, std::uint64_t{4'500}}).size() == 5);
+      CHECK(part_of({{"/imu"}, {}, std::uint64_t{4'500}}).size() == 5);
       CHECK(part_of({{"stationary_beacon"}, {}, std::uint64_t{4'500}}).size() == 2);
     }
     THEN("a part behind the end has nothing") {
@@ -243,6 +244,10 @@ SCENARIO("a part of a recording begins with the state of latched topics") {
     }
     THEN("its latest message comes first") {
       CHECK(copy({{file}, folder / "part.mcap", {{}, {}, std::uint64_t{35}}}).messages == 3);
+    }
+    THEN("it is chosen with and without its slash") {
+      CHECK(copy({{file}, folder / "with.mcap", {{"/map"}}}).messages == 1);
+      CHECK(copy({{file}, folder / "without.mcap", {{"map"}}}).messages == 1);
     }
   }
 }
@@ -358,7 +363,7 @@ SCENARIO("a recording is exported") {
   const TemporaryFolder folder;
   const auto events = record_walk(folder / "run.mcap", 12);
   GIVEN("its files") {
-    const auto result = evaluation::export_recording(folder / "run.mcap", {}, folder / "log");
+    const auto result = evaluation::export_recording({folder / "run.mcap"}, {}, folder / "log");
     THEN("the log folder replays to the same state as the recording") {
       CHECK(result.events == events.size());
       const auto log = recording::read_sensor_log(folder / "log");

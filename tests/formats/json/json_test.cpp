@@ -62,8 +62,6 @@ TEST_CASE("every topic of the project can be echoed") {
   for (const char* name : {"imu", "fix", "pose", "report", "line_status", "settings_request"}) {
     CHECK(std::find(names.begin(), names.end(), name) != names.end());
   }
-  CHECK(short_name("sonopose/pose") == "pose");
-  CHECK(short_name("pose") == "pose");
 }
 
 SCENARIO("values of every kind are JSON") {

@@ -14,6 +14,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -55,8 +56,9 @@ struct SerializedTopic {
 /// All topics, in the order of the diagram.
 std::span<const SerializedTopic> serialized_topics();
 
-/// Name without the common prefix: "imu" for "sonopose/imu" and for "imu".
-std::string short_name(const std::string& topic);
+/// Name without a leading slash and the common prefix: "imu" for "imu", "/imu", "sonopose/imu". Names that a
+/// user gives are compared in this form.
+std::string short_name(std::string_view topic);
 
 /// Finds a topic by its full or short name; null if there is none.
 const SerializedTopic* find_topic(const std::string& name);

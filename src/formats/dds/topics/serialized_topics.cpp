@@ -86,8 +86,10 @@ std::span<const SerializedTopic> serialized_topics() {
   return table;
 }
 
-std::string short_name(const std::string& topic) {
-  return topic.starts_with(prefix) ? topic.substr(prefix.size()) : topic;
+std::string short_name(std::string_view topic) {
+  if (topic.starts_with('/')) topic.remove_prefix(1);
+  if (topic.starts_with(prefix)) topic.remove_prefix(prefix.size());
+  return std::string(topic);
 }
 
 const SerializedTopic* find_topic(const std::string& name) {

@@ -6,6 +6,7 @@
 #include "monitor/echo/line_output.hpp"
 #include "process/endpoint_counters.hpp"
 #include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/topics/serialized_topics.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
 #include <algorithm>
@@ -20,8 +21,6 @@ namespace sonopose::monitor::echo {
 namespace {
 
 namespace topics = dds::topics;
-
-constexpr std::string_view prefix = "sonopose/";
 
 /// Accepts the samples of one beacon.
 class OneBeacon final : public topics::AddressFilter {
@@ -116,21 +115,17 @@ bool echo_topic(const topics::Entry<T>& entry, const EchoOptions& options, const
 
 std::vector<std::string> topic_names() {
   std::vector<std::string> names;
-  std::apply([&names](const auto&... entries) { (names.push_back(short_name(entries.name)), ...); },
+  std::apply([&names](const auto&... entries) { (names.push_back(topics::short_name(entries.name)), ...); },
              topics::all);
   return names;
 }
 
-std::string short_name(const std::string& topic) {
-  return topic.starts_with(prefix) ? topic.substr(prefix.size()) : topic;
-}
-
 bool echo(const EchoOptions& options, const process::StopSignal& stop) {
   std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is the end of the output, not a crash
-  const std::string topic = short_name(options.topic);
+  const std::string topic = topics::short_name(options.topic);
   bool good = false;
   const auto try_one = [&](const auto& entry) {
-    if (short_name(entry.name) != topic) return false;
+    if (topics::short_name(entry.name) != topic) return false;
     good = echo_topic(entry, options, stop);
     return true;
   };

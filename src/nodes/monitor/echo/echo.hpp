@@ -26,9 +26,6 @@ struct EchoOptions {
 /// Native topics without their common prefix: "imu" for sonopose/imu.
 std::vector<std::string> topic_names();
 
-/// Returns "imu" for "sonopose/imu" and for "imu".
-std::string short_name(const std::string& topic);
-
 /// Prints to standard output until the stop, the end of count or duration, or the loss of its reader. Returns
 /// false if the duration ended without a sample. Throws dds::Error, dds::qos::FileError, std::system_error,
 /// std::invalid_argument for an unknown topic, and for a beacon of a topic without beacons.

@@ -1,16 +1,17 @@
 #include "evaluation/report/exported.hpp"
 
 #include "bus_log/outputs.hpp"
+#include "bus_log/recording_files.hpp"
 #include "bus_log/sensor_log.hpp"
 #include "evaluation/report/output_folder.hpp"
 #include "recording/log_writer.hpp"
 
 namespace sonopose::evaluation {
 
-ExportResult export_recording(const std::filesystem::path& file, std::optional<BeaconAddress> address,
-                              const std::filesystem::path& folder) {
-  const mcap::Reader reader(file);
-  const recording::SensorLog log = bus_log::read_sensor_log(file, address);
+ExportResult export_recording(const std::vector<std::filesystem::path>& paths,
+                              std::optional<BeaconAddress> address, const std::filesystem::path& folder) {
+  const mcap::Reader reader(bus_log::recording_files(paths));
+  const recording::SensorLog log = bus_log::read_sensor_log(paths, address);
   recording::SensorLogWriter writer(folder);
   for (const Event& event : log.events) writer.write(event);
   for (const TruthSample& truth : log.truth) writer.write(truth);

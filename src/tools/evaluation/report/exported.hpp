@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 namespace sonopose::evaluation {
 
@@ -16,10 +17,10 @@ struct ExportResult {
   std::uint64_t reports = 0;
 };
 
-/// Writes one beacon of an MCAP file to a new folder. It contains a sensor log (imu.csv and truth.csv have
-/// EuRoC's columns), and recorded poses and reports like a replay: trajectory.tum, pose.csv, fixes.csv.
-/// Throws files::IoError.
-ExportResult export_recording(const std::filesystem::path& file, std::optional<BeaconAddress> address,
-                              const std::filesystem::path& folder);
+/// Writes one beacon of a recording, MCAP files or folders of them, to a new folder. It contains a sensor log
+/// (imu.csv and truth.csv have EuRoC's columns), and recorded poses and reports like a replay:
+/// trajectory.tum, pose.csv, fixes.csv. Throws files::IoError.
+ExportResult export_recording(const std::vector<std::filesystem::path>& paths,
+                              std::optional<BeaconAddress> address, const std::filesystem::path& folder);
 
 }  // namespace sonopose::evaluation
