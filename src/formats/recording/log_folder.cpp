@@ -117,7 +117,8 @@ private:
       }
       const auto follows_ns = stamp_ahead_of();
       if (!follows_ns) return;
-      if (left_out_++ == 0) first_ahead_s_ = seconds_between(*follows_ns, in_view_.front().sensor_time_ns);
+      const TimeNs expected_ns = before_ns_.value_or(*follows_ns);
+      if (left_out_++ == 0) first_ahead_s_ = seconds_between(expected_ns, in_view_.front().sensor_time_ns);
     }
   }
 
