@@ -1,10 +1,12 @@
-// Reads a sensor-log folder. The input is its files in sequence, each after a line "== NAME".
+// Reads a sensor-log folder, and its files as tables. The input is these in sequence, each after a line "==
+// NAME".
 
 #include "recording/log_folder.hpp"
 
 #include "recording/attitude_log.hpp"
 #include "recording/log_columns.hpp"
 #include "recording/log_meta.hpp"
+#include "recording/tables.hpp"
 #include "sensor_logs.hpp"
 #include "support.hpp"
 
@@ -84,5 +86,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   check_meta(folder.path());
   accepts<files::IoError>([&] { recording::read_attitude_log(folder.path()); });
   accepts<files::IoError>([&] { recording::read_imu_log(folder.path()); });
+  accepts<files::IoError>([&] {
+    files::ColumnNames columns;
+    const recording::TableFiles tables{.imu = folder.path() / recording::imu_file,
+                                       .positions = folder.path() / recording::ultrasonic_file,
+                                       .truth = {}};
+    check_log(recording::read_tables(tables, columns, 7).log, size);
+  });
   return 0;
 }
