@@ -60,7 +60,7 @@ void write_ros2_transforms(const fs::path& folder) {
   write_tree("transforms", {transform(map_frame, mount, 1), transform(mount, beacon, 1)});
   write_tree("transforms_cycle", {transform(beacon, mount, 1), transform(mount, beacon, 1)});
   write_tree("transforms_no_rotation", {transform(map_frame, mount, 0), transform(map_frame, beacon, 1)});
-  const std::string longest(ros2::StaticTransforms::longest_name, 'x');
+  const std::string longest(ros2::StaticTransforms::max_name_length, 'x');
   write_tree("transforms_long_name", {transform(longest, mount, 1), transform(longest + "x", beacon, 1)});
 }
 
