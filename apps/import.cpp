@@ -19,10 +19,13 @@ namespace {
 
 using namespace sonopose;
 
+constexpr double max_shift_s = 2e9;  // one table may begin at zero
+
 struct Options {
   recording::TableFiles files;
   std::vector<std::string> columns;  ///< NAME=COLUMN
   std::filesystem::path out;
+  double shift_s = 0;
   BeaconAddress beacon = recording::default_log_address;
 };
 
@@ -42,6 +45,9 @@ void add_options(CLI::App& app, Options& options) {
          "be repeated")
       ->type_name("NAME=COLUMN")
       ->allow_extra_args(false);
+  app.add_option("--shift", options.shift_s,
+                 "Added to the times of the positions, if their clock differs [s]")
+      ->check(apps::number_between(-max_shift_s, max_shift_s));
   app.add_option("--out", options.out, "New sensor-log folder; an existing recording is never overwritten")
       ->required()
       ->type_name("DIR");
@@ -62,16 +68,20 @@ files::ColumnNames names_of(const std::vector<std::string>& columns) {
   return names;
 }
 
-/// Reads the tables. An error about a missing column proposes the names to give.
-recording::Tables read(const Options& options) {
-  files::ColumnNames names = names_of(options.columns);
+/// Reads the tables. An error about missing columns proposes the names to give.
+recording::Tables read(const Options& options, files::ColumnNames& names) {
+  recording::TableFiles files = options.files;
+  files.position_shift_ns = to_ns(options.shift_s);
   try {
-    return recording::read_tables(options.files, names, options.beacon);
-  } catch (const files::MissingColumn& error) {
+    return recording::read_tables(files, names, options.beacon);
+  } catch (const files::MissingColumns& error) {
     std::string proposal;
-    for (const std::string& candidate : error.candidates()) {
-      proposal += fmt::format("{}--column \"{}={}\"", proposal.empty() ? "; try " : " or ", error.column(),
-                              candidate);
+    for (const files::MissingColumn& missing : error.columns()) {
+      std::string_view before = proposal.empty() ? "; try --column" : " --column";
+      for (const std::string& candidate : missing.candidates) {
+        proposal += fmt::format("{} \"{}={}\"", before, missing.column, candidate);
+        before = " or";
+      }
     }
     throw files::IoError(error.what() + proposal);
   }
@@ -79,9 +89,10 @@ recording::Tables read(const Options& options) {
 
 int import(const Options& options) {
   recording::refuse_recording_in(options.out);
-  const recording::Tables tables = read(options);
+  files::ColumnNames names = names_of(options.columns);
+  const recording::Tables tables = read(options, names);
   for (const std::string& text : tables.log.warnings) logging::warning(text);
-  for (const std::string& text : recording::input_findings(options.out.string(), tables.log.events)) {
+  for (const std::string& text : recording::input_findings(options.out.string(), tables.log.events, &names)) {
     logging::warning(text);
   }
   const recording::PartFolder folder(options.out);

@@ -13,8 +13,6 @@ namespace sonopose::recording {
 
 namespace {
 
-constexpr const char* how_to_name = "The header of a log folder's file names the unit: ";
-
 template <class Value>
 Value quantile(std::vector<Value> values, double share) {
   const auto nth =
@@ -33,8 +31,9 @@ std::string seconds_text(double seconds) {
 }
 
 template <class Sample>
-std::vector<std::string> findings_of(const std::string& name, const std::vector<Sample>& samples) {
-  InputCheck check;
+std::vector<std::string> findings_of(const std::string& name, const std::vector<Sample>& samples,
+                                     const files::ColumnNames* names = nullptr) {
+  InputCheck check(names);
   for (const Sample& sample : samples) check.add(sample);
   std::vector<std::string> texts = check.findings();
   for (std::string& text : texts) text.insert(0, name + ": ");
@@ -51,6 +50,8 @@ void InputCheck::add(const ImuSample& imu) {
 void InputCheck::add(const UltrasonicFix& fix) {
   fixes_.push_back(fix.emission_time_ns);
   fix_ages_ns_.push_back(fix.received_time_ns - fix.emission_time_ns);
+  positions_world_m_.push_back(fix.position_world_m);
+  if (fix.quality_percent) qualities_percent_.push_back(*fix.quality_percent);
 }
 
 void InputCheck::add(const PairHeading& heading) {
@@ -62,9 +63,25 @@ void InputCheck::add(const Event& event) {
   std::visit([this](const auto& sample) { add(sample); }, event);
 }
 
+/// Sentence about where to name the unit of columns.
+std::string InputCheck::how_to_name(std::string_view unit, Table table,
+                                    std::initializer_list<std::string_view> columns) const {
+  std::string text = names_ != nullptr ? fmt::format("For {}, add", unit)
+                                       : "The header of a log folder's file names the unit:";
+  for (const std::string_view column : columns) {
+    if (names_ != nullptr) {
+      const auto& names = names_->columns_by_reader.at(static_cast<std::size_t>(table));
+      text += fmt::format(" --column \"{} [{}]={}\"", column, unit, names.at(std::string(column)));
+    } else {
+      text += fmt::format("{} {} [{}]", text.ends_with(':') ? "" : ",", column, unit);
+    }
+  }
+  return text;
+}
+
 /// Suspects another unit of stamps at a rate that no sensor has.
-std::optional<std::string> InputCheck::unit_of_time(const char* what, const Stamps& stamps,
-                                                    double min_rate_hz, double max_rate_hz) {
+std::optional<std::string> InputCheck::unit_of_time(const char* what, const Stamps& stamps, Table table,
+                                                    double min_rate_hz, double max_rate_hz) const {
   constexpr std::size_t min_steps = 10;
   std::size_t equal = 0;
   std::vector<TimeNs> steps_ns;
@@ -83,8 +100,8 @@ std::optional<std::string> InputCheck::unit_of_time(const char* what, const Stam
   for (const auto& [unit, factor] : units) {
     const double would_be_hz = found_hz / factor;
     if (would_be_hz < min_rate_hz || would_be_hz > max_rate_hz) continue;
-    return text + fmt::format("; are these in {0}? Then they come at {1:.3g} Hz. {2}timestamp [{0}]", unit,
-                              would_be_hz, how_to_name);
+    return text + fmt::format("; are these in {}? Then they come at {:.3g} Hz. {}", unit, would_be_hz,
+                              how_to_name(unit, table, {"timestamp"}));
   }
   return text + "; check the unit that the header names";
 }
@@ -139,8 +156,8 @@ std::vector<std::string> InputCheck::units_of_readings() const {
   const motion::ImuSummary imu = motion::summary_of(readings_);
   const std::string force =
       fmt::format("the accelerometer reads {:.3g} m/s^2 (median)", imu.median_force_mps2);
-  const auto asks_for = [](const char* unit) {
-    return fmt::format("{0}a_x [{1}], a_y [{1}], a_z [{1}]", how_to_name, unit);
+  const auto asks_for = [this](const char* unit) {
+    return how_to_name(unit, Table::imu, {"a_x", "a_y", "a_z"});
   };
   switch (motion::force_unit_of(imu)) {
     case motion::ForceUnit::mps2:
@@ -161,10 +178,67 @@ std::vector<std::string> InputCheck::units_of_readings() const {
   if (motion::has_rates_in_degrees(imu)) {
     texts.push_back(
         fmt::format("the gyroscope exceeds {:.3g} rad/s in every twentieth sample, which is too fast or "
-                    "contradicts gravity; is it in deg/s? {}w_x [deg s^-1], w_y [deg s^-1], w_z [deg s^-1]",
-                    imu.fast_rate_radps, how_to_name));
+                    "contradicts gravity; is it in deg/s? {}",
+                    imu.fast_rate_radps, how_to_name("deg s^-1", Table::imu, {"w_x", "w_y", "w_z"})));
   }
   return texts;
+}
+
+/// Suspects another unit if the positions accelerate more than the force on the IMU allows: usually this is
+/// gravity's, so the acceleration is at most twice that. A body at rest may show whole numbers instead.
+std::optional<std::string> InputCheck::unit_of_positions() const {
+  constexpr TimeNs min_span_ns = 500'000'000;
+  constexpr TimeNs max_span_ns = 4 * min_span_ns;
+  constexpr std::size_t min_count = 10;
+  constexpr double max_mps2 = 2.0 * standard_gravity_mps2;
+  constexpr double min_far_m = 100.0;
+  constexpr double spoilt_share = 0.75;  // default positions spoil their neighbours too
+  std::vector<double> accelerations_mps2;
+  std::array<std::size_t, 3> last{};  // fixes by at least a span apart, the latest at the end
+  std::size_t count = 1;
+  double farthest_m = 0;
+  bool are_whole = true;
+  for (std::size_t i = 0; i < fixes_.size(); ++i) {
+    const Vector3d& position_m = positions_world_m_[i];
+    farthest_m = std::max(farthest_m, position_m.cwiseAbs().maxCoeff());
+    are_whole = are_whole && position_m == position_m.array().round().matrix();
+    if (fixes_[i] - fixes_[last[2]] < min_span_ns) continue;
+    last = {last[1], last[2], i};
+    const TimeNs before_ns = fixes_[last[1]] - fixes_[last[0]];
+    const TimeNs after_ns = fixes_[last[2]] - fixes_[last[1]];
+    if (++count < last.size() || std::max(before_ns, after_ns) > max_span_ns) continue;
+    const double before_s = seconds_between(0, before_ns);
+    const double after_s = seconds_between(0, after_ns);
+    const Vector3d before_mps = (positions_world_m_[last[1]] - positions_world_m_[last[0]]) / before_s;
+    const Vector3d after_mps = (positions_world_m_[last[2]] - positions_world_m_[last[1]]) / after_s;
+    const double acceleration_mps2 = 2.0 * (after_mps - before_mps).norm() / (before_s + after_s);
+    if (std::isfinite(acceleration_mps2)) accelerations_mps2.push_back(acceleration_mps2);
+  }
+  const auto asks = [this] {
+    return "; are they in mm, or in cm? " + how_to_name("mm", Table::positions, {"x", "y", "z"});
+  };
+  if (accelerations_mps2.size() >= min_count) {
+    const double least_mps2 = quantile(accelerations_mps2, 1.0 - spoilt_share);
+    if (least_mps2 > max_mps2) {
+      return fmt::format(
+          "the positions accelerate by more than {:.3g} m/s^2 for most of the time, which the IMU "
+          "does not measure{}",
+          least_mps2, asks());
+    }
+  }
+  if (fixes_.size() < min_count || !are_whole || farthest_m < min_far_m) return std::nullopt;
+  return fmt::format("all positions are whole numbers, up to {:.0f}{}", farthest_m, asks());
+}
+
+/// Suspects a share instead of a percentage.
+std::optional<std::string> InputCheck::unit_of_quality() const {
+  constexpr std::size_t min_count = 10;
+  if (qualities_percent_.size() < min_count) return std::nullopt;
+  const auto is_fraction = [](double quality) { return quality > 0.0 && quality < 1.0; };
+  const double best = *std::ranges::max_element(qualities_percent_);
+  if (best > 1.0 || std::ranges::none_of(qualities_percent_, is_fraction)) return std::nullopt;
+  return fmt::format("the quality of all fixes is at most {:.3g} %; is it a share from 0 to 1? {}", best,
+                     how_to_name("1", Table::positions, {"quality"}));
 }
 
 std::vector<std::string> InputCheck::findings() const {
@@ -173,9 +247,9 @@ std::vector<std::string> InputCheck::findings() const {
     if (text) texts.push_back(*std::move(text));
   };
   if (imu_.empty()) texts.emplace_back("there is no IMU sample");
-  add_if(unit_of_time("IMU samples", imu_, 2.0, 10'000.0));
-  add_if(unit_of_time("fixes", fixes_, 0.05, 500.0));
-  add_if(unit_of_time("headings", headings_, 0.05, 500.0));
+  add_if(unit_of_time("IMU samples", imu_, Table::imu, 2.0, 10'000.0));
+  add_if(unit_of_time("fixes", fixes_, Table::positions, 0.05, 500.0));
+  add_if(unit_of_time("headings", headings_, Table::positions, 0.05, 500.0));
   add_if(overlap("fixes", fixes_));
   add_if(overlap("headings", headings_));
   add_if(age("fixes", fix_ages_ns_));
@@ -184,11 +258,14 @@ std::vector<std::string> InputCheck::findings() const {
   add_if(order("fixes", fixes_));
   add_if(order("headings", headings_));
   for (std::string& text : units_of_readings()) texts.push_back(std::move(text));
+  add_if(unit_of_positions());
+  add_if(unit_of_quality());
   return texts;
 }
 
-std::vector<std::string> input_findings(const std::string& name, const std::vector<Event>& events) {
-  return findings_of(name, events);
+std::vector<std::string> input_findings(const std::string& name, const std::vector<Event>& events,
+                                        const files::ColumnNames* names) {
+  return findings_of(name, events, names);
 }
 
 std::vector<std::string> input_findings(const std::string& name, const std::vector<ImuSample>& imu) {

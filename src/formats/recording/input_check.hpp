@@ -2,12 +2,15 @@
 /// \file
 /// Checks of recorded input, before anything is made of it: stamps, units and what is missing.
 
+#include "files/csv_header.hpp"
 #include "motion/window.hpp"
 #include <sonopose/samples/samples.hpp>
 
 #include <cstddef>
+#include <initializer_list>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace sonopose::recording {
@@ -15,6 +18,10 @@ namespace sonopose::recording {
 /// Collects what is wrong with the samples of one beacon. Add each stream in its own order.
 class InputCheck {
 public:
+  /// `names`: those of imported tables, of which the IMU's is read first and then that of the positions.
+  /// Findings then propose options of the import.
+  explicit InputCheck(const files::ColumnNames* names = nullptr) : names_(names) {}
+
   void add(const ImuSample& imu);
   void add(const UltrasonicFix& fix);
   void add(const PairHeading& heading);
@@ -26,23 +33,34 @@ public:
 private:
   using Stamps = std::vector<TimeNs>;  ///< stamps of one stream, in its order
 
-  static std::optional<std::string> unit_of_time(const char* what, const Stamps& stamps, double min_rate_hz,
-                                                 double max_rate_hz);
+  /// Reader of a table in files::ColumnNames.
+  enum class Table : std::size_t { imu, positions };
+
+  [[nodiscard]] std::string how_to_name(std::string_view unit, Table table,
+                                        std::initializer_list<std::string_view> columns) const;
+  [[nodiscard]] std::optional<std::string> unit_of_time(const char* what, const Stamps& stamps, Table table,
+                                                        double min_rate_hz, double max_rate_hz) const;
   static std::optional<std::string> order(const char* what, const Stamps& stamps);
   [[nodiscard]] std::optional<std::string> overlap(const char* what, const Stamps& stamps) const;
   static std::optional<std::string> age(const char* what, const std::vector<TimeNs>& ages_ns);
   [[nodiscard]] std::vector<std::string> units_of_readings() const;
+  [[nodiscard]] std::optional<std::string> unit_of_positions() const;
+  [[nodiscard]] std::optional<std::string> unit_of_quality() const;
 
+  const files::ColumnNames* names_;
   Stamps imu_;
   Stamps fixes_;
   Stamps headings_;
+  std::vector<Vector3d> positions_world_m_;
+  std::vector<double> qualities_percent_;
   std::vector<TimeNs> fix_ages_ns_;  ///< durations from emission to reception
   std::vector<TimeNs> heading_ages_ns_;
   std::vector<motion::Reading> readings_;
 };
 
 /// Findings about a recording, each after its name.
-std::vector<std::string> input_findings(const std::string& name, const std::vector<Event>& events);
+std::vector<std::string> input_findings(const std::string& name, const std::vector<Event>& events,
+                                        const files::ColumnNames* names = nullptr);
 std::vector<std::string> input_findings(const std::string& name, const std::vector<ImuSample>& imu);
 
 }  // namespace sonopose::recording

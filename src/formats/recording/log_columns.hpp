@@ -42,15 +42,24 @@ inline constexpr std::array<std::string_view, 2> wheel_speed_columns{"timestamp 
 
 inline constexpr std::array<std::string_view, 2> movement_columns{"start [ns]", "end [ns]"};
 
-/// Names of EuRoC's and TUM's files, and those in general use.
-inline constexpr std::array<files::ColumnSynonym, 29> column_synonyms{{
+/// Names of EuRoC's, TUM's and ROS' files, and those in general use.
+inline constexpr auto column_synonyms = std::to_array<files::ColumnSynonym>({
     {"time", "timestamp"},
     {"t", "timestamp"},
     {"stamp", "timestamp"},
+    {"headerstamp", "timestamp"},
+    {"zeit", "timestamp"},
+    {"east", "px"},
+    {"easting", "px"},
+    {"north", "py"},
+    {"northing", "py"},
+    {"up", "pz"},
     {"*", "p*"},
     {"t*", "p*"},
     {"pos*", "p*"},
     {"position*", "p*"},
+    {"point*", "p*"},
+    {"translation*", "p*"},
     {"gyr*", "w*"},
     {"gyro*", "w*"},
     {"gyroscope*", "w*"},
@@ -58,6 +67,11 @@ inline constexpr std::array<files::ColumnSynonym, 29> column_synonyms{{
     {"omega*", "w*"},
     {"angularvelocity*", "w*"},
     {"angvel*", "w*"},
+    {"rate*", "w*"},
+    {"angularrate*", "w*"},
+    {"rotationrate*", "w*"},
+    {"gyroskop*", "w*"},
+    {"drehrate*", "w*"},
     {"acc*", "a*"},
     {"accel*", "a*"},
     {"accelerometer*", "a*"},
@@ -65,6 +79,7 @@ inline constexpr std::array<files::ColumnSynonym, 29> column_synonyms{{
     {"linearacceleration*", "a*"},
     {"linacc*", "a*"},
     {"specificforce*", "a*"},
+    {"beschleunigung*", "a*"},
     {"mag*", "m*"},
     {"magnetometer*", "m*"},
     {"magneticfield*", "m*"},
@@ -73,7 +88,7 @@ inline constexpr std::array<files::ColumnSynonym, 29> column_synonyms{{
     {"quat*", "q*"},
     {"vel*", "v*"},
     {"velocity*", "v*"},
-}};
+});
 
 /// A file of these columns, of which the first `required` must be there.
 constexpr files::CsvLayout layout_of(std::span<const std::string_view> columns, std::size_t required) {

@@ -25,6 +25,10 @@ constexpr std::size_t position_columns_required = 4;
 constexpr TimeNs reading_offset_ns = 1'000'000'000'000'000'000;
 constexpr TimeNs first_ns = 1'000'000'000;  ///< first time of tables that begin at zero
 
+constexpr files::CsvLayout position_layout() {
+  return layout_of(position_columns, position_columns_required);
+}
+
 files::CsvLayout table_of(files::CsvLayout layout, files::ColumnNames& names) {
   layout.given_names = &names;
   layout.time_offset_ns = reading_offset_ns;
@@ -32,8 +36,11 @@ files::CsvLayout table_of(files::CsvLayout layout, files::ColumnNames& names) {
 }
 
 std::vector<UltrasonicFix> read_positions(const std::filesystem::path& file, files::ColumnNames& names,
-                                          BeaconAddress address, bool leave_repeated_out, Tables& tables) {
-  files::CsvReader rows(file, table_of(layout_of(position_columns, position_columns_required), names));
+                                          BeaconAddress address, TimeNs shift_ns, bool leave_repeated_out,
+                                          Tables& tables) {
+  files::CsvLayout layout = table_of(position_layout(), names);
+  layout.time_offset_ns += shift_ns;
+  files::CsvReader rows(file, layout);
   std::vector<UltrasonicFix> fixes;
   while (rows.next_row()) {
     if (!rows.all_filled(1, 3)) {
@@ -56,12 +63,53 @@ std::vector<UltrasonicFix> read_positions(const std::filesystem::path& file, fil
   return fixes;
 }
 
-void check_names(const files::ColumnNames& names) {
+/// Throws if a name is given for a column that no table can have.
+void check_own_names(const files::ColumnNames& names) {
+  const std::array layouts{imu_layout(), position_layout(), truth_layout()};
+  for (const auto& [given, own] : names.own_by_given) {
+    const auto has_own = [&own = own](const files::CsvLayout& layout) { return has_column(layout, own); };
+    if (std::ranges::any_of(layouts, has_own)) continue;
+    std::string columns;
+    for (const files::CsvLayout& layout : layouts) {
+      for (const std::string_view column : layout.columns) {
+        if (columns.find(column) != std::string::npos) continue;
+        columns.append(columns.empty() ? "" : ", ").append(column);
+      }
+    }
+    throw files::IoError(
+        fmt::format("\"{}\" (given for the column \"{}\") is none of the names {}", own, given, columns));
+  }
+}
+
+/// Throws if no header had a given name.
+void check_given_names(const files::ColumnNames& names) {
   for (const auto& [given, own] : names.own_by_given) {
     if (names.found.contains(given)) continue;
     throw files::IoError(fmt::format("no table has a column \"{}\" (given as \"{}\")", given, own));
   }
 }
+
+/// The missing columns of all files.
+class MissingInAll {
+public:
+  /// Calls `read`, and notes the columns that it misses.
+  template <class Read>
+  void collect(const Read& read) {
+    try {
+      read();
+    } catch (const files::MissingColumns& error) {
+      missing_.emplace(missing_ ? files::MissingColumns(*missing_, error) : error);
+    }
+  }
+
+  /// Throws if columns are missing.
+  void check() const {
+    if (missing_) throw files::MissingColumns(*missing_);
+  }
+
+private:
+  std::optional<files::MissingColumns> missing_;
+};
 
 /// The columns that no reader of their file has.
 std::vector<std::string> unused_columns(const files::ColumnNames& names) {
@@ -80,16 +128,27 @@ std::vector<std::string> unused_columns(const files::ColumnNames& names) {
 }  // namespace
 
 Tables read_tables(const TableFiles& given_files, files::ColumnNames& names, BeaconAddress address) {
+  check_own_names(names);
   Tables tables;
+  tables.position_shift_ns = given_files.position_shift_ns;
   TableFiles files = given_files;
   std::error_code error;
   const bool is_one_file = std::filesystem::equivalent(files.imu, files.positions, error);
   if (is_one_file) files.positions = files.imu;
-  std::vector<ImuSample> imu =
-      read_imu_csv(files.imu, address, ImuMeaning::unknown, table_of(imu_layout(), names));
-  std::vector<UltrasonicFix> fixes = read_positions(files.positions, names, address, is_one_file, tables);
-  if (files.truth) tables.log.truth = read_truth_csv(*files.truth, address, table_of(truth_layout(), names));
-  check_names(names);
+  std::vector<ImuSample> imu;
+  std::vector<UltrasonicFix> fixes;
+  MissingInAll missing;
+  missing.collect(
+      [&] { imu = read_imu_csv(files.imu, address, ImuMeaning::unknown, table_of(imu_layout(), names)); });
+  missing.collect([&] {
+    fixes = read_positions(files.positions, names, address, files.position_shift_ns, is_one_file, tables);
+  });
+  missing.collect([&] {
+    if (files.truth)
+      tables.log.truth = read_truth_csv(*files.truth, address, table_of(truth_layout(), names));
+  });
+  missing.check();
+  check_given_names(names);
   if (imu.empty()) throw files::IoError(files.imu.string() + ": has no row with IMU values");
   if (fixes.empty()) throw files::IoError(files.positions.string() + ": has no row with a position");
   if (files.truth && tables.log.truth.empty()) throw files::IoError(files.truth->string() + ": has no row");

@@ -17,6 +17,7 @@ struct TableFiles {
   std::filesystem::path imu;
   std::filesystem::path positions;             ///< fixes
   std::optional<std::filesystem::path> truth;  ///< positions, or poses
+  TimeNs position_shift_ns = 0;                ///< added to the times of the positions
 };
 
 struct Tables {
@@ -24,6 +25,7 @@ struct Tables {
   std::size_t rows_without_position = 0;         ///< rows of the positions' table without x, y and z
   std::size_t repeated_positions = 0;            ///< rows that repeat the position of the row before
   TimeNs times_moved_ns = 0;                     ///< added to all times, because they began at zero
+  TimeNs position_shift_ns = 0;                  ///< added to those of the positions before, as requested
   std::vector<std::string> unused_columns = {};  ///< `FILE: NAME`
 };
 

@@ -28,8 +28,8 @@ constexpr std::array units{
     Unit{Quantity::time, 1e9L, "s"},
     Unit{Quantity::angle, 1, "deg", "° degree degrees"},
     Unit{Quantity::angle, 1 / degree, "rad", "radian radians"},
-    Unit{Quantity::rate, 1, "rad s^-1", "rad/s radps radians/s"},
-    Unit{Quantity::rate, degree, "deg s^-1", "deg/s °/s °s-1 dps degps degrees/s"},
+    Unit{Quantity::rate, 1, "rad s^-1", "rad/s radps radians/s rad"},
+    Unit{Quantity::rate, degree, "deg s^-1", "deg/s °/s °s-1 dps degps degrees/s deg"},
     Unit{Quantity::rate, 1e-3L, "mrad s^-1", "mrad/s"},
     Unit{Quantity::rate, 1e-3L * degree, "mdeg s^-1", "mdeg/s mdps"},
     Unit{Quantity::length, 1, "m", "meter meters metre metres"},
@@ -54,13 +54,15 @@ constexpr std::array units{
     Unit{Quantity::none, 1, "", "1 -"},
 };
 
-/// A unit without spaces and signs of multiplication and power, with `s` for a second: `rads-1`, `m/s2`.
+/// A unit without spaces and signs of multiplication and power, with `s` for a second: `rads-1`, `m/s2`. At
+/// the end of a name it is written `m_s2`.
 std::string simplified(std::string_view unit) {
   std::string text;
   for (const char c : unit) {
     if (std::string_view(" ^*.()").find(c) == std::string_view::npos) text += c;
   }
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 8> words{{{"seconds", "s"},
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 9> words{{{"_", "/"},
+                                                                                {"seconds", "s"},
                                                                                 {"second", "s"},
                                                                                 {"sec", "s"},
                                                                                 {"·", ""},

@@ -18,23 +18,60 @@ namespace {
 struct Column {
   std::string_view name;
   std::optional<std::string_view> unit{};
+  std::string_view axis{};  ///< of an element of an array
 };
 
-/// Splits `x [mm]`, `x (mm)` or `x_mm`.
+/// Splits `x [mm]`, `x (mm)`, `x_mm`, `x mm` or `a_x_m_s2`.
 Column column_of(std::string_view cell) {
   const std::size_t open = cell.find_first_of("[(");
   if (open != std::string_view::npos && (cell.back() == ']' || cell.back() == ')')) {
     return {trimmed(cell.substr(0, open)), trimmed(cell.substr(open + 1, cell.size() - open - 2))};
   }
-  const std::size_t last = cell.rfind('_');
-  const std::string_view end = last == std::string_view::npos ? "" : cell.substr(last + 1);
-  if (last > 0 && !end.empty() && end != "1" && end != "-" && is_unit(end))
-    return {cell.substr(0, last), end};
+  const std::size_t last = cell.find_last_of("_ ");
+  if (last == std::string_view::npos || last == 0) return {cell};
+  for (const std::size_t separator : {cell.find_last_of("_ ", last - 1), last}) {
+    if (separator == std::string_view::npos || separator == 0) continue;
+    const std::string_view end = cell.substr(separator + 1);
+    if (!end.empty() && end != "1" && end != "-" && is_unit(end)) return {cell.substr(0, separator), end};
+  }
   return {cell};
 }
 
+/// The axis of `gyro[0]`, `gyro[1]` and `gyro[2]`; empty for other names, and for quaternions, whose order is
+/// not known.
+std::string_view axis_of_element(const std::vector<std::string>& names, std::string_view name) {
+  const std::size_t open = name.rfind('[');
+  if (open == std::string_view::npos || open + 3 != name.size() || name.back() != ']') return {};
+  const auto has_element = [&](char index) {
+    const std::string element = std::string(name.substr(0, open + 1)) + index + "]";
+    return std::ranges::find(names, element) != names.end();
+  };
+  const auto axis = static_cast<std::size_t>(name[open + 1] - '0');
+  constexpr std::string_view axes = "xyz";
+  if (axis >= axes.size() || !has_element('0') || !has_element('2') || has_element('3')) return {};
+  return axes.substr(axis, 1);
+}
+
+/// Splits a cell of a header; three elements of an array are axes.
+Column column_in(const std::vector<std::string>& header, std::string_view cell) {
+  const std::string_view axis = axis_of_element(header, cell);
+  Column column = column_of(axis.empty() ? cell : cell.substr(0, cell.rfind('[')));
+  column.axis = axis;
+  return column;
+}
+
+std::string lower_case(std::string_view text) {
+  std::string lower;
+  for (const char c : text) lower += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return lower;
+}
+
+bool is_axis(char c) {
+  return std::string_view("wxyz").find(c) != std::string_view::npos;
+}
+
 std::string with_synonym(const std::string& name, std::span<const ColumnSynonym> synonyms) {
-  const bool has_axis = !name.empty() && std::string_view("wxyz").find(name.back()) != std::string_view::npos;
+  const bool has_axis = !name.empty() && is_axis(name.back());
   for (const ColumnSynonym& synonym : synonyms) {
     std::string_view searched = synonym.name;
     if (!searched.ends_with('*')) {
@@ -45,22 +82,32 @@ std::string with_synonym(const std::string& name, std::span<const ColumnSynonym>
     if (!has_axis || std::string_view(name).substr(0, name.size() - 1) != searched) continue;
     return std::string(synonym.own.substr(0, synonym.own.size() - 1)) + name.back();
   }
+  constexpr std::size_t min_size = 4;  // xacc; shorter names may mean something else
+  if (name.size() >= min_size && is_axis(name.front()) && !has_axis)
+    return with_synonym(name.substr(1) + name.front(), synonyms);
   return name;
 }
 
-/// The name without case, separators and EuRoC's frames, with the layout's word for a synonym.
+/// The name without case, separators, EuRoC's frames and the prefix of rostopic, with the layout's word for a
+/// synonym.
 std::string comparable(std::string_view name, std::span<const ColumnSynonym> synonyms) {
   constexpr std::string_view separators = "_. -/";
   std::string text;
   while (!name.empty()) {
     const std::size_t end = std::min(name.find_first_of(separators), name.size());
     const std::string_view word = name.substr(0, end);
-    if (word != "RS" && word != "S" && word != "R") {
-      for (const char c : word) text += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    }
+    if (word != "RS" && word != "S" && word != "R" && word != "field") text += lower_case(word);
     name.remove_prefix(std::min(end + 1, name.size()));
   }
   return with_synonym(text, synonyms);
+}
+
+std::optional<std::size_t> find_column(const CsvLayout& layout, std::string_view name) {
+  const std::string wanted = comparable(name, layout.synonyms);
+  for (std::size_t column = 0; column < layout.columns.size(); ++column) {
+    if (comparable(column_of(layout.columns[column]).name, layout.synonyms) == wanted) return column;
+  }
+  return std::nullopt;
 }
 
 char separator_of(std::string_view header) {
@@ -73,45 +120,81 @@ char separator_of(std::string_view header) {
 }  // namespace
 
 namespace {
-constexpr std::size_t max_header_bytes = 200;
-constexpr std::size_t max_candidates = 5;
-}  // namespace
 
-MissingColumn::MissingColumn(const std::string& where, std::string_view column, std::string_view header,
-                             const std::vector<std::string>& candidates)
-    : IoError(where + ": the header has no column \"" + std::string(column) + "\": \"" +
-              std::string(header.substr(0, max_header_bytes)) +
-              (header.size() > max_header_bytes ? "…" : "") + "\""),
-      column_(column_of(column).name) {
+std::string text_about_missing(const std::string& where, const std::vector<std::string_view>& columns,
+                               std::string_view header) {
+  constexpr std::size_t max_header_bytes = 200;
+  std::string text = where + ": the header has no column ";
+  for (const std::string_view column : columns) {
+    if (column != columns.front()) text += ", ";
+    text.append("\"").append(column).append("\"");
+  }
+  text.append(": \"").append(header.substr(0, max_header_bytes));
+  return text.append(header.size() > max_header_bytes ? "…\"" : "\"");
+}
+
+/// The unknown names that end in the column's axis, or all if none does.
+MissingColumn with_candidates(std::string_view column, const std::vector<std::string>& unknown) {
+  constexpr std::size_t max_candidates = 5;
+  MissingColumn missing{std::string(column_of(column).name), {}};
   const auto axis_of = [](std::string_view name) {
     return std::tolower(static_cast<unsigned char>(name.back()));
   };
-  std::ranges::copy_if(candidates, std::back_inserter(candidates_), [&](const std::string& candidate) {
+  std::vector<std::string>& found = missing.candidates;
+  std::ranges::copy_if(unknown, std::back_inserter(found), [&](const std::string& candidate) {
     const std::string_view name = column_of(candidate).name;
-    return !name.empty() && axis_of(name) == axis_of(column_);
+    return !name.empty() && axis_of(name) == axis_of(missing.column);
   });
-  if (candidates_.empty()) candidates_ = candidates;
-  std::erase_if(candidates_, [](const std::string& name) { return parse_number(name).has_value(); });
-  candidates_.resize(std::min(candidates_.size(), max_candidates));
+  if (found.empty()) found = unknown;
+  std::erase_if(found, [](const std::string& name) { return parse_number(name).has_value(); });
+  found.resize(std::min(found.size(), max_candidates));
+  return missing;
+}
+
+}  // namespace
+
+MissingColumns::MissingColumns(const std::string& where, const std::vector<std::string_view>& columns,
+                               std::string_view header, const std::vector<std::string>& unknown)
+    : IoError(text_about_missing(where, columns, header)) {
+  for (const std::string_view column : columns) columns_.push_back(with_candidates(column, unknown));
+}
+
+MissingColumns::MissingColumns(const MissingColumns& one, const MissingColumns& other)
+    : IoError(std::string(one.what()) + "; " + other.what()), columns_(one.columns_) {
+  columns_.insert(columns_.end(), other.columns_.begin(), other.columns_.end());
+}
+
+bool has_column(const CsvLayout& layout, std::string_view name) {
+  return find_column(layout, column_of(name).name).has_value();
 }
 
 CsvHeader::CsvHeader(const CsvLayout& layout, std::string_view line, const std::string& where) {
   if (line.starts_with('#')) line.remove_prefix(1);
   separator_ = separator_of(line);
   split(line, [this](std::size_t, std::string_view cell) { add_name(cell); });
+  names_in_file_ = names_;
   if (layout.given_names != nullptr) rename(*layout.given_names, where);
   places_.fill(missing);
   factors_.fill(1.0L);
+  doubts_.fill(missing);
   for (std::size_t place = 0; place < names_.size(); ++place) match(layout, place, where);
   require_units(where);
+  std::vector<std::string_view> not_found;
   for (std::size_t column = 0; column < layout.required_columns; ++column) {
-    if (places_[column] != missing) {
+    if (places_[column] == missing) {
+      not_found.push_back(layout.columns[column]);
+    } else {
       required_width_ = std::max(required_width_, places_[column] + 1);
-      continue;
     }
-    throw MissingColumn(where, layout.columns[column], line, unknown_);
   }
+  if (!not_found.empty()) throw MissingColumns(where, not_found, line, unknown_);
   if (separator_ == ' ') required_width_ = names_.size();  // between spaces no cell can be empty
+  if (layout.given_names == nullptr) return;
+  auto& columns = layout.given_names->columns_by_reader.emplace_back();
+  for (std::size_t column = 0; column < layout.columns.size(); ++column) {
+    if (places_[column] == missing) continue;
+    columns.emplace(column_of(layout.columns[column]).name, names_in_file_[places_[column]]);
+  }
 }
 
 /// Between spaces, a unit in brackets belongs to the name before it.
@@ -134,7 +217,7 @@ void CsvHeader::rename(ColumnNames& given, const std::string& where) {
     const auto found = given.own_by_given.find(name);
     if (found == given.own_by_given.end()) continue;
     given.found.insert(name);
-    const auto unit = column_of(name).unit;
+    const auto unit = column_in(names_in_file_, name).unit;
     const auto given_unit = column_of(found->second).unit;
     if (unit && given_unit && *unit != *given_unit) {
       std::string text = where + ": column \"";
@@ -159,31 +242,58 @@ void CsvHeader::require_units(const std::string& where) const {
   }
 }
 
+/// Finds the column of a name, also at the end of a path (`pose.position.x`), or of a unit of time as a name.
+/// Of two names the one with less doubt counts; a given one has none.
 void CsvHeader::match(const CsvLayout& layout, std::size_t place, const std::string& where) {
   const std::string& text = names_[place];
-  const Column given = column_of(text);
-  const std::string name = comparable(given.name, layout.synonyms);
-  const auto described = [&] { return where + ": column " + std::to_string(place + 1) + " (" + text + ")"; };
-  for (std::size_t column = 0; column < layout.columns.size(); ++column) {
-    const Column own = column_of(layout.columns[column]);
-    if (comparable(own.name, layout.synonyms) != name) continue;
-    if (places_[column] != missing) {
-      throw IoError(described() + ": column " + std::to_string(places_[column] + 1) + " (" +
-                    names_[places_[column]] + ") is the same");
-    }
-    places_[column] = place;
-    has_unit_[column] = given.unit.has_value();
-    own_units_[column] = own.unit.value_or("");
-    if (!given.unit || !own.unit) return;
-    const auto factor = unit_factor(*given.unit, *own.unit);
-    if (!factor) {
-      throw IoError(described() + ": the unit \"" + std::string(*given.unit) +
-                    "\" is unknown here; expected one of " + units_like(*own.unit));
-    }
-    factors_[column] = *factor;
+  Column given = column_in(names_in_file_, text);
+  std::string name(given.name);
+  name += given.axis;
+  std::optional<std::size_t> column = find_column(layout, name);
+  const bool is_given =
+      layout.given_names != nullptr && layout.given_names->own_by_given.contains(names_in_file_[place]);
+  std::size_t doubt = is_given ? 0 : 1;
+  constexpr std::string_view path_separators = "./%";
+  for (std::size_t end = name.find_first_of(path_separators); !column && end != std::string::npos;
+       end = name.find_first_of(path_separators)) {
+    name.erase(0, end + 1);
+    ++doubt;
+    if (name.size() > 1) column = find_column(layout, name);  // one letter may be of anything
+  }
+  if (const std::string unit = lower_case(text); !column && unit.size() > 1 && unit_factor(unit, "s")) {
+    name = unit;
+    given.unit = name;
+    column = find_column(layout, "time");
+    ++doubt;
+  }
+  if (column && doubt == doubts_[*column]) {
+    throw IoError(where + ": column " + std::to_string(place + 1) + " (" + text + "): column " +
+                  std::to_string(places_[*column] + 1) + " (" + names_[places_[*column]] + ") is the same");
+  }
+  if (!column || doubt > doubts_[*column]) {
+    unknown_.push_back(text);
     return;
   }
-  unknown_.push_back(text);
+  if (places_[*column] != missing) unknown_.push_back(names_[places_[*column]]);
+  places_[*column] = place;
+  doubts_[*column] = doubt;
+  set_unit(layout, *column, given.unit, where);
+}
+
+void CsvHeader::set_unit(const CsvLayout& layout, std::size_t column, std::optional<std::string_view> unit,
+                         const std::string& where) {
+  const auto own_unit = column_of(layout.columns[column]).unit;
+  has_unit_[column] = unit.has_value();
+  own_units_[column] = own_unit.value_or("");
+  factors_[column] = 1.0L;
+  if (!unit || !own_unit) return;
+  const auto factor = unit_factor(*unit, *own_unit);
+  if (!factor) {
+    throw IoError(where + ": column " + std::to_string(places_[column] + 1) + " (" + name(column) +
+                  "): the unit \"" + std::string(*unit) + "\" is unknown here; expected one of " +
+                  units_like(*own_unit));
+  }
+  factors_[column] = *factor;
 }
 
 }  // namespace sonopose::files

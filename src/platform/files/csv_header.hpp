@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -26,6 +27,8 @@ struct ColumnSynonym {
 struct ColumnNames {
   std::map<std::string, std::string> own_by_given;  ///< names in the layout, with or without unit: `x [mm]`
   std::set<std::string> found;                      ///< given names that a header had
+  /// For each reader in turn, the names in its header by those in the layout, without units.
+  std::vector<std::map<std::string, std::string>> columns_by_reader = {};
   /// For each file, the columns that one of its readers does not have, instead of a warning.
   std::map<std::string, std::vector<std::vector<std::string>>> unused_by_file = {};
 };
@@ -39,25 +42,33 @@ struct CsvLayout {
   TimeNs time_offset_ns = 0;           ///< added to each time
 };
 
-/// A required column is not in the header.
-class MissingColumn : public IoError {
-public:
-  /// `candidates`: columns of the header that the layout does not have.
-  MissingColumn(const std::string& where, std::string_view column, std::string_view header,
-                const std::vector<std::string>& candidates);
+/// Returns true if the layout has a column of this name, with or without unit.
+bool has_column(const CsvLayout& layout, std::string_view name);
 
-  [[nodiscard]] const std::string& column() const { return column_; }
-  /// The candidates that end in the column's axis, or all if none does.
-  [[nodiscard]] const std::vector<std::string>& candidates() const { return candidates_; }
-
-private:
-  std::string column_;  ///< without unit
-  std::vector<std::string> candidates_;
+/// A column that the header lacks, and names in the header that it could be.
+struct MissingColumn {
+  std::string column;  ///< without unit
+  std::vector<std::string> candidates;
 };
 
-/// Finds the columns of a layout in a header. Compares names without case, separators and the frames of
-/// EuRoC's names (`w_RS_S_x`). A unit is in brackets or ends the name (`x_mm`); without one it is that of the
-/// layout.
+/// Required columns are not in the header.
+class MissingColumns : public IoError {
+public:
+  /// `unknown`: columns of the header that the layout does not have.
+  MissingColumns(const std::string& where, const std::vector<std::string_view>& columns,
+                 std::string_view header, const std::vector<std::string>& unknown);
+  /// The columns of two headers.
+  MissingColumns(const MissingColumns& one, const MissingColumns& other);
+
+  [[nodiscard]] const std::vector<MissingColumn>& columns() const { return columns_; }
+
+private:
+  std::vector<MissingColumn> columns_;
+};
+
+/// Finds the columns of a layout in a header. Compares names without case, separators, the frames of EuRoC's
+/// names (`w_RS_S_x`) and a path before them (`field.pose.position.x`). The axis may be first (`xacc`) or an
+/// index (`gyro[0]`). A unit is in brackets or ends the name (`x_mm`); without one it is that of the layout.
 class CsvHeader {
 public:
   static constexpr std::size_t max_columns = 24;  ///< of a layout
@@ -94,14 +105,18 @@ private:
   void add_name(std::string_view cell);
   void rename(ColumnNames& given, const std::string& where);
   void match(const CsvLayout& layout, std::size_t place, const std::string& where);
+  void set_unit(const CsvLayout& layout, std::size_t column, std::optional<std::string_view> unit,
+                const std::string& where);
   void require_units(const std::string& where) const;
 
   char separator_ = ',';
   bool is_open_ = false;  ///< the last name has an open bracket
   std::size_t required_width_ = 0;
   std::vector<std::string> names_;
+  std::vector<std::string> names_in_file_;  ///< before they were renamed
   std::vector<std::string> unknown_;
   std::array<std::size_t, max_columns> places_{};
+  std::array<std::size_t, max_columns> doubts_{};
   std::array<long double, max_columns> factors_{};
   std::array<bool, max_columns> has_unit_{};
   std::array<std::string_view, max_columns> own_units_{};

@@ -15,6 +15,16 @@
 
 namespace sonopose::files {
 
+namespace {
+
+/// True for a word that programs write for a missing value.
+bool is_absent(std::string_view text) {
+  constexpr std::array<std::string_view, 8> words{"nan", "NaN", "NAN", "NA", "null", "NULL", "None", "-"};
+  return std::ranges::find(words, text) != words.end();
+}
+
+}  // namespace
+
 CsvReader::CsvReader(const std::filesystem::path& file, const CsvLayout& layout)
     : name_{file.string()}, layout_{layout}, lines_{file} {
   read_header();
@@ -24,7 +34,9 @@ void CsvReader::read_header() {
   std::exception_ptr refusal;
   std::optional<std::string_view> line;
   bool is_found = false;
-  for (line = next_line(); line && line->starts_with('#') && !is_found; line = next_line()) {
+  line = next_line();
+  if (line && unquoted(*line).starts_with("sep=")) line = next_line();  // for spreadsheets
+  for (; line && line->starts_with('#') && !is_found; line = next_line()) {
     try {
       header_ = CsvHeader(layout_, *line, position());
       is_found = true;
@@ -70,14 +82,18 @@ bool CsvReader::next_row() {
   if (!line) return false;
   row_ = header_.separator() == ';' ? with_points(*line) : *line;
   cells_.fill({});
-  const std::size_t count = header_.split(row_, [this](std::size_t index, std::string_view text) {
-    if (index < cells_.size()) cells_[index] = text;
+  const bool is_table = layout_.given_names != nullptr;
+  std::size_t filled = 0;
+  std::size_t count = header_.split(row_, [&](std::size_t index, std::string_view text) {
+    if (!text.empty()) filled = index + 1;
+    if (index < cells_.size() && !(is_table && is_absent(text))) cells_[index] = text;
   });
+  if (is_table) count = std::min(count, std::max(filled, header_.width()));  // a separator may end the row
   if (count > header_.width() || count < header_.required_width()) {
     fail_line("has " + std::to_string(count) + " columns where the header has " +
               std::to_string(header_.width()));
   }
-  if (is_first) detect_seconds();
+  if (is_unit_of_time_open_) detect_seconds();
   return true;
 }
 
@@ -95,6 +111,9 @@ void CsvReader::detect_seconds() {
     const bool is_time = unit_factor("s", header_.own_unit(column)).has_value();
     if (is_time && !header_.has_unit(column)) times.push_back(column);
   }
+  is_unit_of_time_open_ = !times.empty() && std::ranges::all_of(times, [this](std::size_t column) {
+    return parse_number(cell(column)).value_or(0.0) == 0.0;
+  });
   const bool are_seconds = std::ranges::any_of(times, [this](std::size_t column) {
     constexpr double max_s = 1e12;
     const bool has_decimals = cell(column).find('.') != std::string_view::npos;

@@ -16,11 +16,13 @@
 namespace sonopose::files {
 
 /// Reads the columns of a layout by their names in the header, in any order and unit. A column is identified
-/// by its index in the layout, and its values are in the unit of the layout.
+/// by its index in the layout, and its values are in the unit of the layout. In a table with given names,
+/// `NaN` and the like are empty cells, and a separator may end a row.
 class CsvReader {
 public:
   /// Opens the file and reads its header: the first of its lines that begin with `#` and have the required
-  /// columns, or else the first line that does not begin so. Later lines that begin with `#` are comments.
+  /// columns, or else the first line that does not begin so. Later lines that begin with `#` are comments. A
+  /// first line `sep=;` is skipped.
   /// Logs a warning about columns that the layout does not have.
   CsvReader(const std::filesystem::path& file, const CsvLayout& layout);
 
@@ -33,7 +35,7 @@ public:
   /// Cells of the current row. A cell beyond the row's end, or of a column that the file lacks, is empty.
   [[nodiscard]] bool is_empty(std::size_t column) const { return cell(column).empty(); }
   /// Time in 1 … 2^62 − 1. Without a unit in the header it is in nanoseconds, or in seconds if the first row
-  /// has decimals of a time below 1e12.
+  /// with a time other than 0 has decimals of one below 1e12.
   [[nodiscard]] TimeNs time_ns(std::size_t column) const;
   [[nodiscard]] double number(std::size_t column) const;
   [[nodiscard]] std::optional<double> optional_number(std::size_t column) const;
@@ -67,6 +69,7 @@ private:
   std::unique_ptr<std::string> decimal_row_;  ///< current row with decimal points, likewise
   std::string_view row_;
   std::array<std::string_view, 64> cells_{};
+  bool is_unit_of_time_open_ = true;
 };
 
 }  // namespace sonopose::files

@@ -23,14 +23,20 @@ LineReader::LineReader(const std::filesystem::path& file)
   const auto size = std::filesystem::file_size(file, not_known);
   if (!not_known) file_size_ = size;
   refill();
-  if (std::string_view(buffer_.data(), end_).starts_with(byte_order_mark)) begin_ = byte_order_mark.size();
+  const std::string_view text(buffer_.data(), end_);
+  if (text.starts_with(byte_order_mark)) begin_ = byte_order_mark.size();
+  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) {
+    throw IoError(name_ + ": is UTF-16; convert it: iconv -f UTF-16 -t UTF-8 \"" + name_ + "\" > utf-8.csv");
+  }
+  if (text.find('\n') == std::string_view::npos && text.find('\r') != std::string_view::npos)
+    line_end_ = '\r';
 }
 
 std::optional<std::string_view> LineReader::next() {
   std::size_t searched = 0;  // bytes searched for a line ending so far
   const void* newline = nullptr;
   do {
-    newline = std::memchr(buffer_.data() + begin_ + searched, '\n', end_ - begin_ - searched);
+    newline = std::memchr(buffer_.data() + begin_ + searched, line_end_, end_ - begin_ - searched);
     searched = end_ - begin_;
   } while (newline == nullptr && refill());
   if (newline == nullptr && searched == 0) return std::nullopt;

@@ -13,10 +13,11 @@
 
 namespace sonopose::files {
 
-/// Reads lines that end in `\n` or `\r\n`, which the last one may lack. Skips a byte order mark.
+/// Reads lines that end in `\n` or `\r\n`, or in `\r` in a file that begins without `\n`; the last one may
+/// lack it. Skips the byte order mark of UTF-8.
 class LineReader {
 public:
-  /// Throws IoError if the file cannot be opened.
+  /// Throws IoError if the file cannot be opened, or is UTF-16.
   explicit LineReader(const std::filesystem::path& file);
 
   /// Returns the next line without its line ending, valid until the next call; empty at the end of the file.
@@ -43,6 +44,7 @@ private:
   std::size_t begin_ = 0;  ///< start of the bytes that were read but not returned
   std::size_t end_ = 0;
   std::size_t number_ = 0;
+  char line_end_ = '\n';
 };
 
 }  // namespace sonopose::files

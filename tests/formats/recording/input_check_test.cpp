@@ -4,6 +4,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <cmath>
 #include <functional>
 #include <string>
 #include <vector>
@@ -130,6 +131,72 @@ SCENARIO("a wrong unit or clock is found, with the unit to name") {
       CHECK_THAT(findings[0], Contains("w_x [deg s^-1]"));
     }
   }
+}
+
+/// The findings after a change of each fix, by its time since the start.
+std::vector<std::string> with_fixes(const std::function<void(UltrasonicFix&, double)>& change) {
+  std::vector<Event> events = standing();
+  for (Event& event : events) {
+    auto* fix = std::get_if<UltrasonicFix>(&event);
+    if (fix != nullptr) change(*fix, seconds_between(start_ns, fix->emission_time_ns));
+  }
+  return input_findings("log", events);
+}
+
+SCENARIO("positions that are not in metres are found") {
+  constexpr double radius_m = 2.0;
+  const auto on_circle = [](double time_s, double unit) -> Vector3d {
+    return Vector3d(radius_m * std::cos(time_s), radius_m * std::sin(time_s), 0.5) * unit;
+  };
+  GIVEN("a circle at 2 m/s") {
+    THEN("in metres there is no finding, also with each tenth fix at a default position 30 m away") {
+      int count = 0;
+      CHECK(with_fixes([&](UltrasonicFix& fix, double time_s) {
+              fix.position_world_m = on_circle(time_s, 1.0);
+              if (++count % 10 == 0) fix.position_world_m = {30.0, 0.0, 0.0};
+            }).empty());
+    }
+    THEN("in millimetres and centimetres it contradicts the IMU") {
+      const double unit = GENERATE(100.0, 1000.0);
+      const auto findings = with_fixes(
+          [&](UltrasonicFix& fix, double time_s) { fix.position_world_m = on_circle(time_s, unit); });
+      REQUIRE(findings.size() == 1);
+      CHECK_THAT(findings[0], Contains("the positions accelerate by more than") && Contains("x [mm]"));
+    }
+  }
+  GIVEN("a body at rest, in whole millimetres") {
+    const auto findings = with_fixes([](UltrasonicFix& fix, double /*unused*/) {
+      fix.position_world_m = {1500.0, 230.0, 0.0};
+    });
+    THEN("the numbers show it") {
+      REQUIRE(findings.size() == 1);
+      CHECK_THAT(findings[0], Contains("all positions are whole numbers, up to 1500; are they in mm"));
+    }
+  }
+}
+
+SCENARIO("a quality that is a share is found") {
+  const auto findings_with = [](double good, double poor) {
+    return with_fixes(
+        [=](UltrasonicFix& fix, double time_s) { fix.quality_percent = time_s < 5.0 ? good : poor; });
+  };
+  CHECK(findings_with(98.0, 0.5).empty());
+  CHECK(findings_with(1.0, 0.0).empty());  // may be a flag
+  const auto findings = findings_with(1.0, 0.85);
+  REQUIRE(findings.size() == 1);
+  CHECK_THAT(findings[0], Contains("at most 1 %; is it a share from 0 to 1?") && Contains("quality [1]"));
+}
+
+SCENARIO("findings about imported tables propose an option of the import") {
+  std::vector<Event> events = standing();
+  for (Event& event : events) {
+    if (auto* imu = std::get_if<ImuSample>(&event)) imu->specific_force_body_mps2 /= standard_gravity_mps2;
+  }
+  files::ColumnNames names;
+  names.columns_by_reader = {{{"a_x", "Acc 1"}, {"a_y", "Acc 2"}, {"a_z", "Acc 3"}}};
+  const auto findings = input_findings("log", events, &names);
+  REQUIRE(findings.size() == 1);
+  CHECK_THAT(findings[0], Contains("--column \"a_x [g]=Acc 1\" --column \"a_y [g]=Acc 2\""));
 }
 
 SCENARIO("the order of the stamps is checked") {

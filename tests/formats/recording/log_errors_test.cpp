@@ -180,6 +180,25 @@ SCENARIO("a binary file is refused") {
   }
 }
 
+SCENARIO("text of other systems is read, or refused with a remedy") {
+  Files files;
+  WHEN("lines end in a carriage return alone") {
+    for (char& c : files.imu) c = c == '\n' ? '\r' : c;
+    CHECK(error_message_of(files) == "no complaint");
+    files.imu += "2,0,0,0,0,0,up\r";
+    CHECK_THAT(error_message_of(files), Contains("/imu.csv:3: column 7 (a_z): \"up\" is not a number"));
+  }
+  WHEN("a first line names the separator, after a byte order mark") {
+    files.imu = "\xEF\xBB\xBFsep=;\r\ntimestamp [ns];w_x;w_y;w_z;a_x;a_y;a_z\r\n1;0;0;0;0;0;9,8\r\n";
+    CHECK(error_message_of(files) == "no complaint");
+  }
+  WHEN("it is UTF-16") {
+    files.imu = std::string("\xFF\xFEt\0i\0m\0e\0", 10);
+    CHECK_THAT(error_message_of(files),
+               Contains("/imu.csv: is UTF-16; convert it: iconv -f UTF-16 -t UTF-8"));
+  }
+}
+
 SCENARIO("lines are complete and counted anywhere in a long file") {
   Files files;
   const std::string row = "2,0.1234567890123456,0,0,0,0,9.8\n";

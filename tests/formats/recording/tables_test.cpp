@@ -4,6 +4,10 @@
 
 #include <catch2/catch.hpp>
 
+#include <string>
+#include <utility>
+#include <variant>
+
 namespace tables_test {
 
 using namespace sonopose;
@@ -63,6 +67,114 @@ SCENARIO("tables of other programs become a log") {
   }
 }
 
+/// The first IMU sample and fix of tables with these headers and rows.
+std::pair<ImuSample, UltrasonicFix> first_of(const std::string& imu, const std::string& positions,
+                                             files::ColumnNames names = {}) {
+  const TemporaryFolder folder;
+  write_text(folder / "imu.csv", imu);
+  write_text(folder / "positions.csv", positions);
+  const Tables tables = read_tables({folder / "imu.csv", folder / "positions.csv", {}}, names, 7);
+  std::pair<ImuSample, UltrasonicFix> first;
+  for (const Event& event : tables.log.events) {
+    if (const auto* imu_sample = std::get_if<ImuSample>(&event)) first.first = *imu_sample;
+    if (const auto* fix = std::get_if<UltrasonicFix>(&event)) first.second = *fix;
+  }
+  return first;
+}
+
+SCENARIO("headers of common tools need no names") {
+  const Vector3d w_radps(0.1, 0.2, 0.3);
+  const Vector3d a_mps2(1.0, 2.0, 9.0);
+  const Vector3d p_m(4.0, 5.0, 6.0);
+  std::string imu = "timestamp,w_x,w_y,w_z,a_x,a_y,a_z\n2000000000,.1,.2,.3,1,2,9\n";
+  std::string positions = "timestamp,x,y,z\n2000000000,4,5,6\n";
+  GIVEN("rostopic echo -p: the stamp of the message counts, not its time in the bag") {
+    imu =
+        "%time,field.header.seq,field.header.stamp,field.orientation.x,field.angular_velocity.x,"
+        "field.angular_velocity.y,field.angular_velocity.z,field.linear_acceleration.x,"
+        "field.linear_acceleration.y,field.linear_acceleration.z\n2100000000,1,2000000000,0,.1,.2,.3,1,2,9\n";
+    positions =
+        "%time,field.header.stamp,field.pose.pose.position.x,field.pose.pose.position.y,"
+        "field.pose.pose.position.z,field.pose.pose.orientation.x\n2100000000,2000000000,4,5,6,0\n";
+  }
+  GIVEN("a bag in a table, without a header in the positions") {
+    imu =
+        "Time,header.stamp.secs,header.stamp.nsecs,angular_velocity.x,angular_velocity.y,angular_velocity.z,"
+        "linear_acceleration.x,linear_acceleration.y,linear_acceleration.z\n2.0,1,9,.1,.2,.3,1,2,9\n";
+    positions = "%time,field.x,field.y,field.z\n2000000000,4,5,6\n";
+  }
+  GIVEN("arrays with units, and directions") {
+    imu =
+        "timestamp_us,gyro_rad[0],gyro_rad[1],gyro_rad[2],accelerometer_m_s2[0],accelerometer_m_s2[1],"
+        "accelerometer_m_s2[2]\n2000000,.1,.2,.3,1,2,9\n";
+    positions = "sec,NORTH,East,up\n2,5,4,6\n";
+  }
+  GIVEN("the axis first, milli-g, and German words") {
+    imu =
+        "Zeit (s);xgyro [rad/s];ygyro [rad/s];zgyro [rad/s];Beschleunigung x [mg];Beschleunigung y [mg];"
+        "Beschleunigung z [mg]\n2,0;,1;,2;,3;101,971621;203,943243;917,744593\n";
+    positions = "seconds,x mm,y mm,z mm\n2,4000,5000,6000\n";
+  }
+  const auto [sample, fix] = first_of(imu, positions);
+  CHECK(sample.sensor_time_ns == 2'000'000'000);
+  CHECK(sample.angular_velocity_body_radps.isApprox(w_radps));
+  CHECK(sample.specific_force_body_mps2.isApprox(a_mps2, 1e-6));
+  CHECK(fix.emission_time_ns == 2'000'000'000);
+  CHECK(fix.position_world_m.isApprox(p_m));
+}
+
+SCENARIO("rows may lack a value, end in a separator, and begin at a whole second") {
+  const TemporaryFolder folder;
+  write_text(folder / "imu.csv", "t,w_x,w_y,w_z,a_x,a_y,a_z\n0,0,0,0,0,0,9.8,\n0.01,0,0,0,0,0,9.8,\n");
+  write_text(folder / "positions.csv", "t,x,y,z\n0,1,2,3\n0.1,nan,nan,nan\n0.2,-,-,-\n0.3,4,5,6\n");
+  files::ColumnNames names;
+  const Tables tables = read_tables({folder / "imu.csv", folder / "positions.csv", {}}, names, 7);
+  CHECK(tables.log.events.size() == 4);
+  CHECK(tables.rows_without_position == 2);
+  CHECK(std::get<UltrasonicFix>(tables.log.events.back()).emission_time_ns == 1'300'000'000);
+  write_text(folder / "positions.csv", "t,x,y,z\n0,1,2,3,,4\n");
+  CHECK_THROWS_WITH(read_tables({folder / "imu.csv", folder / "positions.csv", {}}, names, 7),
+                    Contains("positions.csv:2: has 6 columns where the header has 4"));
+}
+
+SCENARIO("the positions are moved to the clock of the IMU") {
+  const TemporaryFolder folder;
+  write_text(folder / "imu.csv", "t,w_x,w_y,w_z,a_x,a_y,a_z\n0,0,0,0,0,0,9.8\n0.01,0,0,0,0,0,9.8\n");
+  write_text(folder / "positions.csv", "timestamp,x,y,z\n1700000000005000000,1,2,3\n");
+  files::ColumnNames names;
+  TableFiles files{folder / "imu.csv", folder / "positions.csv", {}};
+  files.position_shift_ns = -1'700'000'000'000'000'000;
+  const Tables tables = read_tables(files, names, 7);
+  REQUIRE(tables.log.events.size() == 3);
+  const auto& fix = std::get<UltrasonicFix>(tables.log.events[1]);
+  CHECK(fix.emission_time_ns - std::get<ImuSample>(tables.log.events[0]).sensor_time_ns == 5'000'000);
+}
+
+SCENARIO("of two columns with one meaning a given one counts") {
+  const std::string imu =
+      "timestamp,w_x,w_y,w_z,acc_x,acc_y,acc_z,accel_x,accel_y,accel_z\n1,0,0,0,1,2,3,4,5,6\n";
+  const std::string positions = "timestamp,x,y,z\n1,0,0,0\n";
+  CHECK_THROWS_WITH(first_of(imu, positions), Contains("column 8 (accel_x): column 5 (acc_x) is the same"));
+  files::ColumnNames names;
+  names.own_by_given = {{"accel_x", "a_x"}, {"accel_y", "a_y"}, {"accel_z", "a_z"}};
+  CHECK(first_of(imu, positions, names).first.specific_force_body_mps2 == Vector3d(4.0, 5.0, 6.0));
+}
+
+SCENARIO("a part of a name, and a quaternion in an array, are no column") {
+  const std::string positions = "timestamp,x,y,z\n1,0,0,0\n";
+  const auto missing_in = [&](const std::string& header) {
+    try {
+      first_of(header + "\n1,0,0,0,0,0,9.8\n", positions);
+    } catch (const files::MissingColumns& error) {
+      return error.columns().front().column;
+    }
+    return std::string();
+  };
+  CHECK(missing_in("timestamp,bias_gyro_x,w_y,w_z,a_x,a_y,a_z") == "w_x");
+  CHECK(missing_in("header.stamp.sec,w_x,w_y,w_z,a_x,a_y,a_z") == "timestamp");
+  CHECK(missing_in("timestamp,gyro[0],gyro[1],gyro[2],gyro[3],a_y,a_z") == "w_x");
+}
+
 SCENARIO("a column that is missing or given in vain is an error") {
   const TemporaryFolder folder;
   files::ColumnNames names;
@@ -74,11 +186,30 @@ SCENARIO("a column that is missing or given in vain is an error") {
       try {
         read_tables(files, names, 7);
         FAIL("was read");
-      } catch (const files::MissingColumn& error) {
+      } catch (const files::MissingColumns& error) {
         CHECK_THAT(error.what(), Contains("imu.csv:1: the header has no column \"w_x [rad s^-1]\""));
-        CHECK(error.column() == "w_x");
-        CHECK(error.candidates() == std::vector<std::string>{"rate1_x"});
+        REQUIRE(error.columns().size() == 1);
+        CHECK(error.columns()[0].column == "w_x");
+        CHECK(error.columns()[0].candidates == std::vector<std::string>{"rate1_x"});
       }
+    }
+  }
+  GIVEN("columns that are missing in both tables") {
+    write_text(folder / "imu.csv", "timestamp,rate1_x,rate1_y,w_z,a_x,a_y,a_z\n1,0,0,0,0,0,9.8\n");
+    write_text(folder / "positions.csv", "moment,x,y,z\n1,0,0,0\n");
+    THEN("one error names them all") {
+      CHECK_THROWS_WITH(
+          read_tables(files, names, 7),
+          Contains("imu.csv:1: the header has no column \"w_x [rad s^-1]\", \"w_y [rad s^-1]\": ") &&
+              Contains("positions.csv:1: the header has no column \"timestamp [ns]\""));
+    }
+  }
+  GIVEN("a name that no table can have") {
+    names.own_by_given = {{"rate1_x", "omga_x"}};
+    THEN("it is refused with those that can be given") {
+      CHECK_THROWS_WITH(read_tables(files, names, 7),
+                        Contains("\"omga_x\" (given for the column \"rate1_x\") is none of the names") &&
+                            Contains("w_x [rad s^-1]") && Contains("quality [%]") && Contains("q_w []"));
     }
   }
   GIVEN("a name with another unit than the header's") {

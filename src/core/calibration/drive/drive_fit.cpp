@@ -145,7 +145,7 @@ void fit_pieces(const Input& input, Attempt& attempt) {
   const std::vector<bool> had_headings = have_headings(pieces);
   detail::Start start = detail::grid_search(pieces);
   detail::reject_outliers(pieces, start);
-  if (!has_enough_fixes(input, attempt, " contradict them or the IMU")) return;
+  if (!has_enough_fixes(input, attempt, " contradict them or the IMU" + detail::or_clocks())) return;
   find_lost_yaws(pieces, had_headings, start.parameters.delay_s, start.start_yaw_rad);
   Problem rough_problem(pieces);
   const Fit rough =
@@ -175,6 +175,20 @@ bool has_delay(const Attempt& attempt) {
   return attempt.lacking.empty() && delay.is_known() && std::abs(delay.value) <= max_delay_s;
 }
 
+/// Names the clocks if the fit needs an accelerometer much noisier than its samples: then it is no lack of
+/// motion that hides the delay.
+void name_clocks(Attempt& attempt) {
+  constexpr double max_noise_ratio = 20.0;  // vibration and slip cause up to some times the scatter
+  Value& delay = attempt.result[Quantity::delay];
+  if (!attempt.lacking.empty() || delay.is_known()) return;
+  const double scatter = detail::scatter_rthz(attempt.pieces, &detail::ImuMeasurement::force_body_mps2);
+  if (std::exp(attempt.fit.unknowns(detail::at_accel)) < max_noise_ratio * scatter) return;
+  delay.missing =
+      "set the clock of the IMU, or correct its stamps, or calibrate it: its accelerations contradict the "
+      "fixes" +
+      detail::or_clocks();
+}
+
 /// Fits with the stamps as they are. If that shows no delay, the clocks of fixes and IMU may differ by more
 /// than the search covers.
 Attempt best_attempt(const Input& input) {
@@ -183,9 +197,10 @@ Attempt best_attempt(const Input& input) {
   if (has_delay(attempt)) return attempt;
   Attempt other;
   other.set_back_s = detail::coarse_delay_s(input.logs, input.observer_of("search of the clocks"));
-  if (other.set_back_s == 0.0) return attempt;
-  fit_pieces(input, other);
-  return has_delay(other) ? other : attempt;
+  if (other.set_back_s != 0.0) fit_pieces(input, other);
+  if (other.set_back_s != 0.0 && has_delay(other)) return other;
+  name_clocks(attempt);
+  return attempt;
 }
 
 /// Returns why the fusion cannot correct this delay; empty if it can.

@@ -78,15 +78,19 @@ std::vector<Event> set_back(std::vector<Event> events, double delay_s) {
   return events;
 }
 
-double gyro_scatter_radps_rthz(const Measurements& log) {
-  Vector3d squares = Vector3d::Zero();
-  for (std::size_t i = 1; i < log.imu.size(); ++i) {
-    squares += (log.imu[i].rate_body_radps - log.imu[i - 1].rate_body_radps).cwiseAbs2();
+double scatter_rthz(const std::vector<Measurements>& logs, Vector3d ImuMeasurement::*sensor) {
+  double largest = 0;
+  for (const Measurements& log : logs) {
+    Vector3d squares = Vector3d::Zero();
+    for (std::size_t i = 1; i < log.imu.size(); ++i) {
+      squares += (log.imu[i].*sensor - log.imu[i - 1].*sensor).cwiseAbs2();
+    }
+    // The difference of two samples has twice the variance of one; the density is σ² times the interval.
+    const auto samples = static_cast<double>(log.imu.size());
+    const double interval_s = seconds_between(log.imu.front().time_ns, log.imu.back().time_ns) / samples;
+    largest = std::max(largest, std::sqrt(squares.maxCoeff() / (2.0 * samples) * interval_s));
   }
-  // The difference of two samples has twice the variance of one; the density is σ² times the sample interval.
-  const auto samples = static_cast<double>(log.imu.size());
-  const double interval_s = seconds_between(log.imu.front().time_ns, log.imu.back().time_ns) / samples;
-  return std::sqrt(squares.maxCoeff() / (2.0 * samples) * interval_s);
+  return largest;
 }
 
 double rms_speed_mps(const std::vector<Measurements>& logs) {

@@ -26,9 +26,9 @@ std::set<std::uint64_t> used_by_engine(std::span<const Event> events, const sett
 /// before the stamp; in the order in which they are then available.
 std::vector<Event> set_back(std::vector<Event> events, double delay_s);
 
-/// Difference of consecutive gyroscope samples, as the spectral density of white noise that causes it on the
-/// noisiest axis.
-double gyro_scatter_radps_rthz(const Measurements& log);
+/// Difference of consecutive samples of a sensor, as the spectral density of white noise that causes it on
+/// the noisiest axis: in the sensor's unit per √Hz, the largest of all logs.
+double scatter_rthz(const std::vector<Measurements>& logs, Vector3d ImuMeasurement::*sensor);
 
 /// Speed of the used fixes over spans of about half a second.
 double rms_speed_mps(const std::vector<Measurements>& logs);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <numbers>
@@ -103,7 +104,7 @@ Start grid_search(const std::vector<Measurements>& logs) {
 double coarse_delay_s(const std::vector<Measurements>& logs, const std::function<void(int step)>& observer) {
   // The search that follows covers less than a step to each side, and all mounts.
   constexpr double step_s = 0.2;
-  constexpr int steps_to_each_side = 15;
+  const int steps_to_each_side = static_cast<int>(std::lround(max_clock_offset_s / step_s));
   constexpr int stride = 2;
   double best_s = 0;
   double best_mean = std::numeric_limits<double>::infinity();

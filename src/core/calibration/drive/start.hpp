@@ -9,6 +9,9 @@
 
 namespace sonopose::calibration::drive::detail {
 
+/// Largest offset of the clocks that is searched, to each side.
+inline constexpr double max_clock_offset_s = 3.0;
+
 struct Start {
   Parameters parameters;
   std::vector<double> start_yaw_rad;  ///< per log; 0 with headings

@@ -2,6 +2,7 @@
 
 #include "calibration/drive/course.hpp"
 #include "calibration/drive/measurements.hpp"
+#include "calibration/drive/start.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
 #include <algorithm>
@@ -138,7 +139,7 @@ void set_innovations(const Fit& fit, DriveFit& result) {
   result.squared_heading_innovation /= std::max(1.0, static_cast<double>(headings));
 }
 
-void mark_unknown(Value& value, const char* missing) {
+void mark_unknown(Value& value, const std::string& missing) {
   value = {value.value, -infinite, infinite, missing};
 }
 
@@ -181,10 +182,14 @@ void set_values(const Problem& problem, const Fit& fit, DriveFit& result) {
   }
 }
 
+std::string or_clocks() {
+  return ", or the clocks differ by more than the " + std::to_string(std::lround(max_clock_offset_s)) +
+         " s that were searched";
+}
+
 void check_imu(const Problem& problem, const Fit& fit, DriveFit& result) {
   constexpr double max_gyro_noise_ratio = 5.0;  // times the noise that consecutive samples show
-  double scatter = 0;
-  for (const Measurements& log : problem.logs()) scatter = std::max(scatter, gyro_scatter_radps_rthz(log));
+  const double scatter = scatter_rthz(problem.logs(), &ImuMeasurement::rate_body_radps);
   if (!result[Quantity::gyro].is_known() ||
       std::exp(fit.unknowns(at_gyro)) <= max_gyro_noise_ratio * scatter) {
     if (fit.converged) return;
@@ -197,7 +202,8 @@ void check_imu(const Problem& problem, const Fit& fit, DriveFit& result) {
     mark_unknown(
         value,
         "calibrate or replace the IMU, set its clock, or record without slip: its rates and accelerations "
-        "contradict the fixes");
+        "contradict the fixes" +
+            or_clocks());
   }
   if (has_heading(problem)) set_mount_from_course(problem, result);
 }

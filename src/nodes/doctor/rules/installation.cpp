@@ -1,7 +1,9 @@
 #include "doctor/rules/checks.hpp"
+#include <sonopose/calibration/model/axes.hpp>
 #include <sonopose/geometry/rotation.hpp>
 #include <sonopose/text/number_text.hpp>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -145,17 +147,21 @@ private:
            "correct the sign in the driver of the IMU; calibration.axes can only rotate"});
       return true;
     }
-    std::string names;
+    std::string names = "the body's axis ";
     for (const std::size_t axis : axes) {
-      names += (names.empty() ? "" : " or ");
+      if (axis != axes.front()) names += " or ";
       names += "xyz"[axis];
+    }
+    // All axes are Z with a mount that is off by 180°, which only a heading shows.
+    if (axes == std::vector<std::size_t>{2}) {
+      if (!has_mount) names += ", or on all axes";
+      if (has_mount && mount_error_rad_with(2) > 0.5 * std::numbers::pi) names = "all axes";
     }
     findings_.push_back(
         {Severity::error, name_of(beacon_),
-         fmt::format(
-             "its accelerometer has the wrong sign on the body's axis {}: only then does the IMU agree "
-             "with the fixes",
-             names),
+         fmt::format("its accelerometer has the wrong sign on {}: only then does the IMU agree "
+                     "with the fixes",
+                     names),
          "correct the sign in the driver of the IMU (of all axes if it reports gravity instead of specific "
          "force), or replace the beacon; calibration.axes can only rotate"});
     return true;
@@ -201,6 +207,24 @@ private:
     return min_error_rad;
   }
 
+  /// The other remedy for a mount that is off by a multiple of 90°: the IMU may be turned instead of the
+  /// pair.
+  [[nodiscard]] std::string or_axes(double error_rad) const {
+    constexpr double right_angle_rad = 0.5 * std::numbers::pi;
+    const double turned_rad = -right_angle_rad * std::round(error_rad / right_angle_rad);
+    if (std::abs(geometry::wrap_angle(error_rad + turned_rad)) > wrong_mount_rad) return {};
+    const auto choices = calibration::choices_of(calibration::Axes{});
+    calibration::AxesSettings axes = beacon_.fusion_settings.calibration.axes;
+    const Eigen::Matrix3d wanted =
+        Eigen::AngleAxisd(turned_rad, Vector3d::UnitZ()) * calibration::sensor_to_body(axes);
+    for (std::size_t i = 0; i < choices.size(); ++i) {
+      axes.axes = static_cast<calibration::Axes>(i);
+      if (!calibration::sensor_to_body(axes).isApprox(wanted)) continue;
+      return fmt::format("; if not the pair but the IMU is turned, set calibration.axes={}", choices.at(i));
+    }
+    return {};
+  }
+
   void mount() const {
     std::vector<Measured> errors;
     bool credible = true;
@@ -231,8 +255,9 @@ private:
              error.value * degrees, error.std * degrees),
          fmt::format(
              "try heading.mount_offset_deg={}; sonopose-calibrate mount finds it exactly "
-             "(docs/calibration.md)",
-             text::number_text(geometry::wrap_angle(configured_mount_rad() + error.value) * degrees, 0))});
+             "(docs/calibration.md){}",
+             text::number_text(geometry::wrap_angle(configured_mount_rad() + error.value) * degrees, 0),
+             or_axes(error.value))});
   }
 
   void delay() const {

@@ -44,13 +44,17 @@ std::string imu_text(const std::vector<motion::Reading>& readings) {
 }
 
 /// The offset of the clocks, and the setting that corrects it.
-std::string clock_text(const std::vector<Event>& events) {
+std::string clock_text(const recording::Tables& tables) {
   const auto line = [](const std::string& text) { return fmt::format("{:<12}{}\n", "clocks", text); };
   try {
-    const auto fit = calibration::drive::calibrate_drive(std::span(&events, 1), settings::Settings{});
+    const auto fit =
+        calibration::drive::calibrate_drive(std::span(&tables.log.events, 1), settings::Settings{});
     const calibration::drive::Value& delay = fit[calibration::drive::Quantity::delay];
     if (!delay.is_known()) return line("offset not known: " + delay.missing);
-    if (!fit.clock_fault.empty()) return line(fit.clock_fault);
+    if (!fit.clock_fault.empty()) {
+      return line(fmt::format("{}, or import again with --shift {:.3f}", fit.clock_fault,
+                              seconds_between(0, tables.position_shift_ns) - delay.value));
+    }
     return line(
         fmt::format("the positions are {:.3f} s older than their times (95 %: {:.3f} to {:.3f}); "
                     "replay with --set delay.correction_s={:.3f}",
@@ -93,7 +97,7 @@ std::string import_text(const recording::Tables& tables) {
   }
   for (const std::string& column : tables.unused_columns)
     out += fmt::format("{:<12}{}\n", "not used", column);
-  return out + clock_text(tables.log.events);
+  return out + clock_text(tables);
 }
 
 }  // namespace sonopose::evaluation

@@ -140,6 +140,17 @@ SCENARIO("clocks of fixes and IMU that differ are found, whichever is ahead") {
   }
 }
 
+SCENARIO("clocks that differ by more than is searched are no lack of motion") {
+  for (const char* const scenario : {"forklift", "walk"}) {
+    for (const double ahead_s : {5.0, -20.0}) {
+      const DriveFit fit = calibrated(with_imu_ahead(drive_of(scenario, 3103, false), ahead_s));
+      CAPTURE(scenario, ahead_s, fit[Quantity::delay].missing);
+      CHECK_FALSE(fit[Quantity::delay].is_known());
+      CHECK_THAT(fit[Quantity::delay].missing, Contains("the clocks differ by more than the 3 s"));
+    }
+  }
+}
+
 SCENARIO("fixes of another time than the IMU are no reason to record for longer") {
   const Events events = with_imu_ahead(drive_of("walk", 3102, true), 1000.0);
   CHECK_THROWS_WITH(calibrated(events), Contains("no IMU samples around them"));

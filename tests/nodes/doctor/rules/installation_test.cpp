@@ -63,6 +63,8 @@ TEST_CASE("A proposed value that rounds to zero has no sign") {
   check_installation(beacon, findings);
   REQUIRE(findings.size() == 2);
   CHECK_THAT(findings[0].remedy, Contains("heading.mount_offset_deg=0;"));
+  // If the IMU is turned instead, its X axis points to the left of the body.
+  CHECK_THAT(findings[0].remedy, Contains("calibration.axes=-y+x+z"));
   CHECK_THAT(findings[1].remedy, Contains("delay.correction_s=0.000;"));
 }
 
@@ -98,6 +100,18 @@ TEST_CASE("An inverted axis of the accelerometer is found, and which one") {
       CHECK_THAT(problems, Contains(std::string("the wrong sign on the body's axis ") + "xyz"[axis]));
       CHECK_THAT(problems, !Contains("mount offset is wrong"));
     }
+  }
+}
+
+TEST_CASE("An accelerometer that is inverted on all axes is named so") {
+  for (const bool has_headings : {true, false}) {
+    auto events = events_of("forklift", 1931, 30);
+    for (Eigen::Index axis = 0; axis < 3; ++axis) invert_axis(events, axis);
+    if (!has_headings)
+      std::erase_if(events, [](const Event& event) { return std::holds_alternative<PairHeading>(event); });
+    const std::string problems = problems_of(observed(events, {}, {10, 8}));
+    CAPTURE(has_headings, problems);
+    CHECK_THAT(problems, Contains(has_headings ? "the wrong sign on all axes" : "axis z, or on all axes"));
   }
 }
 
