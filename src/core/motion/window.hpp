@@ -4,6 +4,7 @@
 
 #include <sonopose/samples/samples.hpp>
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -40,5 +41,18 @@ struct Window {
   std::vector<Direction> headings;
   double mount_rad = 0;  ///< configured angle from body X to the axis of the pair
 };
+
+/// Sorts each stream, and leaves out repeated stamps.
+inline void sort_by_time(Window& window) {
+  const auto sort = [](auto& all) {
+    const auto is_before = [](const auto& a, const auto& b) { return a.time_ns < b.time_ns; };
+    const auto is_repeated = [](const auto& a, const auto& b) { return a.time_ns == b.time_ns; };
+    std::stable_sort(all.begin(), all.end(), is_before);
+    all.erase(std::unique(all.begin(), all.end(), is_repeated), all.end());
+  };
+  sort(window.imu);
+  sort(window.fixes);
+  sort(window.headings);
+}
 
 }  // namespace sonopose::motion

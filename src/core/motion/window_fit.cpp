@@ -20,14 +20,6 @@ constexpr std::size_t min_fixes = 12;
 /// Longest gap over which the integral is known.
 constexpr double max_gap_s = 0.12;
 
-template <class Measurement>
-void sort_by_time(std::vector<Measurement>& all) {
-  std::stable_sort(all.begin(), all.end(),
-                   [](const Measurement& a, const Measurement& b) { return a.time_ns < b.time_ns; });
-  const auto repeated = [](const Measurement& a, const Measurement& b) { return a.time_ns == b.time_ns; };
-  all.erase(std::unique(all.begin(), all.end(), repeated), all.end());
-}
-
 /// Measurements in [begin, end).
 template <class Measurement>
 std::span<const Measurement> between(const std::vector<Measurement>& all, TimeNs begin_ns, TimeNs end_ns) {
@@ -118,9 +110,7 @@ std::optional<Piece> piece_of(const Window& window, TimeNs begin_ns, TimeNs end_
 }  // namespace
 
 std::vector<Piece> pieces_of(Window window, const std::function<bool()>& is_stopped) {
-  sort_by_time(window.imu);
-  sort_by_time(window.fixes);
-  sort_by_time(window.headings);
+  sort_by_time(window);
   if (window.imu.size() < 2) return {};
   const TimeNs begin_ns = window.imu.front().time_ns;
   const double length_s = seconds_between(begin_ns, window.imu.back().time_ns);

@@ -1,6 +1,7 @@
 #include "recording/input_check.hpp"
 
 #include "motion/imu_summary.hpp"
+#include "motion/turn_gain.hpp"
 
 #include <fmt/format.h>
 
@@ -44,11 +45,12 @@ std::vector<std::string> findings_of(const std::string& name, const std::vector<
 
 void InputCheck::add(const ImuSample& imu) {
   imu_.push_back(imu.sensor_time_ns);
-  if (const auto reading = motion::reading_of(imu)) readings_.push_back(*reading);
+  if (const auto reading = motion::reading_of(imu)) window_.imu.push_back(*reading);
 }
 
 void InputCheck::add(const UltrasonicFix& fix) {
   fixes_.push_back(fix.emission_time_ns);
+  if (fix.position_world_m.allFinite()) window_.fixes.push_back({fix.emission_time_ns, fix.position_world_m});
   fix_ages_ns_.push_back(fix.received_time_ns - fix.emission_time_ns);
   positions_world_m_.push_back(fix.position_world_m);
   if (fix.quality_percent) qualities_percent_.push_back(*fix.quality_percent);
@@ -56,6 +58,9 @@ void InputCheck::add(const UltrasonicFix& fix) {
 
 void InputCheck::add(const PairHeading& heading) {
   headings_.push_back(heading.emission_time_ns);
+  if (heading.valid && std::isfinite(heading.heading_world_rad)) {
+    window_.headings.push_back({heading.emission_time_ns, heading.heading_world_rad});
+  }
   heading_ages_ns_.push_back(heading.received_time_ns - heading.emission_time_ns);
 }
 
@@ -151,9 +156,10 @@ std::optional<std::string> InputCheck::age(const char* what, const std::vector<T
 }
 
 std::vector<std::string> InputCheck::units_of_readings() const {
-  if (readings_.empty()) return {};
-  std::vector<std::string> texts;
-  const motion::ImuSummary imu = motion::summary_of(readings_);
+  if (window_.imu.empty()) return {};
+  std::vector<std::string> texts = motion::stuck_axes_of(window_.imu);
+  if (!texts.empty()) return texts;
+  const motion::ImuSummary imu = motion::summary_of(window_.imu);
   const std::string force =
       fmt::format("the accelerometer reads {:.3g} m/s^2 (median)", imu.median_force_mps2);
   const auto asks_for = [this](const char* unit) {
@@ -175,10 +181,21 @@ std::vector<std::string> InputCheck::units_of_readings() const {
       texts.push_back(force + " instead of about 9.8");
       break;
   }
-  if (motion::has_rates_in_degrees(imu)) {
+  const motion::TurnGain turn = motion::turn_gain_of(window_);
+  const motion::TurnFault fault = motion::turn_fault_of(turn);
+  if (fault == motion::TurnFault::wrong_sign || fault == motion::TurnFault::dead ||
+      fault == motion::TurnFault::scale) {
+    texts.push_back(fmt::format(
+        "the gyroscope measures {:.2f} of the turns that {} show: {}", turn.gain,
+        turn.by_heading ? "the headings" : "the fixes",
+        fault == motion::TurnFault::wrong_sign ? "is its sign wrong, or that of the accelerometer?"
+        : fault == motion::TurnFault::dead     ? "is its vertical axis dead?"
+                                               : "is its scale wrong, or its range too small?"));
+  }
+  if (motion::has_rates_in_degrees(imu) || fault == motion::TurnFault::degrees) {
     texts.push_back(
         fmt::format("the gyroscope exceeds {:.3g} rad/s in every twentieth sample, which is too fast or "
-                    "contradicts gravity; is it in deg/s? {}",
+                    "contradicts gravity or headings; is it in deg/s? {}",
                     imu.fast_rate_radps, how_to_name("deg s^-1", Table::imu, {"w_x", "w_y", "w_z"})));
   }
   return texts;

@@ -55,7 +55,7 @@ private:
   std::vector<double> qualities_percent_;
   std::vector<TimeNs> fix_ages_ns_;  ///< durations from emission to reception
   std::vector<TimeNs> heading_ages_ns_;
-  std::vector<motion::Reading> readings_;
+  motion::Window window_;
 };
 
 /// Findings about a recording, each after its name.

@@ -53,7 +53,8 @@ Line words_of(const Transition& transition) {
     case Kind::imu_inconsistent:
       return begun_or_ended(
           transition, Level::warning,
-          "IMU inconsistent: its gyroscope, accelerometer or mount contradicts fixes, headings or gravity",
+          "IMU inconsistent: its gyroscope, accelerometer or mount contradicts fixes, headings or gravity; "
+          "sonopose-doctor names causes",
           "the IMU is consistent again");
     case Kind::fixes_inconsistent:
       return begun_or_ended(

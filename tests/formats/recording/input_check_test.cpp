@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -120,6 +121,37 @@ SCENARIO("a wrong unit or clock is found, with the unit to name") {
       const auto findings = input_findings("log", events);
       REQUIRE_FALSE(findings.empty());
       CHECK_THAT(findings[0], Contains("most fixes are after the IMU samples"));
+    }
+  }
+  GIVEN("a gyroscope of the wrong sign, and headings") {
+    std::vector<Event> events = standing();
+    const auto heading_rad = [](TimeNs time_ns) { return seconds_between(start_ns, time_ns); };
+    for (std::size_t i = 0; i < events.size(); ++i) {
+      if (auto* imu = std::get_if<ImuSample>(&events[i])) imu->angular_velocity_body_radps.z() = -1.0;
+      const auto* fix = std::get_if<UltrasonicFix>(&events[i]);
+      if (fix == nullptr) continue;
+      PairHeading heading;
+      heading.emission_time_ns = fix->emission_time_ns;
+      heading.received_time_ns = fix->received_time_ns;
+      heading.valid = true;
+      heading.heading_world_rad = std::remainder(heading_rad(fix->emission_time_ns), 2 * std::numbers::pi);
+      events[i] = heading;
+    }
+    THEN("the gain is the finding") {
+      const auto findings = input_findings("log", events);
+      REQUIRE(findings.size() == 1);
+      CHECK_THAT(findings[0], Contains("measures -1.00 of the turns that the headings show"));
+    }
+  }
+  GIVEN("an axis that keeps its value while the others vary") {
+    int count = 0;
+    const auto findings = with_imu([&count](ImuSample& imu) {
+      imu.specific_force_body_mps2.y() = 1e-3 * ++count;
+      imu.specific_force_body_mps2.z() += 1e-3 * count;
+    });
+    THEN("it is named") {
+      REQUIRE(findings.size() == 1);
+      CHECK_THAT(findings[0], Contains("axis x of the accelerometer is stuck at 0.00 m/s^2"));
     }
   }
   GIVEN("rates in degrees per second") {

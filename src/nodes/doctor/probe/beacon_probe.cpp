@@ -232,7 +232,11 @@ rules::BeaconObservation BeaconProbe::observation(TimeNs now_ns, const settings:
     beacon.fusion = fusion.latest;
   }
   beacon.status_counts = status_counts_;
-  beacon.imu_summary = motion::summary_of(corrected_readings(settings));
+  // The sensor's own axes: a misalignment mixes them.
+  beacon.stuck_axes = motion::stuck_axes_of(corrected_readings({}));
+  motion::Window window = motion_window(settings);
+  beacon.imu_summary = motion::summary_of(window.imu);
+  beacon.turn_gain = motion::turn_gain_of(std::move(window));
   beacon.rest = longest_rest(readings_, fixes_, settings.calibration);
   return beacon;
 }

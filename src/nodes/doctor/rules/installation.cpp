@@ -3,7 +3,6 @@
 #include <sonopose/geometry/rotation.hpp>
 #include <sonopose/text/number_text.hpp>
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -143,24 +142,23 @@ private:
       findings_.push_back(
           {Severity::error, name_of(beacon_),
            "its gyroscope has the wrong sign about the body's axis z, or about all axes: only then "
-           "does the IMU agree with the fixes",
+           "does the IMU agree with the fixes and headings",
            "correct the sign in the driver of the IMU; calibration.axes can only rotate"});
       return true;
     }
-    std::string names = "the body's axis ";
+    std::string names;
     for (const std::size_t axis : axes) {
-      if (axis != axes.front()) names += " or ";
+      names += (names.empty() ? "on the body's axis " : " or ");
       names += "xyz"[axis];
     }
-    // All axes are Z with a mount that is off by 180°, which only a heading shows.
-    if (axes == std::vector<std::size_t>{2}) {
-      if (!has_mount) names += ", or on all axes";
-      if (has_mount && mount_error_rad_with(2) > 0.5 * std::numbers::pi) names = "all axes";
-    }
+    // Inverting X and Y equals a mount that is off by 180°.
+    const bool may_be_all = axes == std::vector<std::size_t>{2};
+    if (may_be_all && !has_mount) names += ", or on all axes";
+    if (may_be_all && has_mount && mount_error_rad_with(2) > 0.5 * std::numbers::pi) names = "on all axes";
     findings_.push_back(
         {Severity::error, name_of(beacon_),
-         fmt::format("its accelerometer has the wrong sign on {}: only then does the IMU agree "
-                     "with the fixes",
+         fmt::format("its accelerometer has the wrong sign {}: only then does the IMU agree with the fixes "
+                     "and headings",
                      names),
          "correct the sign in the driver of the IMU (of all axes if it reports gravity instead of specific "
          "force), or replace the beacon; calibration.axes can only rotate"});
@@ -173,6 +171,7 @@ private:
 
   /// The accelerometer axes whose other sign explains most pieces.
   [[nodiscard]] std::vector<std::size_t> inverted_axes() const {
+    if (motion::turn_fault_of(beacon_.turn_gain) == motion::TurnFault::wrong_sign) return {2};
     std::array<double, 3> evidence{};
     std::array<std::size_t, 3> pieces{};
     std::size_t judged = 0;
@@ -207,22 +206,14 @@ private:
     return min_error_rad;
   }
 
-  /// The other remedy for a mount that is off by a multiple of 90°: the IMU may be turned instead of the
-  /// pair.
-  [[nodiscard]] std::string or_axes(double error_rad) const {
+  /// Advice for a mount that is off by a multiple of 90°: the IMU may be what is turned. Otherwise empty.
+  [[nodiscard]] std::string axes_advice(double error_rad) const {
     constexpr double right_angle_rad = 0.5 * std::numbers::pi;
-    const double turned_rad = -right_angle_rad * std::round(error_rad / right_angle_rad);
-    if (std::abs(geometry::wrap_angle(error_rad + turned_rad)) > wrong_mount_rad) return {};
-    const auto choices = calibration::choices_of(calibration::Axes{});
-    calibration::AxesSettings axes = beacon_.fusion_settings.calibration.axes;
-    const Eigen::Matrix3d wanted =
-        Eigen::AngleAxisd(turned_rad, Vector3d::UnitZ()) * calibration::sensor_to_body(axes);
-    for (std::size_t i = 0; i < choices.size(); ++i) {
-      axes.axes = static_cast<calibration::Axes>(i);
-      if (!calibration::sensor_to_body(axes).isApprox(wanted)) continue;
-      return fmt::format("; if not the pair but the IMU is turned, set calibration.axes={}", choices.at(i));
-    }
-    return {};
+    const double turn_rad = std::round(error_rad / right_angle_rad) * right_angle_rad;
+    if (std::abs(error_rad - turn_rad) > 0.5 * wrong_mount_rad) return "";
+    const Eigen::Matrix3d turned = geometry::rotation_about_z(-turn_rad).toRotationMatrix() *
+                                   calibration::sensor_to_body(beacon_.fusion_settings.calibration.axes);
+    return fmt::format(", or, if the IMU is turned in the beacon, calibration.axes={}", nearest_axes(turned));
   }
 
   void mount() const {
@@ -254,10 +245,10 @@ private:
              "of the pair do not agree",
              error.value * degrees, error.std * degrees),
          fmt::format(
-             "try heading.mount_offset_deg={}; sonopose-calibrate mount finds it exactly "
-             "(docs/calibration.md){}",
+             "try heading.mount_offset_deg={}{}; sonopose-calibrate mount finds it exactly "
+             "(docs/calibration.md)",
              text::number_text(geometry::wrap_angle(configured_mount_rad() + error.value) * degrees, 0),
-             or_axes(error.value))});
+             axes_advice(error.value))});
   }
 
   void delay() const {

@@ -29,25 +29,6 @@ std::string up_axis(const Vector3d& force) {
   return {force[axis] < 0 ? '-' : '+', names[static_cast<std::size_t>(axis)]};
 }
 
-/// The value of calibration.axes that maps the sensor's axis `up` to body Z and is closest to `now`.
-std::string axes_with(const std::string& up, const calibration::AxesSettings& now) {
-  const auto choices = calibration::choices_of(calibration::Axes{});
-  std::string_view best;
-  double best_trace = -4;  // below the trace of any rotation
-  for (std::size_t i = 0; i < choices.size(); ++i) {
-    if (!choices.at(i).ends_with(up)) continue;
-    calibration::AxesSettings candidate;
-    candidate.axes = static_cast<calibration::Axes>(i);
-    const double trace =
-        (calibration::sensor_to_body(candidate).transpose() * calibration::sensor_to_body(now)).trace();
-    if (trace > best_trace) {
-      best_trace = trace;
-      best = choices.at(i);
-    }
-  }
-  return std::string(best);
-}
-
 /// Checks the mean specific force. `when`: "at rest" or "on average". Returns false if an axis is wrong.
 bool check_direction(const BeaconObservation& beacon, std::string_view when, const Vector3d& force,
                      const calibration::AxesSettings& axes, Findings& findings) {
@@ -67,7 +48,8 @@ bool check_direction(const BeaconObservation& beacon, std::string_view when, con
          fmt::format("mount it upright, or set calibration.axes={}; if the rotation about the vertical "
                      "differs, choose "
                      "another value that ends in {}, and set heading.mount_offset_deg",
-                     axes_with(up_axis(force_sensor), axes), up_axis(force_sensor))});
+                     nearest_axes(calibration::sensor_to_body(axes), up_axis(force_sensor)),
+                     up_axis(force_sensor))});
     return false;
   }
   if (tilt_deg > notable_tilt_deg) {
@@ -114,19 +96,69 @@ bool check_units(const BeaconObservation& beacon, Findings& findings) {
       report_force("its unit is unknown", "publish m/s²");
       break;
   }
-  if (motion::has_rates_in_degrees(imu)) {
+  if (motion::has_rates_in_degrees(imu) ||
+      motion::turn_fault_of(beacon.turn_gain) == motion::TurnFault::degrees) {
     findings.push_back({Severity::error, name_of(beacon),
                         fmt::format("its gyroscope exceeds {:.3g} rad/s in every twentieth sample, which is "
-                                    "too fast or contradicts gravity: it seems to be in deg/s",
+                                    "too fast or contradicts gravity or headings: it seems to be in deg/s",
                                     imu.fast_rate_radps),
                         "publish rad/s, or set " + scaled_by("gyroscope", geometry::radians_per_degree)});
   }
   return findings.size() == before;
 }
 
+/// Reports axes that do not measure. Returns false if it did.
+bool check_axes(const BeaconObservation& beacon, Findings& findings) {
+  const std::string remedy = "check the driver of the IMU, or replace the beacon";
+  const std::size_t before = findings.size();
+  for (const std::string& text : beacon.stuck_axes) {
+    findings.push_back({Severity::error, name_of(beacon), text, remedy});
+  }
+  if (findings.size() > before) return false;
+  const double gain = beacon.turn_gain.gain;
+  const auto report_turns = [&](Severity severity, std::string_view text, std::string advice) {
+    findings.push_back(
+        {severity, name_of(beacon),
+         fmt::format("its gyroscope measures {:.2f} of the turns of its headings: {}", gain, text),
+         std::move(advice)});
+  };
+  switch (motion::turn_fault_of(beacon.turn_gain)) {
+    case motion::TurnFault::dead:
+      report_turns(Severity::error, "the vertical axis is dead", remedy);
+      break;
+    case motion::TurnFault::scale:
+      report_turns(Severity::warning, "its scale is wrong, or its range too small",
+                   fmt::format("increase the range, or multiply {}", scaled_by("gyroscope", 1.0 / gain)));
+      break;
+    case motion::TurnFault::none:
+    case motion::TurnFault::wrong_sign:  // check_installation tells it from that of the accelerometer
+    case motion::TurnFault::degrees:     // check_units has reported it
+      break;
+  }
+  return findings.size() == before;
+}
+
 }  // namespace
 
+std::string nearest_axes(const Eigen::Matrix3d& sensor_to_body, std::string_view up) {
+  const auto choices = calibration::choices_of(calibration::Axes{});
+  std::string_view best;
+  double best_trace = -4;  // below the trace of any rotation
+  for (std::size_t i = 0; i < choices.size(); ++i) {
+    if (!choices.at(i).ends_with(up)) continue;
+    calibration::AxesSettings candidate;
+    candidate.axes = static_cast<calibration::Axes>(i);
+    const double trace = (calibration::sensor_to_body(candidate).transpose() * sensor_to_body).trace();
+    if (trace > best_trace) {
+      best_trace = trace;
+      best = choices.at(i);
+    }
+  }
+  return std::string(best);
+}
+
 bool check_mount(const BeaconObservation& beacon, Findings& findings) {
+  if (!check_axes(beacon, findings)) return false;
   if (beacon.imu_summary.duration_s > 0 && !check_units(beacon, findings)) return false;
   if (!beacon.rest) {
     // Over this time the mean acceleration is small against gravity.

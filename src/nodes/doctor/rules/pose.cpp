@@ -25,7 +25,7 @@ constexpr std::array lasting_bits{
     LastingBit{status_initialising, 0.5, min_window_share, Cause::none, "its fusion is initialising",
                "keep the beacon still for some seconds, and check that fixes arrive"},
     LastingBit{
-        status_uncalibrated, 0.5, min_window_share, Cause::none,
+        status_uncalibrated, 0.5, min_window_share, Cause::installation,
         "its gyro bias is not known: the beacon was not at rest for long enough",
         "let it stand still for a second; if it never can, measure the bias: sonopose-calibrate gyroscope "
         "(docs/calibration.md)"},
@@ -44,11 +44,11 @@ constexpr std::array lasting_bits{
     LastingBit{status_low_trust, 1.0, 0.0, Cause::fixes, "its fusion has low trust in the fixes",
                "check for reflections and a wrong map; see docs/tuning.md"},
     LastingBit{
-        status_imu_inconsistent, 0.5, 0.0, Cause::none,
+        status_imu_inconsistent, 0.5, 0.0, Cause::installation,
         "its gyroscope, accelerometer or mount contradicts fixes, headings or gravity",
         "check units, signs, axes and range of the IMU, how it is mounted, and heading.mount_offset_deg"},
     LastingBit{
-        status_fixes_inconsistent, 0.3, 0.0, Cause::none,
+        status_fixes_inconsistent, 0.3, 0.0, Cause::installation,
         "its fixes are in part a default position, or stamped by another clock than the IMU",
         "let the source leave out fixes without a solution; check that enough beacons are in sight, and the "
         "stamps of fixes and IMU (sonopose-monitor shows their delay)"},

@@ -81,4 +81,43 @@ SCENARIO("wrong axes and units of an IMU are found in motion, and nothing else i
   }
 }
 
+SCENARIO("an axis of the IMU that does not change is named, and none of its consequences") {
+  struct Dead {
+    const char* named;
+    Vector3d ImuSample::*reading;
+    Eigen::Index axis;
+  };
+  const Dead dead = GENERATE(Dead{"axis z of the gyroscope", &ImuSample::angular_velocity_body_radps, 2},
+                             Dead{"axis x of the accelerometer", &ImuSample::specific_force_body_mps2, 0},
+                             Dead{"axis z of the accelerometer", &ImuSample::specific_force_body_mps2, 2});
+  for (const char* const scenario : {"walk", "kart", "forklift", "spin", "hall"}) {
+    GIVEN(std::string("a drive of ") + scenario + " without " + dead.named) {
+      const std::string problems =
+          problems_with(scenario, [&](ImuSample& imu) { (imu.*dead.reading)(dead.axis) = 0; });
+      CAPTURE(problems);
+      CHECK_THAT(problems, Contains(dead.named + std::string(" is stuck at 0")));
+      CHECK_THAT(problems, !Contains("delay") && !Contains("track") && !Contains("mount") &&
+                               !Contains("gravity") && !Contains("gyro bias"));
+    }
+  }
+}
+
+SCENARIO("a gyroscope that senses too little or nothing of the turns is named") {
+  const auto scaled = [](double factor) {
+    return [factor](ImuSample& imu) {
+      // Noise remains on a dead axis.
+      const double noise_radps = 0.01 * imu.specific_force_body_mps2.x();
+      imu.angular_velocity_body_radps.z() = factor * imu.angular_velocity_body_radps.z() + noise_radps;
+    };
+  };
+  for (const char* const scenario : {"walk", "kart", "spin"}) {
+    GIVEN(std::string("a drive of ") + scenario) {
+      CHECK_THAT(problems_with(scenario, scaled(0)),
+                 Contains("the vertical axis is dead") && !Contains("delay"));
+      CHECK_THAT(problems_with(scenario, scaled(0.5)),
+                 Contains("its scale is wrong") && Contains("multiply calibration.gyroscope.sensitivity_x"));
+    }
+  }
+}
+
 }  // namespace mount_test

@@ -1,0 +1,136 @@
+#include "motion/turn_gain.hpp"
+
+#include <sonopose/geometry/rotation.hpp>
+#include <sonopose/statistics/quantile.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace sonopose::motion {
+namespace {
+
+constexpr double max_imu_gap_s = 0.12;
+constexpr double max_course_gap_s = 0.6;
+
+/// A direction, continuous beyond ±π.
+struct CoursePoint {
+  TimeNs time_ns = 0;
+  double direction_rad = 0;
+};
+using Course = std::vector<CoursePoint>;
+
+void add(Course& course, TimeNs time_ns, double angle_rad) {
+  const double before_rad = course.empty() ? angle_rad : course.back().direction_rad;
+  course.push_back({time_ns, before_rad + geometry::wrap_angle(angle_rad - before_rad)});
+}
+
+/// Directions of travel, where the fixes move.
+Course travel_of(const std::vector<Position>& fixes) {
+  constexpr double step_s = 0.4;
+  constexpr double min_step_m = 0.2;  // well above the noise of fixes
+  Course course;
+  std::size_t end = 0;
+  for (const Position& from : fixes) {
+    while (end < fixes.size() && seconds_between(from.time_ns, fixes[end].time_ns) < step_s) ++end;
+    if (end == fixes.size()) break;
+    const Vector3d moved_m = fixes[end].position_world_m - from.position_world_m;
+    if (moved_m.head<2>().norm() < min_step_m) continue;
+    add(course, from.time_ns + (fixes[end].time_ns - from.time_ns) / 2, std::atan2(moved_m.y(), moved_m.x()));
+  }
+  return course;
+}
+
+/// End of the turn that begins here; empty if it is small, or jumps as outliers do.
+std::optional<std::size_t> end_of_turn(const Course& course, std::size_t begin) {
+  constexpr double min_s = 0.5;
+  constexpr double max_s = 2.0;
+  constexpr double min_turn_rad = 30.0 * geometry::radians_per_degree;
+  constexpr double max_bend = 0.35;  // a quarter where the rate grows from zero, a half for a jump
+  std::size_t middle = begin;
+  for (std::size_t end = begin + 1; end < course.size(); ++end) {
+    const double length_s = seconds_between(course[begin].time_ns, course[end].time_ns);
+    if (length_s > max_s) break;
+    if (seconds_between(course[end - 1].time_ns, course[end].time_ns) > max_course_gap_s) break;
+    while (2 * (course[middle].time_ns - course[begin].time_ns) < course[end].time_ns - course[begin].time_ns)
+      ++middle;
+    const double turn_rad = course[end].direction_rad - course[begin].direction_rad;
+    if (length_s < min_s || std::abs(turn_rad) < min_turn_rad) continue;
+    const double share = seconds_between(course[begin].time_ns, course[middle].time_ns) / length_s;
+    const double bend_rad = course[middle].direction_rad - course[begin].direction_rad - share * turn_rad;
+    return std::abs(bend_rad) < max_bend * std::abs(turn_rad) ? std::optional(end) : std::nullopt;
+  }
+  return std::nullopt;
+}
+
+/// Integral of the rates, in body axes; empty over a gap.
+std::optional<Vector3d> gyro_turn_rad(const std::vector<Reading>& imu, TimeNs begin_ns, TimeNs end_ns) {
+  auto reading = std::upper_bound(imu.begin(), imu.end(), begin_ns,
+                                  [](TimeNs time_ns, const Reading& each) { return time_ns < each.time_ns; });
+  Vector3d turn_rad = Vector3d::Zero();
+  for (TimeNs last_ns = begin_ns; last_ns < end_ns; ++reading) {
+    if (reading == imu.end()) return std::nullopt;
+    if (seconds_between(last_ns, reading->time_ns) > max_imu_gap_s) return std::nullopt;
+    turn_rad += seconds_between(last_ns, std::min(reading->time_ns, end_ns)) * reading->rate_body_radps;
+    last_ns = reading->time_ns;
+  }
+  return turn_rad;
+}
+
+}  // namespace
+
+TurnGain turn_gain_of(Window window) {
+  sort_by_time(window);
+  TurnGain all;
+  all.by_heading = !window.headings.empty();
+  Course course;
+  for (const Direction& heading : window.headings) add(course, heading.time_ns, heading.heading_world_rad);
+  if (!all.by_heading) course = travel_of(window.fixes);
+  std::vector<Vector3d> gains;  // in body axes
+  for (std::size_t begin = 0; begin < course.size();) {
+    const auto end = end_of_turn(course, begin);
+    const auto by_gyro_rad =
+        end ? gyro_turn_rad(window.imu, course[begin].time_ns, course[*end].time_ns) : std::nullopt;
+    if (by_gyro_rad) {
+      gains.emplace_back(*by_gyro_rad / (course[*end].direction_rad - course[begin].direction_rad));
+    }
+    begin = end.value_or(begin + 1);
+  }
+  all.turns = gains.size();
+  const auto quantile_along = [&gains](const Vector3d& axis, double share) {
+    std::vector<double> values;
+    for (const Vector3d& gain : gains) values.push_back(axis.dot(gain));
+    return statistics::quantile(std::move(values), share);
+  };
+  const Vector3d median(quantile_along(Vector3d::UnitX(), 0.5), quantile_along(Vector3d::UnitY(), 0.5),
+                        quantile_along(Vector3d::UnitZ(), 0.5));
+  Vector3d force_mps2 = Vector3d::Zero();
+  for (const Reading& reading : window.imu) force_mps2 += reading.force_body_mps2;
+  const Vector3d axis = median.dot(force_mps2) < 0 ? -median.normalized() : median.normalized();
+  all.gain = quantile_along(axis, 0.5);
+  all.spread = quantile_along(axis, 0.75) - quantile_along(axis, 0.25);
+  return all;
+}
+
+TurnFault turn_fault_of(const TurnGain& turn) {
+  constexpr std::size_t min_turns = 2;
+  constexpr std::size_t min_turns_of_travel = 4;
+  constexpr double max_spread = 0.4;  // in units of the gain
+  constexpr double degrees_gain = 20.0;
+  constexpr double dead_gain = 0.3;
+  constexpr double inverted_gain = -0.6;
+  constexpr double wrong_scale = 1.4;
+  const double size = std::abs(turn.gain);
+  if (turn.turns < (turn.by_heading ? min_turns : min_turns_of_travel)) return TurnFault::none;
+  if (turn.spread > max_spread * std::max(1.0, size)) return TurnFault::none;
+  if (turn.gain < inverted_gain && size < degrees_gain) return TurnFault::wrong_sign;
+  if (!turn.by_heading) return TurnFault::none;
+  if (size > degrees_gain) return TurnFault::degrees;
+  if (turn.turns <= min_turns) return TurnFault::none;
+  if (size < dead_gain) return TurnFault::dead;
+  return size > wrong_scale || size < 1.0 / wrong_scale ? TurnFault::scale : TurnFault::none;
+}
+
+}  // namespace sonopose::motion
