@@ -79,6 +79,7 @@ struct FixScatter {
   Vector3d variance_m2 = Vector3d::Zero();   ///< variance of a fix, assuming no acceleration
   double motion_m2 = 0;                      ///< share of it that the motion may have
   Vector3d resolution_m = Vector3d::Zero();  ///< step of coordinates that repeat; 0: none
+  Vector3d repeats = Vector3d::Zero();       ///< number of consecutive repetitions of each coordinate
 
   /// Adds a fix. One that is older than the last is ignored.
   void add(TimeNs time_ns, const Vector3d& position_m);
@@ -149,6 +150,7 @@ void for_each_field(IsFieldsOf<FixScatter> auto& scatter, const auto& visit) {
   visit("variance_m2", scatter.variance_m2);
   visit("motion_m2", scatter.motion_m2);
   visit("resolution_m", scatter.resolution_m);
+  visit("repeats", scatter.repeats);
 }
 
 void for_each_field(IsFieldsOf<MeasurementNoise> auto& noise, const auto& visit) {

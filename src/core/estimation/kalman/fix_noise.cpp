@@ -130,10 +130,15 @@ void FixScatter::add(TimeNs time_ns, const Vector3d& position_m) {
 void FixScatter::add_steps(const Vector3d& position_m) {
   constexpr double max_m = 0.25;
   constexpr double resolution_decay = 0.9;
+  constexpr double max_repeats = 40;  // a coordinate may be constant, as in a map without heights
   for (int i = 0; i < 3; ++i) {
     const double step_m = std::abs(position_m[i] - last_m[i]);
-    if (step_m == 0.0) continue;
-    const bool has_repeated = last_m[i] == before_m[i];
+    if (step_m == 0.0) {
+      repeats[i] = std::min(repeats[i] + 1.0, max_repeats);
+      continue;
+    }
+    const bool has_repeated = repeats[i] > 0.0;
+    repeats[i] = 0.0;
     resolution_m[i] = has_repeated && step_m <= max_m ? step_m : resolution_decay * resolution_m[i];
   }
 }
@@ -164,7 +169,12 @@ Vector3d FixScatter::max_m2() const {
 }
 
 Vector3d FixScatter::rounding_m2() const {
-  return (resolution_m.cwiseAbs2() / 12.0).cwiseMin(fix_limits_m2.max);
+  // A coordinate that repeats has the same error again, and may not have shown its own step yet.
+  constexpr double growth_per_repeat = 0.3;
+  const Vector3d step_m =
+      (repeats.array() > 0.0).select(Vector3d::Constant(resolution_m.maxCoeff()), resolution_m);
+  return (step_m.array().square() / 12.0 * (1.0 + growth_per_repeat * repeats.array()))
+      .cwiseMin(fix_limits_m2.max);
 }
 
 Vector3d FixScatter::noise_m2() const {

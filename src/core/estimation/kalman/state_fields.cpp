@@ -92,7 +92,7 @@ std::optional<FieldFault> find_noise_fault(const MeasurementNoise& noise) {
   }
   const FixScatter& scatter = noise.scatter;
   if (!(scatter.samples >= 0 && scatter.motion_m2 >= 0.0 && scatter.variance_m2.minCoeff() >= 0.0 &&
-        scatter.resolution_m.minCoeff() >= 0.0)) {
+        scatter.resolution_m.minCoeff() >= 0.0 && scatter.repeats.minCoeff() >= 0.0)) {
     return FieldFault{"scatter", "has a negative number"};
   }
   if (!is_positive(noise.heading_rad2)) return FieldFault{"heading_rad2", "is not positive"};
