@@ -158,6 +158,10 @@ public:
   /// Adds an error to the nominal state. The covariance stays as it is.
   void inject(const StateVector& error);
 
+  /// Adds to position and velocity what the errors of attitude and biases have caused in this time. The
+  /// covariance must have been propagated.
+  void apply_past_errors(double duration_s);
+
   /// Adds to the variance of three states.
   void add_variance(StateIndex index, const Vector3d& variance);
 

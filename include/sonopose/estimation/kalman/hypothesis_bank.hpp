@@ -20,11 +20,12 @@ enum class ImuModel : std::uint8_t {
   other_clock,  ///< IMU stamps are from another clock than those of fixes and headings
   open_gyro,    ///< hardly trusts the gyroscope
   open_accel,   ///< hardly trusts the accelerometer
-  open          ///< hardly trusts either: follows the fixes alone
+  open,         ///< hardly trusts either: follows the fixes alone
+  jumped        ///< its attitude or bias has jumped; trusts it again from then on
 };
 
-constexpr std::array<std::string_view, 7> choices_of(ImuModel /*model*/) {
-  return {"quiet", "rough_gyro", "rough", "other_clock", "open_gyro", "open_accel", "open"};
+constexpr std::array<std::string_view, 8> choices_of(ImuModel /*model*/) {
+  return {"quiet", "rough_gyro", "rough", "other_clock", "open_gyro", "open_accel", "open", "jumped"};
 }
 
 constexpr bool is_open(ImuModel model) {
@@ -59,6 +60,7 @@ void inflate(Filter& filter, const CovarianceInflation& inflation);
 struct ImuModelParameters {
   ProcessNoise noise;
   CovarianceInflation inflation;
+  double wrong_for_s = 0;             ///< time for which attitude and biases were wrong before it starts
   double dead_reckoning_mps_rts = 0;  ///< density of the zero-velocity measurement without fixes
   double clock_offset_std_s = 0;  ///< deviation of the delay error that it estimates; 0: as the settings say
 };

@@ -71,8 +71,9 @@ HeadingOutcome judge(State& state, const settings::Settings& settings, const Hea
     if (own.observable) each.evidence += evidence_of(own);
     const bool explains = squared_norm(own) <= heading_chi2_reject_threshold;
     if (!explains && each.track == Track::followed) each.explained_in_row = 0;
-    // A wrong gyroscope is corrected by the headings that it makes the others reject.
-    if (rejected && explains && each.imu == ImuModel::open_gyro && each.track == Track::followed)
+    // A wrong yaw or gyroscope is corrected by the headings that it makes the others reject.
+    const bool doubts_yaw = each.imu == ImuModel::open_gyro || each.imu == ImuModel::jumped;
+    if (rejected && explains && doubts_yaw && each.track == Track::followed)
       correct_by_heading(state, each.filter, settings, heading, scale_of(own) * variance);
   }
   if (rejected && switch_to_open_model(state)) {

@@ -17,7 +17,7 @@ const ImuModelParameters& parameters_of(ImuModel model) {
   // A wrong sensor has been wrong for some tenths of a second before it is found.
   constexpr double wrong_mps = 0.2;
   // The rougher the IMU proves to be, the sooner its integral is worthless.
-  static constexpr std::array<ImuModelParameters, 7> models{{
+  static constexpr std::array<ImuModelParameters, 8> models{{
       {.noise = {}, .inflation = {}, .dead_reckoning_mps_rts = 1.5},
       {.noise = {.gyro_radps_rthz = 2.4e-3, .gyro_bias_radps_rts = 1e-3},
        .inflation = {},
@@ -45,6 +45,11 @@ const ImuModelParameters& parameters_of(ImuModel model) {
                      .gyro_bias_radps = 0.1,
                      .accel_bias_mps2 = 5.0},
        .dead_reckoning_mps_rts = 1.5},
+      {.noise = {.gyro_radps_rthz = 2.4e-3, .gyro_bias_radps_rts = 1e-3},
+       .inflation =
+           {.velocity_mps = 0.05, .tilt_rad = radians(6.0), .yaw_rad = radians(10.0), .accel_bias_mps2 = 0.1},
+       .wrong_for_s = 0.4,
+       .dead_reckoning_mps_rts = 1.0},
   }};
   return models[static_cast<std::size_t>(model)];
 }
@@ -52,6 +57,7 @@ const ImuModelParameters& parameters_of(ImuModel model) {
 void set_imu_model(Hypothesis& hypothesis, ImuModel model) {
   hypothesis.imu = model;
   inflate(hypothesis.filter, parameters_of(model).inflation);
+  hypothesis.filter.apply_past_errors(parameters_of(model).wrong_for_s);
   const double offset_std_s = parameters_of(model).clock_offset_std_s;
   if (offset_std_s > 0.0 && !hypothesis.filter.estimates_delay()) {
     hypothesis.filter.estimate_delay(square(offset_std_s));

@@ -39,7 +39,7 @@ bool has_other_clock(const Filter& filter) {
   return square(filter.delay_error_s) > square(sigmas) * filter.delay_variance_s2;
 }
 
-/// Continues with this open model.
+/// Continues with this open model. One that jumped is trusted at once.
 void adopt_open_model(State& state, Hypothesis& open) {
   constexpr double memory_s = 60.0;
   constexpr int max_doubts = 100;
@@ -56,10 +56,15 @@ void adopt_open_model(State& state, Hypothesis& open) {
   const ImuModel model = open.imu;
   if (state.bank.find(Track::former) == nullptr) store_former_track(state, state.time_ns, state.time_ns);
   if (const Hypothesis* const other = other_track(state)) state.bank.remove(other);
-  Hypothesis& best = *state.bank.find(model);
-  state.bank.best_index = state.bank.index_of(best);
-  for (Hypothesis& each : state.bank) {
-    if (each.track == Track::followed && &each != &best) restart(each, best, doubt);
+  if (model == ImuModel::jumped) {
+    state.bank.follow(state.bank.find(model)->filter);
+  } else {
+    if (const Hypothesis* const jumped = state.bank.find(ImuModel::jumped)) state.bank.remove(jumped);
+    Hypothesis& best = *state.bank.find(model);
+    state.bank.best_index = state.bank.index_of(best);
+    for (Hypothesis& each : state.bank) {
+      if (each.track == Track::followed && &each != &best) restart(each, best, doubt);
+    }
   }
   state.headings.accept();
   rest::restart(state.rest);
@@ -115,9 +120,11 @@ void update_open_models(State& state, bool is_suspicious) {
   if (is_suspicious) doubt.suspicious_until_ns = state.time_ns + suspicion_ns;
   if (state.phase != Phase::tracking || is_open(state.bank.best().imu)) return;
   const bool is_wanted = state.time_ns <= doubt.suspicious_until_ns;
-  for (const ImuModel model : {ImuModel::open_gyro, ImuModel::open_accel, ImuModel::open}) {
+  for (const ImuModel model : {ImuModel::open_gyro, ImuModel::open_accel, ImuModel::open, ImuModel::jumped}) {
     const Hypothesis* const open = state.bank.find(model);
-    if (is_wanted && open == nullptr) {
+    // An IMU that seems to jump again at once is wrong in another way.
+    const bool is_possible = model != ImuModel::jumped || state.time_ns >= doubt.doubted_until_ns;
+    if (is_wanted && is_possible && open == nullptr) {
       Hypothesis& added = state.bank.spawn(state.bank.best());
       set_imu_model(added, model);
     } else if (!is_wanted && open != nullptr) {
@@ -127,8 +134,8 @@ void update_open_models(State& state, bool is_suspicious) {
 }
 
 bool switch_to_open_model(State& state) {
-  constexpr double min_evidence_margin = 14.0;     // prior odds: most IMUs are right
-  constexpr double min_margin_over_tracks = 11.0;  // once the best is refuted
+  constexpr double min_evidence_margin = 10.0;    // prior odds: most IMUs are right
+  constexpr double min_margin_over_tracks = 8.0;  // once the best is refuted
   constexpr int min_rejected = 4;
   // A start that is not proven is more likely to be wrong than the IMU, unless nothing else explains the
   // fixes.
@@ -177,7 +184,7 @@ double ImuDoubt::add_scatter(const Innovation& innovation) {
 
 double ShiftedTrack::add(TimeNs time_ns, const Vector3d& offset_m, const Matrix3d& covariance_m2) {
   constexpr double chi2_restart_threshold = 16.0;
-  constexpr double drift_std_mps = 0.2;
+  constexpr double drift_std_mps = 0.3;
   constexpr double drift_change_mps_rts = 0.05;
   const double noise_m2 = covariance_m2.diagonal().maxCoeff();
   const double dt_s = seconds_between(seen_ns, time_ns);

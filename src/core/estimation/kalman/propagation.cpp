@@ -161,6 +161,17 @@ void Filter::predict_without_imu(double duration_s, const UnknownMotion& motion)
   mirror_upper(P);
 }
 
+void Filter::apply_past_errors(double duration_s) {
+  if (!(duration_s > 0.0)) return;
+  begin_transition();
+  pending.duration_s = duration_s;
+  pending.impulse_mps = duration_s * (acceleration_world_mps2 - gravity_world_mps2);
+  pending.impulse_sum_m = 0.5 * duration_s * pending.impulse_mps;
+  pending.rotation_sum_s = duration_s * pending.rotation_start;
+  pending.rotation_double_sum_s2 = 0.5 * duration_s * pending.rotation_sum_s;
+  propagate({0.0, 0.0, 0.0, 0.0, 0.0});
+}
+
 StateCovariance Filter::transition() const {
   StateCovariance transition = StateCovariance::Identity();
   if (!(pending.duration_s > 0.0)) return transition;

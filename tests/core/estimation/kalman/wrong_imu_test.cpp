@@ -82,6 +82,26 @@ SCENARIO("a gyro axis that dies or turns round while the body walks is found") {
   }
 }
 
+SCENARIO("an IMU that turns in its mount is found, and trusted again") {
+  const std::uint64_t seed = GENERATE(7061U, 7062U, 7063U);
+  constexpr double turns_s = 15.0;
+  GIVEN("a walk whose IMU tilts by 8 degrees at some second, seed " << seed) {
+    const auto moments = moments_of("walk", seed, [&](sim::Scenario& scenario) {
+      constexpr double turn_rad = 8.0 * geometry::radians_per_degree;
+      scenario.disturbances.imu_faults = {
+          {.begin_s = turns_s, .duration_s = without_end_s, .turned_by_rad = {turn_rad, 0.0, 0.0}}};
+    });
+    THEN("the status says so within five seconds, and not before") {
+      CHECK(first_s(moments, status_imu_inconsistent) > turns_s);
+      CHECK(first_s(moments, status_imu_inconsistent) < turns_s + 5.0);
+    }
+    THEN("the position stays within decimetres, and is soon as good as with a fixed IMU") {
+      CHECK(largest_error_m(moments, 6.0) < 0.8);
+      CHECK(largest_error_m(moments, turns_s + 10.0) < 0.1);
+    }
+  }
+}
+
 SCENARIO("an accelerometer of another unit is found") {
   GIVEN("a walk with an accelerometer that counts in g") {
     const auto moments = moments_of("walk", 7011, [&](sim::Scenario& scenario) {
