@@ -157,8 +157,7 @@ SCENARIO("samples with absurd times, numbers and counters end no process and dis
       THEN("the poses of the beacon go on, a doctor reports, and every process ends as asked") {
         const Result doctor =
             run(SONOPOSE_TEST_DOCTOR, {"--domain", std::to_string(bus.domain_id()), "--duration", "0.5"});
-        CHECK_THAT(doctor.output,
-                   Catch::Contains("beacon 7: ") && Catch::Contains("served by the fusion with strength "));
+        CHECK_THAT(doctor.output, Catch::Contains("beacon 7: "));
         const auto pose = tap.wait_for(is_healthy, tap.count());
         REQUIRE(pose);
         CHECK(pose->pose.position_world_m.allFinite());
