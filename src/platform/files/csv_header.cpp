@@ -176,7 +176,7 @@ CsvHeader::CsvHeader(const CsvLayout& layout, std::string_view line, const std::
   if (layout.given_names != nullptr) rename(*layout.given_names, where);
   places_.fill(missing);
   factors_.fill(1.0L);
-  doubts_.fill(missing);
+  ranks_.fill(missing);
   for (std::size_t place = 0; place < names_.size(); ++place) match(layout, place, where);
   require_units(where);
   std::vector<std::string_view> not_found;
@@ -243,7 +243,7 @@ void CsvHeader::require_units(const std::string& where) const {
 }
 
 /// Finds the column of a name, also at the end of a path (`pose.position.x`), or of a unit of time as a name.
-/// Of two names the one with less doubt counts; a given one has none.
+/// Prefers the name that the user gave, then that with the fewest parts left out.
 void CsvHeader::match(const CsvLayout& layout, std::size_t place, const std::string& where) {
   const std::string& text = names_[place];
   Column given = column_in(names_in_file_, text);
@@ -252,31 +252,31 @@ void CsvHeader::match(const CsvLayout& layout, std::size_t place, const std::str
   std::optional<std::size_t> column = find_column(layout, name);
   const bool is_given =
       layout.given_names != nullptr && layout.given_names->own_by_given.contains(names_in_file_[place]);
-  std::size_t doubt = is_given ? 0 : 1;
+  std::size_t rank = is_given ? 0 : 1;
   constexpr std::string_view path_separators = "./%";
   for (std::size_t end = name.find_first_of(path_separators); !column && end != std::string::npos;
        end = name.find_first_of(path_separators)) {
     name.erase(0, end + 1);
-    ++doubt;
+    ++rank;
     if (name.size() > 1) column = find_column(layout, name);  // one letter may be of anything
   }
   if (const std::string unit = lower_case(text); !column && unit.size() > 1 && unit_factor(unit, "s")) {
     name = unit;
     given.unit = name;
     column = find_column(layout, "time");
-    ++doubt;
+    ++rank;
   }
-  if (column && doubt == doubts_[*column]) {
+  if (column && rank == ranks_[*column]) {
     throw IoError(where + ": column " + std::to_string(place + 1) + " (" + text + "): column " +
                   std::to_string(places_[*column] + 1) + " (" + names_[places_[*column]] + ") is the same");
   }
-  if (!column || doubt > doubts_[*column]) {
+  if (!column || rank > ranks_[*column]) {
     unknown_.push_back(text);
     return;
   }
   if (places_[*column] != missing) unknown_.push_back(names_[places_[*column]]);
   places_[*column] = place;
-  doubts_[*column] = doubt;
+  ranks_[*column] = rank;
   set_unit(layout, *column, given.unit, where);
 }
 

@@ -116,7 +116,7 @@ private:
   std::vector<std::string> names_in_file_;  ///< before they were renamed
   std::vector<std::string> unknown_;
   std::array<std::size_t, max_columns> places_{};
-  std::array<std::size_t, max_columns> doubts_{};
+  std::array<std::size_t, max_columns> ranks_{};  ///< of the name that was found: 0 is the best
   std::array<long double, max_columns> factors_{};
   std::array<bool, max_columns> has_unit_{};
   std::array<std::string_view, max_columns> own_units_{};

@@ -197,8 +197,10 @@ Attempt best_attempt(const Input& input) {
   if (has_delay(attempt)) return attempt;
   Attempt other;
   other.set_back_s = detail::coarse_delay_s(input.logs, input.observer_of("search of the clocks"));
-  if (other.set_back_s != 0.0) fit_pieces(input, other);
-  if (other.set_back_s != 0.0 && has_delay(other)) return other;
+  if (other.set_back_s != 0.0) {
+    fit_pieces(input, other);
+    if (has_delay(other)) return other;
+  }
   name_clocks(attempt);
   return attempt;
 }

@@ -131,8 +131,8 @@ bool check_axes(const BeaconObservation& beacon, Findings& findings) {
                    fmt::format("increase the range, or multiply {}", scaled_by("gyroscope", 1.0 / gain)));
       break;
     case motion::TurnFault::none:
-    case motion::TurnFault::wrong_sign:  // check_installation tells it from that of the accelerometer
-    case motion::TurnFault::degrees:     // check_units has reported it
+    case motion::TurnFault::wrong_sign:  // check_installation reports it
+    case motion::TurnFault::degrees:     // check_units reports it
       break;
   }
   return findings.size() == before;
