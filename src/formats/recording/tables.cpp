@@ -77,7 +77,7 @@ void check_own_names(const files::ColumnNames& names) {
       }
     }
     throw files::IoError(
-        fmt::format("\"{}\" (given for the column \"{}\") is none of the names {}", own, given, columns));
+        fmt::format(R"("{}" (given for the column "{}") is none of the names {})", own, given, columns));
   }
 }
 
@@ -85,7 +85,7 @@ void check_own_names(const files::ColumnNames& names) {
 void check_given_names(const files::ColumnNames& names) {
   for (const auto& [given, own] : names.own_by_given) {
     if (names.found.contains(given)) continue;
-    throw files::IoError(fmt::format("no table has a column \"{}\" (given as \"{}\")", given, own));
+    throw files::IoError(fmt::format(R"(no table has a column "{}" (given as "{}"))", given, own));
   }
 }
 

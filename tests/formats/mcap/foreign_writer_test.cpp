@@ -35,7 +35,7 @@ struct StatedChunk {
   std::vector<std::uint64_t> log_times_ns;
   TimeSpan stated;
   bool has_message_index = true;
-  std::string compression = "";
+  std::string compression{};
 };
 
 /// Parts that a writer may leave out or add.

@@ -126,16 +126,16 @@ SCENARIO("a wrong unit or clock is found, with the unit to name") {
   GIVEN("a gyroscope of the wrong sign, and headings") {
     std::vector<Event> events = standing();
     const auto heading_rad = [](TimeNs time_ns) { return seconds_between(start_ns, time_ns); };
-    for (std::size_t i = 0; i < events.size(); ++i) {
-      if (auto* imu = std::get_if<ImuSample>(&events[i])) imu->angular_velocity_body_radps.z() = -1.0;
-      const auto* fix = std::get_if<UltrasonicFix>(&events[i]);
+    for (Event& event : events) {
+      if (auto* imu = std::get_if<ImuSample>(&event)) imu->angular_velocity_body_radps.z() = -1.0;
+      const auto* fix = std::get_if<UltrasonicFix>(&event);
       if (fix == nullptr) continue;
       PairHeading heading;
       heading.emission_time_ns = fix->emission_time_ns;
       heading.received_time_ns = fix->received_time_ns;
       heading.valid = true;
       heading.heading_world_rad = std::remainder(heading_rad(fix->emission_time_ns), 2 * std::numbers::pi);
-      events[i] = heading;
+      event = heading;
     }
     THEN("the gain is the finding") {
       const auto findings = input_findings("log", events);
