@@ -20,18 +20,13 @@ trap cleanup EXIT
 "$cmake" --install "$build" --prefix "$work/prefix" >/dev/null
 flags=$(sed -n 's/^SONOPOSE_SANITIZE:STRING=//p' "$build/CMakeCache.txt")
 share=$work/prefix/share/sonopose
-build_example() { # NAME CMAKE-ARGUMENTS
-  "$cmake" -S "$source/examples/$1" -B "$work/$1" -G Ninja "${@:2}" >/dev/null
-  "$cmake" --build "$work/$1" >/dev/null
+eigen_only=(-DCMAKE_DISABLE_FIND_PACKAGE_CycloneDDS=ON -DCMAKE_DISABLE_FIND_PACKAGE_pugixml=ON
+  -DCMAKE_DISABLE_FIND_PACKAGE_fmt=ON -DCMAKE_DISABLE_FIND_PACKAGE_Threads=ON)
+
+code_of() { # LANGUAGE PAGE
+  awk -v fence="\`\`\`$1" '$0 == fence { inside = 1; next } /^```/ { inside = 0 } inside' "$source/$2"
 }
-for example in consumer producer ros2_listener_cyclone; do
-  build_example $example -DCMAKE_PREFIX_PATH="$work/prefix" ${flags:+-DCMAKE_CXX_FLAGS=-fsanitize=$flags}
-done
-build_example c_consumer -DSONOPOSE_IDL="$share/idl/sonopose.idl"
-eigen_only=(-DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_DISABLE_FIND_PACKAGE_CycloneDDS=ON
-  -DCMAKE_DISABLE_FIND_PACKAGE_pugixml=ON -DCMAKE_DISABLE_FIND_PACKAGE_fmt=ON -DCMAKE_DISABLE_FIND_PACKAGE_Threads=ON)
-build_example embedded "${eigen_only[@]}" ${flags:+-DCMAKE_CXX_FLAGS=-fsanitize=$flags}
-mkdir "$work/optional"
+mkdir "$work"/{optional,readme,pages}
 cat >"$work/optional/CMakeLists.txt" <<'END'
 cmake_minimum_required(VERSION 3.25)
 project(optional LANGUAGES C CXX)
@@ -40,12 +35,6 @@ if(sonopose_dds_FOUND)
   message(FATAL_ERROR "dds is found without Cyclone DDS")
 endif()
 END
-"$cmake" -S "$work/optional" -B "$work/optional/build" -G Ninja "${eigen_only[@]}" >/dev/null
-
-code_of() { # LANGUAGE PAGE
-  awk -v fence="\`\`\`$1" '$0 == fence { inside = 1; next } /^```/ { inside = 0 } inside' "$source/$2"
-}
-mkdir "$work/readme" "$work/pages"
 code_of cpp README.md >"$work/readme/main.cpp"
 code_of cmake README.md >"$work/readme/CMakeLists.txt"
 for page in $(cd "$source" && grep -l '^```cpp' docs/*.md); do
@@ -59,13 +48,25 @@ file(GLOB pages *.cpp)
 add_library(pages OBJECT ${pages})
 target_link_libraries(pages PRIVATE sonopose::dds sonopose::estimation)
 END
-for folder in readme pages; do
-  "$cmake" -S "$work/$folder" -B "$work/$folder/build" -G Ninja -DCMAKE_PREFIX_PATH="$work/prefix" \
-    ${flags:+-DCMAKE_CXX_FLAGS=-fsanitize=$flags} >/dev/null
-  "$cmake" --build "$work/$folder/build"
-done
 
-"$work/embedded/sonopose_embedded" | tee "$work/embedded.log" | tail -n 1
+# Each folder is a project of its own; below one that is common to several, CMake examines the compiler once.
+build_together() { # NAME FOLDERS CMAKE-ARGUMENTS
+  mkdir "$work/$1"
+  {
+    printf 'cmake_minimum_required(VERSION 3.25)\nproject(%s LANGUAGES C CXX)\n' "$1"
+    for folder in $2; do printf 'add_subdirectory("%s" %s)\n' "$folder" "$(basename "$folder")"; done
+  } >"$work/$1/CMakeLists.txt"
+  "$cmake" -S "$work/$1" -B "$work/$1/build" -G Ninja -DCMAKE_PREFIX_PATH="$work/prefix" \
+    ${flags:+-DCMAKE_CXX_FLAGS=-fsanitize=$flags} "${@:3}" >/dev/null
+  "$cmake" --build "$work/$1/build"
+}
+examples=$source/examples
+build_together on_the_bus "$examples/consumer $examples/producer $examples/ros2_listener_cyclone
+  $examples/c_consumer $work/readme $work/pages" -DSONOPOSE_IDL="$share/idl/sonopose.idl"
+build_together without_dds "$examples/embedded $work/optional" "${eigen_only[@]}"
+bus=$work/on_the_bus/build
+
+"$work/without_dds/build/embedded/sonopose_embedded" | tee "$work/embedded.log" | tail -n 1
 tail -n 1 "$work/embedded.log" |
   awk '{ exit !($1 == 10 && ($3 - 2)^2 + ($4 - 1)^2 + ($5 - 0.5)^2 < 0.01^2) }'
 
@@ -74,7 +75,7 @@ tail -n 1 "$work/embedded.log" |
 "$work/prefix/bin/sonopose-ros2" & pids+=($!)
 "$work/prefix/bin/sonopose-bridge" & pids+=($!)
 for consumer in consumer/sonopose_consumer ros2_listener_cyclone/sonopose_ros2_listener; do
-  poses=$(timeout 200 "$work/$consumer" 50 | tee "$work/poses" | wc -l)
+  poses=$(timeout 200 "$bus/$consumer" 50 | tee "$work/poses" | wc -l)
   tail -n 1 "$work/poses"
   [ "$poses" -ge 50 ]
 done
@@ -82,8 +83,8 @@ done
 kill -INT "${pids[2]}"
 wait "${pids[2]}"
 unset 'pids[2]'
-"$work/producer/sonopose_producer" & pids+=($!)
+"$bus/producer/sonopose_producer" & pids+=($!)
 CYCLONEDDS_URI=file://$share/cyclonedds-loopback.xml \
-  timeout 200 "$work/c_consumer/sonopose_c_consumer" 500 >"$work/poses"
+  timeout 200 "$bus/c_consumer/sonopose_c_consumer" 500 >"$work/poses"
 tail -n 1 "$work/poses" | tee "$work/pose"
 awk '$1 == "42:" { exit !((sqrt($2^2 + $3^2) - 2)^2 < 0.2^2 && ($4 - 0.5)^2 < 0.2^2) } { exit 1 }' "$work/pose"

@@ -1,7 +1,7 @@
 #include "doctor/probe/beacon_probe.hpp"
 
 #include "doctor/probe/rest.hpp"
-#include "motion/window_fit.hpp"
+#include "motion/fit/window_fit.hpp"
 #include "observation/beacon_observer.hpp"
 #include <sonopose/calibration/model/calibration.hpp>
 #include <sonopose/estimation/aiding/delay.hpp>
@@ -241,9 +241,9 @@ rules::BeaconObservation BeaconProbe::observation(TimeNs now_ns, const settings:
   return beacon;
 }
 
-std::vector<motion::Piece> BeaconProbe::pieces(const settings::Settings& settings,
-                                               const std::function<bool()>& is_stopped) const {
-  return motion::pieces_of(motion_window(settings), is_stopped);
+std::vector<motion::fit::Piece> BeaconProbe::pieces(const settings::Settings& settings,
+                                                    const std::function<bool()>& is_stopped) const {
+  return motion::fit::pieces_of(motion_window(settings), is_stopped);
 }
 
 /// The finite readings with the calibration applied.

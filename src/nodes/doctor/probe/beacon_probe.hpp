@@ -63,9 +63,9 @@ public:
   /// pieces and bridges.
   [[nodiscard]] rules::BeaconObservation observation(TimeNs now_ns, const settings::Settings& settings) const;
 
-  /// Fits the installation to IMU and fixes, which takes a while (motion::pieces_of).
-  [[nodiscard]] std::vector<motion::Piece> pieces(const settings::Settings& settings,
-                                                  const std::function<bool()>& is_stopped = {}) const;
+  /// Fits the installation to IMU and fixes, which takes a while (motion::fit::pieces_of).
+  [[nodiscard]] std::vector<motion::fit::Piece> pieces(const settings::Settings& settings,
+                                                       const std::function<bool()>& is_stopped = {}) const;
 
   /// Writers of its IMU samples, by the handles given to `on`.
   [[nodiscard]] const std::set<std::uint64_t>& writers() const { return writers_; }

@@ -13,8 +13,8 @@
 namespace sonopose::doctor::rules {
 namespace {
 
-using motion::Measured;
-using motion::Piece;
+using motion::fit::Measured;
+using motion::fit::Piece;
 
 constexpr double degrees = 1.0 / geometry::radians_per_degree;
 
@@ -69,7 +69,7 @@ bool has_known_delay(const Piece& piece) {
 
 /// True if the IMU with this axis inverted explains the piece, and the other sign does not.
 bool shows_inverted(const Piece& piece, std::size_t axis) {
-  const motion::Inverted& inverted = piece.inverted.at(axis);
+  const motion::fit::Inverted& inverted = piece.inverted.at(axis);
   if (inverted.log_likelihood < min_log_likelihood_ratio || inverted.residual_m > max_residual_m)
     return false;
   if (inverted.mount_rad && inverted.mount_rad->std > sign_mount_std_rad) return false;

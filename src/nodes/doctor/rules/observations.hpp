@@ -3,9 +3,9 @@
 /// Observations of a running system, collected by doctor/probe: values without DDS entities, clocks or
 /// threads.
 
+#include "motion/fit/window_fit.hpp"
 #include "motion/imu_summary.hpp"
 #include "motion/turn_gain.hpp"
-#include "motion/window_fit.hpp"
 #include "observation/pose_writers.hpp"
 #include <sonopose/calibration/model/calibration.hpp>
 #include <sonopose/dds/binding/qos.hpp>
@@ -140,14 +140,14 @@ struct BeaconObservation {
       ended_fusions;  ///< ended fusions whose poses consumers received: their losses count too
   StatusCounts status_counts;
   FixOutcomes fix_outcomes;
-  std::uint64_t pair_fixes = 0;         ///< fixes that are the centre of a pair
-  settings::Settings fusion_settings;   ///< settings of its fusion; the defaults if unknown
-  std::uint64_t timed_fixes = 0;        ///< fixes whose delay was measured by the hardware
-  std::vector<motion::Piece> pieces;    ///< fits of the installation to IMU and fixes
-  motion::ImuSummary imu_summary;       ///< summary with the calibration applied
-  motion::TurnGain turn_gain;           ///< of the calibrated gyroscope
-  std::vector<std::string> stuck_axes;  ///< one text for each axis of the IMU that keeps one value
-  std::optional<RestObservation> rest;  ///< empty if it does not rest
+  std::uint64_t pair_fixes = 0;            ///< fixes that are the centre of a pair
+  settings::Settings fusion_settings;      ///< settings of its fusion; the defaults if unknown
+  std::uint64_t timed_fixes = 0;           ///< fixes whose delay was measured by the hardware
+  std::vector<motion::fit::Piece> pieces;  ///< fits of the installation to IMU and fixes
+  motion::ImuSummary imu_summary;          ///< summary with the calibration applied
+  motion::TurnGain turn_gain;              ///< of the calibrated gyroscope
+  std::vector<std::string> stuck_axes;     ///< one text for each axis of the IMU that keeps one value
+  std::optional<RestObservation> rest;     ///< empty if it does not rest
 };
 
 struct Observations {

@@ -55,7 +55,7 @@ bool check_outliers(const BeaconObservation& beacon, Findings& findings) {
     // A fusion that follows each track rejects few fixes of either.
     outliers_m.clear();
     fixes = 0;
-    for (const motion::Piece& piece : beacon.pieces) {
+    for (const motion::fit::Piece& piece : beacon.pieces) {
       outliers_m.insert(outliers_m.end(), piece.outliers_m.begin(), piece.outliers_m.end());
       fixes += piece.fixes;
     }

@@ -121,8 +121,8 @@ SCENARIO("a drive whose IMU falls silent every few seconds is refused, with the 
 }
 
 SCENARIO("clocks of fixes and IMU that differ are found, whichever is ahead") {
-  const auto [pair_heading, ahead_s] = GENERATE(table<bool, double>(
-      {{true, 0.08}, {true, -0.4}, {true, 1.3}, {true, -2.2}, {false, -0.08}, {false, 0.4}, {false, 1.3}}));
+  const auto [pair_heading, ahead_s] =
+      GENERATE(table<bool, double>({{true, 0.08}, {true, -0.4}, {true, -2.2}, {false, -0.08}, {false, 1.3}}));
   const Events events = drive_of("drone", 3101, pair_heading);
   GIVEN("an IMU whose clock differs") {
     CAPTURE(pair_heading, ahead_s);
@@ -141,13 +141,11 @@ SCENARIO("clocks of fixes and IMU that differ are found, whichever is ahead") {
 }
 
 SCENARIO("clocks that differ by more than is searched are no lack of motion") {
-  for (const char* const scenario : {"forklift", "walk"}) {
-    for (const double ahead_s : {5.0, -20.0}) {
-      const DriveFit fit = calibrated(with_imu_ahead(drive_of(scenario, 3103, false), ahead_s));
-      CAPTURE(scenario, ahead_s, fit[Quantity::delay].missing);
-      CHECK_FALSE(fit[Quantity::delay].is_known());
-      CHECK_THAT(fit[Quantity::delay].missing, Contains("the clocks differ by more than the 3 s"));
-    }
+  for (const auto& [scenario, ahead_s] : {std::pair("forklift", 5.0), std::pair("walk", -20.0)}) {
+    const DriveFit fit = calibrated(with_imu_ahead(drive_of(scenario, 3103, false), ahead_s));
+    CAPTURE(scenario, ahead_s, fit[Quantity::delay].missing);
+    CHECK_FALSE(fit[Quantity::delay].is_known());
+    CHECK_THAT(fit[Quantity::delay].missing, Contains("the clocks differ by more than the 3 s"));
   }
 }
 

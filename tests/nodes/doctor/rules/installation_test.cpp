@@ -52,12 +52,13 @@ TEST_CASE("A proposed value that rounds to zero has no sign") {
   beacon.fusion_settings.heading.mount_offset_deg = 90;
   beacon.fusion_settings.delay.correction_s = 0.1;
   beacon.fix.samples = beacon.timed_fixes = 60;
-  motion::Piece piece;
+  motion::fit::Piece piece;
   piece.fixes = 60;
   piece.length_s = 8;
   piece.span_m = 5;
   piece.residual_m = 0.02;
-  piece.mount_rad = motion::Measured{-0.3 * geometry::radians_per_degree, 0.5 * geometry::radians_per_degree};
+  piece.mount_rad =
+      motion::fit::Measured{-0.3 * geometry::radians_per_degree, 0.5 * geometry::radians_per_degree};
   piece.mount_log_likelihood = 100;
   piece.delay_s = {-0.1001, 0.001};
   beacon.pieces = {piece};

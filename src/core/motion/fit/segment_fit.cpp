@@ -1,6 +1,6 @@
-#include "motion/segment_fit.hpp"
+#include "motion/fit/segment_fit.hpp"
 
-#include "motion/integral.hpp"
+#include "motion/fit/integral.hpp"
 #include <sonopose/geometry/cross_matrix.hpp>
 #include <sonopose/geometry/rotation.hpp>
 
@@ -12,7 +12,7 @@
 #include <numbers>
 #include <utility>
 
-namespace sonopose::motion::detail {
+namespace sonopose::motion::fit::detail {
 namespace {
 
 constexpr int at_position = 0;
@@ -373,4 +373,4 @@ std::optional<SegmentFit> fit_segment_with_mount(const Segment& segment, double 
   return begun ? solver.finish(begun->second) : std::nullopt;
 }
 
-}  // namespace sonopose::motion::detail
+}  // namespace sonopose::motion::fit::detail

@@ -1,11 +1,11 @@
-#include "motion/integral.hpp"
+#include "motion/fit/integral.hpp"
 
 #include <sonopose/geometry/cross_matrix.hpp>
 #include <sonopose/geometry/rotation.hpp>
 
 #include <algorithm>
 
-namespace sonopose::motion::detail {
+namespace sonopose::motion::fit::detail {
 namespace {
 
 /// Moves the state by a step of constant rate and force.
@@ -60,4 +60,4 @@ IntegralState state_at(const std::vector<IntegralState>& states, double since_st
   return state;
 }
 
-}  // namespace sonopose::motion::detail
+}  // namespace sonopose::motion::fit::detail

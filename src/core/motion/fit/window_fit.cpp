@@ -1,12 +1,12 @@
-#include "motion/window_fit.hpp"
+#include "motion/fit/window_fit.hpp"
 
-#include "motion/segment_fit.hpp"
+#include "motion/fit/segment_fit.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
 #include <algorithm>
 #include <cmath>
 
-namespace sonopose::motion {
+namespace sonopose::motion::fit {
 namespace {
 
 using detail::Segment;
@@ -128,4 +128,4 @@ std::vector<Piece> pieces_of(Window window, const std::function<bool()>& is_stop
   return pieces;
 }
 
-}  // namespace sonopose::motion
+}  // namespace sonopose::motion::fit

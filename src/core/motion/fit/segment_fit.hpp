@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-namespace sonopose::motion::detail {
+namespace sonopose::motion::fit::detail {
 
 struct Segment {
   std::span<const Reading> imu;
@@ -36,4 +36,4 @@ std::optional<SegmentFit> fit_segment(const Segment& segment, const Vector3d& si
 /// Best motion with a known mount, which gives the direction of the start. Requires headings.
 std::optional<SegmentFit> fit_segment_with_mount(const Segment& segment, double mount_rad);
 
-}  // namespace sonopose::motion::detail
+}  // namespace sonopose::motion::fit::detail

@@ -1,4 +1,4 @@
-#include "motion/window_fit.hpp"
+#include "motion/fit/window_fit.hpp"
 
 #include "doctor/replayed.hpp"
 #include <sonopose/geometry/rotation.hpp>
@@ -11,6 +11,7 @@ namespace window_fit_test {
 
 using namespace sonopose;
 using namespace sonopose::motion;
+using namespace sonopose::motion::fit;
 using namespace sonopose::doctor::test;
 
 constexpr double degrees = geometry::radians_per_degree;

@@ -11,7 +11,7 @@
 #include <optional>
 #include <vector>
 
-namespace sonopose::motion {
+namespace sonopose::motion::fit {
 
 /// An estimate and its standard deviation.
 struct Measured {
@@ -47,4 +47,4 @@ struct Piece {
 /// window 15 of them, evenly spread. Stops early, with the pieces so far, when `is_stopped` returns true.
 std::vector<Piece> pieces_of(Window window, const std::function<bool()>& is_stopped = {});
 
-}  // namespace sonopose::motion
+}  // namespace sonopose::motion::fit

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-namespace sonopose::motion::detail {
+namespace sonopose::motion::fit::detail {
 
 /// Integral from the start of the segment to one of its samples, in the body axes of the start, without
 /// gravity.
@@ -37,4 +37,4 @@ std::vector<IntegralState> integral_of(std::span<const Reading> imu, const Vecto
 /// State at a time, from the sample before it; outside of the segment, from the nearest sample.
 IntegralState state_at(const std::vector<IntegralState>& states, double since_start_s);
 
-}  // namespace sonopose::motion::detail
+}  // namespace sonopose::motion::fit::detail
