@@ -3,8 +3,8 @@
 #include "clocks/clocks.hpp"
 #include "files/error.hpp"
 #include "transport/device_access.hpp"
-#include "transport/serial_line.hpp"
 #include "transport/stoppable_loop.hpp"
+#include "transport/tty_settings.hpp"
 
 #include <asio/buffer.hpp>
 #include <asio/serial_port.hpp>

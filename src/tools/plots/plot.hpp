@@ -5,7 +5,7 @@
 
 #include "files/replacement.hpp"
 #include "plots/arrivals.hpp"
-#include "plots/curves.hpp"
+#include "plots/run_curves.hpp"
 #include "recording/log_folder.hpp"
 #include <sonopose/settings/settings.hpp>
 

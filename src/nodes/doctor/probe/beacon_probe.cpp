@@ -1,6 +1,6 @@
 #include "doctor/probe/beacon_probe.hpp"
 
-#include "doctor/probe/rest.hpp"
+#include "doctor/probe/longest_rest.hpp"
 #include "motion/fit/window_fit.hpp"
 #include "observation/beacon_observer.hpp"
 #include <sonopose/calibration/model/calibration.hpp>

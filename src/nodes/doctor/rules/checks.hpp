@@ -38,7 +38,7 @@ bool has_wrong_sign_of_z(const BeaconObservation& beacon, Findings& findings);
 void check_tracks(const BeaconObservation& beacon, Findings& findings);
 /// Checks units, mount and calibration of one beacon's IMU. Returns false if units or axes are wrong: then
 /// whatever is computed from its readings is wrong too.
-bool check_mount(const BeaconObservation& beacon, Findings& findings);
+bool check_imu(const BeaconObservation& beacon, Findings& findings);
 
 /// The value of calibration.axes closest to a rotation, of those that map the sensor's axis `up` ("-x") to
 /// body Z.

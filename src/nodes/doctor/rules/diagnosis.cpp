@@ -43,7 +43,7 @@ std::vector<Finding> diagnose(const Observations& observations) {
   check_lines(observations, findings);
   check_pose_writers(observations, findings);
   for (const BeaconObservation& beacon : observations.beacons) {
-    const bool is_mount_right = check_mount(beacon, findings);  // the causes first
+    const bool is_mount_right = check_imu(beacon, findings);  // the causes first
     check_beacon(observations, beacon, findings);
     const std::size_t before = findings.size();
     const auto cause = [&] {

@@ -1,4 +1,4 @@
-#include "doctor/probe/rest.hpp"
+#include "doctor/probe/longest_rest.hpp"
 
 #include <sonopose/geometry/rotation.hpp>
 

@@ -6,7 +6,7 @@
 #include <functional>
 #include <optional>
 
-namespace rest_test {
+namespace longest_rest_test {
 
 using namespace sonopose;
 using namespace sonopose::doctor;
@@ -104,4 +104,4 @@ TEST_CASE("A pause of one second is no rest, unless the look is as short") {
   CHECK_FALSE(beacon.rest_after(8));
 }
 
-}  // namespace rest_test
+}  // namespace longest_rest_test

@@ -7,7 +7,7 @@
 
 #include <functional>
 
-namespace mount_test {
+namespace imu_test {
 
 using namespace sonopose;
 using namespace sonopose::doctor::test;
@@ -120,4 +120,4 @@ SCENARIO("a gyroscope that senses too little or nothing of the turns is named") 
   }
 }
 
-}  // namespace mount_test
+}  // namespace imu_test

@@ -157,7 +157,7 @@ std::string nearest_axes(const Eigen::Matrix3d& sensor_to_body, std::string_view
   return std::string(best);
 }
 
-bool check_mount(const BeaconObservation& beacon, Findings& findings) {
+bool check_imu(const BeaconObservation& beacon, Findings& findings) {
   if (!check_axes(beacon, findings)) return false;
   if (beacon.imu_summary.duration_s > 0 && !check_units(beacon, findings)) return false;
   if (!beacon.rest) {

@@ -1,4 +1,4 @@
-#include "plots/curves.hpp"
+#include "plots/run_curves.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace curves_test {
+namespace run_curves_test {
 
 using namespace sonopose;
 using namespace sonopose::plots;
@@ -108,4 +108,4 @@ TEST_CASE("a thinned fix is the one that an engineer looks for") {
   CHECK(std::accumulate(histogram.along.begin(), histogram.along.end(), std::size_t{0}) == fixes - 1);
 }
 
-}  // namespace curves_test
+}  // namespace run_curves_test

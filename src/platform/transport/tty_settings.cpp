@@ -1,4 +1,4 @@
-#include "transport/serial_line.hpp"
+#include "transport/tty_settings.hpp"
 
 #include <cerrno>
 #include <cstring>

@@ -1,4 +1,4 @@
-#include "plots/curves.hpp"
+#include "plots/run_curves.hpp"
 
 #include <sonopose/geometry/rotation.hpp>
 #include <sonopose/settings/settings_table.hpp>

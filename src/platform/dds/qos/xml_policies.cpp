@@ -1,4 +1,4 @@
-#include "dds/qos/xml.hpp"
+#include "dds/qos/xml_policies.hpp"
 
 #include <algorithm>
 #include <array>
