@@ -19,8 +19,8 @@ using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
 
-/// Tables of a simulated forklift: times in seconds from the start, positions 80 ms late by their times.
-void write_tables(const TemporaryFolder& folder) {
+/// Tables of a simulated forklift: times in seconds from the start, those of the positions too late.
+void write_tables(const TemporaryFolder& folder, double late_s) {
   const auto run = sim::record(sim::find_scenario("forklift"), {.seed = 41, .duration_s = 90.0});
   const TimeNs start_ns = available_at_ns(run.events.front());
   std::string imu = "time,GyroA_x,GyroA_y,GyroA_z,acc_x,acc_y,acc_z\n";
@@ -33,7 +33,7 @@ void write_tables(const TemporaryFolder& folder) {
                          w.x(), w.y(), w.z(), a.x(), a.y(), a.z());
     } else if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
       const Vector3d& p = fix->position_world_m;
-      positions += fmt::format("{:.6f};{};{};{}\n", seconds_between(start_ns, fix->emission_time_ns) + 0.08,
+      positions += fmt::format("{:.6f};{};{};{}\n", seconds_between(start_ns, fix->emission_time_ns) + late_s,
                                p.x(), p.y(), p.z());
     }
   }
@@ -43,7 +43,7 @@ void write_tables(const TemporaryFolder& folder) {
 
 SCENARIO("tables are imported, and the offset of their clocks is found") {
   const TemporaryFolder folder;
-  write_tables(folder);
+  write_tables(folder, 0.08);
   std::vector<std::string> arguments{"--imu",       (folder / "imu.csv").string(),
                                      "--positions", (folder / "positions.csv").string(),
                                      "--out",       (folder / "log").string()};
@@ -82,6 +82,27 @@ SCENARIO("tables are imported, and the offset of their clocks is found") {
       CHECK_THAT(again.error, Contains("already contains a recording"));
     }
   }
+}
+
+SCENARIO("clocks that differ by more than the fusion corrects are corrected by a second import") {
+  const TemporaryFolder folder;
+  write_tables(folder, 1.7);
+  const auto imported = [&folder](const std::string& name, const std::string& shift_s) {
+    std::vector<std::string> arguments{
+        "--imu", (folder / "imu.csv").string(),   "--positions", (folder / "positions.csv").string(),
+        "--out", (folder.path() / name).string(), "--shift",     shift_s};
+    for (const char* const column : {"w_x=GyroA_x", "w_y=GyroA_y", "w_z=GyroA_z"})
+      arguments.insert(arguments.end(), {"--column", column});
+    const Result result = run(SONOPOSE_TEST_IMPORT, arguments);
+    CAPTURE(result.output, result.error);
+    REQUIRE(result.code == 0);
+    return result.output;
+  };
+  const std::string first = imported("first", "0");
+  std::smatch match;
+  REQUIRE(std::regex_search(first, match, std::regex("import again with --shift (-?[0-9.]+)")));
+  CHECK(std::stod(match[1]) == Approx(-1.7).margin(0.01));
+  CHECK_THAT(imported("second", match[1]), !Contains("import again"));
 }
 
 }  // namespace import_test

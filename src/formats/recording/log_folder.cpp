@@ -38,9 +38,10 @@ public:
   [[nodiscard]] const ImuSample* current() const { return at_end_ ? nullptr : &sample_; }
 
   void step() {
-    do {
+    for (;; ++left_out_) {
       at_end_ = !rows_.next_row();
-    } while (!at_end_ && is_table_ && !rows_.all_filled(1, 6));
+      if (at_end_ || !is_table_ || rows_.all_filled(1, 6)) break;
+    }
     if (at_end_) return;
     sample_.sensor_time_ns = rows_.time_ns(0);
     sample_.angular_velocity_body_radps = rows_.vector(1);
@@ -53,10 +54,13 @@ public:
   }
 
   [[nodiscard]] std::size_t expected_count() const { return at_end_ ? 0 : rows_.rows_like_this(); }
+  /// Number of rows without IMU values so far.
+  [[nodiscard]] std::size_t left_out() const { return left_out_; }
 
 private:
   files::CsvReader rows_;
   bool is_table_;  ///< has rows of other measurements
+  std::size_t left_out_ = 0;
   ImuSample sample_;
   bool at_end_ = false;
 };
@@ -241,12 +245,17 @@ SensorLog merge_by_availability(const std::string& name, const std::vector<ImuSa
   return merged(name, Samples(imu), Samples(fixes), Samples(headings));
 }
 
-std::vector<ImuSample> read_imu_csv(const std::filesystem::path& file, BeaconAddress address,
-                                    ImuMeaning meaning, const files::CsvLayout& layout) {
-  std::vector<ImuSample> samples;
-  for (ImuRows rows(file, address, meaning, layout); rows.current() != nullptr; rows.step())
-    samples.push_back(*rows.current());
-  return samples;
+std::vector<ImuSample> read_imu_csv(const std::filesystem::path& file, BeaconAddress address) {
+  return read_imu_table(file, address, imu_layout()).samples;
+}
+
+ImuTable read_imu_table(const std::filesystem::path& file, BeaconAddress address,
+                        const files::CsvLayout& layout) {
+  ImuTable table;
+  ImuRows rows(file, address, ImuMeaning::unknown, layout);
+  for (; rows.current() != nullptr; rows.step()) table.samples.push_back(*rows.current());
+  table.rows_without_values = rows.left_out();
+  return table;
 }
 
 std::vector<UltrasonicFix> read_ultrasonic_csv(const std::filesystem::path& file, BeaconAddress address) {

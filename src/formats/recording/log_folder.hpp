@@ -68,11 +68,17 @@ SensorLog merge_by_availability(const std::string& name, const std::vector<ImuSa
                                 const std::vector<UltrasonicFix>& fixes,
                                 const std::vector<PairHeading>& headings);
 
-/// Read single files, in file order and without sequence numbers. A layout with given names leaves out rows
-/// without IMU values. Each throws files::IoError.
-std::vector<ImuSample> read_imu_csv(const std::filesystem::path& file, BeaconAddress address,
-                                    ImuMeaning meaning = ImuMeaning::unknown,
-                                    const files::CsvLayout& layout = imu_layout());
+/// The IMU samples of a table.
+struct ImuTable {
+  std::vector<ImuSample> samples;
+  std::size_t rows_without_values = 0;  ///< rows that lack a vector, which are left out
+};
+
+/// Read single files, in file order and without sequence numbers. Each throws files::IoError. Only a layout
+/// with given names leaves rows out.
+std::vector<ImuSample> read_imu_csv(const std::filesystem::path& file, BeaconAddress address);
+ImuTable read_imu_table(const std::filesystem::path& file, BeaconAddress address,
+                        const files::CsvLayout& layout);
 
 /// Sets `measured_delay_s` to received − timestamp.
 std::vector<UltrasonicFix> read_ultrasonic_csv(const std::filesystem::path& file, BeaconAddress address);

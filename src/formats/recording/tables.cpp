@@ -9,6 +9,8 @@
 #include <array>
 #include <functional>
 #include <limits>
+#include <set>
+#include <string>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -17,9 +19,9 @@
 namespace sonopose::recording {
 namespace {
 
-constexpr std::array<std::string_view, 6> position_columns{"timestamp [ns]", "x [m]",         "y [m]",
-                                                           "z [m]",          "received [ns]", "quality [%]"};
-constexpr std::size_t position_columns_required = 4;
+constexpr std::array<std::string_view, 7> position_columns{"timestamp [ns]", "x [m]",       "y [m]", "z [m]",
+                                                           "received [ns]",  "quality [%]", "tag"};
+constexpr std::size_t position_columns_required = 3;
 
 /// Added while reading, since a table may begin at zero or before.
 constexpr TimeNs reading_offset_ns = 1'000'000'000'000'000'000;
@@ -35,30 +37,60 @@ files::CsvLayout table_of(files::CsvLayout layout, files::ColumnNames& names) {
   return layout;
 }
 
+/// A fix, and the tag that its row names.
+struct TaggedFix {
+  UltrasonicFix fix;
+  std::string tag;
+};
+
+/// Leaves the fixes of one tag: of that with the address, if a table has several. Counts the others.
+void leave_one_tag(std::vector<TaggedFix>& fixes, const std::string& file, BeaconAddress address,
+                   Tables& tables) {
+  std::set<std::string> tags;
+  for (const TaggedFix& tagged : fixes) tags.insert(tagged.tag);
+  if (tags.size() < 2) return;
+  const std::string own = std::to_string(address);
+  if (!tags.contains(own)) {
+    throw files::IoError(
+        fmt::format("{}: has positions of the tags {}; choose one with --beacon, or keep only its rows", file,
+                    fmt::join(tags, ", ")));
+  }
+  tables.rows_of_other_tags =
+      std::erase_if(fixes, [&own](const TaggedFix& tagged) { return tagged.tag != own; });
+}
+
 std::vector<UltrasonicFix> read_positions(const std::filesystem::path& file, files::ColumnNames& names,
                                           BeaconAddress address, TimeNs shift_ns, bool leave_repeated_out,
                                           Tables& tables) {
   files::CsvLayout layout = table_of(position_layout(), names);
   layout.time_offset_ns += shift_ns;
   files::CsvReader rows(file, layout);
-  std::vector<UltrasonicFix> fixes;
+  tables.has_height = rows.has(3);
+  const std::size_t coordinates = tables.has_height ? 3 : 2;
+  std::vector<TaggedFix> tagged;
   while (rows.next_row()) {
-    if (!rows.all_filled(1, 3)) {
+    if (!rows.all_filled(1, coordinates)) {
       ++tables.rows_without_position;
       continue;
     }
     UltrasonicFix fix;
     fix.address = address;
     fix.emission_time_ns = rows.time_ns(0);
-    fix.position_world_m = rows.vector(1);
-    if (leave_repeated_out && !fixes.empty() && fixes.back().position_world_m == fix.position_world_m) {
-      ++tables.repeated_positions;
-      continue;
-    }
+    fix.position_world_m = {rows.number(1), rows.number(2), tables.has_height ? rows.number(3) : 0.0};
     fix.received_time_ns = rows.is_empty(4) ? fix.emission_time_ns : rows.time_ns(4);
     fix.quality_percent = rows.optional_number(5);
     fix.measured_delay_s = seconds_between(fix.emission_time_ns, fix.received_time_ns);
-    fixes.push_back(fix);
+    tagged.push_back({fix, std::string(rows.text(6))});
+  }
+  leave_one_tag(tagged, file.string(), address, tables);
+  std::vector<UltrasonicFix> fixes;
+  for (const auto& [fix, tag] : tagged) {
+    const bool is_repeated = !fixes.empty() && fixes.back().position_world_m == fix.position_world_m;
+    if (leave_repeated_out && is_repeated) {
+      ++tables.repeated_positions;
+    } else {
+      fixes.push_back(fix);
+    }
   }
   return fixes;
 }
@@ -135,11 +167,10 @@ Tables read_tables(const TableFiles& given_files, files::ColumnNames& names, Bea
   std::error_code error;
   const bool is_one_file = std::filesystem::equivalent(files.imu, files.positions, error);
   if (is_one_file) files.positions = files.imu;
-  std::vector<ImuSample> imu;
+  ImuTable imu_table;
   std::vector<UltrasonicFix> fixes;
   MissingInAll missing;
-  missing.collect(
-      [&] { imu = read_imu_csv(files.imu, address, ImuMeaning::unknown, table_of(imu_layout(), names)); });
+  missing.collect([&] { imu_table = read_imu_table(files.imu, address, table_of(imu_layout(), names)); });
   missing.collect([&] {
     fixes = read_positions(files.positions, names, address, files.position_shift_ns, is_one_file, tables);
   });
@@ -149,6 +180,8 @@ Tables read_tables(const TableFiles& given_files, files::ColumnNames& names, Bea
   });
   missing.check();
   check_given_names(names);
+  std::vector<ImuSample>& imu = imu_table.samples;
+  if (!is_one_file) tables.rows_without_imu = imu_table.rows_without_values;
   if (imu.empty()) throw files::IoError(files.imu.string() + ": has no row with IMU values");
   if (fixes.empty()) throw files::IoError(files.positions.string() + ": has no row with a position");
   if (files.truth && tables.log.truth.empty()) throw files::IoError(files.truth->string() + ": has no row");

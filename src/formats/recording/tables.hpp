@@ -22,7 +22,10 @@ struct TableFiles {
 
 struct Tables {
   SensorLog log;
+  std::size_t rows_without_imu = 0;              ///< rows of the IMU's own table without one of its values
   std::size_t rows_without_position = 0;         ///< rows of the positions' table without x, y and z
+  std::size_t rows_of_other_tags = 0;            ///< rows of the positions' table that name another tag
+  bool has_height = true;                        ///< false if the positions have no z, which is then 0
   std::size_t repeated_positions = 0;            ///< rows that repeat the position of the row before
   TimeNs times_moved_ns = 0;                     ///< added to all times, because they began at zero
   TimeNs position_shift_ns = 0;                  ///< added to those of the positions before, as requested
@@ -31,7 +34,8 @@ struct Tables {
 
 /// Reads the tables; `names` gives the columns of all files. A position is taken for measured at its time,
 /// and for received then unless the table has a column `received`. If the positions' table is the IMU's too,
-/// rows that repeat a position are left out. Throws files::IoError, also for a given name that no file has.
+/// rows that repeat a position are left out. Of several tags in the table, that with the address counts.
+/// Throws files::IoError, also for a given name that no file has.
 Tables read_tables(const TableFiles& files, files::ColumnNames& names, BeaconAddress address);
 
 }  // namespace sonopose::recording

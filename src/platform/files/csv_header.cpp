@@ -117,6 +117,19 @@ char separator_of(std::string_view header) {
   return ' ';
 }
 
+/// A text without brackets around it.
+std::string_view without_brackets(std::string_view text) {
+  const bool is_bracketed = text.size() > 1 && (text.starts_with('[') || text.starts_with('(')) &&
+                            (text.ends_with(']') || text.ends_with(')'));
+  return is_bracketed ? trimmed(text.substr(1, text.size() - 2)) : text;
+}
+
+/// The last part of a path such as `header.stamp.sec`, in lower case.
+std::string last_part(std::string_view name) {
+  const std::size_t separator = name.find_last_of("./%_");
+  return lower_case(separator == std::string_view::npos ? name : name.substr(separator + 1));
+}
+
 }  // namespace
 
 namespace {
@@ -168,12 +181,27 @@ bool has_column(const CsvLayout& layout, std::string_view name) {
   return find_column(layout, column_of(name).name).has_value();
 }
 
-CsvHeader::CsvHeader(const CsvLayout& layout, std::string_view line, const std::string& where) {
+bool is_line_of_units(std::string_view line) {
+  if (line.starts_with('#')) line.remove_prefix(1);
+  bool has_unit = false;
+  bool has_other = false;
+  split_cells(separator_of(line), line, [&](std::size_t, std::string_view cell) {
+    const std::string_view unit = without_brackets(cell);
+    if (unit.empty() || unit == "-" || unit == "1") return;
+    (is_unit(unit) ? has_unit : has_other) = true;
+  });
+  return has_unit && !has_other;
+}
+
+CsvHeader::CsvHeader(const CsvLayout& layout, std::string_view line, const std::string& where,
+                     std::string_view units) {
   if (line.starts_with('#')) line.remove_prefix(1);
   separator_ = separator_of(line);
-  split(line, [this](std::size_t, std::string_view cell) { add_name(cell); });
+  split_cells(separator_, line, [this](std::size_t, std::string_view cell) { add_name(cell); });
   names_in_file_ = names_;
   if (layout.given_names != nullptr) rename(*layout.given_names, where);
+  add_units(units);
+  join_seconds(layout);
   places_.fill(missing);
   factors_.fill(1.0L);
   ranks_.fill(missing);
@@ -187,7 +215,13 @@ CsvHeader::CsvHeader(const CsvLayout& layout, std::string_view line, const std::
       required_width_ = std::max(required_width_, places_[column] + 1);
     }
   }
-  if (!not_found.empty()) throw MissingColumns(where, not_found, line, unknown_);
+  if (!not_found.empty()) {
+    const auto numbers =
+        std::ranges::count_if(names_, [](const std::string& name) { return parse_number(name).has_value(); });
+    if (2 * static_cast<std::size_t>(numbers) > names_.size())
+      throw IoError(text_about_missing(where, not_found, line) + ": numbers instead of names");
+    throw MissingColumns(where, not_found, line, unknown_);
+  }
   if (separator_ == ' ') required_width_ = names_.size();  // between spaces no cell can be empty
   if (layout.given_names == nullptr) return;
   auto& columns = layout.given_names->columns_by_reader.emplace_back();
@@ -228,6 +262,49 @@ void CsvHeader::rename(ColumnNames& given, const std::string& where) {
   }
 }
 
+/// Appends the units of a line to names without one.
+void CsvHeader::add_units(std::string_view units) {
+  if (units.empty()) return;
+  if (units.starts_with('#')) units.remove_prefix(1);
+  split_cells(separator_, units, [this](std::size_t place, std::string_view cell) {
+    const std::string_view unit = without_brackets(cell);
+    if (place >= names_.size() || unit.empty() || unit == "-") return;
+    if (!column_in(names_in_file_, names_[place]).unit) names_[place].append(" [").append(unit) += ']';
+  });
+}
+
+/// Finds the two columns of a time in whole seconds and nanoseconds. They count for more than another time,
+/// which is that of a recorder, but not for more than a name that the user gave.
+void CsvHeader::join_seconds(const CsvLayout& layout) {
+  constexpr std::array<std::string_view, 2> seconds{"sec", "secs"};
+  constexpr std::array<std::string_view, 3> nanoseconds{"nanosec", "nsec", "nsecs"};
+  std::size_t pairs = 0;
+  for (std::size_t place = 0; place < names_.size(); ++place) {
+    const std::string& name = names_[place];
+    const bool is_time = layout.given_names != nullptr && find_column(layout, column_of(name).name) == 0 &&
+                         layout.given_names->own_by_given.contains(names_in_file_[place]);
+    if (is_time) return;
+    const std::string part = last_part(name);
+    if (std::ranges::find(seconds, part) == seconds.end()) continue;
+    const std::string path = name.substr(0, name.size() - part.size());
+    for (std::size_t other = 0; other < names_.size(); ++other) {
+      const std::string other_part = last_part(names_[other]);
+      const bool is_pair = std::ranges::find(nanoseconds, other_part) != nanoseconds.end() &&
+                           names_[other].substr(0, names_[other].size() - other_part.size()) == path;
+      if (!is_pair) continue;
+      seconds_place_ = place;
+      nanoseconds_place_ = other;
+      ++pairs;
+    }
+  }
+  if (pairs != 1) {
+    seconds_place_ = missing;
+    nanoseconds_place_ = missing;
+    return;
+  }
+  names_[seconds_place_] = "time [s]";
+}
+
 /// Refuses a vector, or two times, of which only a part names another unit than that of the layout.
 void CsvHeader::require_units(const std::string& where) const {
   for (std::size_t column = 1; column < max_columns; ++column) {
@@ -245,6 +322,7 @@ void CsvHeader::require_units(const std::string& where) const {
 /// Finds the column of a name, also at the end of a path (`pose.position.x`), or of a unit of time as a name.
 /// Prefers the name that the user gave, then that with the fewest parts left out.
 void CsvHeader::match(const CsvLayout& layout, std::size_t place, const std::string& where) {
+  if (place == nanoseconds_place_) return;
   const std::string& text = names_[place];
   Column given = column_in(names_in_file_, text);
   std::string name(given.name);
@@ -252,7 +330,7 @@ void CsvHeader::match(const CsvLayout& layout, std::size_t place, const std::str
   std::optional<std::size_t> column = find_column(layout, name);
   const bool is_given =
       layout.given_names != nullptr && layout.given_names->own_by_given.contains(names_in_file_[place]);
-  std::size_t rank = is_given ? 0 : 1;
+  std::size_t rank = is_given || place == seconds_place_ ? 0 : 1;
   constexpr std::string_view path_separators = "./%";
   for (std::size_t end = name.find_first_of(path_separators); !column && end != std::string::npos;
        end = name.find_first_of(path_separators)) {

@@ -69,19 +69,17 @@ private:
 /// Finds the columns of a layout in a header. Compares names without case, separators, the frames of EuRoC's
 /// names (`w_RS_S_x`) and a path before them (`field.pose.position.x`). The axis may be first (`xacc`) or an
 /// index (`gyro[0]`). A unit is in brackets or ends the name (`x_mm`); without one it is that of the layout.
+/// A time may be two columns, as in ROS (`header.stamp.sec` and `header.stamp.nanosec`).
 class CsvHeader {
 public:
   static constexpr std::size_t max_columns = 24;  ///< of a layout
   static constexpr std::size_t missing = ~std::size_t{0};
 
   CsvHeader() = default;
-  /// `where` precedes the text of an error: file and line. Throws IoError for a missing or repeated column
-  /// and a wrong unit.
-  CsvHeader(const CsvLayout& layout, std::string_view line, const std::string& where);
-
-  /// Splits a line; calls `on_cell(index, cell)` for each cell, and returns their number.
-  template <class OnCell>
-  std::size_t split(std::string_view line, const OnCell& on_cell) const;
+  /// `where` precedes the text of an error: file and line. `units` is a line below the names that has their
+  /// units, or empty. Throws IoError for a missing or repeated column and a wrong unit.
+  CsvHeader(const CsvLayout& layout, std::string_view line, const std::string& where,
+            std::string_view units = {});
 
   [[nodiscard]] char separator() const { return separator_; }
   [[nodiscard]] std::size_t width() const { return names_.size(); }
@@ -98,12 +96,16 @@ public:
   [[nodiscard]] std::string_view own_unit(std::size_t column) const { return own_units_[column]; }
   /// Name of a column of the layout as the header has it.
   [[nodiscard]] const std::string& name(std::size_t column) const { return names_[places_[column]]; }
+  /// Place of the nanoseconds that are added to the first column of the layout, or `missing`.
+  [[nodiscard]] std::size_t nanoseconds_place() const { return nanoseconds_place_; }
   /// Names of the columns that the layout does not have.
   [[nodiscard]] const std::vector<std::string>& unknown() const { return unknown_; }
 
 private:
   void add_name(std::string_view cell);
   void rename(ColumnNames& given, const std::string& where);
+  void add_units(std::string_view units);
+  void join_seconds(const CsvLayout& layout);
   void match(const CsvLayout& layout, std::size_t place, const std::string& where);
   void set_unit(const CsvLayout& layout, std::size_t column, std::optional<std::string_view> unit,
                 const std::string& where);
@@ -112,6 +114,8 @@ private:
   char separator_ = ',';
   bool is_open_ = false;  ///< the last name has an open bracket
   std::size_t required_width_ = 0;
+  std::size_t seconds_place_ = missing;
+  std::size_t nanoseconds_place_ = missing;
   std::vector<std::string> names_;
   std::vector<std::string> names_in_file_;  ///< before they were renamed
   std::vector<std::string> unknown_;
@@ -121,6 +125,9 @@ private:
   std::array<bool, max_columns> has_unit_{};
   std::array<std::string_view, max_columns> own_units_{};
 };
+
+/// Returns true if the line has units instead of values: "s, rad/s, m/s^2".
+bool is_line_of_units(std::string_view line);
 
 /// A text without spaces and tabs at its ends.
 inline std::string_view trimmed(std::string_view text) {
@@ -136,15 +143,16 @@ inline std::string_view unquoted(std::string_view text) {
   return is_quoted ? text.substr(1, text.size() - 2) : text;
 }
 
+/// Splits a line; calls `on_cell(index, cell)` for each cell, and returns their number.
 template <class OnCell>
-std::size_t CsvHeader::split(std::string_view line, const OnCell& on_cell) const {
+std::size_t split_cells(char separator, std::string_view line, const OnCell& on_cell) {
   line = trimmed(line);
   for (std::size_t index = 0;; ++index) {
-    const std::size_t end = separator_ == ' ' ? line.find_first_of(" \t") : line.find(separator_);
+    const std::size_t end = separator == ' ' ? line.find_first_of(" \t") : line.find(separator);
     on_cell(index, unquoted(trimmed(line.substr(0, end))));
     if (end == std::string_view::npos) return index + 1;
     line.remove_prefix(end + 1);
-    if (separator_ == ' ') line = trimmed(line);
+    if (separator == ' ') line = trimmed(line);
   }
 }
 

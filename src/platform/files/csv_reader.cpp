@@ -5,6 +5,7 @@
 #include "files/units.hpp"
 #include "logging/log.hpp"
 #include <sonopose/text/escaped.hpp>
+#include <sonopose/text/utc_time.hpp>
 
 #include <algorithm>
 #include <charconv>
@@ -50,10 +51,14 @@ void CsvReader::read_header() {
     // Below a comment, a row of numbers is not the header.
     if (refusal && parse_number(line->substr(0, line->find_first_of(",;\t "))))
       std::rethrow_exception(refusal);
-    header_ = CsvHeader(layout_, *line, position());
-  } else if (line) {
-    read_ahead_ = std::make_unique<std::string>(*line);
+    const std::string names(*line);
+    const std::string where = position();
+    line = layout_.given_names != nullptr ? next_line() : std::nullopt;
+    const bool has_units = line && is_line_of_units(*line);
+    header_ = CsvHeader(layout_, names, where, has_units ? *line : std::string_view{});
+    if (has_units) line.reset();
   }
+  if (line) read_ahead_ = std::make_unique<std::string>(*line);
   if (header_.width() > cells_.size()) {
     throw IoError(name_ + ": the header has " + std::to_string(header_.width()) + " columns; at most " +
                   std::to_string(cells_.size()) + " are read");
@@ -84,7 +89,7 @@ bool CsvReader::next_row() {
   cells_.fill({});
   const bool is_table = layout_.given_names != nullptr;
   std::size_t filled = 0;
-  std::size_t count = header_.split(row_, [&](std::size_t index, std::string_view text) {
+  std::size_t count = split_cells(header_.separator(), row_, [&](std::size_t index, std::string_view text) {
     if (!text.empty()) filled = index + 1;
     if (index < cells_.size() && !(is_table && is_absent(text))) cells_[index] = text;
   });
@@ -123,6 +128,33 @@ void CsvReader::detect_seconds() {
   for (const std::size_t column : times) header_.set_factor(column, *unit_factor("s", "ns"));
 }
 
+/// A time that is no whole number of nanoseconds: with a unit, with decimals, or a date.
+TimeNs CsvReader::other_time_ns(std::size_t column) const {
+  const std::string_view text = cell(column);
+  const long double factor = header_.factor(column);
+  const auto time = parse_long_number(text);
+  if (!time) {
+    const auto utc_ns = text::utc_time_ns(text);
+    if (!utc_ns) fail(column, "is not a time");
+    return *utc_ns;
+  }
+  const long double time_ns = *time * factor;
+  if (factor == 1.0L && time_ns != std::floor(time_ns)) fail(column, "is not a time in whole nanoseconds");
+  const bool is_in_range = std::abs(time_ns) < static_cast<long double>(end_of_time_ns);
+  return is_in_range ? std::llround(time_ns) : end_of_time_ns;
+}
+
+/// The nanoseconds of a time in two columns.
+TimeNs CsvReader::nanoseconds() const {
+  const std::size_t place = header_.nanoseconds_place();
+  if (place == CsvHeader::missing) return 0;
+  const auto number = parse_number(place < cells_.size() ? cells_[place] : std::string_view{});
+  constexpr double second_ns = 1e9;
+  if (!number || *number < 0.0 || *number >= second_ns || *number != std::floor(*number))
+    fail(0, "has no nanoseconds in 0 … 999999999 beside it");
+  return static_cast<TimeNs>(*number);
+}
+
 TimeNs CsvReader::time_ns(std::size_t column) const {
   const std::string_view text = cell(column);
   const long double factor = header_.factor(column);
@@ -130,13 +162,9 @@ TimeNs CsvReader::time_ns(std::size_t column) const {
   const char* const end = text.data() + text.size();
   const auto result = std::from_chars(text.data(), end, value);
   if (factor != 1.0L || result.ec != std::errc{} || result.ptr != end) {
-    const auto time = parse_long_number(text);
-    if (!time) fail(column, "is not a time");
-    const long double time_ns = *time * factor;
-    if (factor == 1.0L && time_ns != std::floor(time_ns)) fail(column, "is not a time in whole nanoseconds");
-    const bool is_in_range = std::abs(time_ns) < static_cast<long double>(end_of_time_ns);
-    value = is_in_range ? std::llround(time_ns) : end_of_time_ns;
+    value = other_time_ns(column);
   }
+  if (column == 0) value = saturated_sum(value, nanoseconds());
   value = saturated_sum(value, layout_.time_offset_ns);
   if (value <= 0 || value >= end_of_time_ns) fail(column, "is not a time between 1 and 2^62 - 1 ns");
   return value;
@@ -162,6 +190,10 @@ double CsvReader::number_in(long double unit, std::size_t column) const {
   const auto value = parse_number_in(unit * header_.factor(column), cell(column));
   if (!value) fail(column, "is not a number");
   return *value;
+}
+
+bool CsvReader::has(std::size_t column) const {
+  return header_.place(column) != CsvHeader::missing;
 }
 
 bool CsvReader::all_filled(std::size_t first_column, std::size_t count) const {

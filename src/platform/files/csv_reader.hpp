@@ -17,7 +17,8 @@ namespace sonopose::files {
 
 /// Reads the columns of a layout by their names in the header, in any order and unit. A column is identified
 /// by its index in the layout, and its values are in the unit of the layout. In a table with given names,
-/// `NaN` and the like are empty cells, and a separator may end a row.
+/// `NaN` and the like are empty cells, a separator may end a row, and the line below the header may have the
+/// units.
 class CsvReader {
 public:
   /// Opens the file and reads its header: the first of its lines that begin with `#` and have the required
@@ -34,8 +35,10 @@ public:
 
   /// Cells of the current row. A cell beyond the row's end, or of a column that the file lacks, is empty.
   [[nodiscard]] bool is_empty(std::size_t column) const { return cell(column).empty(); }
-  /// Time in 1 … 2^62 − 1. Without a unit in the header it is in nanoseconds, or in seconds if the first row
-  /// with a time other than 0 has decimals of one below 1e12.
+  [[nodiscard]] std::string_view text(std::size_t column) const { return cell(column); }
+  /// Time in 1 … 2^62 − 1: a number, or a date as of text::utc_time_ns. Without a unit in the header a number
+  /// is in nanoseconds, or in seconds if the first row with a time other than 0 has decimals of one below
+  /// 1e12.
   [[nodiscard]] TimeNs time_ns(std::size_t column) const;
   [[nodiscard]] double number(std::size_t column) const;
   [[nodiscard]] std::optional<double> optional_number(std::size_t column) const;
@@ -43,6 +46,8 @@ public:
   /// Returns a number that the layout has in another unit; see units.hpp.
   [[nodiscard]] double number_in(long double unit, std::size_t column) const;
 
+  /// Returns true if the header has the column.
+  [[nodiscard]] bool has(std::size_t column) const;
   /// Returns true if all cells are filled, false if all are empty. Throws IoError otherwise.
   [[nodiscard]] bool all_filled(std::size_t first_column, std::size_t count) const;
 
@@ -59,6 +64,8 @@ private:
   void read_header();
   std::optional<std::string_view> next_line();
   void detect_seconds();
+  [[nodiscard]] TimeNs other_time_ns(std::size_t column) const;
+  [[nodiscard]] TimeNs nanoseconds() const;
   std::string_view with_points(std::string_view line);
 
   std::string name_;

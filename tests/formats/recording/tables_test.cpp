@@ -14,6 +14,7 @@ using namespace sonopose;
 using namespace sonopose::recording;
 using namespace sonopose::test;
 using Catch::Contains;
+using Catch::EndsWith;
 
 SCENARIO("tables of other programs become a log") {
   const TemporaryFolder folder;
@@ -97,10 +98,10 @@ SCENARIO("headers of common tools need no names") {
         "%time,field.header.stamp,field.pose.pose.position.x,field.pose.pose.position.y,"
         "field.pose.pose.position.z,field.pose.pose.orientation.x\n2100000000,2000000000,4,5,6,0\n";
   }
-  GIVEN("a bag in a table, without a header in the positions") {
+  GIVEN("a bag in a table: the two columns of the message's stamp count, not its time in the bag") {
     imu =
         "Time,header.stamp.secs,header.stamp.nsecs,angular_velocity.x,angular_velocity.y,angular_velocity.z,"
-        "linear_acceleration.x,linear_acceleration.y,linear_acceleration.z\n2.0,1,9,.1,.2,.3,1,2,9\n";
+        "linear_acceleration.x,linear_acceleration.y,linear_acceleration.z\n2.1,2,0,.1,.2,.3,1,2,9\n";
     positions = "%time,field.x,field.y,field.z\n2000000000,4,5,6\n";
   }
   GIVEN("arrays with units, and directions") {
@@ -121,6 +122,61 @@ SCENARIO("headers of common tools need no names") {
   CHECK(sample.specific_force_body_mps2.isApprox(a_mps2, 1e-6));
   CHECK(fix.emission_time_ns == 2'000'000'000);
   CHECK(fix.position_world_m.isApprox(p_m));
+}
+
+SCENARIO("units may be in the line below the names, and times may be dates") {
+  const auto [sample, fix] = first_of(
+      "time,w_x,w_y,w_z,a_x,a_y,a_z\n,deg/s,deg/s,deg/s,[g],[g],[g]\n"
+      "2026-11-27T10:15:30.25Z,90,0,0,0,0,1\n",
+      "time,x,y,z\n2026-11-27 11:15:30.300+01:00,4,5,6\n");
+  CHECK(sample.angular_velocity_body_radps.x() == Approx(1.5707963));
+  CHECK(sample.specific_force_body_mps2.z() == Approx(standard_gravity_mps2));
+  CHECK(sample.sensor_time_ns == 1'795'774'530'250'000'000);
+  CHECK(fix.emission_time_ns - sample.sensor_time_ns == 50'000'000);
+}
+
+SCENARIO("a time in two columns has whole seconds and nanoseconds") {
+  const std::string imu = "timestamp,w_x,w_y,w_z,a_x,a_y,a_z\n1700000000000000001,0,0,0,0,0,9.8\n";
+  const auto time_ns = [&](const std::string& seconds, const std::string& nanoseconds) {
+    const std::string positions =
+        "/pos/header/stamp/sec,/pos/header/stamp/nanosec,x,y,z\n" + seconds + "," + nanoseconds + ",4,5,6\n";
+    return first_of(imu, positions).second.emission_time_ns;
+  };
+  CHECK(time_ns("1700000000", "123456789") == 1'700'000'000'123'456'789);
+  CHECK_THROWS_WITH(time_ns("1700000000", "1000000000"), Contains("no nanoseconds in 0 … 999999999"));
+  CHECK_THROWS_WITH(time_ns("1700000000", ""), Contains("no nanoseconds in 0 … 999999999"));
+}
+
+SCENARIO("positions of several tags are those of one, and may lack a height") {
+  const TemporaryFolder folder;
+  write_text(folder / "positions.csv", "t,Tag ID,x,y\n1.5,12,1,2\n1.6,7,3,4\n1.7,12,5,6\n");
+  files::ColumnNames names;
+  const TableFiles files{folder / "imu.csv", folder / "positions.csv", {}};
+  write_text(folder / "imu.csv",
+             "t,w_x,w_y,w_z,a_x,a_y,a_z\n1.5,0,0,0,0,0,9.8\n1.7,nan,nan,nan,nan,nan,nan\n");
+  WHEN("the table has the beacon") {
+    const Tables tables = read_tables(files, names, 12);
+    THEN("its rows are the fixes, at height 0, and the others are counted") {
+      REQUIRE(tables.log.events.size() == 3);
+      CHECK(std::get<UltrasonicFix>(tables.log.events[1]).position_world_m == Vector3d(1.0, 2.0, 0.0));
+      CHECK(std::get<UltrasonicFix>(tables.log.events[2]).position_world_m == Vector3d(5.0, 6.0, 0.0));
+      CHECK(tables.rows_of_other_tags == 1);
+      CHECK_FALSE(tables.has_height);
+      CHECK(tables.rows_without_imu == 1);
+    }
+  }
+  WHEN("it does not") {
+    THEN("the tags are named") {
+      CHECK_THROWS_WITH(read_tables(files, names, 8),
+                        Contains("positions.csv: has positions of the tags 12, 7; choose one with --beacon"));
+    }
+  }
+}
+
+SCENARIO("a table without the names of its columns is refused as such") {
+  CHECK_THROWS_WITH(
+      first_of("timestamp,w_x,w_y,w_z,a_x,a_y,a_z\n1,0,0,0,0,0,9.8\n", "1700000,12,7,0.3,0.4,1.2\n"),
+      Contains("positions.csv:1: the header has no column") && EndsWith(": numbers instead of names"));
 }
 
 SCENARIO("rows may lack a value, end in a separator, and begin at a whole second") {

@@ -81,15 +81,15 @@ std::string import_text(const recording::Tables& tables) {
   }
   for (const TruthSample& sample : tables.log.truth) truth_ns.push_back(sample.time_ns);
   std::string out = stream_text("IMU", std::move(imu_ns)) + imu_text(readings);
+  const auto append_count = [&out](std::size_t count, std::string_view noun, std::string_view what) {
+    if (count > 0) out += fmt::format("{:<12}{} {}\n", "", text::count_text(count, noun), what);
+  };
+  append_count(tables.rows_without_imu, "row", "without IMU values");
   out += stream_text("positions", std::move(fixes_ns));
-  if (tables.rows_without_position > 0) {
-    out += fmt::format("{:<12}{} without a position\n", "",
-                       text::count_text(tables.rows_without_position, "row"));
-  }
-  if (tables.repeated_positions > 0) {
-    out += fmt::format("{:<12}{} that repeat the one before left out\n", "",
-                       text::count_text(tables.repeated_positions, "position"));
-  }
+  if (!tables.has_height) out += fmt::format("{:<12}without z, which is taken as 0\n", "");
+  append_count(tables.rows_without_position, "row", "without a position");
+  append_count(tables.rows_of_other_tags, "row", "of other tags");
+  append_count(tables.repeated_positions, "position", "that repeat the one before left out");
   if (!truth_ns.empty()) out += stream_text("truth", std::move(truth_ns));
   if (tables.times_moved_ns > 0) {
     out += fmt::format("{:<12}{:.3f} s added, since they begin at zero or before\n", "times",
