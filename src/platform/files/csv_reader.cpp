@@ -3,9 +3,9 @@
 #include "files/column_units.hpp"
 #include "files/error.hpp"
 #include "files/units.hpp"
+#include "files/utc_time.hpp"
 #include "logging/log.hpp"
 #include <sonopose/text/escaped.hpp>
-#include <sonopose/text/utc_time.hpp>
 
 #include <algorithm>
 #include <charconv>
@@ -134,7 +134,7 @@ TimeNs CsvReader::other_time_ns(std::size_t column) const {
   const long double factor = header_.factor(column);
   const auto time = parse_long_number(text);
   if (!time) {
-    const auto utc_ns = text::utc_time_ns(text);
+    const auto utc_ns = utc_time_ns(text);
     if (!utc_ns) fail(column, "is not a time");
     return *utc_ns;
   }

@@ -36,7 +36,7 @@ public:
   /// Cells of the current row. A cell beyond the row's end, or of a column that the file lacks, is empty.
   [[nodiscard]] bool is_empty(std::size_t column) const { return cell(column).empty(); }
   [[nodiscard]] std::string_view text(std::size_t column) const { return cell(column); }
-  /// Time in 1 … 2^62 − 1: a number, or a date as of text::utc_time_ns. Without a unit in the header a number
+  /// Time in 1 … 2^62 − 1: a number, or a date as of utc_time_ns. Without a unit in the header a number
   /// is in nanoseconds, or in seconds if the first row with a time other than 0 has decimals of one below
   /// 1e12.
   [[nodiscard]] TimeNs time_ns(std::size_t column) const;

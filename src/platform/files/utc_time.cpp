@@ -1,10 +1,10 @@
-#include <sonopose/text/utc_time.hpp>
+#include "files/utc_time.hpp"
 
 #include <charconv>
 #include <chrono>
 #include <system_error>
 
-namespace sonopose::text {
+namespace sonopose::files {
 namespace {
 
 /// Reads the parts of a text from left to right. Members return false if the text goes on otherwise.
@@ -80,4 +80,4 @@ std::optional<std::int64_t> utc_time_ns(std::string_view text) {
   return nanoseconds(since_epoch).count() + fraction_ns;
 }
 
-}  // namespace sonopose::text
+}  // namespace sonopose::files
