@@ -193,6 +193,8 @@
   });
 
   const updateStatistics = () => {
+    const hasTruth = [...model.beacons.values()].some((beacon) => beacon.truth.size > 0);
+    for (const each of document.querySelectorAll('[data-of="truth"]')) each.hidden = !hasTruth;
     for (const beacon of model.beacons.values()) {
       const pose = beacon.poses.last(model.shown);
       if (pose) statistics.beacons[beacon.address] = { t: pose.t, x: pose.x, y: pose.y, z: pose.z, truth_error_m: beacon.truthErrorM };

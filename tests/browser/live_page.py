@@ -119,6 +119,7 @@ def errors_are_small(browser):
         const beacons = Object.values(sonopose.statistics.beacons);
         return beacons.length === {BEACONS} && beacons.every((beacon) => Number.isFinite(beacon.truth_error_m));""")
     print(f"ok: each of {BEACONS} poses is within 5 cm of the truth (medians up to {max(medians):.3f} m)")
+    wait_for(browser, "the legend explains the truth", "return !document.querySelector('#legend [data-of=truth]').hidden")
 
 
 def table_shows_poses(browser):
@@ -152,6 +153,7 @@ def plots_have_pixels(browser):
 
 def map_is_coloured(browser):
     colours = wait_for(browser, "the map has the colours of the beacons", """
+        document.getElementById("fit").click();  // they may have left the view
         const canvas = document.getElementById("map");
         const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
         const counts = new Map();
@@ -421,6 +423,8 @@ def recorded_logs_and_statuses_are_shown(browser, processes, file):
         const shown = [...document.querySelectorAll(".plot:not([hidden])")];
         const names = shown.map((plot) => plot.querySelector("h2").textContent);
         return names.length >= 5 && names;""")
+    check(browser.execute_script("return document.querySelector('#legend [data-of=truth]').hidden"),
+          "the legend does not explain a truth that was not recorded")
     for name in ["Latency, median (ms)", "Delay of the fixes (ms)"]:
         check(name in names, f"a recording of the bus has a plot of {name}")
     latency = browser.execute_script("""
