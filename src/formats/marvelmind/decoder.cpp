@@ -2,7 +2,7 @@
 
 #include "marvelmind/bytes.hpp"
 #include "marvelmind/crc16.hpp"
-#include "marvelmind/parse.hpp"
+#include "marvelmind/payload_parser.hpp"
 
 #include <algorithm>
 

@@ -73,8 +73,8 @@ public:
   /// events and the state is still that of the last `finish_pending_work`.
   bool add(const settings::Settings& settings, const ImuMeasurement& imu);
 
-  /// Time by which a measurement may be ahead of the latest sample. A silent IMU explains seconds, unless
-  /// samples have shown that the stamps of fixes and headings are wrong.
+  /// Time by which a measurement may be ahead of the latest sample. It may be seconds while the IMU is
+  /// silent, unless samples have shown that the stamps of fixes and headings are wrong.
   [[nodiscard]] double max_ahead_s() const;
 
   /// True if a measurement of this time can still be inserted: it is not too old, and there is room.

@@ -42,8 +42,8 @@ struct AdaptiveVariance {
   /// it is small. The variance therefore does not fall below `min_variance`. Once a large sample has raised
   /// it, others count as well.
   void add_at_rest(const VarianceSample& sample, const VarianceLimits& limits, double min_variance);
-  /// Adds a sample of a rejected fix; the samples so far then count as a few. It proves nothing, so the
-  /// motion variance stays, and at rest the variance returns to it.
+  /// Adds a sample of a rejected fix; the samples so far then count as a few. The motion variance stays, and
+  /// at rest the variance returns to it.
   void add_rejected(const VarianceSample& sample, const VarianceLimits& limits);
   bool operator==(const AdaptiveVariance&) const = default;
 
@@ -59,13 +59,13 @@ struct Correlation {
   double square = 1;                 ///< mean of the squares
 
   void add(const Vector3d& value_m, const Eigen::Matrix3d& covariance_m2);
-  /// White share of the squares.
+  /// Share of the mean square that is white noise.
   [[nodiscard]] double white_share() const;
   bool operator==(const Correlation&) const = default;
 };
 
 /// Noise of the fixes, independent of the IMU: the distance of each from the line through the two before. It
-/// includes what motion adds, so the noise of a fix is hardly larger.
+/// includes what motion adds, so it is an upper bound.
 struct FixScatter {
   static constexpr int min_samples = 6;  ///< fewest meaningful samples
   static constexpr int max_samples =

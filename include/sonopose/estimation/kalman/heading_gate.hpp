@@ -27,7 +27,7 @@ struct HeadingGate {
   /// Ends the run of rejected headings.
   void accept();
   /// Time without a heading after which a run of them has ended.
-  [[nodiscard]] double run_ends_s() const;
+  [[nodiscard]] double rejection_timeout_s() const;
   bool operator==(const HeadingGate&) const = default;
 };
 

@@ -16,20 +16,21 @@ namespace sonopose::estimation::kalman {
 enum class ImuModel : std::uint8_t {
   quiet,
   rough_gyro,
-  rough,        ///< vibration also shakes the accelerometer
-  other_clock,  ///< IMU stamps are from another clock than those of fixes and headings
-  open_gyro,    ///< hardly trusts the gyroscope
-  open_accel,   ///< hardly trusts the accelerometer
-  open,         ///< hardly trusts either: follows the fixes alone
-  jumped        ///< its attitude or bias has jumped; trusts it again from then on
+  rough,            ///< vibration also shakes the accelerometer
+  other_clock,      ///< IMU stamps are from another clock than those of fixes and headings
+  distrusts_gyro,   ///< hardly trusts the gyroscope
+  distrusts_accel,  ///< hardly trusts the accelerometer
+  distrusts_imu,    ///< hardly trusts either: follows the fixes alone
+  jumped            ///< its attitude or bias has jumped; trusts it again from then on
 };
 
 constexpr std::array<std::string_view, 8> choices_of(ImuModel /*model*/) {
-  return {"quiet", "rough_gyro", "rough", "other_clock", "open_gyro", "open_accel", "open", "jumped"};
+  return {"quiet",          "rough_gyro",      "rough",         "other_clock",
+          "distrusts_gyro", "distrusts_accel", "distrusts_imu", "jumped"};
 }
 
-constexpr bool is_open(ImuModel model) {
-  return model >= ImuModel::open_gyro;
+constexpr bool is_distrustful(ImuModel model) {
+  return model >= ImuModel::distrusts_gyro;
 }
 
 /// Track of fixes that a hypothesis attributes to the body.
@@ -94,7 +95,8 @@ inline constexpr int start_count = 8;  ///< directions from which an unknown yaw
 /// All hypotheses, and the best of the followed track. A plain value with memory for all from its first
 /// hypothesis on, so that an assignment allocates nothing.
 struct HypothesisBank {
-  static constexpr int capacity = start_count + 3;  ///< the starts, `open`, another and a former track
+  static constexpr int capacity =
+      start_count + 3;  ///< the starts, `distrusts_imu`, another and a former track
 
   std::vector<Hypothesis> hypotheses;
   int best_index = 0;
@@ -135,7 +137,7 @@ struct HypothesisBank {
   void remove(const Hypothesis* hypothesis);
   /// Removes the hypotheses on this track.
   void remove(Track track);
-  /// Follows this track, with one hypothesis per closed model of the IMU. Other tracks live on.
+  /// Follows this track, with one hypothesis per trusting model of the IMU. Other tracks live on.
   void follow(const Filter& track);
 };
 

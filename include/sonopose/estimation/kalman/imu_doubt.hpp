@@ -24,13 +24,13 @@ struct ShiftedTrack {
   bool operator==(const ShiftedTrack&) const = default;
 };
 
-/// Explanations of bad fixes that need no filter, and the doubt left by these fixes.
+/// Doubt about the IMU, and what else explains badly fitting fixes: scatter or a shifted track.
 struct ImuDoubt {
   ShiftedTrack shifted;
   TimeNs suspicious_until_ns =
-      0;  ///< time until which badly fitting fixes or headings keep the open models alive
+      0;  ///< time until which badly fitting fixes or headings keep the distrustful models alive
   TimeNs doubted_until_ns = 0;  ///< time until which the IMU counts as wrong
-  TimeNs doubted_ns = 0;        ///< time when an open model last became the best; 0: never
+  TimeNs doubted_ns = 0;        ///< time when a distrustful model last became the best; 0: never
   int doubts = 0;               ///< doubts within the last minute
   Vector3d trusted_gyro_bias_body_radps = Vector3d::Zero();  ///< bias before the doubt
   Vector3d trusted_accel_bias_body_mps2 = Vector3d::Zero();

@@ -33,7 +33,7 @@ inline constexpr double start_lever_arm_std_m = 0.05;
 enum class Phase : std::uint8_t {
   waiting,        ///< no fix yet
   searching_yaw,  ///< one hypothesis per direction, and one that follows the fixes alone
-  tracking        ///< one hypothesis per closed model of the IMU
+  tracking        ///< one hypothesis per trusting model of the IMU
 };
 
 constexpr std::array<std::string_view, 3> choices_of(Phase /*phase*/) {
@@ -50,7 +50,7 @@ struct ImuInput {
   bool in_gap = false;                               ///< true if the sample ended a silence
   ShockDetector shocks;                              ///< shocks of the accelerometer
   ShockDetector turn_shocks;                         ///< shocks of the gyroscope
-  ImuPreintegrator open_steps;  ///< steps not yet applied to the filters; none in a checkpoint
+  ImuPreintegrator pending_steps;  ///< steps not yet applied to the filters; none in a checkpoint
 
   bool operator==(const ImuInput&) const = default;
 };
@@ -78,12 +78,12 @@ struct Spread {
 struct State {
   Phase phase = Phase::waiting;
   ImuInput imu;
-  TimeNs time_ns = 0;  ///< time of the filters after the open steps: that of the latest sample, or of a later
-                       ///< measurement in a silence of the IMU
+  TimeNs time_ns = 0;  ///< time of the filters after the pending steps: that of the latest sample, or of a
+                       ///< later measurement in a silence of the IMU
   HypothesisBank bank;
   bool restart_pending = false;  ///< true if the next fix restarts the estimate
   TimeNs converging_until_ns = 0;
-  TimeNs last_zero_velocity_ns = 0;  ///< time of the last bound of dead reckoning
+  TimeNs last_zero_velocity_ns = 0;  ///< time of the last used fix or zero-velocity update
   FixGate fixes;
   HeadingGate headings;
   MeasurementNoise noise;
@@ -105,18 +105,19 @@ struct State {
   FixOutcome on_fix(const settings::Settings& settings, const FixMeasurement& fix);
   HeadingOutcome on_heading(const settings::Settings& settings, const HeadingMeasurement& heading);
 
-  /// Handles a change of the mount offset by this angle. If headings have held the yaw so far, it becomes as
-  /// uncertain.
+  /// Handles a change of the mount offset by this angle. If the yaw is known from headings, the angle adds to
+  /// its uncertainty.
   void on_mount_offset_change(double by_rad);
 
-  /// Nominal state of the best filter at the latest sample, after the open steps; arbitrary while waiting.
+  /// Nominal state of the best filter at the latest sample, after the pending steps; arbitrary while waiting.
   [[nodiscard]] NominalState nominal() const;
   /// Nominal state after one more step.
   [[nodiscard]] NominalState nominal_after(const ImuStep& step) const;
 
-  /// Applies the open steps to all filters.
-  void close_steps();
-  /// Applies the open steps and propagates the covariance of every filter to the time of the latest sample.
+  /// Applies the pending steps to all filters.
+  void apply_pending_steps();
+  /// Applies the pending steps and propagates the covariance of every filter to the time of the latest
+  /// sample.
   void propagate();
   /// True if no fix or heading has required a propagation for a while.
   [[nodiscard]] bool covariance_is_old() const;

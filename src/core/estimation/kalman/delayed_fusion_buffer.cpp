@@ -157,7 +157,7 @@ FixOutcome DelayedFusionBuffer::replay(const settings::Settings& settings, const
 }
 
 void DelayedFusionBuffer::save_checkpoint() {
-  now_.close_steps();
+  now_.apply_pending_steps();
   if (now_.covariance_is_old()) now_.propagate();
   checkpoints_.add(now_, next_imu_);
   forget_before_oldest();

@@ -49,10 +49,10 @@ void correct_followed(State& state, const JudgedFix& judged, const Matrix3d& mor
   }
 }
 
-/// Corrects the open models by a fix that the best hypothesis rejects.
-void correct_open(State& state, const JudgedFix& judged) {
+/// Corrects the distrustful models by a fix that the best hypothesis rejects.
+void correct_distrustful(State& state, const JudgedFix& judged) {
   for (Hypothesis& each : state.bank) {
-    if (each.track != Track::followed || !is_open(each.imu) || &each == &state.bank.best()) continue;
+    if (each.track != Track::followed || !is_distrustful(each.imu) || &each == &state.bank.best()) continue;
     const Innovation& innovation = judged.innovation_of(state.bank, each);
     if (!(innovation.squared_norm <= chi2_reject_threshold)) continue;
     correct_scaled(each.filter, innovation, judged.covariance_m2);
@@ -62,7 +62,7 @@ void correct_open(State& state, const JudgedFix& judged) {
 /// Learns the noise of fixes from the residual of one that was used.
 void learn_noise(State& state, const JudgedFix& judged) {
   // An error of the motion would count as noise.
-  if (judged.fix.has_covariance || is_open(state.bank.best().imu)) return;
+  if (judged.fix.has_covariance || is_distrustful(state.bank.best().imu)) return;
   const Innovation& before = judged.innovation_of(state.bank, state.bank.best());
   state.noise.correlation.add(before.value_world_m, before.covariance_m2);
   const Innovation after =
@@ -118,8 +118,8 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
   } else {
     ++state.fixes.rejected_in_row;
     if (state.fixes.rejected_in_row >= min_rejected_in_row) state.doubt.is_undecided = true;
-    correct_open(state, judged);
-    if (switch_to_open_model(state)) {
+    correct_distrustful(state, judged);
+    if (switch_to_distrustful_model(state)) {
       note_used(state, fix);
       outcome.flags = fix_used;
       outcome.weight = 1.0;
@@ -127,7 +127,7 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
       judge_rejected(state, judged, outcome);
     }
   }
-  update_open_models(state, outcome.innovation.squared_norm > chi2_explain_threshold);
+  update_distrustful_models(state, outcome.innovation.squared_norm > chi2_explain_threshold);
   return outcome;
 }
 
@@ -137,8 +137,8 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
 Matrix3d covariance_of(const State& state, const FixMeasurement& fix) {
   if (fix.has_covariance) return fix.covariance_world_m2;
   Matrix3d covariance_m2 = state.noise.fix_covariance_m2(fix.quality_percent);
-  // Residuals say nothing about the noise while the motion is that of the fixes.
-  if (state.phase == Phase::tracking && is_open(state.bank.best().imu)) {
+  // Residuals say nothing about the noise while the filter follows the fixes alone.
+  if (state.phase == Phase::tracking && is_distrustful(state.bank.best().imu)) {
     covariance_m2.diagonal() = covariance_m2.diagonal().cwiseMax(state.noise.scatter.noise_m2());
   }
   return covariance_m2;
@@ -166,7 +166,7 @@ FixOutcome State::on_fix(const settings::Settings& settings, const FixMeasuremen
   predict_if_silent(*this, settings, fix.time_ns);
   const bool has_started = phase != Phase::waiting;
   if (default_position.add(fix.time_ns, fix.position_world_m)) {
-    // The estimate may have started at it.
+    // The estimate may have started at the default position.
     constexpr double near_m = 0.5;
     const bool is_there =
         has_started && (filter().tracked_position_world_m() - fix.position_world_m).norm() < near_m;

@@ -80,7 +80,7 @@ void AdaptiveVariance::add(const VarianceSample& sample, const VarianceLimits& l
 void AdaptiveVariance::add_at_rest(const VarianceSample& sample, const VarianceLimits& limits,
                                    double min_variance) {
   constexpr double large_ratio = 8.0;   // so that usual samples do not raise it by chance
-  constexpr double rest_samples = 4.5;  // with fewer, a wrong mount would count as noise on the first way
+  constexpr double rest_samples = 4.5;  // with fewer, a wrong mount would count as noise on the first drive
   if (!(sample.weight > 0.0)) return;
   const double before = samples;
   if (variance > min_variance || sample.variance >= std::min(limits.initial, large_ratio * variance)) {

@@ -20,7 +20,8 @@ double log_likelihood(const Filter::HeadingInnovation& innovation) {
   return -3.5 * std::log1p(squared_norm(innovation) / 6.0) - 0.5 * std::log(innovation.variance_rad2);
 }
 
-/// Evidence of a heading. Iron may turn it by a limited angle; one further off speaks against the gyroscope.
+/// Evidence of a heading. One that is far off speaks against the gyroscope, since what disturbs a heading
+/// turns it by a limited angle.
 double evidence_of(const Filter::HeadingInnovation& innovation) {
   constexpr double turned_std_rad = radians(20.0);
   constexpr double wrong_heading_likelihood = -4.8;  // a heading that is anywhere
@@ -64,7 +65,7 @@ HeadingOutcome judge(State& state, const settings::Settings& settings, const Hea
   const auto innovation = heading_innovation(state, state.filter(), settings, heading);
   if (!innovation.observable) return outcome;
   const bool rejected = squared_norm(innovation) > heading_chi2_reject_threshold;
-  update_open_models(state, squared_norm(innovation) > chi2_explain_threshold);
+  update_distrustful_models(state, squared_norm(innovation) > chi2_explain_threshold);
   state.doubt.shifted.evidence += evidence_of(innovation);
   for (Hypothesis& each : state.bank) {
     const auto own = heading_innovation(state, each.filter, settings, heading);
@@ -72,11 +73,11 @@ HeadingOutcome judge(State& state, const settings::Settings& settings, const Hea
     const bool explains = squared_norm(own) <= heading_chi2_reject_threshold;
     if (!explains && each.track == Track::followed) each.explained_in_row = 0;
     // A wrong yaw or gyroscope is corrected by the headings that it makes the others reject.
-    const bool doubts_yaw = each.imu == ImuModel::open_gyro || each.imu == ImuModel::jumped;
+    const bool doubts_yaw = each.imu == ImuModel::distrusts_gyro || each.imu == ImuModel::jumped;
     if (rejected && explains && doubts_yaw && each.track == Track::followed)
       correct_by_heading(state, each.filter, settings, heading, scale_of(own) * variance);
   }
-  if (rejected && switch_to_open_model(state)) {
+  if (rejected && switch_to_distrustful_model(state)) {
     outcome.used = true;
     keep_heading(state, settings, heading);
     return outcome;
@@ -141,7 +142,8 @@ HeadingOutcome State::on_heading(const settings::Settings& settings, const Headi
 }
 
 void State::on_mount_offset_change(double by_rad) {
-  if (phase == Phase::waiting || seconds_between(headings.used_ns, imu.time_ns) > headings.run_ends_s())
+  if (phase == Phase::waiting ||
+      seconds_between(headings.used_ns, imu.time_ns) > headings.rejection_timeout_s())
     return;
   for (Hypothesis& each : bank) each.filter.add_yaw_variance(square(by_rad));
   headings.accept();
@@ -159,7 +161,7 @@ void HeadingGate::add(TimeNs time_ns) {
 bool HeadingGate::reject(TimeNs time_ns) {
   constexpr double believed_after_s = 4.0;
   constexpr int min_rejected_headings = 3;
-  if (rejected_since_ns == 0 || seconds_between(rejected_ns, time_ns) > run_ends_s()) {
+  if (rejected_since_ns == 0 || seconds_between(rejected_ns, time_ns) > rejection_timeout_s()) {
     rejected_since_ns = time_ns;
     rejected_in_row = 0;
   }
@@ -174,7 +176,7 @@ void HeadingGate::accept() {
   rejected_in_row = 0;
 }
 
-double HeadingGate::run_ends_s() const {
+double HeadingGate::rejection_timeout_s() const {
   return std::max(1.0, 3.0 * interval_s);
 }
 

@@ -113,7 +113,7 @@ void HypothesisBank::remove(Track track) {
 
 void HypothesisBank::follow(const Filter& track) {
   const Hypothesis followed{.filter = track};  // `track` may belong to a hypothesis
-  const ImuModel model = is_open(best().imu) ? ImuModel::rough : best().imu;
+  const ImuModel model = is_distrustful(best().imu) ? ImuModel::rough : best().imu;
   remove(Track::followed);
   for (int i = 0; i < closed_model_count; ++i) {
     set_imu_model(spawn(followed), static_cast<ImuModel>(i));

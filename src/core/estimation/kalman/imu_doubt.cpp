@@ -10,7 +10,8 @@ namespace {
 
 constexpr TimeNs doubt_ns = 3'000'000'000;  // an IMU that was wrong a moment ago may be wrong again
 
-/// Restarts a hypothesis from the best one. If that is open, the new one trusts the IMU as before the doubt.
+/// Restarts a hypothesis from the best one. If that is distrustful, the new one trusts the IMU as before the
+/// doubt.
 void restart(Hypothesis& hypothesis, const Hypothesis& best, const ImuDoubt& doubt) {
   constexpr double restart_penalty = 2.0;
   const ImuModel model = hypothesis.imu;
@@ -18,7 +19,7 @@ void restart(Hypothesis& hypothesis, const Hypothesis& best, const ImuDoubt& dou
   set_imu_model(hypothesis, model);
   hypothesis.score -= restart_penalty;
   hypothesis.missed_in_row = hypothesis.explained_in_row = 0;
-  if (!is_open(best.imu) || is_open(model)) return;
+  if (!is_distrustful(best.imu) || is_distrustful(model)) return;
   Filter& f = hypothesis.filter;
   f.gyro_bias_body_radps = doubt.trusted_gyro_bias_body_radps;
   f.accel_bias_body_mps2 = doubt.trusted_accel_bias_body_mps2;
@@ -39,8 +40,8 @@ bool has_other_clock(const Filter& filter) {
   return square(filter.delay_error_s) > square(sigmas) * filter.delay_variance_s2;
 }
 
-/// Continues with this open model. One that jumped is trusted at once.
-void adopt_open_model(State& state, Hypothesis& open) {
+/// Continues with this distrustful model. One that jumped is trusted at once.
+void adopt_distrustful_model(State& state, Hypothesis& chosen) {
   constexpr double memory_s = 60.0;
   constexpr int max_doubts = 100;
   ImuDoubt& doubt = state.doubt;
@@ -48,12 +49,12 @@ void adopt_open_model(State& state, Hypothesis& open) {
   doubt.doubts = again ? std::min(doubt.doubts + 1, max_doubts) : 1;
   doubt.doubted_ns = state.time_ns;
   doubt.doubted_until_ns = state.time_ns + doubt_ns;
-  if (!is_open(state.bank.best().imu)) {
+  if (!is_distrustful(state.bank.best().imu)) {
     doubt.trusted_gyro_bias_body_radps = state.filter().gyro_bias_body_radps;
     doubt.trusted_accel_bias_body_mps2 = state.filter().accel_bias_body_mps2;
   }
-  open.score = state.bank.best().score;
-  const ImuModel model = open.imu;
+  chosen.score = state.bank.best().score;
+  const ImuModel model = chosen.imu;
   if (state.bank.find(Track::former) == nullptr) store_former_track(state, state.time_ns, state.time_ns);
   if (const Hypothesis* const other = other_track(state)) state.bank.remove(other);
   if (model == ImuModel::jumped) {
@@ -81,12 +82,13 @@ void choose_model(State& state) {
   for (Hypothesis& each : bank) {
     if (each.track != Track::followed || &each == &bank.best()) continue;
     if (each.missed_in_row >= restart_after_misses) restart(each, bank.best(), state.doubt);
-    const bool best_is_open = is_open(bank.best().imu);
-    if (is_open(each.imu) && !best_is_open) continue;
+    const bool best_is_distrustful = is_distrustful(bank.best().imu);
+    if (is_distrustful(each.imu) && !best_is_distrustful) continue;
     if (each.imu == ImuModel::other_clock && !has_other_clock(each.filter)) continue;
     const double score_margin = each.imu > bank.best().imu ? noisier_score_margin : quieter_score_margin;
-    const bool is_better = best_is_open && !is_open(each.imu) ? trusts_imu_again(each, state)
-                                                              : each.score > bank.best().score + score_margin;
+    const bool is_better = best_is_distrustful && !is_distrustful(each.imu)
+                               ? trusts_imu_again(each, state)
+                               : each.score > bank.best().score + score_margin;
     if (is_better) bank.best_index = bank.index_of(each);
   }
   const Hypothesis& best = bank.best();
@@ -95,7 +97,7 @@ void choose_model(State& state) {
       each.score = std::max(each.score, best.score - max_score_deficit);
     }
   }
-  if (is_open(best.imu)) state.doubt.doubted_until_ns = state.time_ns + doubt_ns;
+  if (is_distrustful(best.imu)) state.doubt.doubted_until_ns = state.time_ns + doubt_ns;
 }
 
 void update_evidence(State& state, const JudgedFix& judged) {
@@ -103,7 +105,7 @@ void update_evidence(State& state, const JudgedFix& judged) {
   const Innovation& of_best = judged.innovation_of(state.bank, best);
   ShiftedTrack& shifted = state.doubt.shifted;
   if (other_track(state) == nullptr)
-    shifted.evidence = best.evidence;  // otherwise it would start as the best one
+    shifted.evidence = best.evidence;  // otherwise the shifted track would be the best from the start
   const double best_likelihood = std::max(log_likelihood(of_best), state.doubt.add_scatter(of_best));
   for (Hypothesis& each : state.bank) {
     add_evidence(each.evidence,
@@ -113,27 +115,28 @@ void update_evidence(State& state, const JudgedFix& judged) {
                shifted.add(judged.fix.time_ns, of_best.value_world_m, judged.covariance_m2));
 }
 
-/// Starts the open models when fixes or headings fit badly, and ends them after a while without such.
-void update_open_models(State& state, bool is_suspicious) {
+/// Starts the distrustful models when fixes or headings fit badly, and ends them when none has for a while.
+void update_distrustful_models(State& state, bool is_suspicious) {
   constexpr TimeNs suspicion_ns = 2'000'000'000;
   ImuDoubt& doubt = state.doubt;
   if (is_suspicious) doubt.suspicious_until_ns = state.time_ns + suspicion_ns;
-  if (state.phase != Phase::tracking || is_open(state.bank.best().imu)) return;
+  if (state.phase != Phase::tracking || is_distrustful(state.bank.best().imu)) return;
   const bool is_wanted = state.time_ns <= doubt.suspicious_until_ns;
-  for (const ImuModel model : {ImuModel::open_gyro, ImuModel::open_accel, ImuModel::open, ImuModel::jumped}) {
-    const Hypothesis* const open = state.bank.find(model);
-    // An IMU that seems to jump again at once is wrong in another way.
+  for (const ImuModel model :
+       {ImuModel::distrusts_gyro, ImuModel::distrusts_accel, ImuModel::distrusts_imu, ImuModel::jumped}) {
+    const Hypothesis* const hypothesis = state.bank.find(model);
+    // An IMU that seems to jump again so soon has another fault.
     const bool is_possible = model != ImuModel::jumped || state.time_ns >= doubt.doubted_until_ns;
-    if (is_wanted && is_possible && open == nullptr) {
+    if (is_wanted && is_possible && hypothesis == nullptr) {
       Hypothesis& added = state.bank.spawn(state.bank.best());
       set_imu_model(added, model);
-    } else if (!is_wanted && open != nullptr) {
-      state.bank.remove(open);
+    } else if (!is_wanted && hypothesis != nullptr) {
+      state.bank.remove(hypothesis);
     }
   }
 }
 
-bool switch_to_open_model(State& state) {
+bool switch_to_distrustful_model(State& state) {
   constexpr double min_evidence_margin = 10.0;    // prior odds: most IMUs are right
   constexpr double min_margin_over_tracks = 8.0;  // once the best is refuted
   constexpr int min_rejected = 4;
@@ -143,20 +146,20 @@ bool switch_to_open_model(State& state) {
       std::max(state.fixes.since_start, state.fixes.rejected_in_row / 2) < proven_fixes ||
       std::max(state.fixes.rejected_in_row, state.headings.rejected_in_row) < min_rejected)
     return false;
-  Hypothesis* open = nullptr;
+  Hypothesis* chosen = nullptr;
   for (Hypothesis& each : state.bank) {
     const bool is_candidate =
-        each.track == Track::followed && is_open(each.imu) && &each != &state.bank.best();
-    if (is_candidate && (open == nullptr || each.evidence > open->evidence)) open = &each;
+        each.track == Track::followed && is_distrustful(each.imu) && &each != &state.bank.best();
+    if (is_candidate && (chosen == nullptr || each.evidence > chosen->evidence)) chosen = &each;
   }
-  if (open == nullptr) return false;
+  if (chosen == nullptr) return false;
   double max_evidence = state.doubt.shifted.evidence;
   if (const Hypothesis* const other = other_track(state))
     max_evidence = std::max(max_evidence, other->evidence);
-  if (!(open->evidence >
+  if (!(chosen->evidence >
         std::max(state.bank.best().evidence + min_evidence_margin, max_evidence + min_margin_over_tracks)))
     return false;
-  adopt_open_model(state, *open);
+  adopt_distrustful_model(state, *chosen);
   return true;
 }
 

@@ -31,20 +31,20 @@ NominalState nominal_after_steps(const Filter& filter, const ImuPreintegrator& s
   return after;
 }
 
-/// True if another step of this duration can join the open ones: up to 10 ms while tracking, and up to 20 ms
-/// while there are many filters, with a margin for the jitter of the stamps.
+/// True if another step of this duration can join the pending ones: up to 10 ms while tracking, and up to 20
+/// ms while there are many filters, with a margin for the jitter of the stamps.
 bool can_join(const State& state, double duration_s) {
   const double max_duration_s = state.phase == Phase::searching_yaw ? 0.0205 : 0.0105;
-  return state.imu.open_steps.duration_s() + duration_s <= max_duration_s;
+  return state.imu.pending_steps.duration_s() + duration_s <= max_duration_s;
 }
 
 /// Joins the steps of a fast IMU for the filters. Code that changes them, or needs their state at the latest
-/// sample, calls `close_steps`, `propagate` or `nominal` first. `yaw_rate_radps` need not: a turn hardly
-/// changes the component of its own rate about the vertical.
+/// sample, calls `apply_pending_steps`, `propagate` or `nominal` first. `yaw_rate_radps` need not: a turn
+/// hardly changes the component of its own rate about the vertical.
 void predict(State& state, const ImuStep& step) {
-  if (!can_join(state, step.duration_s)) state.close_steps();
-  state.imu.open_steps.add(step);
-  if (!can_join(state, step.duration_s)) state.close_steps();  // the next one is probably as long
+  if (!can_join(state, step.duration_s)) state.apply_pending_steps();
+  state.imu.pending_steps.add(step);
+  if (!can_join(state, step.duration_s)) state.apply_pending_steps();  // the next one is probably as long
 }
 
 /// Keeps the last pair heading up to date while a start may use it.
@@ -186,21 +186,21 @@ ImuOutcome State::on_imu(const settings::Settings& settings, const ImuMeasuremen
   return outcome;
 }
 
-void State::close_steps() {
-  if (imu.open_steps.empty()) return;
-  const ImuStep step = imu.open_steps.joined();
+void State::apply_pending_steps() {
+  if (imu.pending_steps.empty()) return;
+  const ImuStep step = imu.pending_steps.joined();
   for (Hypothesis& each : bank) {
     each.filter.predict(step.rate_body_radps, step.force_body_mps2, step.duration_s,
                         step.shock_variance_m2ps2);
   }
   Filter& best = bank.best().filter;
   frozen_track.move(step.duration_s, best.acceleration_world_mps2);
-  if (imu.open_steps.has_several()) set_latest(best, best, imu.open_steps.latest());  // for the pose
-  imu.open_steps = ImuPreintegrator{};
+  if (imu.pending_steps.has_several()) set_latest(best, best, imu.pending_steps.latest());  // for the pose
+  imu.pending_steps = ImuPreintegrator{};
 }
 
 void State::propagate() {
-  close_steps();
+  apply_pending_steps();
   for (Hypothesis& each : bank) each.filter.propagate(process_noise(imu, each.imu));
 }
 
@@ -211,15 +211,15 @@ bool State::covariance_is_old() const {
 
 NominalState State::nominal() const {
   if (phase == Phase::waiting) return {};
-  if (imu.open_steps.empty()) return static_cast<const NominalState&>(filter());
-  return nominal_after_steps(filter(), imu.open_steps);
+  if (imu.pending_steps.empty()) return static_cast<const NominalState&>(filter());
+  return nominal_after_steps(filter(), imu.pending_steps);
 }
 
 NominalState State::nominal_after(const ImuStep& step) const {
   if (!can_join(*this, step.duration_s)) {
     return filter().step(nominal(), step.rate_body_radps, step.force_body_mps2, step.duration_s).after;
   }
-  ImuPreintegrator steps = imu.open_steps;
+  ImuPreintegrator steps = imu.pending_steps;
   steps.add(step);
   return nominal_after_steps(filter(), steps);
 }

@@ -103,9 +103,9 @@ void turn_map(State& state, const settings::Settings& settings, const HeadingMea
 // The IMU.
 void choose_model(State& state);
 void update_evidence(State& state, const JudgedFix& judged);
-void update_open_models(State& state, bool is_suspicious);
-/// Makes an open model the best if it explains the rejected fixes or headings best.
-bool switch_to_open_model(State& state);
+void update_distrustful_models(State& state, bool is_suspicious);
+/// Makes a distrustful model the best if it explains the rejected fixes or headings best.
+bool switch_to_distrustful_model(State& state);
 void predict_if_silent(State& state, const settings::Settings& settings, TimeNs measured_ns);
 void end_imu_gap(State& state, TimeNs to_ns);
 /// Discards filters that are not finite; the next fix then starts the estimate.

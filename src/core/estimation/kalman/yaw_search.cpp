@@ -48,7 +48,7 @@ void search(State& state, const Filter& from, const Vector3d& up_body, double fi
     const bool is_fixes_alone = i == directions;
     if (is_fixes_alone && directions == 1) break;
     Hypothesis& start = state.bank.spawn({.filter = from});
-    if (is_fixes_alone) start.imu = ImuModel::open;
+    if (is_fixes_alone) start.imu = ImuModel::distrusts_imu;
     start.filter.q_body_to_world =
         geometry::level_with(up_body, first_yaw_rad + i * 2.0 * std::numbers::pi / start_count);
     start.filter.position_world_m = tracked_world_m + start.filter.q_body_to_world * from.lever_arm_body_m;
@@ -112,7 +112,7 @@ void prune_starts(State& state) {
   constexpr double min_score_margin = 2.0;
   HypothesisBank& bank = state.bank;
   const auto is_start = [&](const Hypothesis& each) {
-    return each.track == Track::followed && each.imu != ImuModel::open;
+    return each.track == Track::followed && each.imu != ImuModel::distrusts_imu;
   };
   const auto yaw_of = [](const Hypothesis& each) { return geometry::yaw_of(each.filter.q_body_to_world); };
   double max_score = -std::numeric_limits<double>::infinity();
@@ -148,7 +148,7 @@ void prune_starts(State& state) {
     min_score = bank[i].score;
   }
   if (starts > 1) return;
-  if (bank.best().imu == ImuModel::open) {
+  if (bank.best().imu == ImuModel::distrusts_imu) {
     search_yaw_again(state);
     bank.best_index = start_count;
   } else {
@@ -174,7 +174,7 @@ Spread State::spread() const {
     if (!is_searched(each)) continue;
     const double weight = std::exp(each.score - max_score);
     weights += weight;
-    if (each.imu == ImuModel::open) {
+    if (each.imu == ImuModel::distrusts_imu) {
       yaw_rad2 += weight * no_yaw_rad2;
       continue;
     }

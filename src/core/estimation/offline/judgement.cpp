@@ -94,7 +94,7 @@ private:
 
 /// Runs the engine's state over admitted measurements in their order and collects the verdicts. The engine
 /// arrives at the same verdicts after repeating what followed each late measurement. With a fast IMU there
-/// are tiny differences: the engine also makes the open steps at checkpoints.
+/// are tiny differences: the engine also makes the pending steps at checkpoints.
 class Judge {
 public:
   explicit Judge(const settings::Settings& settings) : settings_(settings) {}
@@ -180,7 +180,7 @@ private:
     if (settled) return;
     kalman::Filter& kept = segments_.back().settled;
     kept = state_.filter();
-    static_cast<kalman::NominalState&>(kept) = state_.nominal();  // after the open steps
+    static_cast<kalman::NominalState&>(kept) = state_.nominal();  // after the pending steps
     segments_.back().settled_ns = state_.imu.time_ns;
   }
 

@@ -120,8 +120,8 @@ public:
   }
 
 private:
-  /// An accelerometer that turns gravity upside down explains the same turns as a gyroscope with the wrong
-  /// sign.
+  /// True if the mean force is up, as at rest. If it is down, an inverted accelerometer explains the fit as
+  /// well as a gyroscope with the wrong sign does.
   [[nodiscard]] bool has_gravity_upwards() const {
     const Vector3d& force = beacon_.imu_summary.mean_force_body_mps2;
     return force.z() > force.head<2>().norm();

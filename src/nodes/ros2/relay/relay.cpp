@@ -10,9 +10,9 @@
 #include "ros2/relay/native_receiver.hpp"
 #include "ros2/relay/open_topics.hpp"
 #include "ros2/relay/parameter_server.hpp"
+#include "ros2/relay/peer_monitor.hpp"
 #include "ros2/relay/relayed_beacons.hpp"
 #include "ros2/relay/ros_clock.hpp"
-#include "ros2/relay/surroundings.hpp"
 #include "ros2/relay/transform_tree.hpp"
 #include "transitions/transition_log.hpp"
 #include <sonopose/dds/binding/participant.hpp>
@@ -106,7 +106,7 @@ private:
   process::Wakeup wakeup_;  ///< wakes the main thread
   process::Wakeup parameters_wakeup_;
   ParameterServer parameters_;
-  Surroundings surroundings_;
+  PeerMonitor peers_;
   dds::DataWriter<ros2::TFMessage> tf_writer_;
   TransformTree tree_;
   std::unique_ptr<Source> source_;  ///< null without inputs
@@ -151,7 +151,7 @@ Relay::Impl::Impl(const RelayOptions& options)
                    .startup_settings = options.startup_settings,
                    .max_beacons = options.max_beacons},
                   log_, [this] { parameters_wakeup_.wake(); }),
-      surroundings_(options_, participant_, node_, parameters_, log_, [this] { wakeup_.wake(); }),
+      peers_(options_, participant_, node_, parameters_, log_, [this] { wakeup_.wake(); }),
       tree_(options_, node_, clock_, log_),
       observers_(dds::deadline_of(qos_.datareader_qos(topics::pose.profile)).count()),
       diagnostics_(options_, node_, clock_, observers_, endpoints_),
@@ -250,7 +250,7 @@ void Relay::Impl::publish_mounts() {
 
 /// Runs until the stop, or until `failed`.
 void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>& failed) {
-  surroundings_.observe();
+  peers_.observe();
   node_.announce();
   SteadyTime next_status = clocks::steady_now() + status_period_ns;
   SteadyTime readers_due = next_status;
@@ -261,12 +261,12 @@ void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>
       publishers.create_magnetic_writer(node_);
       if (mount_finder_) mount_finder_->assign_to(publishers);
     });
-    surroundings_.observe();
+    peers_.observe();
     node_.announce();
     if (clocks::steady_now() < next_status) continue;
     next_status = clocks::steady_now() + status_period_ns;
     if (!source_) readers_due = next_status;
-    surroundings_.check_processes(receiver_->has_bridge(), receiver_->has_fusion());
+    peers_.check_processes(receiver_->has_bridge(), receiver_->has_fusion());
     log_transitions();
     if (source_) source_->log_changes();
     remove_gone();

@@ -25,8 +25,8 @@ public:
   /// Logs each of them once. Call it after the readers have appeared, and before the first sample.
   void warn(const process::StopSignal& stop);
 
-  /// Logs and returns the number of events that they have lost since. Call it once the readers have received
-  /// everything. Waits for their statuses, for up to 3 s.
+  /// Logs and returns the number of events that they have lost since warn(). Call it once the readers have
+  /// received everything. Waits for their statuses, for up to 3 s.
   std::uint64_t count_lost(const process::StopSignal& stop);
 
 private:

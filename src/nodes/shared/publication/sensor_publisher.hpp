@@ -1,6 +1,7 @@
 #pragma once
 /// \file
-/// The bridge process: converts, numbers, stamps and publishes the samples of one source.
+/// The bridge process: converts, numbers, stamps and publishes the samples of one source, and once a second
+/// the status of each beacon.
 
 #include "process/stop_signal.hpp"
 #include "publication/source.hpp"

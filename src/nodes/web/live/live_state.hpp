@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Each beacon's content of the page between two seconds, and its text.
+/// The latest samples of each beacon, and the JSON that the page gets of them.
 
 #include "observation/bus/bus_watch.hpp"
 #include "threads/mutex.hpp"

@@ -81,7 +81,7 @@ SCENARIO("an engine with a fast IMU continues from a snapshot with the same bits
       for (auto event = half; event != run.events.end(); ++event) {
         process(engine, *event);
         process(copy, *event);
-        REQUIRE(engine.snapshot().history.base.imu.open_steps.empty());  // open steps are not stored
+        REQUIRE(engine.snapshot().history.base.imu.pending_steps.empty());  // pending steps are not stored
       }
       THEN("their states are equal") {
         CHECK(copy.snapshot() == engine.snapshot());

@@ -39,22 +39,22 @@ SCENARIO("the best hypothesis stays the best while others end") {
 }
 
 SCENARIO("following a track replaces what followed the one before") {
-  GIVEN("a followed track with an open model, another and a former one") {
+  GIVEN("a followed track with a distrustful model, another and a former one") {
     HypothesisBank bank;
     bank.spawn(at(0.0));
-    bank.spawn(at(0.0)).imu = ImuModel::open;
+    bank.spawn(at(0.0)).imu = ImuModel::distrusts_imu;
     bank.spawn(at(5.0, Track::other));
     bank.spawn(at(9.0, Track::former));
     bank.best_index = 1;
     WHEN("the other track is followed") {
       bank.follow(bank.find(Track::other)->filter);
-      THEN("each closed model follows it, and an open one no longer does") {
+      THEN("each trusting model follows it, and a distrustful one no longer does") {
         for (int i = 0; i < closed_model_count; ++i) {
           const Hypothesis* const of_model = bank.find(static_cast<ImuModel>(i));
           REQUIRE(of_model != nullptr);
           CHECK(of_model->filter.position_world_m.x() == 5.0);
         }
-        CHECK(bank.find(ImuModel::open) == nullptr);
+        CHECK(bank.find(ImuModel::distrusts_imu) == nullptr);
         CHECK(bank.best().imu == ImuModel::rough);
       }
       THEN("the former one lives on") {

@@ -74,7 +74,7 @@ SCENARIO("an impossible state is refused by the field at fault") {
               s.history.fixes.resize(aiding_capacity + 1, s.history.fixes.back());
             }) == "fixes");
     }
-    THEN("there is one hypothesis of each closed model, and at most one of each other track") {
+    THEN("there is one hypothesis of each trusting model, and at most one of each other track") {
       CHECK(fault_after([](Snapshot& s) { s.history.base.bank.hypotheses.pop_back(); }) == "hypotheses");
       CHECK(fault_after([](Snapshot& s) { s.history.base.bank[3].imu = ImuModel::quiet; }) == "hypotheses");
       const auto add = [](Snapshot& s, Track track) {
@@ -91,7 +91,7 @@ SCENARIO("an impossible state is refused by the field at fault") {
             }) == "hypotheses");
       CHECK(fault_after([&](Snapshot& s) {
               for (int i = closed_model_count; i < HypothesisBank::capacity; ++i) {
-                s.history.base.bank.spawn(s.history.base.bank.best()).imu = ImuModel::open;
+                s.history.base.bank.spawn(s.history.base.bank.best()).imu = ImuModel::distrusts_imu;
               }
             }) == "hypotheses");
       CHECK(fault_after([&](Snapshot& s) {

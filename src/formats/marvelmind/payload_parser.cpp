@@ -1,4 +1,4 @@
-#include "marvelmind/parse.hpp"
+#include "marvelmind/payload_parser.hpp"
 
 #include "marvelmind/bytes.hpp"
 

@@ -1,4 +1,4 @@
-#include "ros2/relay/surroundings.hpp"
+#include "ros2/relay/peer_monitor.hpp"
 
 #include "clocks/clocks.hpp"
 
@@ -14,9 +14,8 @@ constexpr int periods_to_find_others = 3;
 
 }  // namespace
 
-Surroundings::Surroundings(const RelayOptions& options, const dds::DomainParticipant& participant,
-                           ros2::Node& node, ParameterServer& parameters, Log& log,
-                           std::function<void()> wake)
+PeerMonitor::PeerMonitor(const RelayOptions& options, const dds::DomainParticipant& participant,
+                         ros2::Node& node, ParameterServer& parameters, Log& log, std::function<void()> wake)
     : options_(options),
       node_(node),
       parameters_(parameters),
@@ -27,7 +26,7 @@ Surroundings::Surroundings(const RelayOptions& options, const dds::DomainPartici
         wake();
       }) {}
 
-void Surroundings::observe() {
+void PeerMonitor::observe() {
   report_namesake();
   if (!changed_.exchange(false)) return;
   const ros2::Graph graph = graph_.look(clocks::steady_now());
@@ -36,7 +35,7 @@ void Surroundings::observe() {
   offer_services(graph);
 }
 
-void Surroundings::select_layout(const ros2::Graph& graph) {
+void PeerMonitor::select_layout(const ros2::Graph& graph) {
   if (options_.distro) return;
   const auto layout = ros2::layout_for(graph);
   if (!layout || !node_.use_layout(*layout)) return;
@@ -46,7 +45,7 @@ void Surroundings::select_layout(const ros2::Graph& graph) {
 
 /// Offers or withdraws the services. Fast DDS clients identify a reply by RTPS fields that Cyclone's C
 /// interface does not set.
-void Surroundings::offer_services(const ros2::Graph& graph) {
+void PeerMonitor::offer_services(const ros2::Graph& graph) {
   const bool withdrawn = options_.services == ServicesMode::off ||
                          (options_.services == ServicesMode::automatic && graph.has_fast_dds);
   parameters_.offer_services(node_, !withdrawn);
@@ -58,7 +57,7 @@ void Surroundings::offer_services(const ros2::Graph& graph) {
                       : "parameter services offered: no process uses Fast DDS any more");
 }
 
-void Surroundings::report_namesake() {
+void PeerMonitor::report_namesake() {
   if (!node_.found_namesake() || std::exchange(has_namesake_, true)) return;
   log_.warning(fmt::format(
       "another process has a node {}: ROS 2 shows only one of them, and topics and parameters are mixed up. "
@@ -66,7 +65,7 @@ void Surroundings::report_namesake() {
       ros2::full_name(options_.names.node())));
 }
 
-void Surroundings::check_processes(bool has_bridge, bool has_fusion) {
+void PeerMonitor::check_processes(bool has_bridge, bool has_fusion) {
   if (++periods_ < periods_to_find_others) return;
   std::string missing = has_bridge ? "" : "no bridge";
   if (!has_fusion) missing += has_bridge ? "no fusion" : " and no fusion";

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The other processes of the domain, and their requirements of the relay's node.
+/// Watches the other processes of the domain, and adapts the relay's node to them.
 
 #include "ros2/relay/log.hpp"
 #include "ros2/relay/parameter_server.hpp"
@@ -14,12 +14,12 @@
 namespace sonopose::ros2::relay {
 
 /// Main thread only.
-class Surroundings {
+class PeerMonitor {
 public:
-  /// `wake` is called when observe() has work, under the rules of a listener. Everything else must outlive
-  /// it. Throws dds::Error.
-  Surroundings(const RelayOptions& options, const dds::DomainParticipant& participant, ros2::Node& node,
-               ParameterServer& parameters, Log& log, std::function<void()> wake);
+  /// `wake` is called on a thread of DDS when observe() has work, and must not block. Everything else must
+  /// outlive it. Throws dds::Error.
+  PeerMonitor(const RelayOptions& options, const dds::DomainParticipant& participant, ros2::Node& node,
+              ParameterServer& parameters, Log& log, std::function<void()> wake);
 
   /// Selects the layout of the node's announcement, offers or withdraws the services, and reports another
   /// node of the same name. The node must then announce the changes.

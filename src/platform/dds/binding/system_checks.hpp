@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// Checks what a domain needs of the system, where Cyclone DDS would crash, wait or not say why. Internal to
-/// this module. `about` names the domain.
+/// Checks what a domain needs of the system. Without it Cyclone DDS would crash, hang, or fail without a
+/// reason. Internal to this module. `about` names the domain.
 
 #include <sonopose/dds/binding/domain.hpp>
 

@@ -214,7 +214,7 @@ void turn_map(State& state, const settings::Settings& settings, const HeadingMea
   const HeadingGate& gate = state.headings;
   const bool at_once = gate.rejected_in_row == 2 &&
                        seconds_between(gate.rejected_since_ns, other->began_ns) < same_turn_s &&
-                       seconds_between(gate.used_ns, gate.rejected_since_ns) < gate.run_ends_s();
+                       seconds_between(gate.used_ns, gate.rejected_since_ns) < gate.rejection_timeout_s();
   const double fix_age_s = seconds_between(state.fixes.rejected_ns, heading.time_ns);
   if (!at_once || state.fixes.rejected_in_row == 0 || fix_age_s > oldest_fix_s) return;
   *other = state.bank.best();
@@ -232,9 +232,8 @@ void turn_map(State& state, const settings::Settings& settings, const HeadingMea
 
 // Wrong tracks
 
-/// Adds a wrong track: one that ended because the best filter explained the fixes again, or that was left for
-/// the former one. One that another replaced does not count: the best filter explained none of its fixes
-/// either.
+/// Adds a track that was wrong: the best filter explained the fixes again, or the former track was followed
+/// again. A track that was replaced by another one does not count.
 void WrongTracks::add(double duration_s, TimeNs now_ns) {
   longest_s = std::max(duration_s, faded_s(now_ns));
   seen_ns = now_ns;

@@ -1,4 +1,4 @@
-#include "dds/binding/surroundings.hpp"
+#include "dds/binding/system_checks.hpp"
 
 #include <sonopose/dds/binding/error.hpp>
 

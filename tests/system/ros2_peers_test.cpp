@@ -12,7 +12,7 @@
 #include <set>
 #include <string>
 
-namespace ros2_surroundings_test {
+namespace ros2_peers_test {
 
 using namespace sonopose;
 using namespace sonopose::test;
@@ -137,4 +137,4 @@ SCENARIO("changes of parameters are published") {
   }
 }
 
-}  // namespace ros2_surroundings_test
+}  // namespace ros2_peers_test
