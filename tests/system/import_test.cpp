@@ -20,8 +20,8 @@ using namespace sonopose::test;
 using Catch::Contains;
 
 /// Tables of a simulated forklift: times in seconds from the start, those of the positions too late.
-void write_tables(const TemporaryFolder& folder, double late_s) {
-  const auto run = sim::record(sim::find_scenario("forklift"), {.seed = 41, .duration_s = 90.0});
+void write_tables(const TemporaryFolder& folder, double late_s, double duration_s) {
+  const auto run = sim::record(sim::find_scenario("forklift"), {.seed = 41, .duration_s = duration_s});
   const TimeNs start_ns = available_at_ns(run.events.front());
   std::string imu = "time,GyroA_x,GyroA_y,GyroA_z,acc_x,acc_y,acc_z\n";
   std::string positions = "time;x;y;z\n";
@@ -43,7 +43,7 @@ void write_tables(const TemporaryFolder& folder, double late_s) {
 
 SCENARIO("tables are imported, and the offset of their clocks is found") {
   const TemporaryFolder folder;
-  write_tables(folder, 0.08);
+  write_tables(folder, 0.08, 90.0);
   std::vector<std::string> arguments{"--imu",       (folder / "imu.csv").string(),
                                      "--positions", (folder / "positions.csv").string(),
                                      "--out",       (folder / "log").string()};
@@ -86,7 +86,7 @@ SCENARIO("tables are imported, and the offset of their clocks is found") {
 
 SCENARIO("clocks that differ by more than the fusion corrects are corrected by a second import") {
   const TemporaryFolder folder;
-  write_tables(folder, 1.7);
+  write_tables(folder, 1.7, 45.0);
   const auto imported = [&folder](const std::string& name, const std::string& shift_s) {
     std::vector<std::string> arguments{
         "--imu", (folder / "imu.csv").string(),   "--positions", (folder / "positions.csv").string(),
