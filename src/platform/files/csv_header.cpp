@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <cctype>
+#include <initializer_list>
 #include <iterator>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 namespace sonopose::files {
@@ -124,10 +126,12 @@ std::string_view without_brackets(std::string_view text) {
   return is_bracketed ? trimmed(text.substr(1, text.size() - 2)) : text;
 }
 
-/// The last part of a path such as `header.stamp.sec`, in lower case.
-std::string last_part(std::string_view name) {
-  const std::size_t separator = name.find_last_of("./%_");
-  return lower_case(separator == std::string_view::npos ? name : name.substr(separator + 1));
+/// The path before the last part of a name such as `header.stamp.sec`, with its separator, if that part is
+/// one of the words.
+std::optional<std::string> path_before(std::string_view name, std::initializer_list<std::string_view> words) {
+  const std::size_t last = name.find_last_of("./%_") + 1;  // 0 without a path
+  if (std::ranges::find(words, lower_case(name.substr(last))) == words.end()) return std::nullopt;
+  return std::string(name.substr(0, last));
 }
 
 }  // namespace
@@ -276,32 +280,21 @@ void CsvHeader::add_units(std::string_view units) {
 /// Finds the two columns of a time in whole seconds and nanoseconds. They count for more than another time,
 /// which is that of a recorder, but not for more than a name that the user gave.
 void CsvHeader::join_seconds(const CsvLayout& layout) {
-  constexpr std::array<std::string_view, 2> seconds{"sec", "secs"};
-  constexpr std::array<std::string_view, 3> nanoseconds{"nanosec", "nsec", "nsecs"};
-  std::size_t pairs = 0;
-  for (std::size_t place = 0; place < names_.size(); ++place) {
-    const std::string& name = names_[place];
-    const bool is_time = layout.given_names != nullptr && find_column(layout, column_of(name).name) == 0 &&
-                         layout.given_names->own_by_given.contains(names_in_file_[place]);
-    if (is_time) return;
-    const std::string part = last_part(name);
-    if (std::ranges::find(seconds, part) == seconds.end()) continue;
-    const std::string path = name.substr(0, name.size() - part.size());
-    for (std::size_t other = 0; other < names_.size(); ++other) {
-      const std::string other_part = last_part(names_[other]);
-      const bool is_pair = std::ranges::find(nanoseconds, other_part) != nanoseconds.end() &&
-                           names_[other].substr(0, names_[other].size() - other_part.size()) == path;
-      if (!is_pair) continue;
-      seconds_place_ = place;
-      nanoseconds_place_ = other;
-      ++pairs;
+  if (layout.given_names != nullptr) {
+    for (const auto& [given, own] : layout.given_names->own_by_given) {
+      const bool is_here = std::ranges::find(names_in_file_, given) != names_in_file_.end();
+      if (is_here && find_column(layout, column_of(own).name) == 0) return;
     }
   }
-  if (pairs != 1) {
-    seconds_place_ = missing;
-    nanoseconds_place_ = missing;
-    return;
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (std::size_t place = 0; place < names_.size(); ++place) {
+    const auto path = path_before(names_[place], {"sec", "secs"});
+    for (std::size_t other = 0; path && other < names_.size(); ++other) {
+      if (path_before(names_[other], {"nanosec", "nsec", "nsecs"}) == path) pairs.emplace_back(place, other);
+    }
   }
+  if (pairs.size() != 1) return;
+  std::tie(seconds_place_, nanoseconds_place_) = pairs.front();
   names_[seconds_place_] = "time [s]";
 }
 

@@ -143,6 +143,12 @@ SCENARIO("a time in two columns has whole seconds and nanoseconds") {
     return first_of(imu, positions).second.emission_time_ns;
   };
   CHECK(time_ns("1700000000", "123456789") == 1'700'000'000'123'456'789);
+  const std::string bare = "sec,nanosec,x,y,z\n1700000000,7,4,5,6\n";
+  CHECK(first_of(imu, bare).second.emission_time_ns == 1'700'000'000'000'000'007);
+  files::ColumnNames names;
+  names.own_by_given = {{"received_at", "timestamp [s]"}};
+  const std::string given = "stamp.sec,stamp.nanosec,x,y,z,received_at\n1700000000,5,4,5,6,1700000001\n";
+  CHECK(first_of(imu, given, names).second.emission_time_ns == 1'700'000'001'000'000'000);
   CHECK_THROWS_WITH(time_ns("1700000000", "1000000000"), Contains("no nanoseconds in 0 … 999999999"));
   CHECK_THROWS_WITH(time_ns("1700000000", ""), Contains("no nanoseconds in 0 … 999999999"));
 }

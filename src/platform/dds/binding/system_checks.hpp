@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// Checks what a domain needs of the system. Without it Cyclone DDS would crash, hang, or fail without a
-/// reason. Internal to this module. `about` names the domain.
+/// Checks that the system has what a domain needs: where it is missing, Cyclone DDS crashes, hangs, or gives
+/// no reason. Internal to this module. `about` names the domain.
 
 #include <sonopose/dds/binding/domain.hpp>
 
