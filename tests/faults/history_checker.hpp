@@ -18,9 +18,7 @@ struct Limits {
   TimeNs silence_ns = 110'000'000;  ///< the lease plus 10 %
   /// Largest age of a pose without LATE since its sample left the bridge: LATE_AFTER plus 50 ms of transport.
   TimeNs age_ns = 300'000'000;
-  /// Largest age of a sample when it leaves the bridge, for a pose without LATE: LATE_AFTER plus 0.3 s of
-  /// delay on the line.
-  TimeNs transit_ns = 550'000'000;
+  TimeNs transit_ns = 260'000'000;         ///< the same when its sample leaves the bridge: LATE_AFTER
   TimeNs late_after_ns = 250'000'000;      ///< LATE_AFTER
   TimeNs prompt_transit_ns = 150'000'000;  ///< age at departure above which the bridge may have caused LATE
   TimeNs future_ns = 10'000'000;           ///< largest lead of a stamp over the host's clock

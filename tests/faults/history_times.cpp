@@ -69,11 +69,12 @@ void HistoryChecker::check_ages(const Track& track) {
 }
 
 /// Checks that poses of a resumed bridge's backlog are marked: these samples left the bridge just now but are
-/// old. A fusion that has just started (strength 0) cannot recognise its first samples as old.
+/// old. A fusion that has just started (strength 0) cannot know that the clock of the bridge was set.
 void HistoryChecker::check_bridge_backlog(const Track& track) {
+  const bool clocks_agree = !bridge_clock_step();
   for (const Arrival& pose : track.poses) {
-    const bool is_marked = (pose.status & status_late) != 0U;
-    if (!is_marked && pose.strength > 0 && transit_ns(pose) > limits_.transit_ns) {
+    if ((pose.status & status_late) != 0U || transit_ns(pose) <= limits_.transit_ns) continue;
+    if (pose.strength > 0 || clocks_agree) {
       violated(pose, fmt::format("a pose of {} is not marked, but its sample was {:.1f} ms old when it left",
                                  name_of(pose), to_ms(transit_ns(pose))));
       return;

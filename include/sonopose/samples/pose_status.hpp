@@ -19,7 +19,7 @@ enum PoseStatus : std::uint32_t {
   status_imu_gap = 1U << 7U,          ///< the IMU was silent just before this pose
   status_low_trust = 1U << 8U,        ///< many of the last fixes were not used
   status_rotating_fast = 1U << 9U,    ///< documented engine: settings 35–37 suppress acceleration
-  status_late = 1U << 10U,            ///< the IMU sample arrived much later than usual
+  status_late = 1U << 10U,            ///< the IMU sample is old
   status_overloaded = 1U << 11U,      ///< the fusion cannot keep up with its input and skips poses
   status_imu_inconsistent =
       1U << 12U,  ///< gyroscope, accelerometer or mount contradict fixes, headings or gravity

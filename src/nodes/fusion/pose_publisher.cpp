@@ -102,8 +102,8 @@ void PosePublisher::publish(FusedPose& pose) noexcept {
   if (PoseWriter* const writer = admit(pose, clocks::steady_now())) write(*writer, pose);
 }
 
-/// Returns the writer of a pose; null if a standby skips it as the backlog of a pause. Releases the beacon if
-/// necessary.
+/// Returns the writer of a pose; null if a standby skips it as the backlog of a pause. Marks a pose
+/// whose sample is old, and releases the beacon if necessary.
 PosePublisher::PoseWriter* PosePublisher::admit(FusedPose& pose, SteadyTime now) noexcept {
   Standby::Step step{FusionRole::sole, false};
   TimeNs late_ns = 0;
@@ -111,7 +111,15 @@ PosePublisher::PoseWriter* PosePublisher::admit(FusedPose& pose, SteadyTime now)
   {
     const Lock lock(mutex_);
     Delay& delay = delays_[pose.address];
-    if (is_live_) late_ns = measure_delay(pose, delay, now);
+    if (is_live_) {
+      const auto age = delay.age.on_sample({.sequence = pose.sequence,
+                                            .sensor_ns = pose.imu_sensor_time_ns,
+                                            .bridge_ns = pose.imu_bridge_time_ns,
+                                            .host_ns = clocks::host_now(),
+                                            .now = now});
+      if (age.is_old) pose.status |= status_late;
+      late_ns = age.late_ns;
+    }
     delay.latest_ns = pose.time_ns;
     first_due = predictor_.on_pose(pose, now);
     due_times_changed_ |= first_due;
@@ -126,17 +134,6 @@ PosePublisher::PoseWriter* PosePublisher::admit(FusedPose& pose, SteadyTime now)
   if (first_due) wake_.notify_one();
   if (step.release) release(pose.address);
   return step.skip ? nullptr : &writer_of(step.role);
-}
-
-/// Returns how much later than usual the sample of a pose arrived. Marks the pose if that is more than
-/// `late_after_s`, or if the sample left a stopped bridge that late.
-TimeNs PosePublisher::measure_delay(FusedPose& pose, Delay& delay, SteadyTime now) const noexcept {
-  // Steady time, so that a step of this host's clock delays nothing.
-  const TimeNs late_ns = delay.lateness.on_sample(saturated_difference(now.ns, pose.imu_bridge_time_ns), now);
-  const TimeNs transit_ns = saturated_difference(pose.imu_bridge_time_ns, pose.time_ns);
-  const bool left_late = delay.bridge_backlog.on_sample(transit_ns, now);
-  if (late_ns > to_ns(late_after_s) || left_late) pose.status |= status_late;
-  return late_ns;
 }
 
 /// True if the beacon's latest pose is old enough for another one during an overload.

@@ -4,10 +4,9 @@
 /// each fix.
 
 #include "fusion/beacon_estimator.hpp"
-#include "fusion/bridge_backlog.hpp"
-#include "fusion/lateness.hpp"
 #include "fusion/overload.hpp"
 #include "fusion/pose_predictor.hpp"
+#include "fusion/sample_age.hpp"
 #include "fusion/standby.hpp"
 #include "process/endpoint_counters.hpp"
 #include "threads/mutex.hpp"
@@ -50,7 +49,7 @@ public:
   /// Publishes the pose that was held back, unless another was written shortly before.
   void publish_held_back() noexcept;
 
-  /// Lateness of a sample above the usual after which its pose is marked as late.
+  /// Age of a sample after which its pose is marked as late.
   static constexpr double late_after_s = sonopose_LATE_AFTER;
 
   /// Asserts manual liveliness unless `busy` or a pose has done so, and releases stalled beacons. Call it by
@@ -97,8 +96,7 @@ private:
   using PoseWriter = dds::DataWriter<sonopose_FusedPose>;
 
   struct Delay {
-    Lateness lateness;
-    BridgeBacklog bridge_backlog{to_ns(late_after_s)};
+    SampleAge age{to_ns(late_after_s)};
     TimeNs latest_ns = 0;  ///< time of the latest pose
     std::uint64_t poses_late = 0;
     std::uint64_t poses_skipped = 0;
@@ -107,7 +105,6 @@ private:
   void set_period(BeaconAddress address, TimeNs period_ns) noexcept;
   void publish(FusedPose& pose) noexcept;
   [[nodiscard]] PoseWriter* admit(FusedPose& pose, SteadyTime now) noexcept;
-  TimeNs measure_delay(FusedPose& pose, Delay& delay, SteadyTime now) const noexcept;
   [[nodiscard]] bool is_due(const FusedPose& pose) const noexcept;
   void count_skipped(BeaconAddress address) noexcept;
   void write(PoseWriter& writer, FusedPose& pose) noexcept;
