@@ -37,7 +37,7 @@ void add_options(CLI::App& app, Options& options) {
   auto* strength = app.add_option(
       "--standby-strength", options.standby_strength,
       "Share the beacons with other fusions: the strongest one that receives a beacon serves it");
-  strength->check(CLI::Range(1, std::numeric_limits<std::int32_t>::max()))->type_name("N");
+  strength->check(CLI::Range(1, sonopose::max_fusion_strength))->type_name("N");
   app.add_option("--warm-up", options.warm_up_s,
                  "With --standby-strength: seconds of good poses before this fusion claims a beacon")
       ->check(sonopose::apps::number_between(0.0, 600.0))

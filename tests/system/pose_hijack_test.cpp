@@ -18,7 +18,7 @@ SCENARIO("a foreign process that writes poses is named, standby fusions are not"
     const Bus bus;
     const auto bridge = bus.bridge({"--scenario", "rest"});
     const auto standby = [&bus](const char* strength) {
-      return bus.fusion({"--standby-strength", strength, "--warm-up", "0.2"});
+      return bus.fusion({"--standby-strength", strength, "--warm-up", "2"});
     };
     const auto strong = standby("200");
     const auto weak = standby("100");
@@ -62,6 +62,37 @@ SCENARIO("a foreign process that writes poses is named, standby fusions are not"
             }
           }
         }
+      }
+    }
+  }
+}
+
+SCENARIO("a process that poses as a fusion is named when it takes a beacon over") {
+  GIVEN("a bridge, a fusion, and a monitor that has its poses and statuses") {
+    const Bus bus;
+    const auto bridge = bus.bridge({"--scenario", "rest"});
+    Consumer<sonopose_FusedPose> poses{bus, topics::pose, topics::Delivery::live};
+    const auto fusion = bus.fusion();
+    const auto monitor = bus.monitor({"--json"});
+    REQUIRE(poses.wait_for_more(1));
+    REQUIRE(monitor->wait_for_lines(Stream::output, 3));
+    WHEN("a stronger writer of poses appears, beside a writer of statuses that it never uses") {
+      const dds::DomainParticipant participant({.domain_id = bus.domain_id()});
+      auto writer = topics::make_writer(participant, dds::qos::Provider(), topics::pose);
+      writer.ownership_strength(900'000);
+      const auto statuses = topics::make_writer(participant, dds::qos::Provider(), topics::fusion_status);
+      sonopose_FusedPose forged = topics::to_idl(poses.samples.back());
+      forged.position.x += 100.0;
+      const auto own = fmt::format("(process {} on ", ::getpid());
+      THEN("the monitor names its process, and from whom it took the beacon") {
+        const bool is_named = wait_until([&] {
+          writer.try_write(forged);
+          return monitor->text(Stream::error).find("took beacon") != std::string::npos;
+        });
+        CHECK(is_named);
+        CHECK_THAT(monitor->text(Stream::error),
+                   Contains(own) && Contains("writes poses with strength 900000 and took beacon") &&
+                       Contains(fmt::format("(process {} on ", fusion->pid())));
       }
     }
   }

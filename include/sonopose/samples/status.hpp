@@ -76,6 +76,9 @@ enum class FusionRole : std::uint32_t {
   stalled   ///< no pose for a deadline: the beacon was released
 };
 
+/// Greatest ownership strength of a fusion.
+inline constexpr std::int32_t max_fusion_strength = 1'000'000;
+
 /// Counters and role of one engine. Counters start with the fusion.
 struct FusionStatus {
   BeaconAddress address = 0;

@@ -146,7 +146,9 @@ void SystemObserver::take(Subscription<T>& subscription, const Arrival& arrival)
       const auto [entry, is_new] = probes_.try_emplace(value.address);
       BeaconProbe& probe = entry->second;
       if (is_new && began_) probe.begin(began_->ns, deadlines_);
-      if constexpr (std::is_same_v<T, sonopose_FusedPose> || std::is_same_v<T, sonopose_FusionStatus>) {
+      if constexpr (std::is_same_v<T, sonopose_FusedPose>) {
+        served_.on_pose(value.address, info.publication_handle(), clocks::steady_now());
+      } else if constexpr (std::is_same_v<T, sonopose_FusionStatus>) {
         served_.on(value, info.publication_handle());
       }
       if constexpr (std::is_same_v<T, sonopose_ImuSample>) {
@@ -259,7 +261,7 @@ rules::Observations SystemObserver::run(const process::StopSignal& stop) {
   observations.readers = others_of(discovery_.readers(), processes, own_key);
   for (const auto& entry : lines_.lines()) observations.lines.push_back(entry.second);
   observations.pose_writers =
-      observation::pose_writers_of(discovery_.writers(), discovery_.participants(), served_);
+      observation::pose_writers_of(discovery_.writers(), discovery_.participants(), served_, ended);
   for (const auto& [address, probe] : probes_) {
     rules::BeaconObservation& beacon =
         observations.beacons.emplace_back(probe.observation(ended.ns, settings_of(address)));

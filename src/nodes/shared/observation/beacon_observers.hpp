@@ -110,9 +110,10 @@ public:
   }
 
   ServedBeacons served() {
+    const SteadyTime now = clocks::steady_now();
     const threads::Lock lock(mutex_);
     for (const auto& [address, beacon] : beacons_) {
-      if (beacon.pose_writer) served_.on_pose(address, *beacon.pose_writer);
+      if (beacon.pose_writer) served_.on_pose(address, *beacon.pose_writer, now);
     }
     return served_;
   }

@@ -4,8 +4,12 @@
 #include <sonopose/dds/qos/match.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cstddef>
 #include <iterator>
+#include <utility>
 
 namespace sonopose::observation {
 namespace {
@@ -30,6 +34,50 @@ std::optional<BeaconAddress> shared_beacon(const PoseWriter& a, const PoseWriter
   return both.empty() ? std::nullopt : std::optional(both.front());
 }
 
+const PoseWriter* find(const std::vector<PoseWriter>& writers, dds::InstanceHandle handle) {
+  const auto found = std::find_if(writers.begin(), writers.end(),
+                                  [&](const PoseWriter& writer) { return writer.handle == handle; });
+  return found == writers.end() ? nullptr : &*found;
+}
+
+/// What the statuses of each participant say.
+class ClaimsOfParticipants {
+public:
+  ClaimsOfParticipants(const std::vector<dds::FoundEndpoint>& writers, const ServedBeacons& served) {
+    for (const auto& endpoint : writers) {
+      const auto* const claims = served.claims_of(endpoint.handle);
+      if (claims != nullptr) claims_[endpoint.participant_key].insert(claims->begin(), claims->end());
+    }
+  }
+
+  [[nodiscard]] const ServedBeacons::Claims& of(const PoseWriter& writer) const {
+    static const ServedBeacons::Claims none;
+    const auto found = claims_.find(writer.participant_key);
+    return found == claims_.end() ? none : found->second;
+  }
+
+  /// True if no status of a beacon came although a fusion sends one a second.
+  [[nodiscard]] bool is_unstated(BeaconAddress address, const PoseWriter& owner, TimeNs owned_ns) const {
+    constexpr TimeNs grace_ns = 3'000'000'000;
+    return owned_ns > grace_ns && !of(owner).contains(address);
+  }
+
+  /// True if the owner took a beacon over from a weaker fusion that still serves it, without having warmed
+  /// up.
+  [[nodiscard]] bool is_seizure(BeaconAddress address, const PoseWriter& before,
+                                const PoseWriter& owner) const {
+    if (strength_of(before) >= strength_of(owner) || before.participant_key == owner.participant_key)
+      return false;
+    const auto own = of(owner).find(address);
+    if (own != of(owner).end() && own->second.has_warmed_up) return false;
+    const auto theirs = of(before).find(address);
+    return theirs != of(before).end() && theirs->second.serves;
+  }
+
+private:
+  std::map<std::string, ServedBeacons::Claims> claims_;
+};
+
 /// The strongest pose writer of each participant; a fusion's other writers have strength 0.
 std::vector<const PoseWriter*> strongest_of_participants(const std::vector<PoseWriter>& writers) {
   std::map<std::string, const PoseWriter*> strongest;
@@ -53,66 +101,109 @@ std::string text_of(const ProcessIdentity& process) {
   return text;
 }
 
+void ServedBeacons::on_pose(BeaconAddress address, dds::InstanceHandle writer, SteadyTime now) {
+  const auto [found, is_new] = owners_.try_emplace(address, Owner{writer, now, std::nullopt});
+  if (is_new || found->second.writer == writer) return;
+  found->second = {writer, now, found->second.writer};
+}
+
 void ServedBeacons::on(const FusionStatus& status, dds::InstanceHandle writer) {
-  if (serves(status)) {
-    statuses_[writer].insert(status.address);
-  } else {
-    statuses_[writer].erase(status.address);
-  }
+  Claim& claim = claims_[writer][status.address];
+  claim.serves = serves(status);
+  claim.has_warmed_up = claim.has_warmed_up || !claim.serves;
 }
 
 void ServedBeacons::forget(BeaconAddress address) {
   owners_.erase(address);
-  for (auto& [writer, beacons] : statuses_) beacons.erase(address);
-  std::erase_if(statuses_, [](const auto& entry) { return entry.second.empty(); });
+  for (auto& [writer, claims] : claims_) claims.erase(address);
+  std::erase_if(claims_, [](const auto& entry) { return entry.second.empty(); });
 }
 
-std::set<BeaconAddress> ServedBeacons::of(dds::InstanceHandle writer) const {
-  const auto found = statuses_.find(writer);
-  std::set<BeaconAddress> beacons = found == statuses_.end() ? std::set<BeaconAddress>{} : found->second;
-  for (const auto& [address, owner] : owners_) {
-    if (owner == writer) beacons.insert(address);
-  }
-  return beacons;
+const ServedBeacons::Claims* ServedBeacons::claims_of(dds::InstanceHandle writer) const {
+  const auto found = claims_.find(writer);
+  return found == claims_.end() ? nullptr : &found->second;
 }
 
 std::optional<dds::InstanceHandle> ServedBeacons::pose_writer_of(BeaconAddress address) const {
   const auto found = owners_.find(address);
-  return found == owners_.end() ? std::nullopt : std::optional(found->second);
+  return found == owners_.end() ? std::nullopt : std::optional(found->second.writer);
 }
 
 std::vector<PoseWriter> pose_writers_of(const std::vector<dds::FoundEndpoint>& writers,
                                         const std::vector<dds::FoundParticipant>& participants,
-                                        const ServedBeacons& served) {
+                                        const ServedBeacons& served, SteadyTime now) {
+  const ClaimsOfParticipants claims(writers, served);
   std::vector<PoseWriter> found;
   for (const auto& endpoint : writers) {
     if (endpoint.topic_name != dds::topics::pose.name) continue;
-    PoseWriter writer{
-        .participant_key = endpoint.participant_key, .process = {}, .qos = endpoint.qos, .served = {}};
-    for (const auto& sibling : writers) {
-      if (sibling.participant_key != endpoint.participant_key) continue;
-      writer.has_status = writer.has_status || sibling.topic_name == dds::topics::fusion_status.name;
-      writer.served.merge(served.of(sibling.handle));
+    PoseWriter writer{.handle = endpoint.handle,
+                      .participant_key = endpoint.participant_key,
+                      .process = {},
+                      .qos = endpoint.qos};
+    writer.has_status = std::any_of(writers.begin(), writers.end(), [&](const auto& sibling) {
+      return sibling.participant_key == endpoint.participant_key &&
+             sibling.topic_name == dds::topics::fusion_status.name;
+    });
+    for (const auto& [address, claim] : claims.of(writer)) {
+      if (claim.serves) writer.served.insert(address);
     }
     for (const auto& participant : participants) {
       if (participant.key != endpoint.participant_key) continue;
-      writer.process = {participant.process_name, participant.host_name, participant.process_id};
+      writer.process = {participant.process_name, participant.host_name, participant.process_id,
+                        participant.addresses};
     }
     found.push_back(std::move(writer));
   }
+  for (const auto& [address, owner] : served.owners()) {
+    const PoseWriter* const writer = find(found, owner.writer);
+    if (writer == nullptr) continue;
+    const auto* const victim = owner.before ? find(found, *owner.before) : nullptr;
+    const bool is_seized = victim != nullptr && claims.is_seizure(address, *victim, *writer);
+    const bool is_unstated = claims.is_unstated(address, *writer, now - owner.since);
+    for (PoseWriter& own : found) {
+      if (own.participant_key != writer->participant_key) continue;
+      own.served.insert(address);
+      own.owned.insert(address);
+      if (is_unstated) own.unstated.insert(address);
+      if (is_seized) own.seized.emplace(address, victim->process);
+    }
+  }
   return found;
 }
+
+namespace {
+
+/// Reason why a writer is no fusion; empty if it may be one.
+std::string disqualification(const PoseWriter& writer) {
+  if (!writer.has_status) return "is no fusion";
+  if (!writer.unstated.empty()) {
+    return fmt::format("sends no status of beacon {}, as a fusion would", *writer.unstated.begin());
+  }
+  if (strength_of(writer) > max_fusion_strength) {
+    return fmt::format("is no fusion, whose strength is at most {}", max_fusion_strength);
+  }
+  if (writer.seized.empty()) return {};
+  const auto& [address, victim] = *writer.seized.begin();
+  return fmt::format("took beacon {} over from {}, which still serves it, without having warmed up", address,
+                     text_of(victim));
+}
+
+}  // namespace
 
 std::vector<PoseWriterProblem> problems_of(const std::vector<PoseWriter>& writers) {
   std::vector<PoseWriterProblem> problems;
   const auto strongest = strongest_of_participants(writers);
   for (auto a = strongest.begin(); a != strongest.end(); ++a) {
     const std::string strength = std::to_string(strength_of(**a));
-    if (!(*a)->has_status) {
+    if (const std::string reason = disqualification(**a); !reason.empty()) {
+      const auto& addresses = (*a)->process.addresses;
       problems.push_back(
           {true,
-           text_of((*a)->process) + " writes poses with strength " + strength +
-               " and is no fusion; consumers receive its poses instead of those of weaker fusions",
+           fmt::format(
+               "{} writes poses with strength {} and {}; consumers receive its poses instead of those "
+               "of weaker fusions{}",
+               text_of((*a)->process), strength, reason,
+               addresses.empty() ? "" : "; it announces the network addresses " + addresses),
            "stop it, or let it use another topic"});
     }
     for (auto b = std::next(a); b != strongest.end(); ++b) {

@@ -7,6 +7,7 @@
 #include <sonopose/dds/binding/types.hpp>
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/status.hpp>
+#include <sonopose/samples/time.hpp>
 
 #include <cstdint>
 #include <map>
@@ -22,6 +23,7 @@ struct ProcessIdentity {
   std::string name;
   std::string host;
   std::optional<std::uint32_t> id;
+  std::string addresses;  ///< network addresses, in the notation of Cyclone DDS
 
   bool operator==(const ProcessIdentity&) const = default;
 };
@@ -32,36 +34,57 @@ std::string text_of(const ProcessIdentity& process);
 /// Beacons that each writer serves, by the handle of its writer of poses or statuses.
 class ServedBeacons {
 public:
-  void on(const FusedPose& pose, dds::InstanceHandle writer) { on_pose(pose.address, writer); }
-  void on_pose(BeaconAddress address, dds::InstanceHandle writer) { owners_[address] = writer; }
+  /// Writer whose poses of a beacon are received.
+  struct Owner {
+    dds::InstanceHandle writer;
+    SteadyTime since;
+    std::optional<dds::InstanceHandle> before;  ///< writer that it took the poses over from
+  };
+
+  /// What the statuses of one writer say of a beacon.
+  struct Claim {
+    bool serves = false;         ///< by the latest status
+    bool has_warmed_up = false;  ///< by an earlier one
+  };
+  using Claims = std::map<BeaconAddress, Claim>;
+
+  void on_pose(BeaconAddress address, dds::InstanceHandle writer, SteadyTime now);
   void on(const FusionStatus& status, dds::InstanceHandle writer);
 
   /// Forgets a beacon that is gone.
   void forget(BeaconAddress address);
 
-  [[nodiscard]] std::set<BeaconAddress> of(dds::InstanceHandle writer) const;
+  [[nodiscard]] const std::map<BeaconAddress, Owner>& owners() const { return owners_; }
+
+  /// Claims of a writer of statuses; null without statuses.
+  [[nodiscard]] const Claims* claims_of(dds::InstanceHandle writer) const;
 
   /// Writer of the beacon's latest pose; empty without one.
   [[nodiscard]] std::optional<dds::InstanceHandle> pose_writer_of(BeaconAddress address) const;
 
 private:
-  std::map<BeaconAddress, dds::InstanceHandle> owners_;  ///< writers of the latest poses
-  std::map<dds::InstanceHandle, std::set<BeaconAddress>> statuses_;
+  std::map<BeaconAddress, Owner> owners_;
+  std::map<dds::InstanceHandle, Claims> claims_;
 };
 
-/// A writer of the pose topic.
+/// A writer of the pose topic. The beacons are those of its participant.
 struct PoseWriter {
+  dds::InstanceHandle handle;
   std::string participant_key;
   ProcessIdentity process;
-  dds::Qos qos;                    ///< with ownership strength and partition
-  bool has_status = false;         ///< the participant writes fusion statuses too
-  std::set<BeaconAddress> served;  ///< beacons that the participant serves
+  dds::Qos qos;                           ///< with ownership strength and partition
+  bool has_status = false;                ///< the participant writes fusion statuses too
+  std::set<BeaconAddress> served = {};    ///< by its statuses, or because its poses are received
+  std::set<BeaconAddress> owned = {};     ///< its poses are received
+  std::set<BeaconAddress> unstated = {};  ///< owned for seconds without a status
+  /// Owned, taken over from a fusion that still serves them, without having warmed up before.
+  std::map<BeaconAddress, ProcessIdentity> seized = {};
 };
 
 /// Pose writers among all writers of the domain.
 std::vector<PoseWriter> pose_writers_of(const std::vector<dds::FoundEndpoint>& writers,
                                         const std::vector<dds::FoundParticipant>& participants,
-                                        const ServedBeacons& served);
+                                        const ServedBeacons& served, SteadyTime now);
 
 struct PoseWriterProblem {
   bool foreign = false;  ///< a writer that is no fusion; otherwise two fusions of equal strength
@@ -69,8 +92,9 @@ struct PoseWriterProblem {
   std::string remedy;
 };
 
-/// Processes that write poses without fusion statuses, and pairs of processes that write poses of one beacon
-/// with equal strength. Strength 0 means that a fusion warms up.
+/// Processes that write poses without being a fusion, by what a fusion does: it sends statuses of its
+/// beacons, warms up before it takes one over, and has at most max_fusion_strength. Also pairs of processes
+/// that write poses of one beacon with equal strength. Strength 0 means that a fusion warms up.
 std::vector<PoseWriterProblem> problems_of(const std::vector<PoseWriter>& writers);
 
 }  // namespace sonopose::observation

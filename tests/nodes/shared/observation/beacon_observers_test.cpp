@@ -31,7 +31,7 @@ SCENARIO("a beacon from which nothing comes is removed after a minute, one that 
   CHECK(gone[0].address == 7);
   CHECK(gone[0].poses == 200);
   CHECK(observers.take_windows(0).empty());
-  CHECK(observers.served().of(writer).empty());
+  CHECK_FALSE(observers.served().pose_writer_of(7));
 }
 
 SCENARIO("what ends for an unknown beacon makes no beacon") {

@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <limits>
+
 namespace pose_writers_test {
 
 using namespace sonopose;
@@ -14,7 +16,12 @@ dds::Qos strength(std::int32_t value) {
 
 /// Pose writer of a fusion that serves the beacons `served`.
 PoseWriter fusion(const std::string& name, std::int32_t its_strength, std::set<BeaconAddress> served) {
-  return {name, {name, "rover", 12}, strength(its_strength), true, std::move(served)};
+  return {.handle = {},
+          .participant_key = name,
+          .process = {name, "rover", 12, "udp/10.0.0.5:7410"},
+          .qos = strength(its_strength),
+          .has_status = true,
+          .served = std::move(served)};
 }
 
 SCENARIO("the pose writers of fusions are no problem while one consumer can tell them apart") {
@@ -60,24 +67,120 @@ SCENARIO("a pose writer without fusion statuses is a problem, whatever its stren
                                              std::to_string(its_strength)));
 }
 
-SCENARIO("a writer serves the beacons of its latest poses and of its serving statuses") {
+/// Two processes with a writer of poses and one of statuses each, as discovery finds them.
+struct TwoProcesses {
+  static constexpr std::uint64_t own_poses = 1;
+  static constexpr std::uint64_t own_statuses = 2;
+  static constexpr std::uint64_t other_poses = 3;
+  static constexpr std::uint64_t other_statuses = 4;
+
   ServedBeacons served;
-  const dds::InstanceHandle a{1};
-  const dds::InstanceHandle b{2};
-  FusedPose pose;
-  pose.address = 7;
-  served.on(pose, a);
-  CHECK(served.of(a) == std::set<BeaconAddress>{7});
-  served.on(pose, b);  // consumers now receive the other writer
-  CHECK(served.of(a).empty());
-  FusionStatus status;
-  status.address = 8;
-  status.role = FusionRole::serving;
-  served.on(status, a);
-  CHECK(served.of(a) == std::set<BeaconAddress>{8});
-  status.role = FusionRole::stalled;
-  served.on(status, a);
-  CHECK(served.of(a).empty());
+  std::vector<dds::FoundParticipant> participants{
+      {.key = "own", .process_name = "sonopose-fusion", .host_name = "rover", .process_id = 12, .addresses = {}, .user_data = {}},
+      {.key = "other", .process_name = "sonopose-fusion", .host_name = "rover", .process_id = 13, .addresses = {}, .user_data = {}}};
+  std::vector<dds::FoundEndpoint> writers{endpoint(own_poses, "own", "sonopose/pose", 100),
+                                          endpoint(own_statuses, "own", "sonopose/fusion_status", 0),
+                                          endpoint(other_poses, "other", "sonopose/pose", 1000),
+                                          endpoint(other_statuses, "other", "sonopose/fusion_status", 0)};
+
+  static dds::FoundEndpoint endpoint(std::uint64_t handle, const std::string& participant,
+                                     const std::string& topic, std::int32_t its_strength) {
+    return {.key = {},
+            .handle = {handle},
+            .participant_key = participant,
+            .topic_name = topic,
+            .type_name = {},
+            .qos = strength(its_strength)};
+  }
+
+  void pose(std::uint64_t writer, double at_s) { served.on_pose(7, {writer}, SteadyTime{to_ns(at_s)}); }
+
+  void status(std::uint64_t writer, FusionRole role) {
+    FusionStatus status;
+    status.address = 7;
+    status.role = role;
+    served.on(status, {writer});
+  }
+
+  std::vector<PoseWriterProblem> problems(double at_s) const {
+    return problems_of(pose_writers_of(writers, participants, served, SteadyTime{to_ns(at_s)}));
+  }
+};
+
+SCENARIO("a new owner of a beacon's poses must do what a fusion does") {
+  GIVEN("a fusion that serves a beacon") {
+    TwoProcesses two;
+    two.pose(TwoProcesses::own_poses, 1);
+    two.status(TwoProcesses::own_statuses, FusionRole::serving);
+    REQUIRE(two.problems(10).empty());
+    WHEN("a stronger process that only has a writer of statuses takes the beacon over") {
+      two.pose(TwoProcesses::other_poses, 10);
+      THEN("it is named") {
+        const auto problems = two.problems(10.5);
+        REQUIRE(problems.size() == 1);
+        CHECK(problems.front().foreign);
+        CHECK_THAT(problems.front().what,
+                   Contains("sonopose-fusion (process 13 on rover) writes poses with strength 1000") &&
+                       Contains("took beacon 7 over from sonopose-fusion (process 12 on rover)"));
+        AND_WHEN("the other fusion has ended") {
+          two.writers.erase(two.writers.begin(), two.writers.begin() + 2);
+          THEN("it is named, because it sends no statuses") {
+            CHECK(two.problems(12).empty());
+            const auto later = two.problems(14);
+            REQUIRE(later.size() == 1);
+            CHECK_THAT(later.front().what, Contains("sends no status of beacon 7"));
+          }
+        }
+      }
+    }
+    WHEN("it sends statuses that it serves the beacon") {
+      two.status(TwoProcesses::other_statuses, FusionRole::serving);
+      two.pose(TwoProcesses::other_poses, 10);
+      THEN("it is named as well") {
+        CHECK(two.problems(20).size() == 1);
+      }
+    }
+    WHEN("a standby warms up before it takes the beacon over") {
+      two.status(TwoProcesses::other_statuses, FusionRole::warming);
+      two.pose(TwoProcesses::other_poses, 15);
+      two.status(TwoProcesses::other_statuses, FusionRole::serving);
+      THEN("there is no problem") {
+        CHECK(two.problems(20).empty());
+      }
+    }
+    WHEN("the fusion ends, and another one starts") {
+      two.writers.erase(two.writers.begin(), two.writers.begin() + 2);
+      two.pose(TwoProcesses::other_poses, 10);
+      two.status(TwoProcesses::other_statuses, FusionRole::sole);
+      THEN("there is no problem") {
+        CHECK(two.problems(20).empty());
+      }
+    }
+    WHEN("a process warms up with a strength that no fusion can have") {
+      two.writers[2].qos = strength(std::numeric_limits<std::int32_t>::max());
+      two.status(TwoProcesses::other_statuses, FusionRole::warming);
+      THEN("it is named") {
+        const auto problems = two.problems(11);
+        REQUIRE(problems.size() == 1);
+        CHECK_THAT(problems.front().what, Contains("whose strength is at most 1000000"));
+      }
+    }
+  }
+}
+
+SCENARIO("a writer serves the beacons of its latest poses and of its serving statuses") {
+  TwoProcesses two;
+  const auto served_by_own = [&] {
+    return pose_writers_of(two.writers, two.participants, two.served, {}).front().served;
+  };
+  two.pose(TwoProcesses::own_poses, 0);
+  CHECK(served_by_own() == std::set<BeaconAddress>{7});
+  two.pose(TwoProcesses::other_poses, 0);  // consumers now receive the other writer
+  CHECK(served_by_own().empty());
+  two.status(TwoProcesses::own_statuses, FusionRole::serving);
+  CHECK(served_by_own() == std::set<BeaconAddress>{7});
+  two.status(TwoProcesses::own_statuses, FusionRole::stalled);
+  CHECK(served_by_own().empty());
 }
 
 }  // namespace pose_writers_test

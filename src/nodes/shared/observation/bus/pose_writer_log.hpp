@@ -1,30 +1,37 @@
 #pragma once
 /// \file
-/// Logs processes that should not write poses.
+/// Logs whose poses are received, and processes that should not write poses.
 
+#include "clocks/clocks.hpp"
 #include "logging/log.hpp"
 #include "observation/pose_writers.hpp"
 #include <sonopose/dds/binding/discovery.hpp>
 #include <sonopose/dds/binding/participant.hpp>
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace sonopose::observation::bus {
 
-/// Checks the processes that write poses, and logs new problems. A problem counts once two consecutive checks
-/// find it, because a process starts and ends in parts.
+/// Checks the processes that write poses. Logs new owners of a beacon's poses, and new problems. A problem
+/// counts once two consecutive checks find it, because a process starts and ends in parts.
 class PoseWriterLog {
 public:
   explicit PoseWriterLog(const dds::DomainParticipant& participant) : discovery_(participant) {}
 
   void log(const ServedBeacons& served) {
+    const auto writers =
+        pose_writers_of(discovery_.writers(), discovery_.participants(), served, clocks::steady_now());
+    log_owners(writers);
     std::vector<std::string> seen;
     std::vector<std::string> confirmed;
-    for (const auto& problem :
-         problems_of(pose_writers_of(discovery_.writers(), discovery_.participants(), served))) {
+    for (const auto& problem : problems_of(writers)) {
       seen.push_back(problem.what);
       if (contains(seen_, problem.what)) confirmed.push_back(problem.what);
     }
@@ -43,7 +50,25 @@ private:
     return std::find(list.begin(), list.end(), text) != list.end();
   }
 
+  /// Logs the beacons whose poses come from another process than before.
+  void log_owners(const std::vector<PoseWriter>& writers) {
+    std::map<std::string, std::set<BeaconAddress>> changed;
+    for (const PoseWriter& writer : writers) {
+      for (const BeaconAddress address : writer.owned) {
+        std::string& owner = owners_[address];
+        if (owner == writer.participant_key) continue;
+        if (!owner.empty()) changed[text_of(writer.process)].insert(address);
+        owner = writer.participant_key;
+      }
+    }
+    for (const auto& [process, beacons] : changed) {
+      logging::info(
+          fmt::format("the poses of beacons {} come from {} now", fmt::join(beacons, ", "), process));
+    }
+  }
+
   dds::Discovery discovery_;
+  std::map<BeaconAddress, std::string> owners_;  ///< participants
   std::vector<std::string> seen_;
   std::vector<std::string> warnings_;
 };
