@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <csignal>
+#include <cstdlib>
 #include <fcntl.h>
 #include <filesystem>
 #include <sys/stat.h>
@@ -28,7 +29,16 @@ std::unique_ptr<Process> limited(const std::string& limit, const std::string& pr
   return std::make_unique<Process>("/bin/sh", all, environment);
 }
 
+bool is_crowded() {
+  return std::getenv("SONOPOSE_FAULT_CROWD") != nullptr;
+}
+
 }  // namespace
+
+BeaconAddress Cast::last_address() {
+  constexpr BeaconAddress beacons = 20;
+  return is_crowded() ? first_address + beacons - 1 : first_address + 1;
+}
 
 std::string faketime_library() {
   for (const auto& folder : std::filesystem::directory_iterator("/usr/lib")) {
@@ -87,9 +97,10 @@ Cast::Cast(const test::Bus& bus, const Plan& plan)
     ::fcntl(pipe_, F_SETPIPE_SZ, 4096);
     drain_ = std::jthread([this](const std::stop_token& stop) { drain(stop); });
   }
-  for (BeaconAddress address = first_address; address <= last_address; ++address) feed_.add(address);
+  for (BeaconAddress address = first_address; address <= last_address(); ++address) feed_.add(address);
   for (int i = 0; i <= plan.fusions; ++i) start(all_roles.at(static_cast<std::size_t>(i)));
   for (int i = 0; i <= plan.fusions; ++i) wait_until_ready(all_roles.at(static_cast<std::size_t>(i)));
+  if (is_crowded()) start_consumers();
 }
 
 Cast::~Cast() {
@@ -155,6 +166,20 @@ void Cast::start(Role role) {
   processes_[role] = role == Role::bridge && plan_.disk == Disk::full
                          ? limited("ulimit -f 64", program, arguments, environment)
                          : std::make_unique<Process>(program, arguments, environment);
+}
+
+void Cast::start_consumers() {
+  const auto start = [&](const std::string& program, const Arguments& more) {
+    Arguments arguments{"--domain", std::to_string(bus_.domain_id())};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    consumers_[program] = std::make_unique<Process>(program, arguments);
+  };
+  start(SONOPOSE_TEST_MONITOR, {"--json"});
+  start(SONOPOSE_TEST_RECORD, {(folder_ / "recorded.mcap").string()});
+  start(SONOPOSE_TEST_ROS2, {});
+#ifdef SONOPOSE_TEST_WEB
+  start(SONOPOSE_TEST_WEB, {"--listen", "127.0.0.1:0"});
+#endif
 }
 
 void Cast::wait_until_ready(Role role) {
@@ -305,6 +330,10 @@ void Cast::play() {
 }
 
 std::vector<std::string> Cast::finish() {
+  for (const auto& [program, process] : consumers_) {
+    if (!process->wait_for_exit(std::chrono::milliseconds(0)) && process->end_by(SIGTERM).code == 0) continue;
+    failures_.push_back(program + " ended wrongly: " + process->text(Stream::error));
+  }
   for (const auto& entry : processes_) take_out(entry.first, SIGTERM);
   return failures_;
 }

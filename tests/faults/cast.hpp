@@ -59,12 +59,15 @@ public:
 
   static constexpr double imu_rate_hz = 200;
   static constexpr BeaconAddress first_address = 7;
-  static constexpr BeaconAddress last_address = 8;
+  /// Address of the last beacon. SONOPOSE_FAULT_CROWD=1 makes it twenty beacons, and starts a monitor, a
+  /// recorder, a ROS 2 relay and a live page, which are to survive.
+  static BeaconAddress last_address();
 
 private:
   void begin(const Step& step);
   void end(const Step& step);
   void start(Role role);
+  void start_consumers();
   void wait_until_ready(Role role);
   void take_out(Role role, int signal);
   void step_clock(TimeNs offset_ns) const;
@@ -82,6 +85,7 @@ private:
   FeedLine line_;
   test::BeaconFeed feed_;
   std::map<Role, std::unique_ptr<test::Process>> processes_;
+  std::map<std::string, std::unique_ptr<test::Process>> consumers_;  ///< by program
   std::map<Role, std::thread> restarts_;
   std::vector<Episode> episodes_;  ///< each entry is written by one thread at a time
   std::mutex mutex_;               ///< guards the members below

@@ -54,6 +54,12 @@ void HistoryChecker::check_ages(const Track& track) {
   std::size_t unknown = 0;
   for (const Arrival& pose : track.poses) {
     if ((pose.status & status_late) != 0U) continue;
+    const TimeNs stamp_age_ns = saturated_difference(pose.received_host_ns, pose.time_ns);
+    if (!bridge_clock_step() &&
+        stamp_age_ns > limits_.age_ns + stalled_ns(pose.received - stamp_age_ns, pose.received)) {
+      violated(pose, fmt::format("a pose of {} is {:.1f} ms older than its stamp and not marked",
+                                 name_of(pose), to_ms(stamp_age_ns)));
+    }
     const auto sent = published(track, pose);
     if (!sent) {
       if (++unknown == limits_.unknown_ages + 1) violated(pose, "the samples of too many poses are unknown");

@@ -61,17 +61,21 @@ bool can_step_clocks() {
   return !sanitized && !faketime_library().empty();  // a sanitizer must be the first library to be loaded
 }
 
-/// Returns true if all fusions of the plan have since reported that they serve both beacons.
+std::size_t beacons() {
+  return Cast::last_address() - Cast::first_address + 1U;
+}
+
+/// Returns true if all fusions of the plan have since reported that they serve every beacon.
 bool all_serve(const Plan& plan, const std::vector<FusionReport>& reports, SteadyTime since = {}) {
   std::set<std::pair<std::int32_t, BeaconAddress>> serving;
   for (const FusionReport& report : reports) {
     const auto key = std::pair{report.status.strength, report.status.address};
     if (report.received >= since && report.status.role == FusionRole::serving) serving.insert(key);
   }
-  return serving.size() == 2 * static_cast<std::size_t>(plan.fusions);
+  return serving.size() == beacons() * static_cast<std::size_t>(plan.fusions);
 }
 
-/// Returns true if both beacons have a series of good poses from this index on.
+/// Returns true if every beacon has a series of good poses from this index on.
 bool flows(const std::vector<Arrival>& poses, std::size_t from) {
   constexpr std::uint32_t bad = status_initialising | status_stale | status_late;
   constexpr std::size_t row = 80;
@@ -80,7 +84,8 @@ bool flows(const std::vector<Arrival>& poses, std::size_t from) {
     std::size_t& count = good[poses[i].address];
     count = (poses[i].status & bad) == 0U ? count + 1 : 0;
   }
-  return good[Cast::first_address] >= row && good[Cast::last_address] >= row;
+  return good.size() == beacons() &&
+         std::all_of(good.begin(), good.end(), [](const auto& entry) { return entry.second >= row; });
 }
 
 void wait_for_recovery(const Observer& observer, const Plan& plan) {
@@ -96,7 +101,7 @@ void wait_for_recovery(const Observer& observer, const Plan& plan) {
     for (const FusionReport& report : reports) {
       if (report.received > recovered) heard.emplace(report.status.strength, report.status.address);
     }
-    return heard.size() >= 2 * static_cast<std::size_t>(plan.fusions);
+    return heard.size() >= beacons() * static_cast<std::size_t>(plan.fusions);
   });
 }
 
@@ -139,7 +144,7 @@ Outcome play(const Plan& plan, Timing timing) {
   Cast cast(bus, plan);
   History history;
   history.plan = plan;
-  for (auto address = Cast::first_address; address <= Cast::last_address; ++address) {
+  for (auto address = Cast::first_address; address <= Cast::last_address(); ++address) {
     history.beacons.push_back(address);
   }
   history.imu_period_ns = to_ns(1 / Cast::imu_rate_hz);

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -20,9 +21,9 @@ public:
   /// Times of a sample on its way.
   struct Times {
     std::uint64_t sequence = 0;  ///< event number
-    TimeNs sensor_ns = 0;  ///< its stamp
-    TimeNs bridge_ns = 0;  ///< departure from the bridge
-    HostTime host_ns = 0;  ///< now
+    TimeNs sensor_ns = 0;        ///< its stamp
+    TimeNs bridge_ns = 0;        ///< departure from the bridge
+    HostTime host_ns = 0;        ///< now
     SteadyTime now;
   };
 
@@ -89,10 +90,15 @@ private:
     constexpr TimeNs settled_after_ns = 2'000'000'000;
     constexpr TimeNs max_pause_ns = 100'000'000;
     const SteadyTime before = std::exchange(latest_, times.now);
-    if (may_have_stepped(times)) {
+    const TimeNs host_ahead_ns = saturated_difference(times.host_ns, times.now.ns);
+    const TimeNs host_step_ns =
+        saturated_difference(host_ahead_ns, std::exchange(host_ahead_ns_, host_ahead_ns));
+    if (is_new_or_set_back(times)) {
       clocks_ = Clocks::unknown;
       least_age_ns_ = age_ns;
       settled_ns_ = 0;
+    } else if (host_step_ns > tolerance_ns || host_step_ns < -tolerance_ns) {
+      clocks_ = Clocks::differ;  // unless the next age shows that the bridge's clock was set too
     }
     if (age_ns < -tolerance_ns || age_ns > max_backlog_ns) {
       clocks_ = Clocks::differ;
@@ -108,16 +114,13 @@ private:
     }
   }
 
-  /// True at the first sample of a bridge, and if the bridge's clock was set back or this host's was set. A
-  /// bridge's clock that was advanced shows in stamps of the future.
-  bool may_have_stepped(const Times& times) {
+  /// True at the first sample of a bridge, and if the bridge's clock was set back. A clock that was advanced
+  /// shows in stamps of the future.
+  bool is_new_or_set_back(const Times& times) {
     const bool is_first = times.sequence <= std::exchange(sequence_, times.sequence);
-    const TimeNs host_ahead_ns = saturated_difference(times.host_ns, times.now.ns);
-    const TimeNs change_ns =
-        saturated_difference(host_ahead_ns, std::exchange(host_ahead_ns_, host_ahead_ns));
     const TimeNs advance_ns =
         saturated_difference(times.bridge_ns, std::exchange(bridge_ns_, times.bridge_ns));
-    return is_first || change_ns > tolerance_ns || change_ns < -tolerance_ns || advance_ns < -tolerance_ns;
+    return is_first || advance_ns < -tolerance_ns;
   }
 
   TimeNs old_after_ns_;
@@ -125,7 +128,7 @@ private:
   LateDeparture left_late_;
   Clocks clocks_ = Clocks::unknown;
   SteadyTime latest_;  ///< arrival of the latest sample
-  std::uint64_t sequence_ = 0;
+  std::uint64_t sequence_ = std::numeric_limits<std::uint64_t>::max();
   TimeNs host_ahead_ns_ = 0;  ///< host's clock minus steady clock
   TimeNs bridge_ns_ = 0;      ///< departure of the latest sample
   TimeNs least_age_ns_ = 0;   ///< while unknown
