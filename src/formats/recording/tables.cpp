@@ -47,7 +47,9 @@ struct TaggedFix {
 void leave_one_tag(std::vector<TaggedFix>& fixes, const std::string& file, BeaconAddress address,
                    Tables& tables) {
   std::set<std::string> tags;
-  for (const TaggedFix& tagged : fixes) tags.insert(tagged.tag);
+  for (const TaggedFix& tagged : fixes) {
+    if (!tagged.tag.empty()) tags.insert(tagged.tag);
+  }
   if (tags.size() < 2) return;
   const std::string own = std::to_string(address);
   if (!tags.contains(own)) {

@@ -171,7 +171,13 @@ SCENARIO("positions of several tags are those of one, and may lack a height") {
       CHECK(tables.rows_without_imu == 1);
     }
   }
-  WHEN("it does not") {
+  WHEN("it has one, which some rows leave empty") {
+    write_text(folder / "positions.csv", "t,Tag ID,x,y\n1.5,12,1,2\n1.6,,3,4\n");
+    THEN("all rows are its fixes") {
+      CHECK(read_tables(files, names, 7).log.events.size() == 3);
+    }
+  }
+  WHEN("it does not have the beacon") {
     THEN("the tags are named") {
       CHECK_THROWS_WITH(read_tables(files, names, 8),
                         Contains("positions.csv: has positions of the tags 12, 7; choose one with --beacon"));
