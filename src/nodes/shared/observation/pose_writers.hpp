@@ -23,7 +23,7 @@ struct ProcessIdentity {
   std::string name;
   std::string host;
   std::optional<std::uint32_t> id;
-  std::string addresses;  ///< network addresses, in the notation of Cyclone DDS
+  std::string addresses = {};  ///< network addresses, in the notation of Cyclone DDS
 
   bool operator==(const ProcessIdentity&) const = default;
 };
