@@ -136,10 +136,8 @@ std::vector<PoseWriter> pose_writers_of(const std::vector<dds::FoundEndpoint>& w
   std::vector<PoseWriter> found;
   for (const auto& endpoint : writers) {
     if (endpoint.topic_name != dds::topics::pose.name) continue;
-    PoseWriter writer{.handle = endpoint.handle,
-                      .participant_key = endpoint.participant_key,
-                      .process = {},
-                      .qos = endpoint.qos};
+    PoseWriter writer{.participant_key = endpoint.participant_key, .process = {}, .qos = endpoint.qos};
+    writer.handle = endpoint.handle;
     writer.has_status = std::any_of(writers.begin(), writers.end(), [&](const auto& sibling) {
       return sibling.participant_key == endpoint.participant_key &&
              sibling.topic_name == dds::topics::fusion_status.name;

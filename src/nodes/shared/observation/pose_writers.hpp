@@ -69,7 +69,6 @@ private:
 
 /// A writer of the pose topic. The beacons are those of its participant.
 struct PoseWriter {
-  dds::InstanceHandle handle;
   std::string participant_key;
   ProcessIdentity process;
   dds::Qos qos;                           ///< with ownership strength and partition
@@ -79,6 +78,7 @@ struct PoseWriter {
   std::set<BeaconAddress> unstated = {};  ///< owned for seconds without a status
   /// Owned, taken over from a fusion that still serves them, without having warmed up before.
   std::map<BeaconAddress, ProcessIdentity> seized = {};
+  dds::InstanceHandle handle = {};
 };
 
 /// Pose writers among all writers of the domain.

@@ -16,8 +16,7 @@ dds::Qos strength(std::int32_t value) {
 
 /// Pose writer of a fusion that serves the beacons `served`.
 PoseWriter fusion(const std::string& name, std::int32_t its_strength, std::set<BeaconAddress> served) {
-  return {.handle = {},
-          .participant_key = name,
+  return {.participant_key = name,
           .process = {name, "rover", 12, "udp/10.0.0.5:7410"},
           .qos = strength(its_strength),
           .has_status = true,
