@@ -75,10 +75,12 @@ bool all_serve(const Plan& plan, const std::vector<FusionReport>& reports, Stead
   return serving.size() == beacons() * static_cast<std::size_t>(plan.fusions);
 }
 
+/// Poses of a series.
+constexpr std::size_t row = 80;
+
 /// Returns true if every beacon has a series of good poses from this index on.
 bool flows(const std::vector<Arrival>& poses, std::size_t from) {
   constexpr std::uint32_t bad = status_initialising | status_stale | status_late;
-  constexpr std::size_t row = 80;
   std::map<BeaconAddress, std::size_t> good;
   for (std::size_t i = from; i < poses.size(); ++i) {
     std::size_t& count = good[poses[i].address];
