@@ -54,7 +54,7 @@ Verdict HistoryChecker::check() {
   for (const auto& [address, track] : tracks_) {
     check_stamps(track);
     check_ages(track);
-    check_bridge_backlog(track);
+    check_stamp_ages(track);
     check_future(track);
     check_owners(track);
     check_late(address, track);

@@ -63,7 +63,7 @@ private:
 
   void check_stamps(const Track& track);
   void check_ages(const Track& track);
-  void check_bridge_backlog(const Track& track);
+  void check_stamp_ages(const Track& track);
   void check_future(const Track& track);
   void check_owners(const Track& track);
   void check_late(BeaconAddress address, const Track& track);

@@ -54,12 +54,6 @@ void HistoryChecker::check_ages(const Track& track) {
   std::size_t unknown = 0;
   for (const Arrival& pose : track.poses) {
     if ((pose.status & status_late) != 0U) continue;
-    const TimeNs stamp_age_ns = saturated_difference(pose.received_host_ns, pose.time_ns);
-    if (!bridge_clock_step() &&
-        stamp_age_ns > limits_.age_ns + stalled_ns(pose.received - stamp_age_ns, pose.received)) {
-      violated(pose, fmt::format("a pose of {} is {:.1f} ms older than its stamp and not marked",
-                                 name_of(pose), to_ms(stamp_age_ns)));
-    }
     const auto sent = published(track, pose);
     if (!sent) {
       if (++unknown == limits_.unknown_ages + 1) violated(pose, "the samples of too many poses are unknown");
@@ -74,16 +68,22 @@ void HistoryChecker::check_ages(const Track& track) {
   }
 }
 
-/// Checks that poses of a resumed bridge's backlog are marked: these samples left the bridge just now but are
-/// old. A fusion that has just started (strength 0) cannot know that the clock of the bridge was set.
-void HistoryChecker::check_bridge_backlog(const Track& track) {
+/// Checks that poses of old samples are marked, wherever the samples were delayed. By the bridge's clock they
+/// are old when they leave a bridge that was stopped. A fusion that has just started (strength 0) cannot know
+/// that this clock was set.
+void HistoryChecker::check_stamp_ages(const Track& track) {
   const bool clocks_agree = !bridge_clock_step();
   for (const Arrival& pose : track.poses) {
-    if ((pose.status & status_late) != 0U || transit_ns(pose) <= limits_.transit_ns) continue;
-    if (pose.strength > 0 || clocks_agree) {
-      violated(pose, fmt::format("a pose of {} is not marked, but its sample was {:.1f} ms old when it left",
-                                 name_of(pose), to_ms(transit_ns(pose))));
-      return;
+    if ((pose.status & status_late) != 0U) continue;
+    const TimeNs age_ns = saturated_difference(pose.received_host_ns, pose.time_ns);
+    if (transit_ns(pose) > limits_.transit_ns && (pose.strength > 0 || clocks_agree)) {
+      return violated(pose,
+                      fmt::format("a pose of {} is not marked, but its sample was {:.1f} ms old when it left",
+                                  name_of(pose), to_ms(transit_ns(pose))));
+    }
+    if (clocks_agree && age_ns > limits_.age_ns + stalled_ns(pose.received - age_ns, pose.received)) {
+      return violated(pose, fmt::format("a pose of {} is not marked, but its stamp is {:.1f} ms old",
+                                        name_of(pose), to_ms(age_ns)));
     }
   }
 }

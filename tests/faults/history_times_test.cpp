@@ -26,6 +26,8 @@ History claim_after_silence(int ahead) {
     Arrival pose = pose_at(at(7.3) + sample * ms / 6, strength);
     pose.received = at(7.3) + sample * ms / 6 + static_cast<TimeNs>(strength == 300 ? ahead : 0) * ms / 6;
     pose.time_ns = host_zero_ns + at(7).ns + sample * period_ns;
+    const bool is_old = pose.received_host_ns - pose.time_ns > 250 * ms;
+    if (is_old) pose.status = status_late;
     backlog.push_back(pose);
   };
   for (int sample = 0; sample < 60; ++sample) {
