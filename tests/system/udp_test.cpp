@@ -40,6 +40,10 @@ std::unique_ptr<Process> listening_bridge(const Bus& bus, const UdpSender& beaco
   return bridge;
 }
 
+bool is_imu(const TimedFrame& frame) {
+  return frame.bytes[2] == 3;
+}
+
 /// Longest interval between the stamps of two samples.
 double longest_gap_s(const std::vector<ImuSample>& samples) {
   TimeNs longest_ns = 0;
@@ -58,7 +62,6 @@ SCENARIO("a flood of forged datagrams does not interrupt a beacon") {
     Consumer<sonopose_LineStatus> lines(bus, topics::line_status);
     const auto bridge = listening_bridge(bus, beacon);
     REQUIRE(imu.wait_for_writers());
-    const auto is_imu = [](const TimedFrame& frame) { return frame.bytes[2] == 3; };
     const auto samples = std::count_if(datagrams.begin(), datagrams.end(), is_imu);
     const auto first = *std::find_if(datagrams.begin(), datagrams.end(), is_imu);
     beacon.send(first.bytes);
@@ -122,6 +125,16 @@ SCENARIO("--from accepts one sender only") {
       send_in_time(datagrams, [&beacon](std::span<const std::uint8_t> bytes) { beacon.send(bytes); });
       THEN("its samples are published") {
         CHECK(imu.wait_for([](const ImuSample& sample) { return sample.address == 21; }));
+      }
+    }
+    WHEN("a forger of this machine sends from another port after the beacon") {
+      Consumer<sonopose_LineStatus> lines(bus, topics::line_status);
+      const UdpSender forger(beacon.to());
+      const auto packet = *std::find_if(datagrams.begin(), datagrams.end(), is_imu);
+      beacon.send(packet.bytes);
+      forger.send(packet.bytes);
+      THEN("its packet is refused") {
+        CHECK(lines.wait_for([](const LineStatus& line) { return line.packets_refused == 1; }));
       }
     }
   }

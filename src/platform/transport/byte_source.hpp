@@ -26,7 +26,7 @@ enum class ReadStatus : std::uint8_t {
 /// The sender of a datagram. All bytes of a serial line or file have the same sender.
 struct Sender {
   std::array<std::uint8_t, 16> address{};  ///< IPv6, or IPv4 mapped to IPv6
-  std::uint16_t port = 0;                  ///< 0: all ports of the address count as one sender
+  std::uint16_t port = 0;                  ///< 0: not a datagram's
 
   bool operator==(const Sender&) const = default;
 };

@@ -25,13 +25,13 @@ asio::ip::address_v6::bytes_type mapped_bytes(const asio::ip::address& address) 
   return asio::ip::make_address_v6(asio::ip::v4_mapped, address.to_v4()).to_bytes();
 }
 
-/// Parses a sender, with all of its ports.
-std::optional<Sender> parse_sender(const std::optional<std::string>& text) {
+/// Parses the address of a sender.
+std::optional<asio::ip::address_v6::bytes_type> parse_sender(const std::optional<std::string>& text) {
   if (!text) return std::nullopt;
   asio::error_code error;
   const auto address = asio::ip::make_address(*text, error);
   if (error) throw std::invalid_argument("\"" + *text + "\" is not a numeric IP address");
-  return Sender{mapped_bytes(address)};
+  return mapped_bytes(address);
 }
 
 }  // namespace
@@ -95,9 +95,8 @@ public:
     const Completion done = complete_within(loop_, timeout, start, [this] { socket_.cancel(); });
     if (!done.error) {
       const auto address = mapped_bytes(peer.address());
-      if (!from_) return {ReadStatus::data, done.size, result.arrival, {address, peer.port()}};
-      if (from_->address != address) return {ReadStatus::refused};
-      return {ReadStatus::data, done.size, result.arrival, *from_};
+      if (from_ && *from_ != address) return {ReadStatus::refused};
+      return {ReadStatus::data, done.size, result.arrival, {address, peer.port()}};
     }
     if (loop_.stopped()) return {ReadStatus::stopped};
     if (done.error == asio::error::operation_aborted) return {ReadStatus::timeout};
@@ -112,7 +111,7 @@ public:
   }
 
 private:
-  std::optional<Sender> from_;
+  std::optional<asio::ip::address_v6::bytes_type> from_;
   StoppableLoop loop_;
   asio::ip::udp::socket socket_;
 };

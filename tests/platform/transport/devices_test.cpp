@@ -133,6 +133,24 @@ SCENARIO("datagrams are read one by one, with their arrival time") {
       }
     }
   }
+  GIVEN("a listener that accepts this machine only") {
+    UdpListener listener(parse_endpoint("127.0.0.1:0"), "127.0.0.1");
+    std::array<std::uint8_t, 2048> buffer{};
+    WHEN("two programs of this machine send") {
+      const Sender beacon(listener.endpoint().port);
+      beacon.send("beacon");
+      const Sender forger(listener.endpoint().port);
+      forger.send("forged");
+      THEN("they are different senders, by their ports") {
+        const ReadResult first = listener.read(buffer, 60s);
+        const ReadResult second = listener.read(buffer, 60s);
+        REQUIRE(second.status == ReadStatus::data);
+        CHECK(first.sender.port != 0);
+        CHECK(first.sender.address == second.sender.address);
+        CHECK(first.sender.port != second.sender.port);
+      }
+    }
+  }
   GIVEN("an address of another machine") {
     CHECK_THROWS_AS(UdpListener(Endpoint{"192.0.2.1", 0}), IoError);
   }
