@@ -32,7 +32,8 @@ std::optional<std::filesystem::path> overrides_file(
 /// given twice is a `FileError`. `base_name` inherits from an earlier profile of the file.
 class Provider {
 public:
-  /// Loads the project's profiles and merges those of `overrides_file(overrides)` over them.
+  /// Loads the project's profiles and merges those of `overrides_file(overrides)` over them. A file of more
+  /// than 1 MiB is a `FileError`.
   explicit Provider(const std::optional<std::filesystem::path>& overrides = std::nullopt);
 
   /// Reads one complete file from text; `name` is the file name in errors.

@@ -5,6 +5,7 @@
 #include <pugixml.hpp>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
 #include <fstream>
 #include <set>
@@ -145,7 +146,17 @@ Profiles read_file(const xml::Source& source, const Profiles& beneath = {}) {
   return profiles;
 }
 
+/// Limit of a file's size. The project's own has some kilobytes.
+constexpr std::uintmax_t max_file_bytes = 1U << 20U;
+
+/// Reads a file, whose size is checked first.
 std::string text_in(const std::filesystem::path& file) {
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  if (!error && size > max_file_bytes) {
+    throw FileError(file.string() + ": has " + std::to_string(size) + " bytes, the limit of a QoS file is " +
+                    std::to_string(max_file_bytes));
+  }
   std::ifstream stream(file, std::ios::binary);
   std::ostringstream text;
   text << stream.rdbuf();

@@ -6,8 +6,10 @@
 #define TOML_EXCEPTIONS 1
 #include <toml++/toml.h>
 
+#include <cstdint>
 #include <optional>
 #include <string_view>
+#include <system_error>
 #include <type_traits>
 #include <utility>
 
@@ -19,6 +21,14 @@ namespace {
 constexpr int max_dots_in_line = 32;
 constexpr int max_parts_of_key = 16;
 
+/// Limit of a file's size: more than the settings of 1,000 beacons.
+constexpr std::size_t max_bytes = 16U << 20U;
+
+[[noreturn]] void refuse_size(const std::filesystem::path& file, const std::string& size) {
+  throw IoError(
+      fmt::format("{}: has {} bytes, the limit of a TOML file is {}", file.string(), size, max_bytes));
+}
+
 /// Counts dots that may separate the parts of keys. A row of dots in a comment does not count.
 int separators_in(std::string_view line) {
   int count = 0;
@@ -29,6 +39,9 @@ int separators_in(std::string_view line) {
 }
 
 std::string checked_text(const std::filesystem::path& file) {
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  if (!error && size > max_bytes) refuse_size(file, std::to_string(size));
   std::string text;
   LineReader lines(file);
   while (const auto line = lines.next()) {
@@ -37,6 +50,7 @@ std::string checked_text(const std::filesystem::path& file) {
                                 file.string(), lines.number(), max_dots_in_line));
     }
     text.append(*line).push_back('\n');
+    if (text.size() > max_bytes + 1) refuse_size(file, "too many");  // a pipe
   }
   return text;
 }

@@ -27,7 +27,8 @@ struct Leaf {
 };
 
 /// Returns all values in the order of their keys. Throws IoError that names file and line if the file cannot
-/// be read or is not TOML. Also throws if a line has more than 32 dots or a key more than 16 parts.
+/// be read or is not TOML. Also throws if it has more than 16 MiB, a line more than 32 dots or a key more
+/// than 16 parts.
 std::vector<Leaf> read_leaves(const std::filesystem::path& file);
 
 /// Returns the value as in a file: texts in quotes.

@@ -177,4 +177,11 @@ TEST_CASE("A user's file with a contradiction is rejected and changes nothing") 
   CHECK(depth_of(qos, "sonopose::Imu") == depth_of(project_qos(), "sonopose::Imu"));
 }
 
+TEST_CASE("A user's file is refused by its size before it is read") {
+  const TemporaryFile file("huge.xml", user_file(history("Imu", 3)));
+  fs::resize_file(file.path, 2'000'000);
+  CHECK_THROWS_WITH(qos::Provider(file.path),
+                    file.path.string() + ": has 2000000 bytes, the limit of a QoS file is 1048576");
+}
+
 }  // namespace sonopose::dds::test::qos_overlay_test

@@ -57,6 +57,19 @@ SCENARIO("merging changes only the lines of its values") {
   }
 }
 
+SCENARIO("a file is refused by its size before it is read") {
+  const TemporaryFolder folder;
+  const auto file = folder / "huge.toml";
+  GIVEN("a file of 20 MB") {
+    write_text(file, "a = 1\n");
+    std::filesystem::resize_file(file, 20'000'000);
+    THEN("the error names file, size and limit") {
+      CHECK_THROWS_WITH(files::toml::read_leaves(file),
+                        file.string() + ": has 20000000 bytes, the limit of a TOML file is 16777216");
+    }
+  }
+}
+
 SCENARIO("a file that cannot be merged stays as it is") {
   const TemporaryFolder folder;
   const auto file = folder / "fusion.toml";
