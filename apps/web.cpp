@@ -102,10 +102,13 @@ int main(int argc, char** argv) {
     const auto report = [log_level, &reading](const std::vector<std::string>& urls) {
       reading.reset();
       for (const std::string& url : urls) {
-        logging::info("the page is at " + url);
-        if (log_level > logging::Level::info) fmt::print("{}\n", url);  // nobody can guess the token
+        // Logs are kept and copied, so they do not have the token, which nobody can guess.
+        const bool has_token = url.find('?') != std::string::npos;
+        if (has_token || log_level > logging::Level::info) fmt::print("{}\n", url);
+        std::fflush(stdout);
+        logging::info("the page is at " + url.substr(0, url.find('?')) +
+                      (has_token ? " with the token that is printed" : ""));
       }
-      std::fflush(stdout);
     };
     process::StopSignal stop;
     if (!given.recording.empty()) {

@@ -51,7 +51,8 @@ class Processes:
     def start(self, name, *arguments):
         process = subprocess.Popen(
             [os.path.join(self.folder, "sonopose-" + name), *arguments],
-            env=self.environment, stderr=subprocess.PIPE if name == "web" else subprocess.DEVNULL, text=True)
+            env=self.environment, stdout=subprocess.PIPE if name == "web" else None,
+            stderr=subprocess.PIPE if name == "web" else subprocess.DEVNULL, text=True)
         self.running.append(process)
         return process
 
@@ -59,9 +60,9 @@ class Processes:
         """Returns the process and the URL that it prints."""
         process = self.start("web", "--listen", listen, *arguments)
         for line in process.stderr:
-            found = re.search(r"the page is at (\S+)", line)
+            found = re.search(r"the page is at (\S+)( with the token)?", line)
             if found:
-                return process, found.group(1)
+                return process, process.stdout.readline().strip() if found.group(2) else found.group(1)
         raise AssertionError("sonopose-web ended without a URL")
 
     def end(self):

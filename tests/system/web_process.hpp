@@ -24,10 +24,14 @@ public:
     REQUIRE(process_.wait_for_line(Stream::error, "the page is at "));
     const std::string text = process_.text(Stream::error);
     std::smatch match;
-    REQUIRE(std::regex_search(text, match, std::regex(R"(http://([0-9.]+):([0-9]+)/(\?token=(\S+))?)")));
+    REQUIRE(std::regex_search(text, match, std::regex(R"(http://([0-9.]+):([0-9]+)/( with the token)?)")));
     host_ = match[1].str() + ":" + match[2].str();
     port_ = static_cast<std::uint16_t>(std::stoi(match[2].str()));
-    token_ = match[4].str();
+    if (match[3].length() == 0) return;
+    REQUIRE(process_.wait_for_line(Stream::output, "?token="));
+    const std::string printed = process_.text(Stream::output);
+    REQUIRE(std::regex_search(printed, match, std::regex(R"(\?token=(\S+))")));
+    token_ = match[1].str();
   }
 
   [[nodiscard]] const std::string& host() const { return host_; }

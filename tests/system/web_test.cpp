@@ -93,6 +93,7 @@ SCENARIO("other machines need the token that the program prints") {
   const Bus bus;
   Web web(bus, {"--listen", "0.0.0.0:0"});
   REQUIRE(web.token().size() >= 32);
+  CHECK_THAT(web.process().text(Stream::error), !Contains(web.token()));
   for (const char* const secret :
        {"/ws", "/settings.json", "/map.json", "/status.json", "/floor-plan", "/x"}) {
     CAPTURE(secret);

@@ -53,7 +53,7 @@ private:
     parser_.emplace();
     parser_->header_limit(static_cast<std::uint32_t>(server_.options_.max_header_bytes));
     parser_->body_limit(0);
-    stream_.expires_after(std::chrono::seconds(10));
+    stream_.expires_after(server_.request_timeout());
     is_waiting_ = true;
     message::async_read(stream_, buffer_, *parser_,
                         [self = shared_from_this()](ErrorCode error, std::size_t) { self->on_read(error); });
@@ -74,6 +74,7 @@ private:
 
   void answer() {
     const auto& request = parser_->get();
+    if (const std::string fault = fault_of(request); !fault.empty()) return refuse(400, fault + '\n');
     const Target target = parse_target(to_view(request.target()));
     const Credentials credentials{.host = to_view(request[message::field::host]),
                                   .origin = to_view(request[message::field::origin]),
@@ -101,6 +102,21 @@ private:
       return refuse(500, "the request failed; see the server's log\n");
     }
     write(std::move(response), request.method() == message::verb::head, request.keep_alive());
+  }
+
+  /// What makes it unclear where a request goes or comes from; empty: nothing. A repeated header could mean
+  /// another host to a proxy. A blank origin is not that of a program, which sends none.
+  static std::string fault_of(const message::request<message::empty_body>& request) {
+    for (const auto field : {message::field::host, message::field::origin}) {
+      const std::string name = to_text(message::to_string(field));
+      if (request.count(field) > 1) return fmt::format("the header {} occurs twice", name);
+    }
+    const bool has_origin = request.count(message::field::origin) > 0;
+    const std::string_view origin = to_view(request[message::field::origin]);
+    if (has_origin && origin.find_first_not_of(" \t") == std::string_view::npos) {
+      return "the header Origin is blank";
+    }
+    return {};
   }
 
   void upgrade(const message::request<message::empty_body>& request, std::string_view path, bool is_foreign) {

@@ -76,6 +76,7 @@ struct ServerOptions {
   std::size_t max_queued_bytes = 16'777'216;  ///< limit for a client; beyond it, other messages disconnect it
   std::size_t max_posted_bytes = 16'777'216;  ///< limit for the thread; beyond it, droppable ones are dropped
   double timeout_s = 30;                      ///< silence after which a client is disconnected
+  double request_timeout_s = 10;              ///< time for a whole request, also for a first one
 };
 
 enum class Loss : std::uint8_t {

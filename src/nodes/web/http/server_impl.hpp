@@ -87,9 +87,12 @@ private:
     }
   }
 
-  [[nodiscard]] std::chrono::milliseconds timeout() const {
-    return std::chrono::duration_cast<std::chrono::milliseconds>(
-        std::chrono::duration<double>(options_.timeout_s));
+  [[nodiscard]] std::chrono::milliseconds timeout() const { return milliseconds_of(options_.timeout_s); }
+  [[nodiscard]] std::chrono::milliseconds request_timeout() const {
+    return milliseconds_of(options_.request_timeout_s);
+  }
+  static std::chrono::milliseconds milliseconds_of(double duration_s) {
+    return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::duration<double>(duration_s));
   }
 
   void accept();

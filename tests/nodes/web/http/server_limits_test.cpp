@@ -71,6 +71,21 @@ SCENARIO("connections that wait for a request give way to others") {
   CHECK_THAT(idle[5]->read_until("the page"), StartsWith("HTTP/1.1 200 "));
 }
 
+SCENARIO("connections without a request end, and block nobody meanwhile") {
+  Site site;
+  ServerOptions impatient = options();
+  impatient.request_timeout_s = 0.3;
+  Server server(impatient);
+  const Serving serving(server, site);
+  std::vector<std::unique_ptr<HttpSocket>> idle;
+  for (int i = 0; i < 16; ++i) {
+    idle.push_back(std::make_unique<HttpSocket>(server.endpoint().port));
+    if (i % 2 == 1) idle.back()->send("GET /page HTTP/1.1\r\n");
+  }
+  CHECK_THAT(get(server, "/page"), StartsWith("HTTP/1.1 200 "));
+  for (const auto& socket : idle) CHECK(socket->read_all().empty());
+}
+
 SCENARIO("a connection whose opening fails takes no place") {
   Site site;
   ServerOptions one = options();

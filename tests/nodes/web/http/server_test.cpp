@@ -82,6 +82,27 @@ SCENARIO("a request that must not be answered is refused") {
   CHECK_THAT(raw("GET /page HTTP/1.1\r\nHost: " + std::string(20'000, 'x')), StartsWith("HTTP/1.1 431 "));
 }
 
+SCENARIO("a request whose host or origin is unclear is refused") {
+  Site site;
+  Server server(options());
+  const Serving serving(server, site);
+  const auto reply = [&server](const std::string& headers) {
+    HttpSocket socket(server.endpoint().port);
+    socket.send("GET /page HTTP/1.1\r\n" + host_line(server) + headers + "Connection: close\r\n\r\n");
+    return socket.read_all();
+  };
+  CHECK_THAT(reply(""), StartsWith("HTTP/1.1 200 "));
+  CHECK_THAT(reply("Host: evil.example.com\r\n"),
+             StartsWith("HTTP/1.1 400 ") && Contains("the header Host occurs twice"));
+  CHECK_THAT(reply(host_line(server)), StartsWith("HTTP/1.1 400 "));
+  CHECK_THAT(reply("Origin: http://a.example.com\r\nOrigin: null\r\n"),
+             StartsWith("HTTP/1.1 400 ") && Contains("the header Origin occurs twice"));
+  for (const char* const blank : {"Origin:\r\n", "Origin: \r\n", "Origin: \t \r\n"}) {
+    CHECK_THAT(reply(blank), StartsWith("HTTP/1.1 400 ") && Contains("the header Origin is blank"));
+  }
+  CHECK_THAT(reply("Origin: \" \"\r\n"), StartsWith("HTTP/1.1 403 "));
+}
+
 SCENARIO("messages go both ways") {
   Site site;
   Server server(options());
