@@ -1,5 +1,6 @@
 #include "ros2/relay/parameter_server.hpp"
 
+#include "clocks/clocks.hpp"
 #include "ros2/relay/parameter_messages.hpp"
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
@@ -7,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include <array>
+#include <cstring>
 
 namespace sonopose::ros2::relay {
 namespace {
@@ -32,6 +33,15 @@ template <class Sequence>
 std::vector<std::string> strings_of(const Sequence& sequence) {
   const auto values = values_of(sequence);
   return {values.begin(), values.end()};
+}
+
+template <class Sequence>
+std::string excess_of_names(const Sequence& sequence) {
+  std::size_t bytes = 0;
+  if (sequence._length <= max_names) {
+    for (const char* const name : values_of(sequence)) bytes += std::strlen(name);
+  }
+  return excess_of(sequence._length, bytes);
 }
 
 /// Description of a parameter, and the strings and ranges that its message borrows.
@@ -106,7 +116,8 @@ void ParameterServer::offer_services(ros2::Node& node, bool offered) {
   services_.reset();
 }
 
-bool ParameterServer::serve() {
+bool ParameterServer::serve(const Stopped& stopped) {
+  stopped_ = stopped;
   take_settings();
   apply_startup_settings();
   const threads::Lock lock(services_mutex_);
@@ -161,7 +172,8 @@ void ParameterServer::apply_startup_settings() {
   if (applied_startup_ || !effective_.contains(all_beacons)) return;
   applied_startup_ = true;
   for (const SettingsRequest& request : startup_requests_) {
-    const auto reply = client_.change(request, reply_timeout_s);
+    const auto reply = client_.change(request, reply_timeout_s, stopped_);
+    if (stopped_()) return;
     if (!reply) {
       log_.error(fmt::format("no fusion replied within {} s to the parameters of the command line",
                              reply_timeout_s));
@@ -173,7 +185,23 @@ void ParameterServer::apply_startup_settings() {
   }
 }
 
+/// True for a request that is too large, and when the process ends. A reply without values, like that of
+/// rclcpp, is the refusal where it has no place for a reason.
+bool ParameterServer::refuses(const std::string& excess) {
+  if (!excess.empty()) log_refusal(excess);
+  return !excess.empty() || stopped_();
+}
+
+void ParameterServer::log_refusal(const std::string& reason) {
+  constexpr TimeNs period_ns = 10'000'000'000;
+  const SteadyTime now = clocks::steady_now();
+  if (now < next_refusal_) return;
+  next_refusal_ = now + period_ns;
+  log_.warning("parameters: " + reason);
+}
+
 void ParameterServer::list(const ros2::ListParameters::Request& request, const auto& reply) {
+  if (refuses(excess_of_names(request.prefixes))) return reply({});
   const auto found = list_parameters(effective_, strings_of(request.prefixes), request.depth);
   auto names = borrow_strings(found.names);
   auto prefixes = borrow_strings(found.prefixes);
@@ -184,6 +212,7 @@ void ParameterServer::list(const ros2::ListParameters::Request& request, const a
 }
 
 void ParameterServer::get(const ros2::GetParameters::Request& request, const auto& reply) {
+  if (refuses(excess_of_names(request.names))) return reply({});
   std::vector<std::optional<settings::SettingValue>> values;
   for (const std::string& name : strings_of(request.names)) {
     values.push_back(parameter_value(effective_, name));
@@ -196,6 +225,7 @@ void ParameterServer::get(const ros2::GetParameters::Request& request, const aut
 }
 
 void ParameterServer::get_types(const ros2::GetParameterTypes::Request& request, const auto& reply) {
+  if (refuses(excess_of_names(request.names))) return reply({});
   std::vector<std::uint8_t> types;
   for (const std::string& name : strings_of(request.names)) {
     const auto value = parameter_value(effective_, name);
@@ -207,6 +237,7 @@ void ParameterServer::get_types(const ros2::GetParameterTypes::Request& request,
 }
 
 void ParameterServer::describe(const ros2::DescribeParameters::Request& request, const auto& reply) {
+  if (refuses(excess_of_names(request.names))) return reply({});
   std::vector<std::unique_ptr<Description>> descriptions;
   std::vector<ros2::ParameterDescriptor> messages;
   for (const std::string& name : strings_of(request.names)) {
@@ -218,12 +249,25 @@ void ParameterServer::describe(const ros2::DescribeParameters::Request& request,
 }
 
 void ParameterServer::set(const ros2::SetParameters::Request& request, const auto& reply) {
+  const auto parameters = values_of(request.parameters);
+  const std::string excess = excess_of(parameters);
   std::vector<std::string> errors;
-  for (const ros2::Parameter& parameter : values_of(request.parameters)) {
-    errors.push_back(change({&parameter, 1}));
+  if (excess.empty()) {
+    errors = changes_.set(parameters, stopped_);
+  } else {
+    log_refusal(excess);
   }
+  // One text for all, since there may be any number.
+  const auto error_of = [&](std::size_t i) -> const std::string& {
+    static const std::string as_first = "as the first";
+    if (!excess.empty()) return i < max_names ? excess : as_first;
+    return errors[i];
+  };
   std::vector<ros2::SetParametersResult> results;
-  for (const std::string& error : errors) results.push_back({error.empty(), borrow_string(error)});
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const std::string& error = error_of(i);
+    results.push_back({error.empty(), borrow_string(error)});
+  }
   ros2::SetParameters::Response response{};
   borrow_sequence(response.results, results);
   reply(response);
@@ -231,37 +275,20 @@ void ParameterServer::set(const ros2::SetParameters::Request& request, const aut
 
 void ParameterServer::set_atomically(const ros2::SetParametersAtomically::Request& request,
                                      const auto& reply) {
-  const std::string error = change(values_of(request.parameters));
+  const auto parameters = values_of(request.parameters);
+  std::string error = excess_of(parameters);
+  if (error.empty()) {
+    error = changes_.set_atomically(parameters, stopped_);
+  } else {
+    log_refusal(error);
+  }
   ros2::SetParametersAtomically::Response response{};
   response.result = {error.empty(), borrow_string(error)};
   reply(response);
 }
 
-/// Changes all parameters or none. Returns the error, empty on success.
-std::string ParameterServer::change(std::span<const ros2::Parameter> parameters) {
-  if (parameters.empty()) return {};
-  SettingsRequest settings_request;
-  for (const ros2::Parameter& parameter : parameters) {
-    const auto setting = setting_named(parameter.name);
-    if (!setting)
-      return fmt::format("unknown parameter '{}': {}", parameter.name, why_unknown(parameter.name));
-    const auto value = value_text(parameter.value);
-    if (!value) return fmt::format("{}: must be a bool, an integer, a double or a string", parameter.name);
-    if (!settings_request.assignments.empty() && settings_request.address != setting->address) {
-      return "parameters of several beacons cannot be set atomically";
-    }
-    settings_request.address = setting->address;
-    settings_request.assignments.push_back({setting->key, *value});
-  }
-  const auto settings_reply = client_.change(settings_request, reply_timeout_s);
-  if (!settings_reply) return fmt::format("no fusion replied within {} s", reply_timeout_s);
-  if (!settings_reply->accepted) return settings_reply->reason;
-  if (!settings_reply->reason.empty()) log_.warning("parameters: " + settings_reply->reason);
-  return {};
-}
-
 void ParameterServer::reset(const auto& reply) {
-  const auto beacons = client_.reset(all_beacons, reply_timeout_s);
+  const auto beacons = client_.reset(all_beacons, reply_timeout_s, stopped_);
   std::string message = beacons.empty() ? "no fusion has reset a beacon" : "reset";
   for (const BeaconAddress address : beacons) message += fmt::format(" {}", address);
   ros2::Trigger::Response response{};

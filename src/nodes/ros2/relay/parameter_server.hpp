@@ -4,6 +4,7 @@
 
 #include "presence/beacon_admission.hpp"
 #include "ros2/relay/log.hpp"
+#include "ros2/relay/parameter_changes.hpp"
 #include "ros2/relay/parameter_events.hpp"
 #include "ros2/relay/parameters.hpp"
 #include "ros2/relay/startup_settings.hpp"
@@ -45,9 +46,9 @@ public:
   void offer_services(ros2::Node& node, bool offered);
 
   /// Replies to all pending requests, and publishes changes of parameters. Waits for the fusion at most two
-  /// seconds per change or reset. Returns true if a request could not be replied to yet: call it again after
-  /// 20 ms.
-  bool serve();
+  /// seconds per change or reset, and not beyond the stop. Returns true if a request could not be replied to
+  /// yet: call it again after 20 ms.
+  bool serve(const Stopped& stopped = settings_client::SettingsClient::never);
 
 private:
   struct Services {
@@ -87,12 +88,16 @@ private:
   void set(const ros2::SetParameters::Request& request, const auto& reply);
   void set_atomically(const ros2::SetParametersAtomically::Request& request, const auto& reply);
   void reset(const auto& reply);
-  std::string change(std::span<const ros2::Parameter> parameters);
+  bool refuses(const std::string& excess);
+  void log_refusal(const std::string& reason);
 
   Log& log_;
   std::function<void()> wake_;
   settings_client::SettingsClient client_;
+  ParameterChanges changes_{client_, log_};
+  Stopped stopped_ = settings_client::SettingsClient::never;  ///< that of `serve`
   std::vector<SettingsRequest> startup_requests_;
+  SteadyTime next_refusal_;        ///< not logged before
   bool reported_invalid_ = false;  ///< a value of the settings
   bool applied_startup_ = false;
   SettingsByBeacon effective_;

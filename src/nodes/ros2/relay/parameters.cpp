@@ -23,7 +23,7 @@ bool is_selected(const std::string& name, const std::vector<std::string>& prefix
   if (prefixes.empty()) return within_depth(name, depth);
   return std::any_of(prefixes.begin(), prefixes.end(), [&](const std::string& prefix) {
     if (name == prefix) return true;
-    return name.starts_with(prefix + ".") &&
+    return name.starts_with(prefix) && name[prefix.size()] == '.' &&
            within_depth(std::string_view(name).substr(prefix.size() + 1), depth);
   });
 }
@@ -78,7 +78,8 @@ ParameterList list_parameters(const SettingsByBeacon& effective, const std::vect
       if (!is_selected(name, prefixes, depth)) continue;
       list.names.push_back(name);
       const std::string prefix = name.substr(0, name.rfind('.'));
-      if (std::find(list.prefixes.begin(), list.prefixes.end(), prefix) == list.prefixes.end()) {
+      // The settings of a group follow one another.
+      if (std::find(list.prefixes.rbegin(), list.prefixes.rend(), prefix) == list.prefixes.rend()) {
         list.prefixes.push_back(prefix);
       }
     }

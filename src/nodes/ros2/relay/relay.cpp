@@ -287,7 +287,7 @@ void Relay::Impl::serve_parameters(const std::stop_token& end, const process::St
   bool waits = false;
   do {
     try {
-      waits = parameters_.serve();
+      waits = parameters_.serve([&] { return stop.requested() || end.stop_requested(); });
     } catch (const std::exception& error) {  // includes settings of a fusion of another version
       log_.error(fmt::format("parameters: {}", error.what()));
       waits = true;  // requests may be pending

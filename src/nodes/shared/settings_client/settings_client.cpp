@@ -134,7 +134,8 @@ std::vector<EffectiveSettings> SettingsClient::changed(double timeout_s) {
   return settings;
 }
 
-std::optional<SettingsReply> SettingsClient::change(SettingsRequest request, double timeout_s) {
+std::optional<SettingsReply> SettingsClient::change(SettingsRequest request, double timeout_s,
+                                                    const Stopped& stopped) {
   constexpr TimeNs resend_period_ns = 250'000'000;
   request.request_id = new_request_id();
   auto reader = dds::topics::make_reader(participant_, qos_, topics::settings_reply);
@@ -156,7 +157,7 @@ std::optional<SettingsReply> SettingsClient::change(SettingsRequest request, dou
           writer.write(sample.sample());
           next_send = clocks::steady_now() + resend_period_ns;
         }
-        return received.has_value();
+        return received.has_value() || stopped();
       });
   return received;
 }
@@ -173,7 +174,8 @@ void SettingsClient::observe(BeaconAddress address,
       [&] { return stop.requested(); });
 }
 
-std::vector<BeaconAddress> SettingsClient::reset(BeaconAddress address, double timeout_s) {
+std::vector<BeaconAddress> SettingsClient::reset(BeaconAddress address, double timeout_s,
+                                                 const Stopped& stopped) {
   const SteadyTime deadline = deadline_after(timeout_s);
   auto reader = dds::topics::make_reader(participant_, qos_, topics::fusion_status);
   auto writer = dds::topics::make_writer(participant_, qos_, topics::reset);
@@ -193,17 +195,18 @@ std::vector<BeaconAddress> SettingsClient::reset(BeaconAddress address, double t
     }
   };
   const bool ready = take_until(reader, deadline, on_status, [&] {
-    return burst.has_ended() && writer.publication_matched_status().current_count > 0;
+    return stopped() || (burst.has_ended() && writer.publication_matched_status().current_count > 0);
   });
-  if (!ready) return {};
+  if (!ready || stopped()) return {};
   std::set<BeaconAddress> beacons;
   for (const auto& entry : before) beacons.insert(entry.first.first);
   sent = true;
   writer.write({.address = address, .request_id = new_request_id()});
-  if (!take_until(reader, deadline, on_status,
-                  [&] { return std::includes(done.begin(), done.end(), beacons.begin(), beacons.end()); })) {
-    return {};
-  }
+  const auto all_done = [&] {
+    return std::includes(done.begin(), done.end(), beacons.begin(), beacons.end());
+  };
+  take_until(reader, deadline, on_status, [&] { return stopped() || all_done(); });
+  if (!all_done()) return {};
   return {beacons.begin(), beacons.end()};
 }
 

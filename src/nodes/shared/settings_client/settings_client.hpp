@@ -30,8 +30,14 @@ public:
   /// within `timeout_s`. Throws std::runtime_error if fusions have different settings.
   std::vector<EffectiveSettings> changed(double timeout_s);
 
-  /// Sends a request with a new id and waits for the reply. Empty if none arrived within `timeout_s`.
-  std::optional<SettingsReply> change(SettingsRequest request, double timeout_s);
+  /// True if waiting must end early; called every 20 ms.
+  using Stopped = std::function<bool()>;
+  static bool never() { return false; }
+
+  /// Sends a request with a new id and waits for the reply. Empty if none arrived within `timeout_s`, or
+  /// before the stop.
+  std::optional<SettingsReply> change(SettingsRequest request, double timeout_s,
+                                      const Stopped& stopped = never);
 
   /// Calls `on_settings` with the effective settings of one beacon, or of all_beacons, and again for each
   /// change, until the stop or, unless it is 0, for `duration_s`.
@@ -39,8 +45,9 @@ public:
                double duration_s, const process::StopSignal& stop);
 
   /// Resets the estimator of one beacon, or of all_beacons, and waits for the confirmation of every fusion.
-  /// Returns the addresses of the beacons in order; empty if a fusion did not confirm within `timeout_s`.
-  std::vector<BeaconAddress> reset(BeaconAddress address, double timeout_s);
+  /// Returns the addresses of the beacons in order; empty if a fusion did not confirm within `timeout_s`,
+  /// or before the stop.
+  std::vector<BeaconAddress> reset(BeaconAddress address, double timeout_s, const Stopped& stopped = never);
 
 private:
   dds::qos::Provider qos_;

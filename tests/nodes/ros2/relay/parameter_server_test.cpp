@@ -252,6 +252,51 @@ TEST_CASE("A client sets settings individually; invalid ones are rejected with t
   }));
 }
 
+TEST_CASE("Settings of one service request are one request to the fusion") {
+  const System system;
+  const auto listener = dds::make_participant(system.options());
+  auto requests = dds::topics::make_reader(listener, dds::qos::Provider(), dds::topics::settings_request);
+  Client<ros2::SetParameters> set(system, "set_parameters");
+  CHECK(errors_of(set,
+                  {parameter("documented.trust.n_min", 2, 4), parameter("no.such", 2, 1),
+                   parameter("documented.trust.sigma_m", 3, 0.25), parameter("documented.trust.n_min", 2, 5)})
+            .at(1) != "");
+  std::set<std::uint64_t> ids;  // a repeated request has the same
+  std::size_t assignments = 0;
+  REQUIRE(wait_until([&] {
+    requests.take_each([&](const sonopose_SettingsRequest& request, const dds::SampleInfo& info) {
+      if (!info.valid()) return;
+      ids.insert(request.request_id);
+      assignments = request.assignments._length;
+    });
+    return !ids.empty();
+  }));
+  CHECK(ids.size() == 1);
+  CHECK(assignments == 2);
+  Client<ros2::GetParameters> get(system, "get_parameters");
+  CHECK(wait_until([&] { return values_of(get, {"documented.trust.n_min"}) == Texts{"integer 5"}; }));
+}
+
+TEST_CASE("A request with too many names is refused with the reason and the limit") {
+  const System system;
+  Client<ros2::SetParameters> set(system, "set_parameters");
+  const std::vector<ros2::Parameter> many(10'000, parameter("documented.trust.n_min", 2, 4));
+  const Texts errors = errors_of(set, many);
+  REQUIRE(errors.size() == many.size());
+  CHECK(errors.front() == "the request has 10000 names, the limit is 1000");
+  CHECK_FALSE(errors.back().empty());
+  Client<ros2::SetParametersAtomically> set_atomically(system, "set_parameters_atomically");
+  ros2::SetParametersAtomically::Request request{};
+  std::vector<ros2::Parameter> copies = many;
+  request.parameters = {10'000, 10'000, copies.data(), false};
+  set_atomically.call(request,
+                      [&](const auto& response) { CHECK(response.result.reason == errors.front()); });
+  Client<ros2::GetParameters> get(system, "get_parameters");
+  CHECK(values_of(get, Texts(10'000, "documented.trust.n_min")).empty());
+  const Texts unchanged{"integer " + std::to_string(settings::Settings{}.trust.n_min)};
+  CHECK(wait_until([&] { return values_of(get, {"documented.trust.n_min"}) == unchanged; }));
+}
+
 TEST_CASE("A client sets several settings atomically") {
   const System system;
   Client<ros2::SetParametersAtomically> set(system, "set_parameters_atomically");
