@@ -5,6 +5,7 @@
 #include "files/replacement.hpp"
 #include "plots/allan_plot.hpp"
 #include "support/drive_commands.hpp"
+#include "support/expanded_option.hpp"
 #include "support/run.hpp"
 #include "support/waiting.hpp"
 
@@ -33,6 +34,7 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
   command->add_option("LOG", options.log, "Sensor-log folder, of which only imu.csv is read, or MCAP file")
       ->required()
       ->type_name("DIR");
+  apps::add_expanded_option(*command);
   command->add_flag("--json", options.json, "Print one JSON object instead of text");
   return command;
 }

@@ -9,6 +9,7 @@
 #include "mcap/reader.hpp"
 #include "mcap/verify.hpp"
 #include "support/compression_option.hpp"
+#include "support/expanded_option.hpp"
 #include "support/moment_option.hpp"
 #include "support/progress.hpp"
 #include "support/run.hpp"
@@ -102,6 +103,7 @@ CLI::App* add_command(CLI::App& app, Options& options, const char* name, const c
       ->required()
       ->expected(1, max_files)
       ->type_name("FILE");
+  apps::add_expanded_option(*command);
   return command;
 }
 
@@ -129,12 +131,10 @@ int main(int argc, char** argv) {
   auto* const filter = add_command(app, options, "filter", "Write some of the messages to another file");
   add_choice_options(*filter, options);
   add_output(*filter, options, true);
-  auto* const merge =
-      add_command(app, options, "merge", "Write the messages of several files to one, by time");
+  auto* const merge = add_command(app, options, "merge", "Write several files to one, by time");
   add_output(*merge, options, true);
   auto* const recover =
-      add_command(app, options, "recover",
-                  "Write what can be read of a cut or damaged file, with an index, to another", 1);
+      add_command(app, options, "recover", "Write what is readable of a cut or damaged file to another", 1);
   add_output(*recover, options, true);
   auto* const exporting =
       add_command(app, options, "export",

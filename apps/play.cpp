@@ -2,12 +2,15 @@
 
 #include "player/player_node.hpp"
 #include "support/bus_options.hpp"
+#include "support/expanded_option.hpp"
 #include "support/log_option.hpp"
 #include "support/moment_option.hpp"
 #include "support/topic_option.hpp"
 #include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
+
+#include <optional>
 
 namespace {
 
@@ -27,10 +30,13 @@ int serve(Options& options) {
   options.player.qos_file = options.bus.qos_file;
   options.player.wait_for_readers = !options.no_wait;
   process::StopSignal stop;
-  stop.listen_to_signals();
   player::PlayControl control;
-  const player::Keys keys(control, stop);
-  if (keys.are_read()) logging::info("space: pause and go on; s: one message; q: end");
+  std::optional<player::Keys> keys;
+  options.player.on_read = [&] {
+    stop.listen_to_signals();  // before, a signal ends the process immediately
+    keys.emplace(control, stop);
+    if (keys->are_read()) logging::info("space: pause and go on; s: one message; q: end");
+  };
   const auto report = player::play(options.player, control, stop);
   fmt::print("played {} in {:.1f} s\n", text::count_text(report.played, "message"), report.duration_s);
   if (report.refused > 0) {
@@ -64,6 +70,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("--loop", player.loop, "Begin again at the end, until stopped");
   apps::add_span_options(app, player.start, player.end);
+  apps::add_expanded_option(app);
   app.add_option("--max-gap", player.max_gap_s, "Shorten longer times without a message to this one")
       ->check(apps::number_between(0.0, 1e9))
       ->type_name("S");

@@ -4,6 +4,7 @@
 #include "doctor/rules/report.hpp"
 #include "process/realtime.hpp"
 #include "support/bus_options.hpp"
+#include "support/expanded_option.hpp"
 #include "support/log_option.hpp"
 #include "support/version.hpp"
 #include "support/waiting.hpp"
@@ -56,6 +57,7 @@ int main(int argc, char** argv) {
   apps::Program app("web", "Only this machine can open the page unless --listen says otherwise.");
   auto* const recording = app.add_option("recording", given.recording,
                                          "Show this instead of the bus: MCAP files or a sensor-log folder");
+  apps::add_expanded_option(app);
   app.add_option("--beacon", given.beacon,
                  "Only this beacon; required if the recording has several and no poses")
       ->type_name("ADDRESS")

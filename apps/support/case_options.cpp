@@ -1,6 +1,7 @@
 #include "case_options.hpp"
 
 #include "bus_log/recording_files.hpp"
+#include "expanded_option.hpp"
 #include "logging/log.hpp"
 #include "run.hpp"
 #include "sim/scenario.hpp"
@@ -21,6 +22,7 @@ void add_case_options(CLI::App& app, CaseOptions& options) {
          "Scenarios, and recordings: folders or MCAP files; NAME_001.mcap, NAME_002.mcap, ... are one "
          "(default: all scenarios but the harder ones)")
       ->type_name("");
+  add_expanded_option(app);
   app.add_flag("--harder", options.harder,
                "Score the harder scenarios, which differ from run to run, and CASE if any");
   app.add_option("--seeds", options.seeds, "Number of runs of each scenario")

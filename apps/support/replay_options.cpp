@@ -2,6 +2,7 @@
 
 #include "bus_log/recording_files.hpp"
 #include "choice.hpp"
+#include "expanded_option.hpp"
 #include "run.hpp"
 #include <sonopose/text/count_text.hpp>
 
@@ -18,6 +19,7 @@ void add_replay_options(CLI::App& app, ReplayOptions& options) {
   app.add_option("LOG", options.logs, "Sensor-log folder, or MCAP files or a folder of them")
       ->required()
       ->type_name("PATH");
+  add_expanded_option(app);
   add_config_options(app, options.config);
   add_beacon_option(app, options.beacon);
   app.add_option(

@@ -165,8 +165,15 @@ LoadedBlock RecordFile::load_chunk(const Block& block, Definitions* definitions)
   LoadedBlock loaded;
   const Decompressed result =
       decompress(*compression, compressed, static_cast<std::size_t>(chunk.uncompressed_size), loaded.records);
-  if (!is_cut) check_decompressed(result, chunk, loaded.records, fields);
-  BlockWalk(loaded, {name(), 0, block.offset}, is_cut, definitions).walk();
+  const auto count = [&] { expansion_.add(at, size(), loaded.records.size(), loaded.messages.size()); };
+  try {
+    if (!is_cut) check_decompressed(result, chunk, loaded.records, fields);
+    BlockWalk(loaded, {name(), 0, block.offset}, is_cut, definitions).walk();
+  } catch (const FormatError&) {
+    count();  // damaged chunks take their time too
+    throw;
+  }
+  count();
   return loaded;
 }
 

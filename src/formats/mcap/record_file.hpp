@@ -5,6 +5,7 @@
 #include "mcap/byte_source.hpp"
 #include "mcap/contents.hpp"
 #include "mcap/decoder.hpp"
+#include "mcap/expansion.hpp"
 
 #include <memory>
 #include <utility>
@@ -70,13 +71,15 @@ public:
   [[nodiscard]] Bytes content(const Extent& record, Opcode opcode) const;
 
   /// Reads, decompresses and checks a block. Throws FormatError. A cut block has the messages before the cut.
-  /// Passes the block's definitions to `definitions`, even if a later record is damaged.
+  /// Passes the block's definitions to `definitions`, even if a later record is damaged. Throws
+  /// files::IoError if the chunks that were loaded expand beyond the limit (expansion.hpp).
   [[nodiscard]] LoadedBlock load(const Block& block, Definitions* definitions = nullptr) const;
 
 private:
   [[nodiscard]] LoadedBlock load_chunk(const Block& block, Definitions* definitions) const;
 
   std::unique_ptr<ByteSource> source_;
+  mutable Expansion expansion_;
 };
 
 }  // namespace sonopose::mcap

@@ -271,6 +271,7 @@ PlayerReport play(const PlayerOptions& options, PlayControl& control, const proc
   if (const auto step = step_back_in(reader)) {
     logging::warning(*step + "; messages are played by log time, what came after the step first");
   }
+  if (options.on_read) options.on_read();
   return Play(reader, options, control, stop).run();
 }
 

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,11 +25,12 @@ struct PlayerOptions {
   bool loop = false;                             ///< repeats until stopped
   std::optional<bus_log::Moment> start;          ///< the state of latched topics at this time comes first
   std::optional<bus_log::Moment> end;
-  std::optional<double> max_gap_s;  ///< longer times without a message are shortened to this one
-  std::vector<std::string> topics;  ///< short or full names; empty: all
-  bool restamp = false;             ///< moves all times, so that the first message was received now
-  bool wait_for_readers = true;     ///< waits before the first message until a topic has a reader
-  std::size_t readers = 0;          ///< readers of each topic to wait for before the first message
+  std::optional<double> max_gap_s;     ///< longer times without a message are shortened to this one
+  std::vector<std::string> topics;     ///< short or full names; empty: all
+  bool restamp = false;                ///< moves all times, so that the first message was received now
+  bool wait_for_readers = true;        ///< waits before the first message until a topic has a reader
+  std::size_t readers = 0;             ///< readers of each topic to wait for before the first message
+  std::function<void()> on_read = {};  ///< called when the recording is read, before it is played
 };
 
 struct PlayerReport {

@@ -76,6 +76,50 @@ TEST_CASE("a chunk of definitions takes no memory for them, and one of messages 
                     Contains("the chunks that overlap in time have "));
 }
 
+/// The limit of expansion during a test.
+class MaxExpanded {
+public:
+  explicit MaxExpanded(std::uint64_t bytes) { set_max_expanded(bytes); }
+  MaxExpanded(const MaxExpanded&) = delete;
+  MaxExpanded& operator=(const MaxExpanded&) = delete;
+  ~MaxExpanded() { set_max_expanded(0); }
+};
+
+SCENARIO("a small file that expands to much is refused") {
+  GIVEN("a file of a few kilobytes with a million bytes of empty messages") {
+    constexpr std::size_t count = 32'000;
+    Bytes records;
+    put_channel(records, 1, {});
+    for (std::size_t i = 0; i < count; ++i) put_message(records, 1, 5);
+    const Bytes file = file_with_records(records, 5);
+    REQUIRE(file.size() < 100'000);
+    const std::uint64_t expanded = records.size() + bytes_per_message * count;
+    WHEN("the limit is lower") {
+      const MaxExpanded limit(expanded - 1);
+      THEN("the error names file, limit and option, and is not taken for damage") {
+        CHECK_THROWS_WITH(reader_of(file), Contains("memory.mcap: byte ") &&
+                                               Contains("more than " + std::to_string(expanded - 1)) &&
+                                               Contains("--max-expanded"));
+      }
+    }
+    WHEN("the limit is reached, and the file is read several times") {
+      const MaxExpanded limit(expanded);
+      THEN("each chunk counts once") {
+        const auto reader = reader_of(file);
+        CHECK(messages_of(reader).size() == count);
+        CHECK(messages_of(reader).size() == count);
+      }
+    }
+  }
+  GIVEN("no limit of the user") {
+    THEN("it is 200 times the size, but not less than 4 GB") {
+      CHECK(max_expanded(829'000) == 4'000'000'000);
+      CHECK(max_expanded(1'000'000'000) == 200'000'000'000);
+      CHECK(max_expanded(std::uint64_t{1} << 63U) > (std::uint64_t{1} << 63U));
+    }
+  }
+}
+
 TEST_CASE("schemas that decompress to more than the limit are left out") {
   Bytes bytes;
   for (std::uint16_t id = 1; id <= 5; ++id) {
