@@ -1,5 +1,6 @@
 #include "source_options.hpp"
 
+#include "expanded_option.hpp"
 #include "imu_meaning_option.hpp"
 #include "run.hpp"
 
@@ -30,6 +31,7 @@ const std::vector<Reader>& readers() {
   static const std::vector<Reader> all{{"--input", {"log", "mcap", "stream"}},
                                        {"--rate", {"sim", "log", "mcap", "stream"}},
                                        {"--restamp", {"log", "mcap"}},
+                                       {"--max-expanded", {"mcap"}},
                                        {"--address", {"sim", "log", "mcap"}},
                                        {"--beacons", {"sim"}},
                                        {"--device", {"serial"}},
@@ -69,6 +71,7 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
       ->check(number_between(0.0, 1e6))
       ->capture_default_str();
   app.add_flag("--restamp", options.restamp, "Shift the time stamps of a log or mcap so that it starts now");
+  add_expanded_option(app);
   app.add_option("--address", options.address,
                  "Beacon address of sim and log (default: the one in meta.toml of a log, else 7); with mcap, "
                  "the beacon that is read, if the recording has several")
