@@ -14,7 +14,6 @@
 namespace sonopose::ros2::relay {
 namespace {
 
-constexpr double change_timeout_s = 2.0;
 constexpr const char* ending = "the relay ends";
 
 /// A setting with its new value, or the error of the parameter.
@@ -125,9 +124,9 @@ std::string ParameterChanges::set_atomically(std::span<const ros2::Parameter> pa
 
 ParameterChanges::Outcome ParameterChanges::send(const SettingsRequest& request, const Stopped& stopped) {
   if (stopped()) return {ending, false};
-  const auto reply = client_.change(request, change_timeout_s, stopped);
+  const auto reply = client_.change(request, reply_timeout_s, stopped);
   if (!reply && stopped()) return {ending, false};
-  if (!reply) return {fmt::format("no fusion replied within {} s", change_timeout_s), false};
+  if (!reply) return {fmt::format("no fusion replied within {} s", reply_timeout_s), false};
   if (!reply->accepted) return {reply->reason, true};
   if (!reply->reason.empty()) log_.warning("parameters: " + reply->reason);
   return {};

@@ -15,6 +15,9 @@
 
 namespace sonopose::ros2::relay {
 
+/// Time that a fusion has for a reply.
+inline constexpr double reply_timeout_s = 2.0;
+
 // Limits of a request, which any program can send.
 inline constexpr std::size_t max_names = 1000;
 inline constexpr std::size_t max_name_bytes = 256;

@@ -13,8 +13,6 @@
 namespace sonopose::ros2::relay {
 namespace {
 
-constexpr double reply_timeout_s = 2.0;
-
 using ros2::borrow_sequence;
 using ros2::borrow_string;
 
