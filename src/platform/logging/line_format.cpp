@@ -35,11 +35,13 @@ std::string formatted(Stream stream, std::string_view program, Level level, std:
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     const std::string line = text::escaped(text.substr(begin, end - begin));
-    if (stream == Stream::journal) {
-      lines += fmt::format("<{}>{}\n", form.priority, line);
-    } else {
-      lines += begin == 0 ? fmt::format("{}: {}{}\n", program, form.word, line) : "  " + line + "\n";
+    if (stream == Stream::journal) lines += fmt::format("<{}>", form.priority);
+    if (begin > 0) {
+      lines += "  ";
+    } else if (stream == Stream::text) {
+      lines += fmt::format("{}: {}", program, form.word);
     }
+    lines += line + "\n";
     begin = end + 1;
   }
   return lines;

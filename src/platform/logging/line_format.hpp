@@ -20,8 +20,8 @@ enum class Stream : std::uint8_t {
 Stream stream_of(int descriptor, const char* journal_stream);
 
 /// Returns the line with its line feed. Control characters are escaped: texts name what is in files and on
-/// the bus. In the journal, each line of a text has its priority; otherwise, further lines are indented, so
-/// that none looks like another entry. Source: sd-daemon(3).
+/// the bus. Further lines of a text are indented, so that none looks like another entry. In the journal, each
+/// has the priority. Source: sd-daemon(3).
 std::string formatted(Stream stream, std::string_view program, Level level, std::string_view text);
 
 }  // namespace sonopose::logging

@@ -1,6 +1,7 @@
 #include "logging/log.hpp"
 
 #include "logging/later.hpp"
+#include "logging/line_limit.hpp"
 #include "logging/listeners.hpp"
 #include "logging/spdlog_entry.hpp"
 #include "logging/standard_error.hpp"
@@ -20,6 +21,7 @@
 #include <spdlog/details/null_mutex.h>
 #include <spdlog/sinks/base_sink.h>
 #include <utility>
+#include <vector>
 
 namespace sonopose::logging {
 namespace {
@@ -32,13 +34,36 @@ std::string& program_name() {
   return name;
 }
 
+/// The limits of a session, for all threads.
+class Limits {
+public:
+  explicit Limits(Session::Repetition repetition) : repetition_(repetition) {}
+
+  /// Returns the lines to log now.
+  std::vector<LineLimit::Admitted> admitted(Level level, std::string_view text) {
+    if (repetition_ == Session::Repetition::unlimited) return {{level, std::string(text)}};
+    const threads::Lock lock(mutex_);
+    return limit_.admitted(level, text, std::chrono::steady_clock::now());
+  }
+
+  std::vector<LineLimit::Admitted> finish() {
+    const threads::Lock lock(mutex_);
+    return limit_.finish();
+  }
+
+private:
+  Session::Repetition repetition_;
+  threads::Mutex mutex_;
+  LineLimit limit_ SONOPOSE_GUARDED_BY(mutex_);
+};
+
 /// Works on the thread of the session. Makes waiting calls, passes lines to the listeners, and leaves them to
 /// standard error.
 class Distributor final : public spdlog::sinks::base_sink<spdlog::details::null_mutex> {
 public:
   /// `pool`: source of dropped entries. It joins the thread that calls this sink, so it outlives all calls.
-  Distributor(Level min_level, thread_pool& pool, StandardError& error)
-      : min_(min_level), pool_(pool), error_(error) {}
+  Distributor(Level min_level, thread_pool& pool, StandardError& error, Limits& limits)
+      : min_(min_level), pool_(pool), error_(error), limits_(limits) {}
 
   /// The waiting calls. Each is made when the mark with its number is read.
   WaitingCalls& waiting() { return waiting_; }
@@ -48,7 +73,8 @@ public:
 
   /// Writes a line of the session's own thread directly after the previous ones.
   void write_own(Level level, std::string_view text) {
-    if (level >= min_) write(level, text);
+    if (level < min_) return;
+    for (const auto& line : limits_.admitted(level, text)) write(line.level, line.text);
   }
 
   /// Waits until the lines of the session's own thread are written; gives up after `write_timeout`.
@@ -93,7 +119,10 @@ private:
   }
 
   void write(Level level, std::string_view text) {
+    if (is_passing_on_) return error_.write(level, text);  // DDS logs what a listener has caused
+    is_passing_on_ = true;
     listeners().pass_on({level, time_ns_, text}, earlier_);
+    is_passing_on_ = false;
     error_.write(level, text);
     if (earlier_.size() == Listening::max_earlier) earlier_.pop_front();
     earlier_.push_back({level, time_ns_, std::string(text)});
@@ -104,7 +133,9 @@ private:
   Level min_;
   thread_pool& pool_;
   StandardError& error_;
+  Limits& limits_;
   WaitingCalls waiting_;
+  bool is_passing_on_ = false;
   std::size_t reported_ = 0;
   std::int64_t time_ns_ = 0;  ///< time of the latest line or call
   std::deque<KeptLine> earlier_;
@@ -114,11 +145,12 @@ thread_local Distributor* Distributor::on_this_thread = nullptr;
 
 /// The state of a session, shared so that a line in progress keeps it alive.
 struct SessionState {
-  SessionState(Level min_level, std::size_t capacity)
+  SessionState(Level min_level, std::size_t capacity, Session::Repetition repetition)
       : error(capacity),
+        limits(repetition),
         pool(std::make_shared<thread_pool>(Session::default_capacity, 1,
                                            [] { ::pthread_setname_np(::pthread_self(), "log"); })),
-        distributor(std::make_shared<Distributor>(min_level, *pool, error)),
+        distributor(std::make_shared<Distributor>(min_level, *pool, error, limits)),
         logger(std::make_shared<spdlog::async_logger>("", distributor, pool,
                                                       spdlog::async_overflow_policy::overrun_oldest)) {
     logger->set_level(spdlog_level(min_level));
@@ -129,8 +161,27 @@ struct SessionState {
   SessionState& operator=(SessionState&&) = delete;
   /// Joins the thread before what it uses ends.
   ~SessionState() {
+    finish();
     logger.reset();
     pool.reset();
+  }
+
+  /// Logs a line, unless it is below the level or over a limit.
+  void write(Level level, std::string_view text) {
+    if (!logger->should_log(spdlog_level(level))) return;
+    for (const auto& line : limits.admitted(level, text)) log(line);
+  }
+
+  /// Logs how many lines were left out.
+  void finish() noexcept {
+    try {
+      for (const auto& line : limits.finish()) log(line);
+    } catch (...) {  // NOLINT(bugprone-empty-catch): there is no memory for the lines
+    }
+  }
+
+  void log(const LineLimit::Admitted& line) {
+    logger->log(spdlog_level(line.level), spdlog::string_view_t(line.text.data(), line.text.size()));
   }
 
   /// Waits until all earlier lines are written; gives up after `write_timeout`. For threads other than that
@@ -142,6 +193,7 @@ struct SessionState {
   }
 
   StandardError error;  ///< first member, so that it ends last
+  Limits limits;
   std::shared_ptr<thread_pool> pool;
   std::shared_ptr<Distributor> distributor;
   std::shared_ptr<spdlog::async_logger> logger;
@@ -173,8 +225,8 @@ Listening::~Listening() {
   listeners().remove(listener_);
 }
 
-Session::Session(Level min_level, std::size_t capacity) {
-  auto state = std::make_shared<SessionState>(min_level, capacity);
+Session::Session(Level min_level, std::size_t capacity, Repetition repetition) {
+  auto state = std::make_shared<SessionState>(min_level, capacity, repetition);
   const threads::Lock lock(session_mutex);
   session = std::move(state);
 }
@@ -198,7 +250,7 @@ void write(Level level, std::string_view text) noexcept {
     if (Distributor* const distributor = Distributor::of_this_thread()) {
       distributor->write_own(level, text);
     } else if (const auto state = current()) {
-      state->logger->log(spdlog_level(level), spdlog::string_view_t(text.data(), text.size()));
+      state->write(level, text);
     } else {
       write_at_once(level, text);
     }

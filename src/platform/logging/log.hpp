@@ -31,9 +31,16 @@ public:
   /// Lines that may wait for either thread. Newer lines replace the oldest.
   static constexpr std::size_t default_capacity = 2048;
 
-  /// Drops lines below `least` without counting them. `capacity`: lines that may wait for standard error.
+  /// Lines of the same kind in a minute.
+  enum class Repetition : std::uint8_t {
+    limited,  ///< some are logged, the others counted
+    unlimited
+  };
+
+  /// Drops lines below `min_level` without counting them. `capacity`: lines that may wait for standard error.
   /// Throws std::runtime_error if no thread can be created.
-  explicit Session(Level min_level, std::size_t capacity = default_capacity);
+  explicit Session(Level min_level, std::size_t capacity = default_capacity,
+                   Repetition repetition = Repetition::limited);
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
   /// Writes the waiting lines. Gives up after a second in which standard error took none.

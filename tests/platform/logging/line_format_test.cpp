@@ -29,8 +29,8 @@ SCENARIO("a line names its level as a word on a terminal, and as a priority in t
   CHECK(formatted(Stream::journal, "sonopose-x", level, "y") == journal);
 }
 
-SCENARIO("each line of a longer text has its priority in the journal") {
-  CHECK(formatted(Stream::journal, "sonopose-x", Level::failure, "one\ntwo") == "<3>one\n<3>two\n");
+SCENARIO("each line of a longer text has its priority in the journal, and further ones are indented") {
+  CHECK(formatted(Stream::journal, "sonopose-x", Level::failure, "one\ntwo") == "<3>one\n<3>  two\n");
 }
 
 SCENARIO("a line sends no control characters, and cannot pass for another one") {

@@ -22,6 +22,9 @@ using logging::test::CapturedError;
 using logging::test::Collector;
 using test::wait_until;
 
+constexpr auto capacity = logging::Session::default_capacity;
+constexpr auto unlimited = logging::Session::Repetition::unlimited;
+
 SCENARIO("a listener receives the lines of a session, on the thread of the log") {
   CapturedError error;
   logging::set_program("sonopose-x");
@@ -53,7 +56,7 @@ SCENARIO("a listener receives the lines of a session, on the thread of the log")
 
 SCENARIO("a listener receives the latest of the earlier lines only, and none after its end") {
   CapturedError error;
-  const logging::Session session(logging::Level::info);
+  const logging::Session session(logging::Level::info, capacity, unlimited);
   for (int i = 0; i < 100; ++i) logging::info(fmt::format("line {}", i));
   logging::failure("line 100");  // returns after all are written
   Collector collector;
@@ -74,7 +77,7 @@ SCENARIO("listeners receive lines while standard error takes nothing") {
   CapturedError error;
   const std::size_t filled = CapturedError::fill();
   Collector collector;
-  const logging::Session session(logging::Level::info);
+  const logging::Session session(logging::Level::info, capacity, unlimited);
   const logging::Listening listening(collector);
   constexpr std::size_t lines = 3000;  // more than may wait for standard error
   for (std::size_t i = 0; i < lines; ++i) {

@@ -16,6 +16,7 @@
 #include <string>
 #include <thread>
 #include <unistd.h>
+#include <vector>
 
 namespace log_test {
 
@@ -23,6 +24,8 @@ using namespace sonopose;
 using logging::test::CapturedError;
 using logging::test::Collector;
 using test::wait_until;
+
+constexpr auto unlimited = logging::Session::Repetition::unlimited;
 
 SCENARIO("the end of a session writes all lines in their order, without those below its level") {
   CapturedError error;
@@ -81,7 +84,7 @@ SCENARIO("no thread waits for a reader that has stopped, and the dropped lines a
   CapturedError::fill();
   constexpr std::size_t lines = 100;
   constexpr std::size_t capacity = 8;
-  auto session = std::make_unique<logging::Session>(logging::Level::info, capacity);
+  auto session = std::make_unique<logging::Session>(logging::Level::info, capacity, unlimited);
   for (std::size_t i = 0; i < lines; ++i) logging::info(fmt::format("line {}", i));
   REQUIRE(wait_until([&] { return session->dropped() >= lines - capacity - 1; }));  // one is being written
   const std::size_t dropped = session->dropped();
@@ -123,7 +126,7 @@ SCENARIO("a terminal that shows nothing does not keep a process from its end") {
   const int flags = ::fcntl(STDERR_FILENO, F_GETFL);
   Collector collector;
   {
-    const logging::Session session(logging::Level::info);
+    const logging::Session session(logging::Level::info, logging::Session::default_capacity, unlimited);
     const logging::Listening listening(collector);
     constexpr std::size_t lines = 500;  // more than the terminal buffers
     for (std::size_t i = 0; i < lines; ++i) logging::info(std::string(1000, 'y'));
@@ -147,6 +150,45 @@ SCENARIO("a line longer than a pipe is written as it is read") {
   error.restore();
   reader.join();
   CHECK((received == "sonopose-x: " + text + "\nsonopose-x: " + text + "\n"));
+}
+
+SCENARIO("lines that repeat without end are counted, at the latest at the end of the session") {
+  CapturedError error;
+  logging::set_program("sonopose-x");
+  constexpr int lines = 100;
+  {
+    const logging::Session session(logging::Level::info);
+    for (int i = 0; i < lines; ++i) {
+      logging::warning(fmt::format("a stranger sent {}", i));
+      logging::later([i] { logging::info(fmt::format("a stranger has left {}", i)); });
+    }
+  }
+  error.restore();
+  const std::string text = error.read();
+  CHECK_THAT(text, Catch::Contains("warning: a stranger sent 0\n") && !Catch::Contains("sent 60\n"));
+  CHECK_THAT(text, Catch::Contains("sent 99 (39 more lines like this were not logged)\n"));
+  CHECK_THAT(text, Catch::Contains("left 59\n") && !Catch::Contains("left 60\n"));
+}
+
+SCENARIO("a line that a listener causes reaches standard error, but no listener") {
+  struct Logging final : logging::Listener {
+    void on(const logging::Line& line) noexcept override {
+      texts.emplace_back(line.text);
+      logging::warning("a message of DDS");
+    }
+    std::vector<std::string> texts;
+  };
+  CapturedError error;
+  logging::set_program("sonopose-x");
+  Logging listener;
+  {
+    const logging::Session session(logging::Level::info);
+    const logging::Listening listening(listener);
+    logging::failure("one");
+  }
+  error.restore();
+  CHECK(error.read() == "sonopose-x: warning: a message of DDS\nsonopose-x: one\n");
+  CHECK(listener.texts == std::vector<std::string>{"one"});
 }
 
 }  // namespace log_test
