@@ -113,7 +113,7 @@ int run_logs(const CLI::App& app, const Options& options) {
   apps::Progress progress;
   const auto print_results = [&] {
     progress.clear();
-    fmt::print("{}", options.json ? evaluation::attitude_json(results) : evaluation::attitude_text(results));
+    apps::print("{}", options.json ? evaluation::attitude_json(results) : evaluation::attitude_text(results));
   };
   try {
     for (const Path& log : options.logs) results.push_back(run_log(log, options, settings, progress));

@@ -62,9 +62,9 @@ int print_result(const Options& options, const evaluation::CalibrationResult& re
   const std::string toml = evaluation::calibration_toml(result, options.beacon);
   if (options.out) files::write_whole(*options.out, toml);
   if (options.json) {
-    fmt::print("{}", evaluation::calibration_json(result));
+    apps::print("{}", evaluation::calibration_json(result));
   } else {
-    fmt::print("{}", options.out ? evaluation::calibration_text(result) : toml);
+    apps::print("{}", options.out ? evaluation::calibration_text(result) : toml);
   }
   return 0;
 }
@@ -75,7 +75,7 @@ int analyse(const Options& options) {
   const evaluation::AllanResult result =
       shown(options, [&options] { return evaluation::analyse_allan(options.log, options.beacon); });
   if (plot) plot->draw(result);
-  fmt::print("{}", options.json ? evaluation::allan_json(result) : evaluation::allan_text(result));
+  apps::print("{}", options.json ? evaluation::allan_json(result) : evaluation::allan_text(result));
   return 0;
 }
 

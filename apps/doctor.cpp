@@ -2,6 +2,7 @@
 
 #include "doctor/probe/doctor_node.hpp"
 #include "doctor/rules/report.hpp"
+#include "logging/log.hpp"
 #include "support/bus_options.hpp"
 #include "support/progress.hpp"
 #include "support/waiting.hpp"
@@ -27,6 +28,7 @@ int main(int argc, char** argv) {
   return sonopose::apps::run(app, argc, argv, [&] {
     options.domain = bus.domain;
     options.qos_file = bus.qos_file;
+    const sonopose::logging::Session log(sonopose::logging::Level::info);
     sonopose::process::StopSignal stop;
     stop.listen_to_signals();
     std::optional<sonopose::apps::Waiting> waiting;
@@ -46,9 +48,9 @@ int main(int argc, char** argv) {
     }
     const auto findings = diagnose(observations);
     if (json) {
-      fmt::print("{}\n", json_of(findings));
+      sonopose::apps::print("{}\n", json_of(findings));
     } else {
-      fmt::print("{}", report_of(findings, verbose));
+      sonopose::apps::print("{}", report_of(findings, verbose));
     }
     return has_problems(findings) ? 1 : 0;
   });

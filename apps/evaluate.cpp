@@ -83,8 +83,8 @@ int compare(const CLI::App& app, const Options& options) {
                       [&](const apps::CasePlace& place) { show(place, progress); });
   progress.clear();
   if (costs.empty()) throw std::invalid_argument("--compare: no case can be scored");
-  fmt::print("{}", options.json ? json_of(costs, first.string(), second.string())
-                                : table_of(costs, first.string(), second.string()));
+  apps::print("{}", options.json ? json_of(costs, first.string(), second.string())
+                                 : table_of(costs, first.string(), second.string()));
   return 0;
 }
 
@@ -108,13 +108,13 @@ int evaluate(const CLI::App& app, const Options& options) {
       const std::string lines = table->add(evaluation::summarise(results));
       if (options.json) continue;
       progress.clear();
-      fmt::print("{}", lines);
+      apps::print("{}", lines);
       apps::flush_output();
     }
   };
   apps::for_each_case(options.cases, score, begin);
   progress.clear();
-  fmt::print("{}", options.json ? evaluation::json_of(table->rows()) : table->predictions());
+  apps::print("{}", options.json ? evaluation::json_of(table->rows()) : table->predictions());
   return 0;
 }
 

@@ -69,13 +69,13 @@ sonopose::fusion::FusionOptions node_options(const Options& options,
 
 int serve(const CLI::App& app, const Options& options) {
   if (options.print_settings_page) {
-    fmt::print("{}", sonopose::config::settings_page());
+    sonopose::apps::print("{}", sonopose::config::settings_page());
     return 0;
   }
   const sonopose::logging::Session log(options.log_level);
   const auto config = sonopose::apps::configuration(app, options.config);
   if (options.print_config) {
-    fmt::print("{}", config.to_toml());
+    sonopose::apps::print("{}", config.to_toml());
     return 0;
   }
   check_publisher(options.bus);

@@ -104,8 +104,8 @@ int import(const Options& options) {
     log.flush();
   }
   folder.commit();
-  fmt::print("{}{}: written; sonopose-replay {} scores it\n", evaluation::import_text(tables),
-             options.out.string(), options.out.string());
+  apps::print("{}{}: written; sonopose-replay {} scores it\n", evaluation::import_text(tables),
+              options.out.string(), options.out.string());
   return 0;
 }
 

@@ -46,9 +46,9 @@ int info(const Options& options) {
     const mcap::Reader reader(file);
     const auto damages = options.verify ? mcap::verify(reader) : std::vector<std::string>{};
     is_sound = is_sound && (!options.verify || bus_log::is_sound(reader, damages));
-    fmt::print("{}{}", options.json || &file == &files.front() ? "" : "\n",
-               options.json ? bus_log::summary_json(reader, damages) + "\n"
-                            : bus_log::summary_text(reader, damages));
+    apps::print("{}{}", options.json || &file == &files.front() ? "" : "\n",
+                options.json ? bus_log::summary_json(reader, damages) + "\n"
+                             : bus_log::summary_text(reader, damages));
   }
   return is_sound ? 0 : 1;
 }
@@ -58,7 +58,7 @@ int cat(const Options& options) {
   warn(reader.damages());
   bus_log::ChosenMessages messages(reader, options.choice);
   while (const auto chosen = messages.next()) {
-    fmt::print("{}\n", bus_log::json_of(*chosen->channel, chosen->message));
+    apps::print("{}\n", bus_log::json_of(*chosen->channel, chosen->message));
     if (std::ferror(stdout) != 0) break;  // reported at the end
   }
   return 0;
@@ -70,17 +70,17 @@ int copy(const Options& options, mcap::Selection::Damaged damaged, bool is_one_r
                                      [&](double share) { progress.at(share, "copying"); }, is_one_recording});
   progress.clear();
   warn(result.damages);
-  fmt::print("{}: {} of {}{}, {}, {}\n", options.out.string(), result.messages,
-             result.may_lack_more ? "at least " : "", text::count_text(result.stated, "message"),
-             text::count_text(result.metadata, "metadata record"),
-             text::count_text(result.attachments, "attachment"));
+  apps::print("{}: {} of {}{}, {}, {}\n", options.out.string(), result.messages,
+              result.may_lack_more ? "at least " : "", text::count_text(result.stated, "message"),
+              text::count_text(result.metadata, "metadata record"),
+              text::count_text(result.attachments, "attachment"));
   return 0;
 }
 
 int export_files(const Options& options) {
   const auto result = evaluation::export_recording(options.files, options.choice.beacon, options.out);
-  fmt::print("{}: {}, {}, {}\n", options.out.string(), text::count_text(result.events, "event"),
-             text::count_text(result.poses, "pose"), text::count_text(result.reports, "report"));
+  apps::print("{}: {}, {}, {}\n", options.out.string(), text::count_text(result.events, "event"),
+              text::count_text(result.poses, "pose"), text::count_text(result.reports, "report"));
   return 0;
 }
 

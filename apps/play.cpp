@@ -38,17 +38,18 @@ int serve(Options& options) {
     if (keys->are_read()) logging::info("space: pause and go on; s: one message; q: end");
   };
   const auto report = player::play(options.player, control, stop);
-  fmt::print("played {} in {:.1f} s\n", text::count_text(report.played, "message"), report.duration_s);
+  apps::print("played {} in {:.1f} s\n", text::count_text(report.played, "message"), report.duration_s);
   if (report.refused > 0) {
-    fmt::print("refused, not of the type of their topic: {}\n", text::count_text(report.refused, "message"));
+    apps::print("refused, not of the type of their topic: {}\n", text::count_text(report.refused, "message"));
   }
   if (report.shortened_gaps > 0) {
-    fmt::print("shortened: {}, by {:.1f} s\n", text::count_text(report.shortened_gaps, "gap"),
-               report.left_out_s);
+    apps::print("shortened: {}, by {:.1f} s\n", text::count_text(report.shortened_gaps, "gap"),
+                report.left_out_s);
   }
-  if (report.damaged > 0) fmt::print("not played: {}\n", text::count_text(report.damaged, "damaged chunk"));
+  if (report.damaged > 0) apps::print("not played: {}\n", text::count_text(report.damaged, "damaged chunk"));
   if (report.lost_by_fusions > 0) {
-    fmt::print("lost by fusions without --lossless: {}\n", text::count_text(report.lost_by_fusions, "event"));
+    apps::print("lost by fusions without --lossless: {}\n",
+                text::count_text(report.lost_by_fusions, "event"));
   }
   return report.refused == 0 && report.damaged == 0 && report.lost_by_fusions == 0 ? 0 : 1;
 }

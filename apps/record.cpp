@@ -42,24 +42,24 @@ std::string name_by_time() {
 
 void print(const recorder::RecorderReport& report) {
   for (const auto& [topic, count] : report.received) {
-    if (count > 0) fmt::print("{:28} {:>10}\n", topic, count);
+    if (count > 0) apps::print("{:28} {:>10}\n", topic, count);
   }
   std::vector<std::string> files;
   for (const auto& file : report.files) files.push_back(file.string());
-  fmt::print("recorded {} in {:.1f} s, {:.1f} MB: {}\n", text::count_text(report.recorded, "message"),
-             report.duration_s, static_cast<double>(report.bytes) * 1e-6,
-             files.empty() ? "no file" : fmt::format("{}", fmt::join(files, ", ")));
-  fmt::print("lost: {} by a full queue, {} by the disk, {} by DDS\nmissing: {} of beacons\n",
-             report.counts.lost_queue, report.lost_disk, report.counts.lost_dds,
-             text::count_text(report.counts.events_missing, "input"));
+  apps::print("recorded {} in {:.1f} s, {:.1f} MB: {}\n", text::count_text(report.recorded, "message"),
+              report.duration_s, static_cast<double>(report.bytes) * 1e-6,
+              files.empty() ? "no file" : fmt::format("{}", fmt::join(files, ", ")));
+  apps::print("lost: {} by a full queue, {} by the disk, {} by DDS\nmissing: {} of beacons\n",
+              report.counts.lost_queue, report.lost_disk, report.counts.lost_dds,
+              text::count_text(report.counts.events_missing, "input"));
   if (report.removed_files > 0) {
-    fmt::print("removed: {}\n", text::count_text(report.removed_files, "older file"));
+    apps::print("removed: {}\n", text::count_text(report.removed_files, "older file"));
   }
   for (const auto& [topic, writers] : report.foreign_topics) {
-    fmt::print("not recorded: {} ({})\n", text::escaped(topic), text::count_text(writers, "writer"));
+    apps::print("not recorded: {} ({})\n", text::escaped(topic), text::count_text(writers, "writer"));
   }
   const std::uint64_t more = report.unnamed_topics;
-  if (more > 0) fmt::print("not recorded: {}\n", text::count_text(more, "more topic"));
+  if (more > 0) apps::print("not recorded: {}\n", text::count_text(more, "more topic"));
 }
 
 int serve(Options& options, const std::string& command) {

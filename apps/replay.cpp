@@ -100,8 +100,8 @@ int compare(const CLI::App& app, const apps::ReplayOptions& options) {
       if (curves != nullptr) curves->add(sample);
     };
     results.push_back(timed_run(log, run, options.smooth, {add, add}, timing));
-    if (!options.json) fmt::print("{}{}\n", i == 0 ? "" : "\n", name);
-    fmt::print("{}", report(results.back(), timing, options.json));
+    if (!options.json) apps::print("{}{}\n", i == 0 ? "" : "\n", name);
+    apps::print("{}", report(results.back(), timing, options.json));
   }
   draw(plot);
   for (const auto& result : results) require_result(options, result);
@@ -135,7 +135,7 @@ int replay_log(const CLI::App& app, const apps::ReplayOptions& options) {
   if (out) out->finish();
   if (options.save_state) evaluation::save_state(*options.save_state, result.end);
   draw(plot);
-  fmt::print("{}", report(result, timing, options.json));
+  apps::print("{}", report(result, timing, options.json));
   require_result(options, result);
   return 0;
 }

@@ -4,6 +4,7 @@
 #include "settings_client/settings_client.hpp"
 #include "settings_client/settings_report.hpp"
 #include "support/bus_options.hpp"
+#include <sonopose/text/escaped.hpp>
 
 #include <fmt/format.h>
 
@@ -46,9 +47,9 @@ int get(const Options& options) {
   }
   if (options.json) {
     for (auto& settings : found) settings = settings_client::selected(std::move(settings), options.words);
-    fmt::print("{}", settings_client::json_of(found));
+    apps::print("{}", settings_client::json_of(found));
   } else {
-    fmt::print("{}", settings_client::toml_of(found, options.words));
+    apps::print("{}", settings_client::toml_of(found, options.words));
   }
   return 0;
 }
@@ -59,9 +60,9 @@ int set(const Options& options) {
     request.assignments.push_back(settings_client::parse_assignment(word));
   const auto reply = options.client().change(request, options.timeout_s);
   if (!reply) fail(options, "no fusion answered");
-  if (!reply->accepted) throw std::runtime_error("refused: " + reply->reason);
-  if (!reply->reason.empty()) logging::warning(reply->reason);
-  fmt::print("accepted: {}\n", settings_client::effective_time_text(*reply));
+  if (!reply->accepted) throw std::runtime_error("refused: " + text::escaped(reply->reason));
+  if (!reply->reason.empty()) logging::warning(text::escaped(reply->reason));
+  apps::print("accepted: {}\n", settings_client::effective_time_text(*reply));
   return settings_client::changes_no_known_beacon(*reply) ? 1 : 0;
 }
 
@@ -82,7 +83,7 @@ int watch(const Options& options) {
       logging::info(fmt::format(
           "watching {}", all ? "the settings for all beacons" : fmt::format("beacon {}", settings.address)));
     }
-    fmt::print("{}", changes.on(settings));
+    apps::print("{}", changes.on(settings));
     std::fflush(stdout);
   };
   options.client().observe(options.address, print, options.duration_s, stop);
@@ -92,7 +93,7 @@ int watch(const Options& options) {
 int reset(const Options& options) {
   const auto done = options.client().reset(options.address, options.timeout_s);
   if (done.empty()) fail(options, "no beacon was reset");
-  for (const BeaconAddress address : done) fmt::print("beacon {} was reset\n", address);
+  for (const BeaconAddress address : done) apps::print("beacon {} was reset\n", address);
   return 0;
 }
 
@@ -142,6 +143,7 @@ int main(int argc, char** argv) {
   add_command(app, options, "reset", "Restart the engines and wait until they have restarted");
 
   return apps::run(app, argc, argv, [&] {
+    const logging::Session log(logging::Level::info);
     if (getting->parsed()) return get(options);
     if (setting->parsed()) return set(options);
     if (saving->parsed()) return save(options);

@@ -62,7 +62,7 @@ void add_options(CLI::App& app, Options& options) {
 int list() {
   for (const auto& group : {sim::scenarios(), sim::harder_scenarios(), sim::violations()}) {
     for (const sim::Scenario& scenario : group) {
-      fmt::print("{:<16} {:>3} s  {}\n", scenario.name, scenario.duration_s, scenario.summary);
+      apps::print("{:<16} {:>3} s  {}\n", scenario.name, scenario.duration_s, scenario.summary);
     }
   }
   return 0;
@@ -125,9 +125,10 @@ int write(const Options& options) {
   log.reset();
   folder.commit();
   progress.clear();
-  fmt::print("{}: {}, seed {}, {} s: {}, {}, {}, {}\n", options.folder.string(), scenario.name, options.seed,
-             duration_s, text::count_text(count[0], "IMU sample"), text::count_text(count[1], "fix", "fixes"),
-             text::count_text(count[2], "heading"), text::count_text(truth_count, "true state"));
+  apps::print("{}: {}, seed {}, {} s: {}, {}, {}, {}\n", options.folder.string(), scenario.name, options.seed,
+              duration_s, text::count_text(count[0], "IMU sample"),
+              text::count_text(count[1], "fix", "fixes"), text::count_text(count[2], "heading"),
+              text::count_text(truth_count, "true state"));
   return 0;
 }
 

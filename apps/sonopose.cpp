@@ -33,11 +33,11 @@ int end_of_output() try {
 }
 
 int list_verbs() {
-  fmt::print(
+  sonopose::apps::print(
       "Fuses an IMU and ultrasonic beacons into a pose, on DDS.\n"
       "Usage: sonopose VERB [ARGUMENTS...]\n\nVerbs:\n");
-  for (const Verb& verb : verbs) fmt::print("  {:<11}{}\n", verb.name, verb.description);
-  fmt::print(
+  for (const Verb& verb : verbs) sonopose::apps::print("  {:<11}{}\n", verb.name, verb.description);
+  sonopose::apps::print(
       "\nOptions:\n"
       "  -h,--help  Print this list and exit; sonopose help VERB shows the options of a verb\n"
       "  --version  Print the version and exit\n");
@@ -80,7 +80,7 @@ int main(int argc, char** argv) {
   const std::string first = words.front();
   words.erase(words.begin());
   if (first == "--version") {
-    fmt::print("sonopose {}\n", version());
+    sonopose::apps::print("sonopose {}\n", version());
     return end_of_output();
   }
   if (first == "help" && !words.empty()) return become(words.front(), {"--help"});

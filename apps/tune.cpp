@@ -120,11 +120,11 @@ int tune(const CLI::App& app, const Options& options) {
         start, variables, cost_and_start, options.rounds, options.search_seed,
         [&](int round, const evaluation::Found& better) { progress.on_better(round, better.cost); }, goes_on);
   }();
-  fmt::print("# Geometric mean over the cases: {:.3f} cm, before {:.3f} cm.{}\n{}{}", 100.0 * found.cost,
-             100.0 * *start_m,
-             cost.has_truth_of_all() ? "" : " Cases without truth count with their prediction errors.",
-             origin_comment(options.config),
-             changes(config, found.settings, variables, options.beacon).given_toml());
+  apps::print("# Geometric mean over the cases: {:.3f} cm, before {:.3f} cm.{}\n{}{}", 100.0 * found.cost,
+              100.0 * *start_m,
+              cost.has_truth_of_all() ? "" : " Cases without truth count with their prediction errors.",
+              origin_comment(options.config),
+              changes(config, found.settings, variables, options.beacon).given_toml());
   return 0;
 }
 

@@ -106,7 +106,7 @@ int main(int argc, char** argv) {
       for (const std::string& url : urls) {
         // Logs are kept and copied, so they do not have the token, which nobody can guess.
         const bool has_token = url.find('?') != std::string::npos;
-        if (has_token || log_level > logging::Level::info) fmt::print("{}\n", url);
+        if (has_token || log_level > logging::Level::info) apps::print("{}\n", url);
         std::fflush(stdout);
         logging::info("the page is at " + url.substr(0, url.find('?')) +
                       (has_token ? " with the token that is printed" : ""));

@@ -1,14 +1,35 @@
 #include "bus_options.hpp"
 
 #include "choice.hpp"
+#include "logging/log.hpp"
+#include <sonopose/dds/binding/domain.hpp>
 #include <sonopose/samples/samples.hpp>
 
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 namespace sonopose::apps {
+namespace {
+
+void log_message(dds::MessageLevel level, std::string_view message) {
+  const std::string text = "DDS: " + std::string(message);
+  switch (level) {
+    case dds::MessageLevel::info:
+      return logging::info(text);
+    case dds::MessageLevel::warning:
+      return logging::warning(text);
+    case dds::MessageLevel::error:
+      return logging::error(text);
+    case dds::MessageLevel::fatal:
+      return logging::failure(text);
+  }
+}
+
+}  // namespace
 
 void add_bus_options(CLI::App& app, BusOptions& options) {
+  dds::send_messages_to(log_message);
   app.add_option_function<std::uint32_t>(
          "--domain", [&options](std::uint32_t id) { options.domain.domain_id = id; },
          "DDS domain (default: ROS_DOMAIN_ID, else 0)")

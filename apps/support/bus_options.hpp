@@ -24,7 +24,7 @@ void check_publisher(const BusOptions& options);
 /// The group of these options.
 inline constexpr const char* bus_group = "Bus";
 
-/// Adds --domain, --network, --partition and --qos.
+/// Adds --domain, --network, --partition and --qos. From now on, messages of DDS are lines of the log.
 void add_bus_options(CLI::App& app, BusOptions& options);
 
 /// Adds --max-beacons. `verb` says what the program does with beacons: "Serve".

@@ -3,6 +3,7 @@
 #include "evaluation/calibration/calibration.hpp"
 #include "files/replacement.hpp"
 #include "logging/log.hpp"
+#include "output.hpp"
 #include "plots/likelihood_plot.hpp"
 #include "progress.hpp"
 
@@ -120,9 +121,9 @@ int DriveCommands::run() const {
   if (out_) files::write_whole(*out_, toml);
   if (write_) write_settings(*write_, evaluation::drive_settings(result, beacon_));
   if (json_) {
-    fmt::print("{}", evaluation::drive_json(result));
+    apps::print("{}", evaluation::drive_json(result));
   } else {
-    fmt::print("{}", out_ || write_ ? evaluation::drive_text(result) : toml);
+    apps::print("{}", out_ || write_ ? evaluation::drive_text(result) : toml);
   }
   if (plot) plot->draw(result);
   return 0;

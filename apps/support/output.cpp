@@ -1,5 +1,7 @@
 #include "output.hpp"
 
+#include <sonopose/text/escaped.hpp>
+
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -7,6 +9,11 @@
 #include <string>
 
 namespace sonopose::apps {
+
+void print_text(std::string_view text) {
+  const std::string clean = text::printable(text);
+  std::fwrite(clean.data(), 1, clean.size(), stdout);
+}
 
 void flush_output() {
   errno = 0;

@@ -1,5 +1,7 @@
 #include "progress.hpp"
 
+#include <sonopose/text/escaped.hpp>
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -37,7 +39,7 @@ void Progress::at(double share, std::string_view what) {
   if (now < due_) return;
   due_ = now + redraw_period;
   is_drawn_ = true;
-  fmt::print(stderr, "\r\x1b[K{}{:.40}", bar(share), what);
+  fmt::print(stderr, "\r\x1b[K{}{:.40}", bar(share), text::escaped(what));
 }
 
 void Progress::clear() {

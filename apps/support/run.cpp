@@ -95,9 +95,9 @@ std::vector<std::string> with_joined_values(const CLI::App& app, const std::vect
 }
 
 /// Prints a requested text. Returns the exit code.
-int print(const std::string& text) {
+int print_requested(const std::string& text) {
   try {
-    std::fputs(text.c_str(), stdout);
+    print_text(text);
     flush_output();
     return 0;
   } catch (const std::exception& error) {
@@ -226,11 +226,11 @@ int run(CLI::App& app, const std::vector<std::string>& arguments, const std::fun
     parse(app, with_joined_values(app, arguments));
     for (const CLI::App* each : {&std::as_const(app), &command_of(app)}) refuse_empty_paths(*each);
   } catch (const Printed& asked) {
-    return print(asked.what());
+    return print_requested(asked.what());
   } catch (const CLI::Success& asked) {  // --help, --version
     std::ostringstream text;
     app.exit(asked, text);
-    return print(text.str());
+    return print_requested(text.str());
   } catch (const CLI::ParseError& error) {
     logging::failure(
         fmt::format("{}\nRun {} --help for more information.", mistake_in(app, error), app.get_name()));

@@ -12,13 +12,15 @@ namespace {
 struct Character {
   std::size_t bytes = 1;
   bool is_shown = false;  ///< no control character, and in UTF-8
+  char32_t code = 0;
+  bool is_utf8 = false;
 };
 
 Character first_of(std::string_view text) {
   constexpr char32_t erase = 0x7f;
   constexpr char32_t last_of_c1 = 0x9f;
   const auto lead = static_cast<unsigned char>(text.front());
-  if (lead < 0x80) return {1, lead >= ' ' && lead != erase};
+  if (lead < 0x80) return {1, lead >= ' ' && lead != erase, lead, true};
   const std::size_t bytes = lead < 0xc0 ? 1 : lead < 0xe0 ? 2 : lead < 0xf0 ? 3 : lead < 0xf8 ? 4 : 1;
   if (bytes == 1 || bytes > text.size()) return {};
   char32_t code = lead & (0x7fU >> bytes);
@@ -30,7 +32,7 @@ Character first_of(std::string_view text) {
   constexpr std::array<char32_t, 5> min_codes{0, 0, 0x80, 0x800, 0x10000};
   const bool is_surrogate = code >= 0xd800 && code < 0xe000;
   if (code < min_codes.at(bytes) || code > 0x10ffff || is_surrogate) return {};
-  return {bytes, code > last_of_c1};
+  return {bytes, code > last_of_c1, code, true};
 }
 
 }  // namespace
@@ -41,6 +43,26 @@ std::string escaped(std::string_view text) {
     const Character next = first_of(text);
     for (const char& each : text.substr(0, next.bytes)) {
       clean += next.is_shown ? std::string(1, each) : "\\x" + hexadecimal(std::as_bytes(std::span(&each, 1)));
+    }
+    text.remove_prefix(next.bytes);
+  }
+  return clean;
+}
+
+std::string printable(std::string_view text) {
+  constexpr std::string_view digits = "0123456789abcdef";
+  std::string clean;
+  clean.reserve(text.size());
+  while (!text.empty()) {
+    const Character next = first_of(text);
+    if (next.is_shown || text.front() == '\n' || text.front() == '\t') {
+      clean += text.substr(0, next.bytes);
+    } else if (next.is_utf8) {
+      clean += "\\u00";
+      clean += digits[next.code >> 4U];
+      clean += digits[next.code & 0xfU];
+    } else {
+      clean += "\xef\xbf\xbd";  // U+FFFD
     }
     text.remove_prefix(next.bytes);
   }

@@ -6,6 +6,7 @@
 #include "mcap/verify.hpp"
 #include "mcap/writer.hpp"
 #include "recording/part_file.hpp"
+#include <sonopose/text/escaped.hpp>
 
 #include <fmt/format.h>
 
@@ -59,7 +60,8 @@ public:
       const std::string& first = inputs_.front().reader.contents().profile;
       if (profile != first) {
         throw files::IoError(fmt::format(R"({}: has profile "{}", but {} has "{}"; a file has one profile)",
-                                         input.reader.name(), profile, inputs_.front().reader.name(), first));
+                                         input.reader.name(), text::escaped(profile),
+                                         inputs_.front().reader.name(), text::escaped(first)));
       }
     }
   }

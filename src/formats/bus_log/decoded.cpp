@@ -3,6 +3,7 @@
 #include "mcap/omg_idl.hpp"
 #include <sonopose/dds/topics/serialized_topics.hpp>
 #include <sonopose/idl/text.hpp>
+#include <sonopose/text/escaped.hpp>
 
 #include <fmt/format.h>
 
@@ -26,7 +27,8 @@ void require_our_types(const mcap::Reader& reader,
     if (!selected(channel)) continue;
     if (channel.message_encoding != "cdr") {
       throw files::IoError(fmt::format(R"({}: topic {} has message encoding "{}" instead of "cdr")",
-                                       reader.name(), channel.topic, channel.message_encoding));
+                                       reader.name(), text::escaped(channel.topic),
+                                       text::escaped(channel.message_encoding)));
     }
     if (!has_our_type(reader, channel)) throw files::IoError(other_type_text(reader, channel));
   }

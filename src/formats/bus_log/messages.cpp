@@ -5,6 +5,7 @@
 #include <sonopose/dds/binding/cdr.hpp>
 #include <sonopose/dds/topics/serialized_topics.hpp>
 #include <sonopose/dds/topics/topics.hpp>
+#include <sonopose/text/escaped.hpp>
 #include <sonopose/text/hexadecimal.hpp>
 
 #include <fmt/format.h>
@@ -106,8 +107,8 @@ std::string topic_of(const mcap::Reader& reader, const std::string& name) {
     if (topics::short_name(channel.topic) == topics::short_name(name)) alike = &channel.topic;
   }
   if (alike != nullptr) return *alike;
-  std::vector<std::string_view> known;
-  for (const auto& [id, channel] : reader.channels()) known.push_back(channel.topic);
+  std::vector<std::string> known;
+  for (const auto& [id, channel] : reader.channels()) known.push_back(text::escaped(channel.topic));
   throw files::IoError(
       fmt::format("{}: has no topic {}; it has {}", reader.name(), name, fmt::join(known, ", ")));
 }

@@ -56,8 +56,8 @@ std::string summary_text(const mcap::Reader& reader, const std::vector<std::stri
   using text::escaped;
   const mcap::Statistics& statistics = reader.statistics();
   const double duration_s = seconds_of(statistics.log_times);
-  std::string text = fmt::format("file      {}, {:.1f} MB\nwritten   by {}, profile \"{}\"\n", reader.name(),
-                                 static_cast<double>(reader.size_bytes()) / 1e6,
+  std::string text = fmt::format("file      {}, {:.1f} MB\nwritten   by {}, profile \"{}\"\n",
+                                 escaped(reader.name()), static_cast<double>(reader.size_bytes()) / 1e6,
                                  escaped(reader.contents().library), escaped(reader.contents().profile));
   if (!statistics.log_times.is_empty()) {
     text +=

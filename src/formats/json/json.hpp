@@ -3,6 +3,7 @@
 /// Writes samples of native topics as JSON, with the names of the IDL.
 
 #include <sonopose/idl/field_visitors.hpp>
+#include <sonopose/text/escaped.hpp>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -55,7 +56,7 @@ void append_json(std::string& text, const Value& value) {
     fmt::format_to(std::back_inserter(text), "{}", value);
   } else if constexpr (std::is_array_v<Value> && std::is_same_v<Element, char>) {
     const nlohmann::json string(std::string(value, ::strnlen(value, std::extent_v<Value>)));
-    text += string.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    text += text::printable(string.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
   } else if constexpr (std::is_array_v<Value>) {
     append_array(text, value, std::extent_v<Value>);
   } else if constexpr (requires { value._buffer[value._length]; }) {

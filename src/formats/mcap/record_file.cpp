@@ -2,6 +2,7 @@
 
 #include "mcap/compression.hpp"
 #include "mcap/decompression.hpp"
+#include <sonopose/text/escaped.hpp>
 
 #include <algorithm>
 
@@ -156,7 +157,8 @@ LoadedBlock RecordFile::load_chunk(const Block& block, Definitions* definitions)
   Fields fields(record, Opcode::chunk, at);
   const ChunkFields chunk = decode_chunk(fields);
   const auto compression = compression_named(chunk.compression);
-  if (!compression) fields.fail("compression", "is \"" + chunk.compression + "\"; known: lz4, zstd, none");
+  if (!compression)
+    fields.fail("compression", "is \"" + text::escaped(chunk.compression) + "\"; known: lz4, zstd, none");
   if (chunk.uncompressed_size > max_chunk_bytes) {
     fields.fail("uncompressed_size", "is " + std::to_string(chunk.uncompressed_size) + ", the limit is " +
                                          std::to_string(max_chunk_bytes));

@@ -9,6 +9,7 @@
 #include "process/emergency_cleanup.hpp"
 #include "terminal/crash_restore.hpp"
 #include "terminal/terminal.hpp"
+#include <sonopose/text/escaped.hpp>
 
 #include <fmt/format.h>
 
@@ -23,7 +24,7 @@ namespace {
 class PrintedTable final : public Display {
 public:
   void show(std::vector<observation::BeaconView> views, std::vector<std::string> warnings) override {
-    fmt::print("{}", table_of(views, warnings));
+    fmt::print("{}", text::printable(table_of(views, warnings)));
     std::fflush(stdout);
   }
 };
@@ -31,7 +32,7 @@ public:
 class PrintedJson final : public Display {
 public:
   void show(std::vector<observation::BeaconView> views, std::vector<std::string> warnings) override {
-    fmt::print("{}\n", observation::bus::json_of(views, warnings, clocks::host_now()));
+    fmt::print("{}\n", text::printable(observation::bus::json_of(views, warnings, clocks::host_now())));
     std::fflush(stdout);
   }
 };

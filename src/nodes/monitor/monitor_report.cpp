@@ -4,6 +4,7 @@
 #include "monitor/order.hpp"
 #include "monitor/words.hpp"
 #include <sonopose/text/count_text.hpp>
+#include <sonopose/text/escaped.hpp>
 
 #include <fmt/format.h>
 
@@ -67,7 +68,7 @@ std::string table_of(const std::vector<observation::BeaconView>& views,
   text += segments_table_of(views);
   text += estimate_table_of(views);
   for (const observation::BeaconView& view : views) text += problems_of(view);
-  for (const std::string& warning : warnings) text += fmt::format("warning: {}\n", warning);
+  for (const std::string& warning : warnings) text += fmt::format("warning: {}\n", text::escaped(warning));
   return text;
 }
 

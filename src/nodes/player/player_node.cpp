@@ -12,6 +12,7 @@
 #include "player/play_clock.hpp"
 #include "player/republisher.hpp"
 #include "publication/lossy_fusions.hpp"
+#include <sonopose/text/escaped.hpp>
 
 #include <fmt/format.h>
 
@@ -58,7 +59,7 @@ Playable playable_of(const mcap::Reader& reader, const PlayerOptions& options) {
       playable.channel_ids.insert(id);
       if (!is_ends) playable.topics.insert(channel.topic);
     } else {
-      logging::warning(fmt::format("{} is not played: {}", channel.topic, obstacle));
+      logging::warning(text::escaped(fmt::format("{} is not played: {}", channel.topic, obstacle)));
     }
   }
   for (const std::string& name : wanted) {

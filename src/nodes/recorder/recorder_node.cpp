@@ -13,6 +13,7 @@
 #include <sonopose/dds/qos/provider.hpp>
 #include <sonopose/idl/text.hpp>
 #include <sonopose/text/count_text.hpp>
+#include <sonopose/text/escaped.hpp>
 
 #include <fmt/format.h>
 
@@ -268,7 +269,7 @@ void Recorder::Node::report_foreign(std::vector<dds::FoundEndpoint> writers) {
     std::erase_if(writers, [this](const auto& writer) { return ros2_topics_->contains(writer.topic_name); });
   }
   for (const std::string& topic : foreign_.update(writers)) {
-    logging::info("not recorded: " + topic + " is not a topic of this program");
+    logging::info("not recorded: " + text::escaped(topic) + " is not a topic of this program");
   }
 }
 

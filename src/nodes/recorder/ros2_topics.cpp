@@ -3,6 +3,7 @@
 #include "logging/log.hpp"
 #include <sonopose/ros2/messages/names.hpp>
 #include <sonopose/ros2/messages/serialized_types.hpp>
+#include <sonopose/text/escaped.hpp>
 
 #include <algorithm>
 
@@ -44,7 +45,7 @@ void Ros2Topics::add(const dds::FoundEndpoint& writer, const std::string& name) 
   pipeline_.record({.name = name}, channel_id, [&](dds::DataReaderListener<dds::Serialized>* listener) {
     return type->make_reader(participant_, writer.topic_name, qos, listener);
   });
-  logging::info("recording " + name + " of ROS 2");
+  logging::info("recording " + text::escaped(name) + " of ROS 2");
 }
 
 }  // namespace sonopose::recorder

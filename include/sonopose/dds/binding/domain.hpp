@@ -6,9 +6,11 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace sonopose::dds {
@@ -71,10 +73,24 @@ UserNetwork network_named_by(const std::string& uri, std::uint32_t domain_id);
 std::string domain_configuration(std::uint32_t domain_id, const DomainOptions& options,
                                  const std::string& user_uri);
 
+enum class MessageLevel : std::uint8_t {
+  info,
+  warning,
+  error,
+  fatal  ///< Cyclone DDS ends the process after this message
+};
+
+/// Receives the messages of Cyclone DDS, each without a line feed, on any thread. It must not call DDS.
+using MessageSink = std::function<void(MessageLevel, std::string_view)>;
+
+/// Passes later messages of Cyclone DDS in this process to `sink` instead of standard error. Many of them
+/// are about samples and announcements of others, and have no end. Call it before there is a domain.
+void send_messages_to(MessageSink sink);
+
 /// A reference to the process's configured domain: the first one configures it, the last one closes it.
 /// Throws `Error`, also if this process uses the domain with a different network, if too few file descriptors
 /// or threads are free, or if the user enables shared memory whose daemon does not run. Replaces the log sink
-/// of Cyclone DDS while it opens the domain.
+/// of Cyclone DDS while it opens the domain; afterwards that of send_messages_to() is in use.
 class DomainLease {
 public:
   explicit DomainLease(const DomainOptions& options);

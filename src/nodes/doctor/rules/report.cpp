@@ -1,6 +1,7 @@
 #include "doctor/rules/report.hpp"
 
 #include <sonopose/text/count_text.hpp>
+#include <sonopose/text/escaped.hpp>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -13,6 +14,15 @@
 
 namespace sonopose::doctor::rules {
 namespace {
+
+/// Escapes names and texts of other processes, which findings have: each finding is one line.
+void escape(std::vector<Finding>& findings) {
+  for (Finding& finding : findings) {
+    for (std::string* const text : {&finding.subject, &finding.what, &finding.remedy}) {
+      *text = text::escaped(*text);
+    }
+  }
+}
 
 /// "1 error".
 std::string count_text(const std::vector<Finding>& findings, Severity severity) {
@@ -114,6 +124,7 @@ const char* text_of(Severity severity) {
 }
 
 std::string report_of(std::vector<Finding> findings, bool is_verbose) {
+  escape(findings);
   std::string text;
   if (!is_verbose) {
     text = line_of_well(findings);
@@ -130,7 +141,8 @@ std::string report_of(std::vector<Finding> findings, bool is_verbose) {
                             count_text(findings, Severity::warning));
 }
 
-std::string json_of(const std::vector<Finding>& findings) {
+std::string json_of(std::vector<Finding> findings) {
+  escape(findings);
   nlohmann::json json{{"ok", !has_problems(findings)}, {"findings", nlohmann::json::array()}};
   for (const Finding& finding : findings) {
     json["findings"].push_back({{"severity", text_of(finding.severity)},

@@ -17,6 +17,6 @@ const char* text_of(Severity severity);
 std::string report_of(std::vector<Finding> findings, bool is_verbose = false);
 
 /// {"ok": …, "findings": [{"severity", "subject", "what", "remedy"}]}, on one line without a newline.
-std::string json_of(const std::vector<Finding>& findings);
+std::string json_of(std::vector<Finding> findings);
 
 }  // namespace sonopose::doctor::rules

@@ -3,6 +3,7 @@
 #include "observation/beacon_observer.hpp"
 #include <sonopose/dds/qos/match.hpp>
 #include <sonopose/dds/topics/topics.hpp>
+#include <sonopose/text/escaped.hpp>
 
 #include <fmt/format.h>
 
@@ -98,7 +99,7 @@ std::string text_of(const ProcessIdentity& process) {
   if (process.id) text += " (process " + std::to_string(*process.id);
   if (!process.host.empty()) text += (process.id ? " on " : " (on ") + process.host;
   if (process.id || !process.host.empty()) text += ")";
-  return text;
+  return text::escaped(text);
 }
 
 void ServedBeacons::on_pose(BeaconAddress address, dds::InstanceHandle writer, SteadyTime now) {

@@ -5,6 +5,7 @@
 #include "files/replacement.hpp"
 #include <sonopose/settings/settings_table.hpp>
 #include <sonopose/text/count_text.hpp>
+#include <sonopose/text/escaped.hpp>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -22,9 +23,14 @@ nlohmann::json json_value(const std::string& text) {
   return value.is_number() || value.is_boolean() ? value : nlohmann::json(text);
 }
 
+/// A value of JSON on one line. Texts of another process need not be UTF-8.
+std::string text_json(const nlohmann::json& value) {
+  return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
 /// A literal that is valid in both TOML and JSON.
 std::string literal(const std::string& text) {
-  return json_value(text).is_string() ? nlohmann::json(text).dump() : text;
+  return json_value(text).is_string() ? text_json(text) : text;
 }
 
 const std::string* value_of(const EffectiveSettings& settings, const std::string& key) {
@@ -101,7 +107,7 @@ std::string toml_of(const std::vector<EffectiveSettings>& settings, const std::v
     text += toml_header(beacon);
     for (const auto& [key, value] : selected(beacon, names).values) {
       const bool by_preset = has_preset && config::is_preset_key(key);
-      text += fmt::format("{}{} = {}\n", by_preset ? "# " : "", key, literal(value));
+      text += fmt::format("{}{} = {}\n", by_preset ? "# " : "", text::escaped(key), literal(value));
     }
   }
   return text;
@@ -128,7 +134,7 @@ std::string save(const std::vector<EffectiveSettings>& changed, const std::files
 std::string json_of(const std::vector<EffectiveSettings>& settings) {
   nlohmann::json list = nlohmann::json::array();
   for (const EffectiveSettings& beacon : settings) list.push_back(object_of(beacon, "settings"));
-  return list.dump() + "\n";
+  return text_json(list) + "\n";
 }
 
 std::string SettingsObserver::on(const EffectiveSettings& settings) {
@@ -141,7 +147,7 @@ std::string SettingsObserver::on(const EffectiveSettings& settings) {
     return old != nullptr && *old == entry.value;
   });
   if (changed.values.empty()) return {};
-  if (json_) return object_of(changed, "changed").dump() + "\n";
+  if (json_) return text_json(object_of(changed, "changed")) + "\n";
   const bool all = settings.address == all_beacons;
   const std::string where = all ? "" : fmt::format("beacon.{}.", settings.address);
   const std::string from =
@@ -149,7 +155,7 @@ std::string SettingsObserver::on(const EffectiveSettings& settings) {
   std::string text;
   for (const auto& [key, value] : changed.values) {
     const std::string* old = value_of(before, key);
-    text += fmt::format("{}{} = {}  # was {}{}\n", where, key, literal(value),
+    text += fmt::format("{}{} = {}  # was {}{}\n", where, text::escaped(key), literal(value),
                         old == nullptr ? "unset" : literal(*old), from);
   }
   return text;
@@ -167,7 +173,7 @@ std::string effective_time_text(const SettingsReply& reply) {
       : from == 0
           ? "from the next event of each beacon"
           : fmt::format("from event {} of each beacon, or from its next event if that is later", from);
-  return reply.details.empty() ? when : fmt::format("{} ({})", when, reply.details);
+  return reply.details.empty() ? when : fmt::format("{} ({})", when, text::escaped(reply.details));
 }
 
 bool changes_no_known_beacon(const SettingsReply& reply) {

@@ -8,6 +8,7 @@
 #include <map>
 #include <mutex>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 namespace sonopose::dds {
@@ -40,14 +41,33 @@ Registry& registry() {
   return *instance;
 }
 
+/// Set once, before there is a domain.
+MessageSink& message_sink() {
+  static auto* const sink = new MessageSink;  // never destroyed: threads of Cyclone DDS use it
+  return *sink;
+}
+
+MessageLevel level_of(std::uint32_t priority) {
+  if (priority == DDS_LC_INFO) return MessageLevel::info;
+  if (priority == DDS_LC_FATAL) return MessageLevel::fatal;
+  return priority == DDS_LC_WARNING ? MessageLevel::warning : MessageLevel::error;
+}
+
+/// Passes a message to the sink of the process, or to standard error as Cyclone DDS does.
+void pass_on(void* /*arg*/, const dds_log_data_t* data) {
+  if (const MessageSink& sink = message_sink())
+    return sink(level_of(data->priority), {data->message, data->size});
+  std::fwrite(data->message - data->hdrsize, 1, data->hdrsize + data->size + 1, stderr);
+}
+
 /// Collects the errors that Cyclone DDS logs: its return codes do not have the reason. Passes other messages
-/// on as Cyclone DDS does.
+/// on.
 class LoggedErrors {
 public:
   LoggedErrors() { dds_set_log_sink(on_message, this); }
   LoggedErrors(const LoggedErrors&) = delete;
   LoggedErrors& operator=(const LoggedErrors&) = delete;
-  ~LoggedErrors() { dds_set_log_sink(nullptr, nullptr); }
+  ~LoggedErrors() { dds_set_log_sink(message_sink() ? pass_on : nullptr, nullptr); }
 
   /// Returns the errors so far in one line.
   std::string text() {
@@ -58,7 +78,7 @@ public:
 private:
   static void on_message(void* self, const dds_log_data_t* data) {
     if (data->priority != DDS_LC_ERROR) {
-      std::fwrite(data->message - data->hdrsize, 1, data->hdrsize + data->size + 1, stderr);
+      pass_on(nullptr, data);
       return;
     }
     auto& logged = *static_cast<LoggedErrors*>(self);
@@ -84,7 +104,12 @@ dds_entity_t create_domain(std::uint32_t id, const DomainOptions& options) {
   std::string reason = logged.text();
   if (reason.empty()) return check("dds_create_domain", about, domain);
   if (domain >= 0) {
-    std::fprintf(stderr, "domain %u: %s\n", id, reason.c_str());
+    const std::string text = "domain " + std::to_string(id) + ": " + reason;
+    if (const MessageSink& sink = message_sink()) {
+      sink(MessageLevel::error, text);
+    } else {
+      std::fprintf(stderr, "%s\n", text.c_str());
+    }
     return domain;
   }
   if (reason.find("interface") != std::string::npos) reason += "; " + interface_advice(options.network, user);
@@ -92,6 +117,11 @@ dds_entity_t create_domain(std::uint32_t id, const DomainOptions& options) {
 }
 
 }  // namespace
+
+void send_messages_to(MessageSink sink) {
+  message_sink() = std::move(sink);
+  dds_set_log_sink(message_sink() ? pass_on : nullptr, nullptr);
+}
 
 std::uint32_t resolve_domain_id(const DomainOptions& options) {
   const auto fail = [](const std::string& name, const std::string& value) {

@@ -131,7 +131,7 @@ std::string attitude_json(const std::vector<AttitudeResult>& results) {
   json["mean"].erase("log");
   json["mean"]["logs_scored"] = json["mean"]["scored"];
   json["mean"].erase("scored");
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace sonopose::evaluation

@@ -157,7 +157,7 @@ std::string report_json(const RunResult& result, const Timing& timing) {
                                       {"times_real_time", times_real_time(result, timing)},
                                       {"last_sequence", result.end.sequence},
                                       {"state_hash", result.state_hash}};
-  return object.dump(2) + "\n";
+  return object.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace sonopose::evaluation

@@ -78,7 +78,7 @@ std::string json_of(const std::vector<CostPair>& costs, const std::string& first
                                       {"cases", std::move(cases)},
                                       {"with_truth", json_of(change_of(costs, true))},
                                       {"without_truth", json_of(change_of(costs, false))}};
-  return object.dump(2) + "\n";
+  return object.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace sonopose::evaluation

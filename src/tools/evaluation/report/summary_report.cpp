@@ -104,7 +104,7 @@ std::string json_of(const std::vector<Summary>& summaries) {
     if (row.worst_drift_share) object["worst_drift_share"] = *row.worst_drift_share;
     rows.push_back(std::move(object));
   }
-  return rows.dump(2) + "\n";
+  return rows.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace sonopose::evaluation

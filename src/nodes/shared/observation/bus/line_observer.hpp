@@ -8,6 +8,7 @@
 #include <sonopose/dds/qos/provider.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
+#include <sonopose/text/escaped.hpp>
 
 #include <fmt/format.h>
 
@@ -53,7 +54,8 @@ public:
   [[nodiscard]] std::vector<std::string> warnings() const {
     std::vector<std::string> texts;
     for (const auto& [key, line] : lines_) {
-      if (!line.text.empty()) texts.push_back(fmt::format("line {}: {}", line.name, line.text));
+      if (!line.text.empty())
+        texts.push_back(text::escaped(fmt::format("line {}: {}", line.name, line.text)));
     }
     return texts;
   }
