@@ -70,8 +70,8 @@ public:
                                       .program = hostile,
                                       .level = LogLevel::error,
                                       .text = hostile}));
-    settings_.write(topics::to_idl(
-        EffectiveSettings{.address = all_beacons, .time_ns = 1, .values = {{hostile, hostile}}}));
+    const EffectiveSettings settings{.address = all_beacons, .time_ns = 1, .values = {{hostile, hostile}}};
+    settings_.write(topics::to_idl(settings).sample());
     BeaconStatus bridge;
     bridge.address = 7;
     bridge.battery_v = bridge.rssi_dbm = huge;

@@ -182,4 +182,8 @@ SCENARIO("a writer serves the beacons of its latest poses and of its serving sta
   CHECK(served_by_own().empty());
 }
 
+SCENARIO("the name of a process is no command for a terminal, and no line of its own") {
+  CHECK(text_of({"x\x1b[2J\nforged", "rover\a", 12}) == "x\\x1b[2J\\x0aforged (process 12 on rover\\x07)");
+}
+
 }  // namespace pose_writers_test
