@@ -41,8 +41,7 @@ int get(const Options& options) {
   if (found.empty()) fail(options, "no settings arrived");
   if (options.address != all_beacons && found.front().address == all_beacons) {
     throw std::runtime_error(fmt::format(
-        "the fusion has received nothing from beacon {}; without --beacon, get prints the settings "
-        "of all beacons that have no values of their own",
+        "the fusion has received nothing from beacon {}; without --beacon, get prints the settings for all",
         options.address));
   }
   if (options.json) {
@@ -123,8 +122,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1)->fallthrough();  // lets the program's options follow the command
 
   auto* getting = add_command(app, options, "get", "Print the settings in use");
-  getting->add_option("KEY", options.words,
-                      "Keys (documented.drift.jump_alpha) or groups (drift) (default: all)");
+  getting->add_option("KEY", options.words, "Keys (documented.drift.jump_alpha) or groups (default: all)");
   getting->add_flag("--json", options.json, "Print a JSON array with one object per beacon instead of TOML");
 
   auto* setting = add_command(app, options, "set", "Change settings: all of the given ones, or none");

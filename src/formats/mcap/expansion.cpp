@@ -1,7 +1,6 @@
 #include "mcap/expansion.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <limits>
 #include <string>
 
@@ -9,7 +8,7 @@ namespace sonopose::mcap {
 
 namespace {
 
-std::atomic<std::uint64_t> given_limit = 0;
+std::uint64_t given_limit = 0;
 
 }  // namespace
 

@@ -14,7 +14,7 @@ namespace sonopose::mcap {
 /// What each message counts in addition to its bytes.
 inline constexpr std::uint64_t bytes_per_message = 64;
 
-/// Sets the limit for all files of this process; 0: the default one of each file.
+/// Sets the limit for all files of this process, before one is read; 0: the default one of each file.
 void set_max_expanded(std::uint64_t bytes);
 
 /// The limit for a file of this size. By default 4 GB, or 200 times the size if that is more.
