@@ -69,14 +69,13 @@ void HistoryChecker::check_ages(const Track& track) {
 }
 
 /// Checks that poses of old samples are marked, wherever the samples were delayed. By the bridge's clock they
-/// are old when they leave a bridge that was stopped. A fusion that has just started (strength 0) cannot know
-/// that this clock was set.
+/// are old when they leave a bridge that was stopped.
 void HistoryChecker::check_stamp_ages(const Track& track) {
   const bool clocks_agree = !bridge_clock_step();
   for (const Arrival& pose : track.poses) {
     if ((pose.status & status_late) != 0U) continue;
     const TimeNs age_ns = saturated_difference(pose.received_host_ns, pose.time_ns);
-    if (transit_ns(pose) > limits_.transit_ns && (pose.strength > 0 || clocks_agree)) {
+    if (transit_ns(pose) > limits_.transit_ns) {
       return violated(pose,
                       fmt::format("a pose of {} is not marked, but its sample was {:.1f} ms old when it left",
                                   name_of(pose), to_ms(transit_ns(pose))));

@@ -173,6 +173,20 @@ SCENARIO("what a bridge sends after a stop is marked if it is old") {
   }
 }
 
+SCENARIO("a pose is marked if its stamp is old, wherever it was delayed") {
+  History history = undisturbed();
+  for (Arrival& pose : history.poses) {
+    if (pose.received >= at(8)) pose.time_ns -= 200 * ms;  // on the line
+    if (pose.received >= at(8)) pose.received_host_ns += 150 * ms;
+  }
+  history.lives.clear();
+  const auto violations = violations_of(history);
+  const auto is_named = [](const std::string& text) {
+    return text.find("is not marked, but its stamp is 35") != std::string::npos;
+  };
+  CHECK(std::any_of(violations.begin(), violations.end(), is_named));
+}
+
 SCENARIO("no pose is from the future") {
   History history = undisturbed();
   for (Arrival& pose : history.poses) pose.time_ns += 12 * ms;

@@ -152,7 +152,7 @@ TEST_CASE("In the journal a mistake on the command line is an error") {
                         beside_front_door(prefix + program).string()});
     CHECK(result.code.value_or(0) > 0);
     CHECK_THAT(result.error, Catch::StartsWith("<3>--sorce: unknown option") &&
-                                 Contains("\n<3>Run sonopose-" + std::string(program) + " --help"));
+                                 Contains("\n<3>  Run sonopose-" + std::string(program) + " --help"));
   }
 }
 
@@ -162,7 +162,7 @@ TEST_CASE("In the journal a misspelt verb is an error") {
           {"-c", R"(JOURNAL_STREAM=$(stat -L -c %d:%i /proc/self/fd/2) exec "$0" fussion)", front_door});
   CHECK(result.code == 1);
   CHECK_THAT(result.error,
-             Catch::StartsWith("<3>fussion: unknown verb") && Contains("\n<3>Run sonopose --help"));
+             Catch::StartsWith("<3>fussion: unknown verb") && Contains("\n<3>  Run sonopose --help"));
 }
 
 TEST_CASE("A misspelt command or option of a command is refused with the nearest one") {

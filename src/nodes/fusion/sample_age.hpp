@@ -2,7 +2,6 @@
 /// \file
 /// Decides which samples of a beacon are old.
 
-#include "fusion/lateness.hpp"
 #include <sonopose/samples/time.hpp>
 
 #include <algorithm>
@@ -13,126 +12,127 @@
 
 namespace sonopose::fusion {
 
-/// Age of a beacon's samples. Where stamps are times of this host's clock, as those of live beacons are, the
-/// age is absolute: old samples stay old however long an overload lasts. Stamps of other clocks, such as
-/// those of a recording, permit only a comparison with the samples before.
+/// Age of a beacon's samples: the time until they leave the bridge plus the time from the bridge to here.
+///
+/// The first is absolute where stamps are times of the bridge's host, as those of live beacons are. The
+/// second is compared with the least one, because the bridge's host may have another clock. Its drift is
+/// followed. So old samples stay old however long a bridge or this process is overloaded. Only a delay that
+/// stays the same for long counts as a difference of clocks.
 class SampleAge {
 public:
   /// Times of a sample on its way.
   struct Times {
     std::uint64_t sequence = 0;  ///< event number
     TimeNs sensor_ns = 0;        ///< its stamp
-    TimeNs bridge_ns = 0;        ///< departure from the bridge
-    HostTime host_ns = 0;        ///< now
+    TimeNs bridge_ns = 0;        ///< departure, by the clock of the bridge's host
     SteadyTime now;
   };
 
   struct Judgement {
     bool is_old = false;
-    TimeNs late_ns = 0;  ///< how much later than usual it arrives from the bridge
+    TimeNs late_ns = 0;  ///< how much longer than usual it took from the bridge
   };
 
   explicit constexpr SampleAge(TimeNs old_after_ns) : old_after_ns_(old_after_ns) {}
 
   Judgement on_sample(const Times& times) {
-    const TimeNs late_ns =
-        lateness_.on_sample(saturated_difference(times.now.ns, times.bridge_ns), times.now);
-    const bool left_late = left_late_.on_sample(times, old_after_ns_);
-    const TimeNs age_ns = saturated_difference(times.host_ns, times.sensor_ns);
-    compare_clocks(times, age_ns);
-    if (clocks_ == Clocks::differ) return {late_ns > old_after_ns_ || left_late, late_ns};
-    if (clocks_ == Clocks::unknown) return {age_ns > old_after_ns_, late_ns};
-    const TimeNs under_way_ns = saturated_difference(times.host_ns, times.bridge_ns);
-    return {age_ns > old_after_ns_, std::max(late_ns, saturated_difference(under_way_ns, tolerance_ns))};
-  }
-
-private:
-  /// Clock of the stamps, compared with this host's.
-  enum class Clocks { unknown, agree, differ };
-
-  /// Largest age that shows that the clocks agree, and smallest step of a clock.
-  static constexpr TimeNs tolerance_ns = 50'000'000;
-
-  /// What leaves a stopped bridge late, by stamps of any clock.
-  class LateDeparture {
-  public:
-    /// Returns true if the sample left more than `late_after_ns` later than the last one before the stop. A
-    /// lasting delay, as after a clock step or a pause of a recording, counts as usual after 1 s.
-    bool on_sample(const Times& times, TimeNs late_after_ns) {
-      constexpr TimeNs slack_ns = 1'000'000'000;  // pauses of a busy bridge in its backlog
-      const TimeNs transit_ns = saturated_difference(times.bridge_ns, times.sensor_ns);
-      const TimeNs before_ns = std::exchange(latest_transit_ns_, transit_ns).value_or(transit_ns);
-      const TimeNs step_ns = saturated_difference(transit_ns, before_ns);
-      if (!is_behind_) usual_transit_ns_ = before_ns;
-      if (step_ns > late_after_ns) is_behind_ = true;
-      if (step_ns > late_after_ns || step_ns < -late_after_ns) {
-        first_transit_ns_ = transit_ns;
-        continued_ = times.now;
-      }
-      // A backlog leaves faster than it was taken.
-      const bool drains =
-          times.now - continued_ - slack_ns <= saturated_difference(first_transit_ns_, transit_ns);
-      is_behind_ =
-          is_behind_ && drains && saturated_difference(transit_ns, usual_transit_ns_) > late_after_ns;
-      return is_behind_;
-    }
-
-  private:
-    std::optional<TimeNs> latest_transit_ns_;
-    TimeNs usual_transit_ns_ = 0;  ///< before the stop
-    TimeNs first_transit_ns_ = 0;  ///< right after the stop or a step
-    SteadyTime continued_;
-    bool is_behind_ = false;
-  };
-
-  void compare_clocks(const Times& times, TimeNs age_ns) {
-    constexpr TimeNs max_backlog_ns = 86'400'000'000'000;  // stamps older than a day are of another clock
-    constexpr TimeNs settled_after_ns = 2'000'000'000;
-    constexpr TimeNs max_pause_ns = 100'000'000;
-    const SteadyTime before = std::exchange(latest_, times.now);
-    const TimeNs host_ahead_ns = saturated_difference(times.host_ns, times.now.ns);
-    const TimeNs host_step_ns =
-        saturated_difference(host_ahead_ns, std::exchange(host_ahead_ns_, host_ahead_ns));
-    if (is_new_or_set_back(times)) {
-      clocks_ = Clocks::unknown;
-      least_age_ns_ = age_ns;
-      settled_ns_ = 0;
-    } else if (host_step_ns > tolerance_ns || host_step_ns < -tolerance_ns) {
-      clocks_ = Clocks::differ;  // unless the next age shows that the bridge's clock was set too
-    }
-    if (age_ns < -tolerance_ns || age_ns > max_backlog_ns) {
-      clocks_ = Clocks::differ;
-    } else if (age_ns <= tolerance_ns) {
-      clocks_ = Clocks::agree;
-    } else if (clocks_ == Clocks::unknown) {
-      settled_ns_ += std::min(times.now - before, max_pause_ns);  // a stop settles nothing
-      if (age_ns < least_age_ns_ - tolerance_ns) {                // a backlog drains
-        least_age_ns_ = age_ns;
-        settled_ns_ = 0;
-      }
-      if (settled_ns_ > settled_after_ns) clocks_ = Clocks::differ;
-    }
-  }
-
-  /// True at the first sample of a bridge, and if the bridge's clock was set back. A clock that was advanced
-  /// shows in stamps of the future.
-  bool is_new_or_set_back(const Times& times) {
     const bool is_first = times.sequence <= std::exchange(sequence_, times.sequence);
     const TimeNs advance_ns =
         saturated_difference(times.bridge_ns, std::exchange(bridge_ns_, times.bridge_ns));
-    return is_first || advance_ns < -tolerance_ns;
+    if (is_first) departure_ = {};
+    if (is_first || advance_ns < -tolerance_ns) transport_ = {};  // the bridge's clock was set back
+    const TimeNs late_ns = transport_.excess(saturated_difference(times.now.ns, times.bridge_ns), times.now);
+    const TimeNs left_late_ns =
+        departure_.excess(saturated_difference(times.bridge_ns, times.sensor_ns), times.now);
+    return {saturated_sum(left_late_ns, late_ns) > old_after_ns_, late_ns};
   }
 
+private:
+  static constexpr TimeNs tolerance_ns = 50'000'000;
+
+  /// Detects a delay that stays the same.
+  class Constancy {
+  public:
+    /// Returns the time since the delay last changed by more than half of the tolerance.
+    TimeNs lasted_ns(TimeNs delay_ns, SteadyTime now) {
+      const TimeNs change_ns = saturated_difference(delay_ns, first_ns_);
+      if (change_ns > tolerance_ns / 2 || change_ns < -tolerance_ns / 2) {
+        first_ns_ = delay_ns;
+        began_ = now;
+      }
+      return now - began_;
+    }
+
+  private:
+    TimeNs first_ns_ = std::numeric_limits<TimeNs>::max();
+    SteadyTime began_;
+  };
+
+  /// Time from the bridge to here, by clocks that differ by a constant and drift apart.
+  class Transport {
+  public:
+    /// Returns the excess over the usual time: the least one, raised slowly while the excess is small.
+    TimeNs excess(TimeNs time_ns, SteadyTime now) {
+      constexpr TimeNs constant_after_ns = 10'000'000'000;
+      constexpr TimeNs max_drift_ns = 20'000'000;
+      constexpr TimeNs per_drift = 1000;  // 1 ms in a second
+      const TimeNs elapsed_ns = now - std::exchange(latest_, now);
+      if (time_ns < usual_ns_ || constancy_.lasted_ns(time_ns, now) > constant_after_ns) usual_ns_ = time_ns;
+      const TimeNs excess_ns = saturated_difference(time_ns, usual_ns_);
+      if (excess_ns < max_drift_ns) usual_ns_ += std::min(excess_ns, elapsed_ns / per_drift);
+      return excess_ns;
+    }
+
+  private:
+    TimeNs usual_ns_ = std::numeric_limits<TimeNs>::max();
+    SteadyTime latest_;
+    Constancy constancy_;
+  };
+
+  /// Time from the stamp to the departure from the bridge.
+  class Departure {
+  public:
+    /// Returns the age at departure. Stamps of the future, or older than a day, are of another clock. So are
+    /// others whose age stays the same, or never was small for some time: then it is the excess over the
+    /// least one.
+    TimeNs excess(TimeNs age_ns, SteadyTime now) {
+      constexpr TimeNs max_backlog_ns = 86'400'000'000'000;
+      constexpr TimeNs unknown_for_ns = 10'000'000'000;
+      constexpr TimeNs constant_after_ns = 3'000'000'000;
+      constexpr TimeNs constant_after_small_ns = 60'000'000'000;
+      if (!began_) began_ = now;
+      const TimeNs constant_ns = constancy_.lasted_ns(age_ns, now);
+      if (age_ns < -tolerance_ns || age_ns > max_backlog_ns) {
+        stamps_ = Stamps::of_another_clock;
+        least_ns_ = age_ns;
+      } else if (age_ns <= tolerance_ns) {
+        stamps_ = Stamps::of_the_host;
+        least_ns_ = 0;
+      } else if (constant_ns >
+                     (stamps_ == Stamps::of_the_host ? constant_after_small_ns : constant_after_ns) ||
+                 (stamps_ == Stamps::unknown && now - *began_ > unknown_for_ns)) {
+        stamps_ = Stamps::of_another_clock;
+        least_ns_ = age_ns;
+      } else if (stamps_ == Stamps::of_another_clock) {
+        least_ns_ = std::min(least_ns_, age_ns);
+      }
+      return std::max<TimeNs>(saturated_difference(age_ns, least_ns_), 0);
+    }
+
+  private:
+    enum class Stamps { unknown, of_the_host, of_another_clock };
+
+    Stamps stamps_ = Stamps::unknown;
+    TimeNs least_ns_ = 0;  ///< 0 unless of another clock
+    std::optional<SteadyTime> began_;
+    Constancy constancy_;
+  };
+
   TimeNs old_after_ns_;
-  Lateness lateness_;
-  LateDeparture left_late_;
-  Clocks clocks_ = Clocks::unknown;
-  SteadyTime latest_;  ///< arrival of the latest sample
   std::uint64_t sequence_ = std::numeric_limits<std::uint64_t>::max();
-  TimeNs host_ahead_ns_ = 0;  ///< host's clock minus steady clock
-  TimeNs bridge_ns_ = 0;      ///< departure of the latest sample
-  TimeNs least_age_ns_ = 0;   ///< while unknown
-  TimeNs settled_ns_ = 0;     ///< while unknown: time since the age fell
+  TimeNs bridge_ns_ = 0;  ///< departure of the latest sample
+  Departure departure_;
+  Transport transport_;
 };
 
 }  // namespace sonopose::fusion

@@ -58,13 +58,13 @@ bool LineLimit::Count::admits(std::size_t max, Time now) {
   return true;
 }
 
-LineLimit::Kind& LineLimit::kind(const std::string& name, Time now) {
+LineLimit::Kind& LineLimit::kind(const std::string& name, bool is_serious, Time now) {
   const auto known = kinds_.find(name);
   if (known != kinds_.end()) return known->second;
   if (kinds_.size() >= max_kinds) {
     std::erase_if(kinds_, [now](const auto& entry) { return entry.second.count.is_over(now); });
   }
-  return kinds_[kinds_.size() < max_kinds ? name : std::string()];
+  return kinds_[kinds_.size() < max_kinds ? name : std::string(is_serious ? "!" : "")];
 }
 
 void LineLimit::report_due(Time now, std::vector<Admitted>& lines) {
@@ -76,8 +76,9 @@ void LineLimit::report_due(Time now, std::vector<Admitted>& lines) {
     const bool was_quiet = now - count.began >= 2 * window;
     count = {.began = now, .lines = was_quiet ? 0 : max_of_beacons, .left_out = 0};
   }
-  if (all_.left_out > 0 && all_.is_over(now)) {
-    lines.push_back({Level::warning, report_of_all(std::exchange(all_.left_out, 0))});
+  for (Count& all : all_) {
+    if (all.left_out == 0 || !all.is_over(now)) continue;
+    lines.push_back({Level::warning, report_of_all(std::exchange(all.left_out, 0))});
   }
 }
 
@@ -86,13 +87,14 @@ std::vector<LineLimit::Admitted> LineLimit::admitted(Level level, std::string_vi
   report_due(now, lines);
   if (level != Level::debug && level != Level::failure) {
     const std::string name = kind_of(text);
-    Kind& of = kind(name, now);
+    const bool is_serious = level != Level::info;
+    Kind& of = kind(name, is_serious, now);
     if (!of.count.admits(name.starts_with("beacon #") ? max_of_beacons : max_of_kind, now)) {
       of.level = level;
       of.latest = text.substr(0, max_latest_bytes);
       return lines;
     }
-    if (!all_.admits(max_of_all, now)) return lines;
+    if (!all_[is_serious ? 1 : 0].admits(max_of_all, now)) return lines;
   }
   lines.push_back({level, std::string(text)});
   return lines;
@@ -104,8 +106,9 @@ std::vector<LineLimit::Admitted> LineLimit::finish() {
     if (kind.count.left_out == 0) continue;
     lines.push_back({kind.level, report_of(kind.latest, std::exchange(kind.count.left_out, 0))});
   }
-  if (all_.left_out > 0) {
-    lines.push_back({Level::warning, report_of_all(std::exchange(all_.left_out, 0))});
+  for (Count& all : all_) {
+    if (all.left_out == 0) continue;
+    lines.push_back({Level::warning, report_of_all(std::exchange(all.left_out, 0))});
   }
   return lines;
 }

@@ -4,6 +4,7 @@
 
 #include "logging/log.hpp"
 
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -62,11 +63,11 @@ private:
     std::string latest;  ///< latest line that was left out
   };
 
-  Kind& kind(const std::string& name, Time now);
+  Kind& kind(const std::string& name, bool is_serious, Time now);
   void report_due(Time now, std::vector<Admitted>& lines);
 
   std::map<std::string, Kind> kinds_;
-  Count all_;
+  std::array<Count, 2> all_;  ///< infos; warnings and errors, which a flood of infos must not displace
 };
 
 }  // namespace sonopose::logging

@@ -149,7 +149,7 @@ void SystemObserver::take(Subscription<T>& subscription, const Arrival& arrival)
       if constexpr (std::is_same_v<T, sonopose_FusedPose>) {
         served_.on_pose(value.address, info.publication_handle(), clocks::steady_now());
       } else if constexpr (std::is_same_v<T, sonopose_FusionStatus>) {
-        served_.on(value, info.publication_handle());
+        served_.on(value, info.publication_handle(), clocks::steady_now());
       }
       if constexpr (std::is_same_v<T, sonopose_ImuSample>) {
         probe.on(value, arrival, info.publication_handle().value);

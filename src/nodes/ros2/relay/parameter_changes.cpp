@@ -75,6 +75,7 @@ std::string excess_of(std::span<const ros2::Parameter> parameters) {
 std::vector<std::string> ParameterChanges::set(std::span<const ros2::Parameter> parameters,
                                                const Stopped& stopped) {
   constexpr int max_explained = 16;
+  std::size_t to_repeat = 16;  // a refused request changes nothing; more requests would block the service
   std::vector<std::string> errors(parameters.size());
   Changes changes;
   int unknown = 0;
@@ -99,7 +100,8 @@ std::vector<std::string> ParameterChanges::set(std::span<const ros2::Parameter> 
     return outcome.is_refusal;
   };
   for (const auto& [address, some] : changes) {
-    if (!send_some(address, some) || some.size() == 1) continue;
+    if (!send_some(address, some) || some.size() == 1 || some.size() > to_repeat) continue;
+    to_repeat -= some.size();
     for (const Change& change : some) send_some(address, {&change, 1});
   }
   return errors;

@@ -39,8 +39,9 @@ public:
   /// Both arguments must outlive this object.
   ParameterChanges(settings_client::SettingsClient& client, Log& log) : client_(client), log_(log) {}
 
-  /// Changes each parameter that can be changed: those of one beacon by one request, or one by one if the
-  /// fusion refuses them together. Returns an error for each parameter, empty on success.
+  /// Changes each parameter that can be changed: those of one beacon by one request, or up to
+  /// sixteen of them one by one if the fusion refuses them together. Returns an error for each parameter,
+  /// empty on success.
   std::vector<std::string> set(std::span<const ros2::Parameter> parameters, const Stopped& stopped);
 
   /// Changes all parameters or none. Returns the error, empty on success.

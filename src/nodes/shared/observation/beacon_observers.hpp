@@ -48,7 +48,7 @@ public:
 
   void on(const FusionStatus& status, dds::InstanceHandle writer) {
     const threads::Lock lock(mutex_);
-    served_.on(status, writer);
+    served_.on(status, writer, clocks::steady_now());
     mark_heard(status.address).observer.on(status);
   }
 

@@ -63,14 +63,15 @@ public:
     return owned_ns > grace_ns && !of(owner).contains(address);
   }
 
-  /// True if the owner took a beacon over from a weaker fusion that still serves it, without having warmed
-  /// up.
-  [[nodiscard]] bool is_seizure(BeaconAddress address, const PoseWriter& before,
-                                const PoseWriter& owner) const {
+  /// True if the owner took a beacon over from a weaker fusion that still serves it, and had sent no status
+  /// of it before. A fusion that stands by, or warms up, sends one a second.
+  [[nodiscard]] bool is_seizure(BeaconAddress address, const PoseWriter& before, const PoseWriter& owner,
+                                SteadyTime taken) const {
+    constexpr TimeNs check_period_ns = 600'000'000;  // owners are looked up so often, and a bit
     if (strength_of(before) >= strength_of(owner) || before.participant_key == owner.participant_key)
       return false;
     const auto own = of(owner).find(address);
-    if (own != of(owner).end() && own->second.has_warmed_up) return false;
+    if (own != of(owner).end() && own->second.since + check_period_ns < taken) return false;
     const auto theirs = of(before).find(address);
     return theirs != of(before).end() && theirs->second.serves;
   }
@@ -108,10 +109,9 @@ void ServedBeacons::on_pose(BeaconAddress address, dds::InstanceHandle writer, S
   found->second = {writer, now, found->second.writer};
 }
 
-void ServedBeacons::on(const FusionStatus& status, dds::InstanceHandle writer) {
-  Claim& claim = claims_[writer][status.address];
-  claim.serves = serves(status);
-  claim.has_warmed_up = claim.has_warmed_up || !claim.serves;
+void ServedBeacons::on(const FusionStatus& status, dds::InstanceHandle writer, SteadyTime now) {
+  if (claims_.size() >= max_writers && !claims_.contains(writer)) claims_.erase(claims_.begin());
+  claims_[writer].try_emplace(status.address, Claim{false, now}).first->second.serves = serves(status);
 }
 
 void ServedBeacons::forget(BeaconAddress address) {
@@ -157,7 +157,7 @@ std::vector<PoseWriter> pose_writers_of(const std::vector<dds::FoundEndpoint>& w
     const PoseWriter* const writer = find(found, owner.writer);
     if (writer == nullptr) continue;
     const auto* const victim = owner.before ? find(found, *owner.before) : nullptr;
-    const bool is_seized = victim != nullptr && claims.is_seizure(address, *victim, *writer);
+    const bool is_seized = victim != nullptr && claims.is_seizure(address, *victim, *writer, owner.since);
     const bool is_unstated = claims.is_unstated(address, *writer, now - owner.since);
     for (PoseWriter& own : found) {
       if (own.participant_key != writer->participant_key) continue;
@@ -183,7 +183,7 @@ std::string disqualification(const PoseWriter& writer) {
   }
   if (writer.seized.empty()) return {};
   const auto& [address, victim] = *writer.seized.begin();
-  return fmt::format("took beacon {} over from {}, which still serves it, without having warmed up", address,
+  return fmt::format("took beacon {} over from {}, which still serves it, without a status before", address,
                      text_of(victim));
 }
 

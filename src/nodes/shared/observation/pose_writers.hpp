@@ -34,6 +34,8 @@ std::string text_of(const ProcessIdentity& process);
 /// Beacons that each writer serves, by the handle of its writer of poses or statuses.
 class ServedBeacons {
 public:
+  static constexpr std::size_t max_writers = 1024;  ///< of statuses
+
   /// Writer whose poses of a beacon are received.
   struct Owner {
     dds::InstanceHandle writer;
@@ -43,13 +45,14 @@ public:
 
   /// What the statuses of one writer say of a beacon.
   struct Claim {
-    bool serves = false;         ///< by the latest status
-    bool has_warmed_up = false;  ///< by an earlier one
+    bool serves = false;  ///< by the latest status
+    SteadyTime since;     ///< time of the first status
   };
   using Claims = std::map<BeaconAddress, Claim>;
 
   void on_pose(BeaconAddress address, dds::InstanceHandle writer, SteadyTime now);
-  void on(const FusionStatus& status, dds::InstanceHandle writer);
+  /// Forgets the oldest writer beyond `max_writers`.
+  void on(const FusionStatus& status, dds::InstanceHandle writer, SteadyTime now);
 
   /// Forgets a beacon that is gone.
   void forget(BeaconAddress address);
@@ -76,7 +79,7 @@ struct PoseWriter {
   std::set<BeaconAddress> served = {};    ///< by its statuses, or because its poses are received
   std::set<BeaconAddress> owned = {};     ///< its poses are received
   std::set<BeaconAddress> unstated = {};  ///< owned for seconds without a status
-  /// Owned, taken over from a fusion that still serves them, without having warmed up before.
+  /// Beacons taken over from a fusion that still serves them, without a status of them before.
   std::map<BeaconAddress, ProcessIdentity> seized = {};
   dds::InstanceHandle handle = {};
 };
@@ -93,7 +96,7 @@ struct PoseWriterProblem {
 };
 
 /// Processes that write poses without being a fusion, by what a fusion does: it sends statuses of its
-/// beacons, warms up before it takes one over, and has at most max_fusion_strength. Also pairs of processes
+/// beacons, does so before it takes one over, and has at most max_fusion_strength. Also pairs of processes
 /// that write poses of one beacon with equal strength. Strength 0 means that a fusion warms up.
 std::vector<PoseWriterProblem> problems_of(const std::vector<PoseWriter>& writers);
 

@@ -158,10 +158,15 @@ std::string text_in(const std::filesystem::path& file) {
                     std::to_string(max_file_bytes));
   }
   std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  if (!stream) throw FileError(file.string() + ": cannot be read");
-  return text.str();
+  std::string text(max_file_bytes + 1, '\0');  // a pipe has no size
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (stream.bad() || !stream.is_open()) throw FileError(file.string() + ": cannot be read");
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  if (text.size() > max_file_bytes) {
+    throw FileError(file.string() + ": has more than " + std::to_string(max_file_bytes) +
+                    " bytes, the limit of a QoS file");
+  }
+  return text;
 }
 
 }  // namespace

@@ -74,9 +74,18 @@ struct TwoProcesses {
   static constexpr std::uint64_t other_statuses = 4;
 
   ServedBeacons served;
-  std::vector<dds::FoundParticipant> participants{
-      {.key = "own", .process_name = "sonopose-fusion", .host_name = "rover", .process_id = 12, .addresses = {}, .user_data = {}},
-      {.key = "other", .process_name = "sonopose-fusion", .host_name = "rover", .process_id = 13, .addresses = {}, .user_data = {}}};
+  std::vector<dds::FoundParticipant> participants{{.key = "own",
+                                                   .process_name = "sonopose-fusion",
+                                                   .host_name = "rover",
+                                                   .process_id = 12,
+                                                   .addresses = {},
+                                                   .user_data = {}},
+                                                  {.key = "other",
+                                                   .process_name = "sonopose-fusion",
+                                                   .host_name = "rover",
+                                                   .process_id = 13,
+                                                   .addresses = {},
+                                                   .user_data = {}}};
   std::vector<dds::FoundEndpoint> writers{endpoint(own_poses, "own", "sonopose/pose", 100),
                                           endpoint(own_statuses, "own", "sonopose/fusion_status", 0),
                                           endpoint(other_poses, "other", "sonopose/pose", 1000),
@@ -94,11 +103,11 @@ struct TwoProcesses {
 
   void pose(std::uint64_t writer, double at_s) { served.on_pose(7, {writer}, SteadyTime{to_ns(at_s)}); }
 
-  void status(std::uint64_t writer, FusionRole role) {
+  void status(std::uint64_t writer, FusionRole role, double at_s = 1) {
     FusionStatus status;
     status.address = 7;
     status.role = role;
-    served.on(status, {writer});
+    served.on(status, {writer}, SteadyTime{to_ns(at_s)});
   }
 
   std::vector<PoseWriterProblem> problems(double at_s) const {
@@ -132,9 +141,9 @@ SCENARIO("a new owner of a beacon's poses must do what a fusion does") {
         }
       }
     }
-    WHEN("it sends statuses that it serves the beacon") {
-      two.status(TwoProcesses::other_statuses, FusionRole::serving);
+    WHEN("it sends statuses that it serves the beacon afterwards") {
       two.pose(TwoProcesses::other_poses, 10);
+      two.status(TwoProcesses::other_statuses, FusionRole::serving, 10.5);
       THEN("it is named as well") {
         CHECK(two.problems(20).size() == 1);
       }
@@ -147,10 +156,19 @@ SCENARIO("a new owner of a beacon's poses must do what a fusion does") {
         CHECK(two.problems(20).empty());
       }
     }
+    WHEN("a fusion that stood by takes it over, and the stronger one returns") {
+      two.status(TwoProcesses::other_statuses, FusionRole::serving);
+      two.pose(TwoProcesses::other_poses, 15);
+      two.pose(TwoProcesses::own_poses, 16);
+      two.pose(TwoProcesses::other_poses, 17);
+      THEN("there is no problem") {
+        CHECK(two.problems(20).empty());
+      }
+    }
     WHEN("the fusion ends, and another one starts") {
       two.writers.erase(two.writers.begin(), two.writers.begin() + 2);
       two.pose(TwoProcesses::other_poses, 10);
-      two.status(TwoProcesses::other_statuses, FusionRole::sole);
+      two.status(TwoProcesses::other_statuses, FusionRole::sole, 11);
       THEN("there is no problem") {
         CHECK(two.problems(20).empty());
       }

@@ -20,14 +20,16 @@
 namespace sonopose::observation::bus {
 
 /// Checks the processes that write poses. Logs new owners of a beacon's poses, and new problems. A problem
-/// counts once two consecutive checks find it, because a process starts and ends in parts.
+/// counts once two consecutive checks find it, because a process starts and ends in parts, and is logged
+/// again every minute.
 class PoseWriterLog {
 public:
   explicit PoseWriterLog(const dds::DomainParticipant& participant) : discovery_(participant) {}
 
   void log(const ServedBeacons& served) {
-    const auto writers =
-        pose_writers_of(discovery_.writers(), discovery_.participants(), served, clocks::steady_now());
+    constexpr TimeNs repeat_after_ns = 60'000'000'000;
+    const SteadyTime now = clocks::steady_now();
+    const auto writers = pose_writers_of(discovery_.writers(), discovery_.participants(), served, now);
     log_owners(writers);
     std::vector<std::string> seen;
     std::vector<std::string> confirmed;
@@ -35,8 +37,12 @@ public:
       seen.push_back(problem.what);
       if (contains(seen_, problem.what)) confirmed.push_back(problem.what);
     }
+    std::erase_if(logged_, [&](const auto& entry) { return !contains(confirmed, entry.first); });
     for (const std::string& text : confirmed) {
-      if (!contains(warnings_, text)) logging::warning(text);
+      const auto [logged, is_new] = logged_.try_emplace(text, now);
+      if (!is_new && now - logged->second < repeat_after_ns) continue;
+      logged->second = now;
+      logging::warning(text);
     }
     seen_ = std::move(seen);
     warnings_ = std::move(confirmed);
@@ -69,6 +75,7 @@ private:
 
   dds::Discovery discovery_;
   std::map<BeaconAddress, std::string> owners_;  ///< participants
+  std::map<std::string, SteadyTime> logged_;     ///< problems, with the time of their latest line
   std::vector<std::string> seen_;
   std::vector<std::string> warnings_;
 };
