@@ -75,7 +75,7 @@ SCENARIO("a process that poses as a fusion is named when it takes a beacon over"
     const auto fusion = bus.fusion();
     const auto monitor = bus.monitor({"--json"});
     REQUIRE(poses.wait_for_more(1));
-    REQUIRE(monitor->wait_for_lines(Stream::output, 3));
+    REQUIRE(monitor->wait_for_lines(Stream::output, 6));  // the fusion has owned the beacon for seconds
     WHEN("a stronger writer of poses appears, beside a writer of statuses that it never uses") {
       const dds::DomainParticipant participant({.domain_id = bus.domain_id()});
       auto writer = topics::make_writer(participant, dds::qos::Provider(), topics::pose);

@@ -104,9 +104,13 @@ std::string text_of(const ProcessIdentity& process) {
 }
 
 void ServedBeacons::on_pose(BeaconAddress address, dds::InstanceHandle writer, SteadyTime now) {
+  constexpr TimeNs discovery_ns = 3'000'000'000;
   const auto [found, is_new] = owners_.try_emplace(address, Owner{writer, now, std::nullopt});
-  if (is_new || found->second.writer == writer) return;
-  found->second = {writer, now, found->second.writer};
+  Owner& owner = found->second;
+  if (is_new || owner.writer == writer) return;
+  // Just after discovery another writer may only have been found first.
+  const bool was_owner = now - owner.since > discovery_ns;
+  owner = {writer, now, was_owner ? std::optional(owner.writer) : std::nullopt};
 }
 
 void ServedBeacons::on(const FusionStatus& status, dds::InstanceHandle writer, SteadyTime now) {

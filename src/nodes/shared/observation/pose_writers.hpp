@@ -40,7 +40,7 @@ public:
   struct Owner {
     dds::InstanceHandle writer;
     SteadyTime since;
-    std::optional<dds::InstanceHandle> before;  ///< writer that it took the poses over from
+    std::optional<dds::InstanceHandle> before;  ///< writer that it took the poses over from after seconds
   };
 
   /// What the statuses of one writer say of a beacon.
