@@ -75,7 +75,7 @@ SCENARIO("a process publishes its log, also for readers that come later") {
     }
   }
   WHEN("more lines are logged than are kept") {
-    for (int i = 0; i < 100; ++i) logging::failure("line " + std::to_string(i));  // has no limit
+    for (int i = 0; i < 100; ++i) logging::info("line " + std::to_string(i));
     logging::failure("the end");
     THEN("a late reader receives the latest 64") {
       const auto lines = LogReader(domain.id()).wait_for(64);
