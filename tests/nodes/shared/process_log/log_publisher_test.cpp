@@ -47,7 +47,8 @@ SCENARIO("a process publishes its log, also for readers that come later") {
   const test::TestDomain domain;
   const dds::DomainParticipant participant({.domain_id = domain.id()});
   logging::set_program("sonopose-x");
-  const logging::Session session(logging::Level::debug);
+  const logging::Session session(logging::Level::debug, logging::Session::default_capacity,
+                                 logging::Session::Repetition::unlimited);
   logging::info("before the bus");
   const process_log::LogPublisher publisher(participant, dds::qos::Provider());
   logging::debug("only on standard error");
