@@ -102,15 +102,13 @@ private:
       constexpr TimeNs constant_after_small_ns = 60'000'000'000;
       if (!began_) began_ = now;
       const TimeNs constant_ns = constancy_.lasted_ns(age_ns, now);
-      if (age_ns < -tolerance_ns || age_ns > max_backlog_ns) {
-        stamps_ = Stamps::of_another_clock;
-        least_ns_ = age_ns;
-      } else if (age_ns <= tolerance_ns) {
+      const bool is_constant =
+          constant_ns > (stamps_ == Stamps::of_the_host ? constant_after_small_ns : constant_after_ns);
+      const bool is_never_small = stamps_ == Stamps::unknown && now - *began_ > unknown_for_ns;
+      if (age_ns >= -tolerance_ns && age_ns <= tolerance_ns) {
         stamps_ = Stamps::of_the_host;
         least_ns_ = 0;
-      } else if (constant_ns >
-                     (stamps_ == Stamps::of_the_host ? constant_after_small_ns : constant_after_ns) ||
-                 (stamps_ == Stamps::unknown && now - *began_ > unknown_for_ns)) {
+      } else if (age_ns < 0 || age_ns > max_backlog_ns || is_constant || is_never_small) {
         stamps_ = Stamps::of_another_clock;
         least_ns_ = age_ns;
       } else if (stamps_ == Stamps::of_another_clock) {

@@ -80,7 +80,10 @@ std::vector<std::string> ParameterChanges::set(std::span<const ros2::Parameter> 
   Changes changes;
   int unknown = 0;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
-    if (stopped()) return std::vector<std::string>(parameters.size(), ending);
+    if (stopped()) {
+      errors.assign(errors.size(), ending);
+      return errors;
+    }
     Checked change = checked(parameters[i], unknown < max_explained);
     errors[i] = std::move(change.error);
     if (!errors[i].empty()) {
