@@ -29,6 +29,12 @@ std::unique_ptr<Process> limited(const std::string& limit, const std::string& pr
   return std::make_unique<Process>("/bin/sh", all, environment);
 }
 
+#ifdef __SANITIZE_THREAD__
+constexpr bool can_limit_files = false;  // the sanitizer ends a process with `ulimit -f`
+#else
+constexpr bool can_limit_files = true;
+#endif
+
 bool is_crowded() {
   return std::getenv("SONOPOSE_FAULT_CROWD") != nullptr;
 }
@@ -163,7 +169,7 @@ void Cast::start(Role role) {
   const Arguments arguments = arguments_of(role);
   const test::Environment environment = environment_of(role);
   const std::string program = role == Role::bridge ? SONOPOSE_TEST_BRIDGE : SONOPOSE_TEST_FUSION;
-  processes_[role] = role == Role::bridge && plan_.disk == Disk::full
+  processes_[role] = role == Role::bridge && plan_.disk == Disk::full && can_limit_files
                          ? limited("ulimit -f 64", program, arguments, environment)
                          : std::make_unique<Process>(program, arguments, environment);
 }
