@@ -11,7 +11,7 @@
 
 namespace sonopose::mcap {
 
-/// What each message counts in addition to its bytes.
+/// Bytes that each message counts in addition to its own.
 inline constexpr std::uint64_t bytes_per_message = 64;
 
 /// Sets the limit for all files of this process, before one is read; 0: the default one of each file.

@@ -41,7 +41,7 @@ const PoseWriter* find(const std::vector<PoseWriter>& writers, dds::InstanceHand
   return found == writers.end() ? nullptr : &*found;
 }
 
-/// What the statuses of each participant say.
+/// Claims in the statuses of each participant.
 class ClaimsOfParticipants {
 public:
   ClaimsOfParticipants(const std::vector<dds::FoundEndpoint>& writers, const ServedBeacons& served) {

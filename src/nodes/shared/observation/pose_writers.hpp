@@ -43,7 +43,7 @@ public:
     std::optional<dds::InstanceHandle> before;  ///< writer that it took the poses over from after seconds
   };
 
-  /// What the statuses of one writer say of a beacon.
+  /// Claim to a beacon in the statuses of one writer.
   struct Claim {
     bool serves = false;  ///< by the latest status
     SteadyTime since;     ///< time of the first status

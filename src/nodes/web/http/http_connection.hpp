@@ -104,8 +104,8 @@ private:
     write(std::move(response), request.method() == message::verb::head, request.keep_alive());
   }
 
-  /// What makes it unclear where a request goes or comes from; empty: nothing. A repeated header could mean
-  /// another host to a proxy. A blank origin is not that of a program, which sends none.
+  /// Names the header that makes it unclear where a request goes or comes from; empty: none. A repeated
+  /// header could mean another host to a proxy. A blank origin is not that of a program, which sends none.
   static std::string fault_of(const message::request<message::empty_body>& request) {
     for (const auto field : {message::field::host, message::field::origin}) {
       const std::string name = to_text(message::to_string(field));
