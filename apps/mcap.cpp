@@ -71,7 +71,7 @@ int copy(const Options& options, mcap::Selection::Damaged damaged, bool is_one_r
   progress.clear();
   warn(result.damages);
   apps::print("{}: {} of {}{}, {}, {}\n", options.out.string(), result.messages,
-              result.may_lack_more ? "at least " : "", text::count_text(result.stated, "message"),
+              result.has_uncounted_loss ? "at least " : "", text::count_text(result.stated, "message"),
               text::count_text(result.metadata, "metadata record"),
               text::count_text(result.attachments, "attachment"));
   return 0;

@@ -55,7 +55,7 @@ public:
       Input& input = inputs_.emplace_back(files, request, order);
       const mcap::Contents& contents = input.reader.contents();
       result_.stated += contents.statistics.message_count + contents.lost_messages;
-      result_.may_lack_more = result_.may_lack_more || contents.may_lack_more;
+      result_.has_uncounted_loss = result_.has_uncounted_loss || contents.has_uncounted_loss;
       const std::string& profile = input.reader.contents().profile;
       const std::string& first = inputs_.front().reader.contents().profile;
       if (profile != first) {

@@ -26,8 +26,8 @@ struct CopyRequest {
 
 struct CopyResult {
   std::uint64_t messages = 0;
-  std::uint64_t stated = 0;    ///< number of messages that the inputs say they have
-  bool may_lack_more = false;  ///< damage costs messages that the inputs do not count
+  std::uint64_t stated = 0;         ///< number of messages that the inputs say they have
+  bool has_uncounted_loss = false;  ///< damage costs messages that the inputs do not count
   std::uint64_t metadata = 0;
   std::uint64_t attachments = 0;
   std::vector<std::string> damages;  ///< descriptions of what was left out or is wrong

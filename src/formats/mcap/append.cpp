@@ -65,7 +65,7 @@ std::map<std::uint16_t, std::uint16_t> append(Contents& recording, Contents next
   sum.metadata_count = static_cast<std::uint32_t>(recording.metadata.size());
   sum.attachment_count = static_cast<std::uint32_t>(recording.attachments.size());
   recording.lost_messages += next.lost_messages;
-  recording.may_lack_more = recording.may_lack_more || next.may_lack_more;
+  recording.has_uncounted_loss = recording.has_uncounted_loss || next.has_uncounted_loss;
   recording.is_indexed = recording.is_indexed && next.is_indexed;
   return channel_ids;
 }

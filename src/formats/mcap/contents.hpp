@@ -39,7 +39,7 @@ struct Contents {
   std::vector<std::string> damages;            ///< descriptions of damage in the file
   std::vector<std::string> unreadable_blocks;  ///< damages that cost messages before the end
   std::uint64_t lost_messages = 0;             ///< messages that the file counts, but that were not found
-  bool may_lack_more = false;                  ///< damage costs messages that nothing counts
+  bool has_uncounted_loss = false;             ///< damage costs messages that nothing counts
   bool is_indexed = false;                     ///< the summary was used; otherwise the whole file was read
 
   /// Keeps the first ones of a file, which are enough.

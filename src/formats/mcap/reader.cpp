@@ -28,7 +28,7 @@ Contents read_contents(const RecordFile& file) {
   }
   if (summary.message_count) {
     contents.lost_messages = std::max(contents.lost_messages, stated - std::min(stated, found));
-    contents.may_lack_more = false;
+    contents.has_uncounted_loss = false;
   }
   return contents;
 }

@@ -48,7 +48,7 @@ private:
   /// the damage, whose length may be wrong. Returns false if there is none.
   bool resume(const FormatError& error) {
     constexpr int max_resumptions = 100;  // from each one, a forged file could be read to its end
-    contents_.may_lack_more = true;
+    contents_.has_uncounted_loss = true;
     const bool is_known = std::ranges::binary_search(known_offsets_, at_);
     const auto next = std::ranges::upper_bound(known_offsets_, is_known ? at_ : last_at_);
     if (next == known_offsets_.end() || ++resumptions_ > max_resumptions) {
@@ -102,7 +102,7 @@ private:
     } catch (const FormatError&) {
       has_index = false;
     }
-    contents_.may_lack_more = contents_.may_lack_more || !has_index;
+    contents_.has_uncounted_loss = contents_.has_uncounted_loss || !has_index;
   }
 
   /// Reads the last chunk of a cut file up to the cut.
@@ -114,7 +114,7 @@ private:
     if (start[0] != static_cast<std::byte>(Opcode::chunk)) return false;
     if (load<std::uint64_t>(start.data() + 1) <= rest - record_prefix_bytes) return false;
     add_damage(file_.place(at_).text() + ": the file ends in this chunk: it was cut");
-    contents_.may_lack_more = true;
+    contents_.has_uncounted_loss = true;
     end_plain();
     try {
       add_block({Block::Kind::cut, at_, rest, {}, {}});
@@ -168,7 +168,7 @@ private:
       add_block(block);
     } catch (const FormatError& error) {
       contents_.add_unreadable_block(error.what());
-      contents_.may_lack_more = true;
+      contents_.has_uncounted_loss = true;
     }
   }
 

@@ -34,7 +34,7 @@ Standby::Step Standby::on_pose(BeaconAddress address, std::uint32_t status, Time
     claim.warm = true;
   }
   const bool release = claimed && claim.role != FusionRole::serving;
-  claim.list_again = claim.list_again || release;
+  claim.relist = claim.relist || release;
   return {claim.role, release, is_backlog(claim, now)};
 }
 
@@ -65,12 +65,12 @@ void Standby::begin_warm_up(BeaconClaim& claim, SteadyTime now) const {
 
 void Standby::find_stalled(SteadyTime now, std::vector<BeaconAddress>& stalled) {
   for (auto& [address, claim] : claims_) {
-    if (claim.list_again) {
-      claim.list_again = false;
+    if (claim.relist) {
+      claim.relist = false;
       if (claim.role != FusionRole::serving) stalled.push_back(address);
     } else if (claim.role != FusionRole::stalled && now - claim.latest > stall_ns_) {
       claim.role = FusionRole::stalled;
-      claim.list_again = true;
+      claim.relist = true;
       stalled.push_back(address);
     }
   }

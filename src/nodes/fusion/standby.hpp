@@ -73,7 +73,7 @@ private:
     TimeNs late_ns = 0;              ///< lateness of the last pose's sample
     std::optional<Backlog> backlog;  ///< empty: the first sample was in time
     bool warm = false;               ///< was claimed and has missed no samples since
-    bool list_again = false;         ///< true if the release is listed a second time
+    bool relist = false;             ///< true if the release is listed a second time
   };
 
   [[nodiscard]] bool is_warm(const BeaconClaim& claim, SteadyTime now) const;

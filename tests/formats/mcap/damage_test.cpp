@@ -139,10 +139,10 @@ TEST_CASE("the indexes say how many messages a damaged chunk had, also without a
     put_record(file.bytes, Opcode::data_end, [&] { put(file.bytes, std::uint32_t{0}); });
     put_record(file.bytes, Opcode::footer, [&] { put_bytes(file.bytes, Bytes(8 + 8 + 4)); });
     put_bytes(file.bytes, std::as_bytes(std::span(magic)));
-    CHECK_FALSE(reader_of(file.bytes).contents().may_lack_more);
+    CHECK_FALSE(reader_of(file.bytes).contents().has_uncounted_loss);
   }
   SECTION("in one that was cut, which may have had more") {
-    CHECK(reader_of(file.bytes).contents().may_lack_more);
+    CHECK(reader_of(file.bytes).contents().has_uncounted_loss);
   }
   const auto reader = reader_of(file.bytes);
   CHECK(reader.statistics().message_count == 4);

@@ -8,7 +8,7 @@
 #include <sonopose/estimation/kalman/frozen_track.hpp>
 #include <sonopose/estimation/kalman/heading_gate.hpp>
 #include <sonopose/estimation/kalman/hypothesis_bank.hpp>
-#include <sonopose/estimation/kalman/imu_doubt.hpp>
+#include <sonopose/estimation/kalman/imu_fault_detector.hpp>
 #include <sonopose/estimation/kalman/imu_steps.hpp>
 #include <sonopose/estimation/kalman/measurements.hpp>
 #include <sonopose/estimation/kalman/rest.hpp>
@@ -91,7 +91,7 @@ struct State {
   FrozenTrackDetector frozen_track;
   aiding::DefaultPosition default_position;
   WrongTracks wrong_tracks;
-  ImuDoubt doubt;
+  ImuFaultDetector imu_fault;
 
   bool operator==(const State&) const = default;
 
@@ -165,7 +165,7 @@ void for_each_field(IsFieldsOf<State> auto& state, const auto& visit) {
   visit("frozen_track", state.frozen_track);
   visit("default_position", state.default_position);
   visit("wrong_tracks", state.wrong_tracks);
-  visit("doubt", state.doubt);
+  visit("imu_fault", state.imu_fault);
 }
 
 }  // namespace sonopose::estimation::kalman

@@ -52,7 +52,7 @@ double max_step_of(Index unknown) {
 }
 
 /// Derivative of −2 log L, and half of the expected second derivative: the information.
-struct Normal {
+struct NormalEquations {
   VectorXd gradient;
   MatrixXd information;
   std::vector<MatrixXd> lever_arm_slopes;  ///< one per log: 3 rows, a column per unknown
@@ -65,7 +65,7 @@ struct Slope {
 
 /// Adds one residual, whose derivatives by the unknowns are `slopes`.
 template <int rows>
-void add(Normal& normal, const Residual& residual, const std::vector<Slope>& slopes) {
+void add(NormalEquations& normal, const Residual& residual, const std::vector<Slope>& slopes) {
   using Square = Eigen::Matrix<double, rows, rows>;
   using Column = Eigen::Matrix<double, rows, 1>;
   const Square inverse = residual.covariance.topLeftCorner<rows, rows>().inverse();
@@ -90,9 +90,10 @@ void add(Normal& normal, const Residual& residual, const std::vector<Slope>& slo
   }
 }
 
-Normal normal_of(const Problem& problem, const VectorXd& unknowns, const std::vector<Pass>& centre) {
+NormalEquations normal_equations(const Problem& problem, const VectorXd& unknowns,
+                                 const std::vector<Pass>& centre) {
   const Index count = problem.size();
-  Normal normal{VectorXd::Zero(count), MatrixXd::Zero(count, count), {}};
+  NormalEquations normal{VectorXd::Zero(count), MatrixXd::Zero(count, count), {}};
   std::vector<std::vector<Pass>> above;
   std::vector<std::vector<Pass>> below;
   for (Index i = 0; i < count; ++i) {
@@ -135,7 +136,7 @@ Normal normal_of(const Problem& problem, const VectorXd& unknowns, const std::ve
 }
 
 /// Lever arms at the end of each pass, including the uncertainty of the unknowns.
-std::vector<LeverArm> lever_arms_of(const Fit& fit, const Normal& normal) {
+std::vector<LeverArm> lever_arms_of(const Fit& fit, const NormalEquations& normal) {
   std::vector<LeverArm> arms;
   for (std::size_t log = 0; log < fit.passes.size(); ++log) {
     arms.push_back(fit.passes[log].lever_arm);
@@ -253,7 +254,7 @@ Fit maximise(Problem& problem, const VectorXd& start, const StepObserver& observ
     problem.start_lever_arms_at(fit.lever_arms);
     fit.passes = problem.passes(fit.unknowns);
     fit.minus_2_log_l = problem.minus_2_log_l(fit.unknowns, fit.passes);
-    const Normal normal = normal_of(problem, fit.unknowns, fit.passes);
+    const NormalEquations normal = normal_equations(problem, fit.unknowns, fit.passes);
     fit.covariance = normal.information.ldlt().solve(MatrixXd::Identity(problem.size(), problem.size()));
     fit.lever_arms = lever_arms_of(fit, normal);
     for (int attempt = 0;; ++attempt) {

@@ -1,6 +1,6 @@
 // Corrections of a filter by fixes, headings and direct measurements.
 
-#include "estimation/kalman/filter_parts.hpp"
+#include "estimation/kalman/filter_internal.hpp"
 #include <sonopose/geometry/cross_matrix.hpp>
 #include <sonopose/geometry/rotation.hpp>
 

@@ -299,7 +299,7 @@ std::uint32_t Engine::status(TimeNs time_ns) const {
          bit(time_ns < now.converging_until_ns, status_converging) |
          bit(uncertainty_.yaw_is_unknown || now.headings.rejected_in_row >= contradicted_by,
              status_heading_unknown) |
-         bit(is_distrustful(now.bank.best().imu) || time_ns < now.doubt.doubted_until_ns ||
+         bit(is_distrustful(now.bank.best().imu) || time_ns < now.imu_fault.faulty_until_ns ||
                  uncertainty_.accel_bias_is_large,
              status_imu_inconsistent) |
          bit(now.default_position.is_active(time_ns) || uncertainty_.clocks_differ,

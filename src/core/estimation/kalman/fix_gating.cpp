@@ -1,6 +1,6 @@
 // Judgement of a fix.
 
-#include "estimation/kalman/state_parts.hpp"
+#include "estimation/kalman/state_internal.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -76,8 +76,8 @@ void learn_noise(State& state, const JudgedFix& judged) {
 void end_comparison(State& state) {
   const double evidence = state.bank.best().evidence;
   for (Hypothesis& each : state.bank) each.evidence = std::min(each.evidence, evidence);
-  state.doubt.shifted.evidence = std::min(state.doubt.shifted.evidence, evidence);
-  state.doubt.is_undecided = false;
+  state.imu_fault.shifted.evidence = std::min(state.imu_fault.shifted.evidence, evidence);
+  state.imu_fault.is_undecided = false;
 }
 
 FixOutcome judge(State& state, const settings::Settings& settings, const FixMeasurement& fix) {
@@ -110,14 +110,15 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
     outcome.weight = 1.0 / scale;
     outcome.covariance_world_m2 += more_covariance_m2;
     outcome.flags = fix_used;
-    if (state.doubt.is_undecided && innovation.squared_norm <= chi2_huber_threshold) end_comparison(state);
+    if (state.imu_fault.is_undecided && innovation.squared_norm <= chi2_huber_threshold)
+      end_comparison(state);
     const bool is_tracking = state.phase == Phase::tracking;
     correct_followed(state, judged, more_covariance_m2);
     if (is_tracking) learn_noise(state, judged);
     note_used(state, fix);
   } else {
     ++state.fixes.rejected_in_row;
-    if (state.fixes.rejected_in_row >= min_rejected_in_row) state.doubt.is_undecided = true;
+    if (state.fixes.rejected_in_row >= min_rejected_in_row) state.imu_fault.is_undecided = true;
     correct_distrustful(state, judged);
     if (switch_to_distrustful_model(state)) {
       note_used(state, fix);
@@ -155,7 +156,7 @@ void note_used(State& state, const FixMeasurement& fix) {
   if (Hypothesis* const former = state.bank.find(Track::former)) former->explained_in_row = 0;
   // The other track lives on rejected fixes alone.
   constexpr TimeNs idle_ns = 1'500'000'000;
-  const Hypothesis* const other = other_track(state);
+  const Hypothesis* const other = find_other_track(state);
   if (other != nullptr && fix.time_ns - other->explained_ns > idle_ns) end_other_track(state, fix.time_ns);
 }
 

@@ -1,6 +1,6 @@
 // Judgement of a heading of the pair.
 
-#include "estimation/kalman/state_parts.hpp"
+#include "estimation/kalman/state_internal.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -66,7 +66,7 @@ HeadingOutcome judge(State& state, const settings::Settings& settings, const Hea
   if (!innovation.observable) return outcome;
   const bool rejected = squared_norm(innovation) > heading_chi2_reject_threshold;
   update_distrustful_models(state, squared_norm(innovation) > chi2_explain_threshold);
-  state.doubt.shifted.evidence += evidence_of(innovation);
+  state.imu_fault.shifted.evidence += evidence_of(innovation);
   for (Hypothesis& each : state.bank) {
     const auto own = heading_innovation(state, each.filter, settings, heading);
     if (own.observable) each.evidence += evidence_of(own);
@@ -83,7 +83,7 @@ HeadingOutcome judge(State& state, const settings::Settings& settings, const Hea
     return outcome;
   }
   if (rejected && !state.headings.reject(heading.time_ns)) {
-    turn_map(state, settings, heading, innovation.value_rad);
+    judge_turned_map(state, settings, heading, innovation.value_rad);
     return outcome;
   }
   outcome.used = true;

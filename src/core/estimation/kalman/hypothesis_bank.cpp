@@ -1,4 +1,4 @@
-#include "estimation/kalman/state_parts.hpp"
+#include "estimation/kalman/state_internal.hpp"
 #include <sonopose/estimation/kalman/hypothesis_bank.hpp>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // Silence of the IMU: the motion is unknown, and only fixes and headings show it.
 
-#include "estimation/kalman/state_parts.hpp"
+#include "estimation/kalman/state_internal.hpp"
 
 namespace sonopose::estimation::kalman {
 namespace {

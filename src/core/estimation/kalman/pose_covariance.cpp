@@ -1,6 +1,6 @@
 // Covariances of a filter's outputs.
 
-#include "estimation/kalman/filter_parts.hpp"
+#include "estimation/kalman/filter_internal.hpp"
 #include <sonopose/geometry/cross_matrix.hpp>
 #include <sonopose/geometry/rotation.hpp>
 

@@ -1,6 +1,6 @@
 // Prediction of a filter: its nominal state and the covariance of its error.
 
-#include "estimation/kalman/filter_parts.hpp"
+#include "estimation/kalman/filter_internal.hpp"
 #include <sonopose/geometry/cross_matrix.hpp>
 #include <sonopose/geometry/rotation.hpp>
 

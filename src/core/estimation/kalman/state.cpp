@@ -1,7 +1,7 @@
 // State after an IMU sample.
 
-#include "estimation/kalman/filter_parts.hpp"
-#include "estimation/kalman/state_parts.hpp"
+#include "estimation/kalman/filter_internal.hpp"
+#include "estimation/kalman/state_internal.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
 #include <algorithm>
@@ -230,7 +230,7 @@ void recover_if_not_finite(State& state) {
   state.headings = {.seen_ns = state.headings.seen_ns, .interval_s = state.headings.interval_s};
   state.imu.mean_force_body_mps2 = state.imu.force_body_mps2;
   state.frozen_track = {};
-  state.doubt = {};
+  state.imu_fault = {};
   state.phase = Phase::waiting;
 }
 

@@ -1,6 +1,6 @@
 // Fixes that the best hypothesis rejects: the track that they form, and the track followed before.
 
-#include "estimation/kalman/state_parts.hpp"
+#include "estimation/kalman/state_internal.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -44,7 +44,7 @@ bool start_was_wrong(const State& state, const Hypothesis& other) {
 
 /// Starts the track at this fix, with the motion of the best filter.
 void begin_other_track(State& state, const JudgedFix& judged) {
-  const Hypothesis* const before = other_track(state);
+  const Hypothesis* const before = find_other_track(state);
   const bool again = before != nullptr;
   if (again) state.bank.remove(before);
   Hypothesis& other = state.bank.spawn(state.bank.best());
@@ -76,7 +76,7 @@ void learn_from_scatter(State& state, const JudgedFix& judged, const Innovation&
 /// Corrects the other track by a fix that it explains. A fix that it does not explain starts it, or counts as
 /// a miss.
 bool other_track_explains(State& state, const JudgedFix& judged, FixOutcome& outcome) {
-  Hypothesis* const other = other_track(state);
+  Hypothesis* const other = find_other_track(state);
   if (other == nullptr) {
     begin_other_track(state, judged);
     return false;
@@ -106,10 +106,10 @@ void follow(State& state, const Hypothesis& track) {
 }
 
 void promote_other_track(State& state) {
-  const Hypothesis* const other = other_track(state);
+  const Hypothesis* const other = find_other_track(state);
   if (other->track == Track::turned) state.headings.accept();
   store_former_track(state, other->explained_ns, other->began_ns);
-  follow(state, *other_track(state));
+  follow(state, *find_other_track(state));
 }
 
 /// True if this fix lies on the abandoned track, which is then followed again. It takes three in a row, or
@@ -140,7 +140,7 @@ bool resume_former_track(State& state, const JudgedFix& judged) {
 
 }  // namespace
 
-Hypothesis* other_track(State& state) {
+Hypothesis* find_other_track(State& state) {
   Hypothesis* const turned = state.bank.find(Track::turned);
   return turned != nullptr ? turned : state.bank.find(Track::other);
 }
@@ -151,7 +151,7 @@ void judge_rejected(State& state, const JudgedFix& judged, FixOutcome& outcome) 
   state.fixes.rejected_ns = judged.fix.time_ns;
   if (!resume_former_track(state, judged)) {
     if (!other_track_explains(state, judged, outcome)) return;
-    const Hypothesis& other = *other_track(state);
+    const Hypothesis& other = *find_other_track(state);
     const bool starts_again = start_was_wrong(state, other);
     if (!starts_again && !is_confirmed(state, other, judged.fix.time_ns)) return;
     // While yaw is searched, the other track copies one of the starts, whose yaw is arbitrary.
@@ -168,7 +168,7 @@ void judge_rejected(State& state, const JudgedFix& judged, FixOutcome& outcome) 
 }
 
 void end_other_track(State& state, TimeNs now_ns) {
-  const Hypothesis* const other = other_track(state);
+  const Hypothesis* const other = find_other_track(state);
   if (other == nullptr) return;
   if (other->explained >= min_track_fixes) {
     state.wrong_tracks.add(seconds_between(other->began_ns, other->explained_ns), now_ns);
@@ -191,13 +191,13 @@ void note_jump(State& state, TimeNs fix_ns) {
   state.fixes.rejected_in_row = 0;
 }
 
-/// Turns the map after the second consecutive heading that is rejected together with the fixes: the map has
-/// turned suddenly. The other track restarts with its motion turned; later headings correct it.
-void turn_map(State& state, const settings::Settings& settings, const HeadingMeasurement& heading,
-              double innovation_rad) {
+/// Judges the hypothesis that the map has turned suddenly. It starts with the second consecutive heading that
+/// is rejected together with the fixes: the other track, with its motion turned. Later headings correct it.
+void judge_turned_map(State& state, const settings::Settings& settings, const HeadingMeasurement& heading,
+                      double innovation_rad) {
   constexpr double same_turn_s = 0.5;
   constexpr double oldest_fix_s = 0.2;  // time over which the velocity moves it
-  Hypothesis* const other = other_track(state);
+  Hypothesis* const other = find_other_track(state);
   if (other == nullptr) return;
   const double variance = state.noise.heading_rad2.variance;
   if (other->track == Track::turned) {
@@ -212,11 +212,11 @@ void turn_map(State& state, const settings::Settings& settings, const HeadingMea
     return;
   }
   const HeadingGate& gate = state.headings;
-  const bool at_once = gate.rejected_in_row == 2 &&
-                       seconds_between(gate.rejected_since_ns, other->began_ns) < same_turn_s &&
-                       seconds_between(gate.used_ns, gate.rejected_since_ns) < gate.rejection_timeout_s();
+  const bool starts_now = gate.rejected_in_row == 2 &&
+                          seconds_between(gate.rejected_since_ns, other->began_ns) < same_turn_s &&
+                          seconds_between(gate.used_ns, gate.rejected_since_ns) < gate.rejection_timeout_s();
   const double fix_age_s = seconds_between(state.fixes.rejected_ns, heading.time_ns);
-  if (!at_once || state.fixes.rejected_in_row == 0 || fix_age_s > oldest_fix_s) return;
+  if (!starts_now || state.fixes.rejected_in_row == 0 || fix_age_s > oldest_fix_s) return;
   *other = state.bank.best();
   other->track = Track::turned;
   other->explained = 1;

@@ -1,6 +1,6 @@
 // The first fix, and the search for an unknown yaw: one hypothesis per direction, and one on the fixes alone.
 
-#include "estimation/kalman/state_parts.hpp"
+#include "estimation/kalman/state_internal.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
 #include <algorithm>

@@ -44,8 +44,8 @@ std::vector<pugi::xml_node> children_of(const xml::Source& source, const pugi::x
 
 /// Resolves `base_name`, first earlier in the file, then in the profiles that the file is merged over.
 struct Bases {
-  const Profiles& above;
-  const Profiles& beneath;
+  const Profiles& same_file;
+  const Profiles& base_file;
 };
 
 Provider::Profile inherited(const xml::Source& source, const pugi::xml_node& element,
@@ -54,7 +54,7 @@ Provider::Profile inherited(const xml::Source& source, const pugi::xml_node& ele
   if (base.empty()) return {};
   std::string name = base.value();
   if (name.find("::") == std::string::npos) name = library + "::" + name;
-  for (const Profiles* const profiles : {&bases.above, &bases.beneath}) {
+  for (const Profiles* const profiles : {&bases.same_file, &bases.base_file}) {
     const auto found = profiles->find(name);
     if (found != profiles->end()) return found->second;
   }
@@ -87,14 +87,15 @@ bool has_library(const Profiles& profiles, const std::string& library) {
                      [&](const auto& entry) { return library_of(entry.first) == library; });
 }
 
-/// Merges `over` over the profile of this name in `beneath`, if its library is there.
-Provider::Profile laid_over(const xml::Source& source, const pugi::xml_node& element, const std::string& name,
-                            const Provider::Profile& over, const Profiles& beneath) {
-  if (!has_library(beneath, library_of(name))) return over;
-  const auto found = beneath.find(name);
-  if (found == beneath.end()) {
+/// Merges `over` over the profile of this name in `base_file`, if its library is there.
+Provider::Profile merged_over(const xml::Source& source, const pugi::xml_node& element,
+                              const std::string& name, const Provider::Profile& over,
+                              const Profiles& base_file) {
+  if (!has_library(base_file, library_of(name))) return over;
+  const auto found = base_file.find(name);
+  if (found == base_file.end()) {
     std::string known;
-    for (const auto& [other, profile] : beneath) {
+    for (const auto& [other, profile] : base_file) {
       if (library_of(other) == library_of(name)) known += (known.empty() ? "" : ", ") + other;
     }
     source.fail(element, "there is no profile '" + name + "' to change; there are " + known);
@@ -114,8 +115,8 @@ Provider::Profile laid_over(const xml::Source& source, const pugi::xml_node& ele
   return whole;
 }
 
-/// Returns the profiles of the file, each merged over the one of the same name in `beneath`.
-Profiles read_file(const xml::Source& source, const Profiles& beneath = {}) {
+/// Returns the profiles of the file, each merged over the one of the same name in `base_file`.
+Profiles read_file(const xml::Source& source, const Profiles& base_file = {}) {
   pugi::xml_document document;
   const pugi::xml_parse_result parsed =
       document.load_buffer(source.text().data(), source.text().size(), pugi::parse_default);
@@ -137,8 +138,8 @@ Profiles read_file(const xml::Source& source, const Profiles& beneath = {}) {
         const std::string name = library_name + "::" + name_of(source, element);
         if (profiles.contains(name)) source.fail(element, "'" + name + "' occurs twice");
         const auto own =
-            read_profile(source, element, inherited(source, element, library_name, {profiles, beneath}));
-        profiles.emplace(name, laid_over(source, element, name, own, beneath));
+            read_profile(source, element, inherited(source, element, library_name, {profiles, base_file}));
+        profiles.emplace(name, merged_over(source, element, name, own, base_file));
       }
     }
   }

@@ -174,7 +174,7 @@ SCENARIO("a heading is forgotten with a filter that is not finite") {
       THEN("the second one starts the estimate with an unknown, finite yaw") {
         CHECK(state.phase == kalman::Phase::searching_yaw);
         CHECK(state.filter().is_finite());
-        CHECK(state.doubt.scatter_m2.allFinite());
+        CHECK(state.imu_fault.scatter_m2.allFinite());
         CHECK(state.frozen_track.moved_world_m.allFinite());
       }
     }

@@ -1,8 +1,8 @@
-#include <sonopose/estimation/kalman/imu_doubt.hpp>
+#include <sonopose/estimation/kalman/imu_fault_detector.hpp>
 
 #include <catch2/catch.hpp>
 
-namespace kalman_imu_doubt_test {
+namespace kalman_imu_fault_detector_test {
 
 using namespace sonopose;
 using namespace sonopose::estimation::kalman;
@@ -35,4 +35,4 @@ SCENARIO("which fixes form another track") {
   }
 }
 
-}  // namespace kalman_imu_doubt_test
+}  // namespace kalman_imu_fault_detector_test

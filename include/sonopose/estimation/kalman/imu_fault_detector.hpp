@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Doubt in the IMU, raised by fixes and headings.
+/// Detection of faults of the IMU by fixes and headings.
 
 #include <sonopose/estimation/kalman/filter.hpp>
 #include <sonopose/samples/field_fault.hpp>
@@ -24,15 +24,15 @@ struct ShiftedTrack {
   bool operator==(const ShiftedTrack&) const = default;
 };
 
-/// Doubt about the IMU, and what else explains badly fitting fixes: scatter or a shifted track.
-struct ImuDoubt {
+/// Faults of the IMU, and what else explains badly fitting fixes: scatter or a shifted track.
+struct ImuFaultDetector {
   ShiftedTrack shifted;
   TimeNs suspicious_until_ns =
       0;  ///< time until which badly fitting fixes or headings keep the distrustful models alive
-  TimeNs doubted_until_ns = 0;  ///< time until which the IMU counts as wrong
-  TimeNs doubted_ns = 0;        ///< time when a distrustful model last became the best; 0: never
-  int doubts = 0;               ///< doubts within the last minute
-  Vector3d trusted_gyro_bias_body_radps = Vector3d::Zero();  ///< bias before the doubt
+  TimeNs faulty_until_ns = 0;  ///< time until which the IMU counts as wrong
+  TimeNs detected_ns = 0;      ///< time when a distrustful model last became the best; 0: never
+  int faults = 0;              ///< faults within the last minute
+  Vector3d trusted_gyro_bias_body_radps = Vector3d::Zero();  ///< bias before the fault
   Vector3d trusted_accel_bias_body_mps2 = Vector3d::Zero();
   bool is_undecided = false;  ///< true after several consecutive rejected fixes, until one fits well
   Vector3d scatter_m2 = Vector3d::Zero();  ///< mean square of the best innovations; zero: none yet
@@ -40,7 +40,7 @@ struct ImuDoubt {
   /// Adds an innovation of the best hypothesis. Returns the log-likelihood of a fix that scatters about it as
   /// the last ones did.
   double add_scatter(const Innovation& innovation);
-  bool operator==(const ImuDoubt&) const = default;
+  bool operator==(const ImuFaultDetector&) const = default;
 };
 
 void for_each_field(IsFieldsOf<ShiftedTrack> auto& shifted, const auto& visit) {
@@ -53,16 +53,16 @@ void for_each_field(IsFieldsOf<ShiftedTrack> auto& shifted, const auto& visit) {
   visit("evidence", shifted.evidence);
 }
 
-void for_each_field(IsFieldsOf<ImuDoubt> auto& doubt, const auto& visit) {
-  visit("shifted", doubt.shifted);
-  visit("suspicious_until_ns", doubt.suspicious_until_ns);
-  visit("doubted_until_ns", doubt.doubted_until_ns);
-  visit("doubted_ns", doubt.doubted_ns);
-  visit("doubts", doubt.doubts);
-  visit("trusted_gyro_bias_body_radps", doubt.trusted_gyro_bias_body_radps);
-  visit("trusted_accel_bias_body_mps2", doubt.trusted_accel_bias_body_mps2);
-  visit("is_undecided", doubt.is_undecided);
-  visit("scatter_m2", doubt.scatter_m2);
+void for_each_field(IsFieldsOf<ImuFaultDetector> auto& detector, const auto& visit) {
+  visit("shifted", detector.shifted);
+  visit("suspicious_until_ns", detector.suspicious_until_ns);
+  visit("faulty_until_ns", detector.faulty_until_ns);
+  visit("detected_ns", detector.detected_ns);
+  visit("faults", detector.faults);
+  visit("trusted_gyro_bias_body_radps", detector.trusted_gyro_bias_body_radps);
+  visit("trusted_accel_bias_body_mps2", detector.trusted_accel_bias_body_mps2);
+  visit("is_undecided", detector.is_undecided);
+  visit("scatter_m2", detector.scatter_m2);
 }
 
 }  // namespace sonopose::estimation::kalman

@@ -1,6 +1,6 @@
-// Choice among the models of the IMU, and the doubt in it when fixes and headings contradict it.
+// Choice among the models of the IMU, and detection of its faults where fixes and headings contradict it.
 
-#include "estimation/kalman/state_parts.hpp"
+#include "estimation/kalman/state_internal.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,11 +8,11 @@
 namespace sonopose::estimation::kalman {
 namespace {
 
-constexpr TimeNs doubt_ns = 3'000'000'000;  // an IMU that was wrong a moment ago may be wrong again
+constexpr TimeNs fault_memory_ns = 3'000'000'000;  // an IMU that was wrong a moment ago may be wrong again
 
 /// Restarts a hypothesis from the best one. If that is distrustful, the new one trusts the IMU as before the
-/// doubt.
-void restart(Hypothesis& hypothesis, const Hypothesis& best, const ImuDoubt& doubt) {
+/// fault.
+void restart(Hypothesis& hypothesis, const Hypothesis& best, const ImuFaultDetector& detector) {
   constexpr double restart_penalty = 2.0;
   const ImuModel model = hypothesis.imu;
   hypothesis = best;
@@ -21,16 +21,16 @@ void restart(Hypothesis& hypothesis, const Hypothesis& best, const ImuDoubt& dou
   hypothesis.missed_in_row = hypothesis.explained_in_row = 0;
   if (!is_distrustful(best.imu) || is_distrustful(model)) return;
   Filter& f = hypothesis.filter;
-  f.gyro_bias_body_radps = doubt.trusted_gyro_bias_body_radps;
-  f.accel_bias_body_mps2 = doubt.trusted_accel_bias_body_mps2;
+  f.gyro_bias_body_radps = detector.trusted_gyro_bias_body_radps;
+  f.accel_bias_body_mps2 = detector.trusted_accel_bias_body_mps2;
   f.decorrelate(at_gyro_bias, Vector3d::Constant(square(start_gyro_bias_std_radps)));
   f.decorrelate(at_accel_bias, Vector3d::Constant(square(start_accel_bias_std_mps2)));
 }
 
-/// True if it has explained enough fixes in a row to trust the IMU again; each doubt doubles their number.
+/// True if it has explained enough fixes in a row to trust the IMU again; each fault doubles their number.
 bool trusts_imu_again(const Hypothesis& hypothesis, const State& state) {
   constexpr int min_explained = 20;
-  return hypothesis.explained_in_row >= min_explained << std::min(state.doubt.doubts, 4) &&
+  return hypothesis.explained_in_row >= min_explained << std::min(state.imu_fault.faults, 4) &&
          hypothesis.score > state.bank.best().score;
 }
 
@@ -43,20 +43,21 @@ bool has_other_clock(const Filter& filter) {
 /// Continues with this distrustful model. One that jumped is trusted at once.
 void adopt_distrustful_model(State& state, Hypothesis& chosen) {
   constexpr double memory_s = 60.0;
-  constexpr int max_doubts = 100;
-  ImuDoubt& doubt = state.doubt;
-  const bool again = doubt.doubted_ns != 0 && seconds_between(doubt.doubted_ns, state.time_ns) < memory_s;
-  doubt.doubts = again ? std::min(doubt.doubts + 1, max_doubts) : 1;
-  doubt.doubted_ns = state.time_ns;
-  doubt.doubted_until_ns = state.time_ns + doubt_ns;
+  constexpr int max_faults = 100;
+  ImuFaultDetector& detector = state.imu_fault;
+  const bool again =
+      detector.detected_ns != 0 && seconds_between(detector.detected_ns, state.time_ns) < memory_s;
+  detector.faults = again ? std::min(detector.faults + 1, max_faults) : 1;
+  detector.detected_ns = state.time_ns;
+  detector.faulty_until_ns = state.time_ns + fault_memory_ns;
   if (!is_distrustful(state.bank.best().imu)) {
-    doubt.trusted_gyro_bias_body_radps = state.filter().gyro_bias_body_radps;
-    doubt.trusted_accel_bias_body_mps2 = state.filter().accel_bias_body_mps2;
+    detector.trusted_gyro_bias_body_radps = state.filter().gyro_bias_body_radps;
+    detector.trusted_accel_bias_body_mps2 = state.filter().accel_bias_body_mps2;
   }
   chosen.score = state.bank.best().score;
   const ImuModel model = chosen.imu;
   if (state.bank.find(Track::former) == nullptr) store_former_track(state, state.time_ns, state.time_ns);
-  if (const Hypothesis* const other = other_track(state)) state.bank.remove(other);
+  if (const Hypothesis* const other = find_other_track(state)) state.bank.remove(other);
   if (model == ImuModel::jumped) {
     state.bank.follow(state.bank.find(model)->filter);
   } else {
@@ -64,7 +65,7 @@ void adopt_distrustful_model(State& state, Hypothesis& chosen) {
     Hypothesis& best = *state.bank.find(model);
     state.bank.best_index = state.bank.index_of(best);
     for (Hypothesis& each : state.bank) {
-      if (each.track == Track::followed && &each != &best) restart(each, best, doubt);
+      if (each.track == Track::followed && &each != &best) restart(each, best, detector);
     }
   }
   state.headings.accept();
@@ -81,7 +82,7 @@ void choose_model(State& state) {
   HypothesisBank& bank = state.bank;
   for (Hypothesis& each : bank) {
     if (each.track != Track::followed || &each == &bank.best()) continue;
-    if (each.missed_in_row >= restart_after_misses) restart(each, bank.best(), state.doubt);
+    if (each.missed_in_row >= restart_after_misses) restart(each, bank.best(), state.imu_fault);
     const bool best_is_distrustful = is_distrustful(bank.best().imu);
     if (is_distrustful(each.imu) && !best_is_distrustful) continue;
     if (each.imu == ImuModel::other_clock && !has_other_clock(each.filter)) continue;
@@ -97,16 +98,16 @@ void choose_model(State& state) {
       each.score = std::max(each.score, best.score - max_score_deficit);
     }
   }
-  if (is_distrustful(best.imu)) state.doubt.doubted_until_ns = state.time_ns + doubt_ns;
+  if (is_distrustful(best.imu)) state.imu_fault.faulty_until_ns = state.time_ns + fault_memory_ns;
 }
 
 void update_evidence(State& state, const JudgedFix& judged) {
   const Hypothesis& best = state.bank.best();
   const Innovation& of_best = judged.innovation_of(state.bank, best);
-  ShiftedTrack& shifted = state.doubt.shifted;
-  if (other_track(state) == nullptr)
+  ShiftedTrack& shifted = state.imu_fault.shifted;
+  if (find_other_track(state) == nullptr)
     shifted.evidence = best.evidence;  // otherwise the shifted track would be the best from the start
-  const double best_likelihood = std::max(log_likelihood(of_best), state.doubt.add_scatter(of_best));
+  const double best_likelihood = std::max(log_likelihood(of_best), state.imu_fault.add_scatter(of_best));
   for (Hypothesis& each : state.bank) {
     add_evidence(each.evidence,
                  &each == &best ? best_likelihood : log_likelihood(judged.innovation_of(state.bank, each)));
@@ -118,15 +119,15 @@ void update_evidence(State& state, const JudgedFix& judged) {
 /// Starts the distrustful models when fixes or headings fit badly, and ends them when none has for a while.
 void update_distrustful_models(State& state, bool is_suspicious) {
   constexpr TimeNs suspicion_ns = 2'000'000'000;
-  ImuDoubt& doubt = state.doubt;
-  if (is_suspicious) doubt.suspicious_until_ns = state.time_ns + suspicion_ns;
+  ImuFaultDetector& detector = state.imu_fault;
+  if (is_suspicious) detector.suspicious_until_ns = state.time_ns + suspicion_ns;
   if (state.phase != Phase::tracking || is_distrustful(state.bank.best().imu)) return;
-  const bool is_wanted = state.time_ns <= doubt.suspicious_until_ns;
+  const bool is_wanted = state.time_ns <= detector.suspicious_until_ns;
   for (const ImuModel model :
        {ImuModel::distrusts_gyro, ImuModel::distrusts_accel, ImuModel::distrusts_imu, ImuModel::jumped}) {
     const Hypothesis* const hypothesis = state.bank.find(model);
     // An IMU that seems to jump again so soon has another fault.
-    const bool is_possible = model != ImuModel::jumped || state.time_ns >= doubt.doubted_until_ns;
+    const bool is_possible = model != ImuModel::jumped || state.time_ns >= detector.faulty_until_ns;
     if (is_wanted && is_possible && hypothesis == nullptr) {
       Hypothesis& added = state.bank.spawn(state.bank.best());
       set_imu_model(added, model);
@@ -153,8 +154,8 @@ bool switch_to_distrustful_model(State& state) {
     if (is_candidate && (chosen == nullptr || each.evidence > chosen->evidence)) chosen = &each;
   }
   if (chosen == nullptr) return false;
-  double max_evidence = state.doubt.shifted.evidence;
-  if (const Hypothesis* const other = other_track(state))
+  double max_evidence = state.imu_fault.shifted.evidence;
+  if (const Hypothesis* const other = find_other_track(state))
     max_evidence = std::max(max_evidence, other->evidence);
   if (!(chosen->evidence >
         std::max(state.bank.best().evidence + min_evidence_margin, max_evidence + min_margin_over_tracks)))
@@ -176,7 +177,7 @@ double log_likelihood(const Vector3d& value_m, const Matrix3d& covariance_m2) {
 
 }  // namespace
 
-double ImuDoubt::add_scatter(const Innovation& innovation) {
+double ImuFaultDetector::add_scatter(const Innovation& innovation) {
   constexpr double smoothing_factor = 1.0 / 6.0;
   const bool is_known = scatter_m2.x() > 0.0;
   const Vector3d variances_m2 = scatter_m2.cwiseMax(innovation.covariance_m2.diagonal());

@@ -93,12 +93,12 @@ void correct_by_heading(const State& state, Filter& filter, const settings::Sett
                         const HeadingMeasurement& heading, double variance_rad2);
 
 // Other tracks.
-[[nodiscard]] Hypothesis* other_track(State& state);
+[[nodiscard]] Hypothesis* find_other_track(State& state);
 void end_other_track(State& state, TimeNs now_ns);
 void store_former_track(State& state, TimeNs left_ns, TimeNs left_for_ns);
 void judge_rejected(State& state, const JudgedFix& judged, FixOutcome& outcome);
-void turn_map(State& state, const settings::Settings& settings, const HeadingMeasurement& heading,
-              double innovation_rad);
+void judge_turned_map(State& state, const settings::Settings& settings, const HeadingMeasurement& heading,
+                      double innovation_rad);
 
 // The IMU.
 void choose_model(State& state);
