@@ -34,12 +34,16 @@ struct ImuFaultDetector {
   int faults = 0;              ///< faults within the last minute
   Vector3d trusted_gyro_bias_body_radps = Vector3d::Zero();  ///< bias before the fault
   Vector3d trusted_accel_bias_body_mps2 = Vector3d::Zero();
+  Vector3d mean_innovation_world_m = Vector3d::Zero();  ///< mean of about the last nine used innovations
+  double mean_innovation_chi2 = 0;                      ///< its squared norm, 3 degrees of freedom
   bool is_undecided = false;  ///< true after several consecutive rejected fixes, until one fits well
   Vector3d scatter_m2 = Vector3d::Zero();  ///< mean square of the best innovations; zero: none yet
 
   /// Adds an innovation of the best hypothesis. Returns the log-likelihood of a fix that scatters about it as
   /// the last ones did.
   double add_scatter(const Innovation& innovation);
+  /// Adds the innovation of a used fix to the mean. White innovations have a mean of zero.
+  void add_used(const Innovation& innovation);
   bool operator==(const ImuFaultDetector&) const = default;
 };
 
@@ -61,6 +65,8 @@ void for_each_field(IsFieldsOf<ImuFaultDetector> auto& detector, const auto& vis
   visit("faults", detector.faults);
   visit("trusted_gyro_bias_body_radps", detector.trusted_gyro_bias_body_radps);
   visit("trusted_accel_bias_body_mps2", detector.trusted_accel_bias_body_mps2);
+  visit("mean_innovation_world_m", detector.mean_innovation_world_m);
+  visit("mean_innovation_chi2", detector.mean_innovation_chi2);
   visit("is_undecided", detector.is_undecided);
   visit("scatter_m2", detector.scatter_m2);
 }

@@ -98,7 +98,11 @@ struct State {
   /// Best filter. Requires that the estimate has started.
   [[nodiscard]] const Filter& filter() const { return bank.best().filter; }
 
-  /// Mean square distance of all starts from the best one, weighted by likelihood; zero while tracking.
+  /// True while yaw is searched, or the IMU may be wrong: the best filter's covariance is too small then.
+  [[nodiscard]] bool is_ambiguous() const;
+  /// Mean square distance of the possible hypotheses from the best one, weighted by likelihood: the starts,
+  /// or the distrustful models of the IMU. Includes a mean innovation that is not zero. Requires
+  /// `is_ambiguous()`.
   [[nodiscard]] Spread spread() const;
 
   ImuOutcome on_imu(const settings::Settings& settings, const ImuMeasurement& sample);

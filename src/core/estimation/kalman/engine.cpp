@@ -66,17 +66,18 @@ void Engine::update_uncertainty() {
                   .gyro_bias_is_unknown = bias_std > unlearned_bias_radps,
                   .clocks_differ = state().bank.best().imu == ImuModel::other_clock &&
                                    std::abs(filter.delay_error_s) > other_clock_s,
-                  .accel_bias_is_large = filter.accel_bias_body_mps2.norm() > wrong_gain_mps2,
-                  .yaw_is_unknown = state().phase == Phase::searching_yaw ||
-                                    filter.yaw_variance_rad2() > unknown_yaw_rad * unknown_yaw_rad};
-  if (state().phase != Phase::searching_yaw) return;
-  const Spread spread = state().spread();
-  Covariance<6>::Matrix pose = uncertainty_.pose_covariance.matrix();
-  pose.topLeftCorner<3, 3>() += spread.position_m2;
-  pose(5, 5) += spread.yaw_rad2;
-  uncertainty_.pose_covariance = Covariance<6>::from_matrix(pose);
-  uncertainty_.velocity_covariance =
-      Covariance<3>::from_matrix(uncertainty_.velocity_covariance.matrix() + spread.velocity_m2ps2);
+                  .accel_bias_is_large = filter.accel_bias_body_mps2.norm() > wrong_gain_mps2};
+  if (state().is_ambiguous()) {
+    const Spread spread = state().spread();
+    Covariance<6>::Matrix pose = uncertainty_.pose_covariance.matrix();
+    pose.topLeftCorner<3, 3>() += spread.position_m2;
+    pose(5, 5) += spread.yaw_rad2;
+    uncertainty_.pose_covariance = Covariance<6>::from_matrix(pose);
+    uncertainty_.velocity_covariance =
+        Covariance<3>::from_matrix(uncertainty_.velocity_covariance.matrix() + spread.velocity_m2ps2);
+  }
+  uncertainty_.yaw_is_unknown =
+      state().phase == Phase::searching_yaw || uncertainty_.pose_covariance.std_dev(5) > unknown_yaw_rad;
 }
 
 void Engine::reset() noexcept {

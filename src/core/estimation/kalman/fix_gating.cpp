@@ -98,7 +98,6 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
                      .covariance_world_m2 = judged.covariance_m2,
                      .test_ratio = innovation.squared_norm / chi2_reject_threshold};
   const bool is_used = innovation.squared_norm <= chi2_reject_threshold;
-  constexpr int min_rejected_in_row = 3;
   constexpr double trust_memory = 8.0;
   state.fixes.trust += ((is_used ? 1.0 : 0.0) - state.fixes.trust) / trust_memory;
   if (state.phase == Phase::tracking) update_evidence(state, judged);
@@ -116,6 +115,7 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
     correct_followed(state, judged, more_covariance_m2);
     if (is_tracking) learn_noise(state, judged);
     note_used(state, fix);
+    state.imu_fault.add_used(innovation);
   } else {
     ++state.fixes.rejected_in_row;
     if (state.fixes.rejected_in_row >= min_rejected_in_row) state.imu_fault.is_undecided = true;

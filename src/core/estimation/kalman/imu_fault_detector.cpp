@@ -68,6 +68,8 @@ void adopt_distrustful_model(State& state, Hypothesis& chosen) {
       if (each.track == Track::followed && &each != &best) restart(each, best, detector);
     }
   }
+  detector.mean_innovation_world_m.setZero();
+  detector.mean_innovation_chi2 = 0.0;
   state.headings.accept();
   rest::restart(state.rest);
 }
@@ -120,7 +122,8 @@ void update_evidence(State& state, const JudgedFix& judged) {
 void update_distrustful_models(State& state, bool is_suspicious) {
   constexpr TimeNs suspicion_ns = 2'000'000'000;
   ImuFaultDetector& detector = state.imu_fault;
-  if (is_suspicious) detector.suspicious_until_ns = state.time_ns + suspicion_ns;
+  if (is_suspicious || detector.mean_innovation_chi2 > chi2_explain_threshold)
+    detector.suspicious_until_ns = state.time_ns + suspicion_ns;
   if (state.phase != Phase::tracking || is_distrustful(state.bank.best().imu)) return;
   const bool is_wanted = state.time_ns <= detector.suspicious_until_ns;
   for (const ImuModel model :
@@ -138,14 +141,12 @@ void update_distrustful_models(State& state, bool is_suspicious) {
 }
 
 bool switch_to_distrustful_model(State& state) {
-  constexpr double min_evidence_margin = 10.0;    // prior odds: most IMUs are right
-  constexpr double min_margin_over_tracks = 8.0;  // once the best is refuted
-  constexpr int min_rejected = 4;
+  constexpr double min_evidence_margin = 10.0;  // prior odds: most IMUs are right
   // A start that is not proven is more likely to be wrong than the IMU, unless nothing else explains the
   // fixes.
   if (state.phase != Phase::tracking ||
       std::max(state.fixes.since_start, state.fixes.rejected_in_row / 2) < proven_fixes ||
-      std::max(state.fixes.rejected_in_row, state.headings.rejected_in_row) < min_rejected)
+      std::max(state.fixes.rejected_in_row, state.headings.rejected_in_row) < min_rejected_in_row)
     return false;
   Hypothesis* chosen = nullptr;
   for (Hypothesis& each : state.bank) {
@@ -157,8 +158,7 @@ bool switch_to_distrustful_model(State& state) {
   double max_evidence = state.imu_fault.shifted.evidence;
   if (const Hypothesis* const other = find_other_track(state))
     max_evidence = std::max(max_evidence, other->evidence);
-  if (!(chosen->evidence >
-        std::max(state.bank.best().evidence + min_evidence_margin, max_evidence + min_margin_over_tracks)))
+  if (!(chosen->evidence > std::max(state.bank.best().evidence + min_evidence_margin, max_evidence)))
     return false;
   adopt_distrustful_model(state, *chosen);
   return true;
@@ -177,6 +177,15 @@ double log_likelihood(const Vector3d& value_m, const Matrix3d& covariance_m2) {
 
 }  // namespace
 
+void ImuFaultDetector::add_used(const Innovation& innovation) {
+  constexpr double gain = 0.2;
+  constexpr double variance = gain / (2.0 - gain);  // of the mean of white noise of variance 1
+  mean_innovation_world_m += gain * (innovation.value_world_m - mean_innovation_world_m);
+  mean_innovation_chi2 =
+      Eigen::LLT<Matrix3d>(innovation.covariance_m2).matrixL().solve(mean_innovation_world_m).squaredNorm() /
+      variance;
+}
+
 double ImuFaultDetector::add_scatter(const Innovation& innovation) {
   constexpr double smoothing_factor = 1.0 / 6.0;
   const bool is_known = scatter_m2.x() > 0.0;
@@ -189,7 +198,7 @@ double ImuFaultDetector::add_scatter(const Innovation& innovation) {
 double ShiftedTrack::add(TimeNs time_ns, const Vector3d& offset_m, const Matrix3d& covariance_m2) {
   constexpr double chi2_restart_threshold = 16.0;
   constexpr double drift_std_mps = 0.3;
-  constexpr double drift_change_mps_rts = 0.05;
+  constexpr double drift_change_mps_rts = 0.02;
   const double noise_m2 = covariance_m2.diagonal().maxCoeff();
   const double dt_s = seconds_between(seen_ns, time_ns);
   seen_ns = time_ns;

@@ -158,37 +158,4 @@ void prune_starts(State& state) {
   }
 }
 
-Spread State::spread() const {
-  Spread spread;
-  if (phase != Phase::searching_yaw) return spread;
-  const auto is_searched = [](const Hypothesis& each) { return each.track == Track::followed; };
-  double max_score = -std::numeric_limits<double>::infinity();
-  for (const Hypothesis& each : bank) {
-    if (is_searched(each)) max_score = std::max(max_score, each.score);
-  }
-  const double yaw_rad = geometry::yaw_of(filter().q_body_to_world);
-  constexpr double no_yaw_rad2 = std::numbers::pi * std::numbers::pi / 3.0;  // variance of a uniform angle
-  double weights = 0.0;
-  double yaw_rad2 = 0.0;
-  for (const Hypothesis& each : bank) {
-    if (!is_searched(each)) continue;
-    const double weight = std::exp(each.score - max_score);
-    weights += weight;
-    if (each.imu == ImuModel::distrusts_imu) {
-      yaw_rad2 += weight * no_yaw_rad2;
-      continue;
-    }
-    const double by_rad = geometry::wrap_angle(geometry::yaw_of(each.filter.q_body_to_world) - yaw_rad);
-    const Vector3d by_m = each.filter.tracked_position_world_m() - filter().tracked_position_world_m();
-    const Vector3d by_mps = each.filter.tracked_velocity_world_mps() - filter().tracked_velocity_world_mps();
-    yaw_rad2 += weight * (square(by_rad) + each.filter.yaw_variance_rad2());
-    spread.position_m2 += weight * by_m * by_m.transpose();
-    spread.velocity_m2ps2 += weight * by_mps * by_mps.transpose();
-  }
-  spread.yaw_rad2 = std::max(0.0, std::min(yaw_rad2 / weights, no_yaw_rad2) - filter().yaw_variance_rad2());
-  spread.position_m2 /= weights;
-  spread.velocity_m2ps2 /= weights;
-  return spread;
-}
-
 }  // namespace sonopose::estimation::kalman

@@ -35,4 +35,27 @@ SCENARIO("which fixes form another track") {
   }
 }
 
+SCENARIO("the mean of the innovations shows a constant error far below that of one innovation") {
+  Innovation innovation;
+  innovation.covariance_m2 = std_m * std_m * Matrix3d::Identity();
+  ImuFaultDetector detector;
+  GIVEN("innovations of one standard deviation to alternating sides") {
+    for (int i = 0; i < 100; ++i) {
+      innovation.value_world_m = Vector3d::Constant(i % 2 == 0 ? std_m : -std_m);
+      detector.add_used(innovation);
+    }
+    THEN("their mean is zero within a standard deviation") {
+      CHECK(detector.mean_innovation_chi2 < 1.0);
+    }
+  }
+  GIVEN("innovations of one standard deviation to one side") {
+    innovation.value_world_m = Vector3d::Constant(std_m);
+    for (int i = 0; i < 100; ++i) detector.add_used(innovation);
+    THEN("the mean is theirs, three standard deviations of a mean of nine per axis") {
+      CHECK((detector.mean_innovation_world_m - innovation.value_world_m).norm() < 1e-6);
+      CHECK(detector.mean_innovation_chi2 == Approx(3.0 * 9.0).epsilon(0.001));
+    }
+  }
+}
+
 }  // namespace kalman_imu_fault_detector_test

@@ -102,6 +102,29 @@ SCENARIO("an IMU that turns in its mount is found, and trusted again") {
   }
 }
 
+SCENARIO("an accelerometer whose bias steps costs decimetres at most, and the covariance says so") {
+  const std::uint64_t seed = GENERATE(7071U, 7072U, 7073U);
+  const double step_mps2 = GENERATE(0.15, 0.3, 0.8);
+  constexpr double steps_s = 15.0;
+  GIVEN("a walk whose accelerometer reads " << step_mps2 << " m/s² too much from some second on, seed "
+                                            << seed) {
+    const auto moments = moments_of("walk", seed, [&](sim::Scenario& scenario) {
+      scenario.disturbances.imu_faults = {
+          {.begin_s = steps_s, .duration_s = without_end_s, .accel_offset_body_mps2 = {step_mps2, 0.0, 0.0}}};
+    });
+    THEN("the position stays within decimetres, although a wrong track would look the same at first") {
+      CHECK(largest_error_m(moments, 6.0) < 0.5);
+      CHECK(largest_error_m(moments, steps_s + 10.0) < 0.1);
+    }
+    THEN("less than one pose in a hundred is further off than five standard deviations") {
+      const auto is_far_off = [](const Moment& moment) {
+        return moment.time_s > 6.0 && moment.error_m > 5.0 * position_std_m(moment.pose).norm();
+      };
+      CHECK(std::count_if(moments.begin(), moments.end(), is_far_off) * 100 < std::ssize(moments));
+    }
+  }
+}
+
 SCENARIO("an accelerometer of another unit is found") {
   GIVEN("a walk with an accelerometer that counts in g") {
     const auto moments = moments_of("walk", 7011, [&](sim::Scenario& scenario) {
