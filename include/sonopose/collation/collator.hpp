@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <tuple>
 
 namespace sonopose::collation {
 
@@ -55,15 +56,15 @@ public:
     const std::uint64_t sequence = sequence_of(event);
     if (!started_) begin(sequence);
     const bool late = sequence < next_;
-    if (late && !is_restart(sequence, now)) {
+    if (late && !is_restart(event, now)) {
       ++counters_.duplicated;
       return {};
     }
-    if (late) restart_numbering(sequence, now);
+    if (late) restart_numbering(now);
     late_run_ = 0;
     if (sequence == next_ && waiting_ == 0) {
       ++next_;
-      release(event, late);
+      release(event);
     } else {
       store(event, now);
       release_due(now);
@@ -90,19 +91,24 @@ private:
   /// Detects a restarted bridge, which counts from the beginning: several late numbers in succession without
   /// one in line between them. A number that was given up is merely late. If two bridges publish the same
   /// address, the first one stays in effect.
-  [[nodiscard]] bool is_restart(std::uint64_t sequence, SteadyTime now) {
-    constexpr int min_late_in_row = 4;
+  [[nodiscard]] bool is_restart(const Event& event, SteadyTime now) {
+    const std::uint64_t sequence = sequence_of(event);
     if (was_given_up(sequence, now)) return false;
     late_run_ = sequence == late_next_ ? late_run_ + 1 : 1;
     late_next_ = sequence + 1;
-    return late_run_ >= min_late_in_row;
+    if (late_run_ > late_.size()) return true;
+    late_[late_run_ - 1] = event;
+    return false;
   }
 
-  void restart_numbering(std::uint64_t sequence, SteadyTime now) {
+  /// Follows the new numbering, beginning with the late events that showed it.
+  void restart_numbering(SteadyTime now) {
     while (waiting_ > 0) skip_to_earliest(now);
-    next_ = sequence;
+    next_ = sequence_of(late_.back()) + 1;
     given_up_ = {};
     ++counters_.restarts;
+    counters_.duplicated -= late_.size();
+    for (const Event& event : late_) release(event, &event == &late_.front());
   }
 
   /// Numbers that were given up; empty if `to` is 0.
@@ -179,12 +185,14 @@ private:
 
   TimeNs timeout_ns_;
   std::array<Slot, capacity> slots_{};
-  std::array<CollatedEvent, capacity + 1> ready_{};  ///< all waiting events and the new one
+  std::array<Event, 3> late_{};  ///< latest late events in succession
+  /// All waiting events, the late ones, and the new one.
+  std::array<CollatedEvent, capacity + std::tuple_size_v<decltype(late_)> + 1> ready_{};
   std::size_t ready_count_ = 0;
   std::size_t waiting_ = 0;
   std::uint64_t next_ = 0;
   bool started_ = false;
-  int late_run_ = 0;
+  std::size_t late_run_ = 0;  ///< number of late events in succession
   std::uint64_t late_next_ = 0;
   std::array<Gap, 16> given_up_{};  ///< latest gaps
   std::size_t given_up_count_ = 0;
