@@ -6,6 +6,7 @@
 #include "support/log_option.hpp"
 #include "support/moment_option.hpp"
 #include "support/topic_option.hpp"
+#include "support/waiting.hpp"
 #include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
@@ -32,7 +33,9 @@ int serve(Options& options) {
   process::StopSignal stop;
   player::PlayControl control;
   std::optional<player::Keys> keys;
+  std::optional<apps::Waiting> reading("reading the recording");
   options.player.on_read = [&] {
+    reading.reset();
     stop.listen_to_signals();  // before, a signal ends the process immediately
     keys.emplace(control, stop);
     if (keys->are_read()) logging::info("space: pause and go on; s: one message; q: end");

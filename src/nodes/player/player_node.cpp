@@ -268,11 +268,10 @@ void Play::obey_pause(std::uint64_t log_time_ns) {
 
 PlayerReport play(const PlayerOptions& options, PlayControl& control, const process::StopSignal& stop) {
   const mcap::Reader reader(bus_log::recording_files(options.recording));
-  for (const std::string& damage : reader.damages()) logging::warning(damage);
-  if (const auto step = step_back_in(reader)) {
-    logging::warning(*step + "; messages are played by log time, what came after the step first");
-  }
+  const auto step = step_back_in(reader);
   if (options.on_read) options.on_read();
+  for (const std::string& damage : reader.damages()) logging::warning(damage);
+  if (step) logging::warning(*step + "; messages are played by log time, what came after the step first");
   return Play(reader, options, control, stop).run();
 }
 
