@@ -247,6 +247,7 @@ void Recorder::Node::run(const process::StopSignal& stop) {
       report_foreign(writers);
       report_news();
       report_rate();
+      logging::report_left_out();
       stop.wait_until(std::min(end, clocks::steady_now() + poll_period_ns), news_);
     }
   } catch (const std::exception&) {

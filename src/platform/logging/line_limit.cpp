@@ -100,6 +100,12 @@ std::vector<LineLimit::Admitted> LineLimit::admitted(Level level, std::string_vi
   return lines;
 }
 
+std::vector<LineLimit::Admitted> LineLimit::due(Time now) {
+  std::vector<Admitted> lines;
+  report_due(now, lines);
+  return lines;
+}
+
 std::vector<LineLimit::Admitted> LineLimit::finish() {
   std::vector<Admitted> lines;
   for (auto& [name, kind] : kinds_) {

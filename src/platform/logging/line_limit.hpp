@@ -44,6 +44,9 @@ public:
   /// Returns the lines to log now: the reports that are due, then this line unless it is over a limit.
   std::vector<Admitted> admitted(Level level, std::string_view text, Time now);
 
+  /// Returns the reports that are due without another line.
+  std::vector<Admitted> due(Time now);
+
   /// Returns the reports that are pending, at the end of the log.
   std::vector<Admitted> finish();
 

@@ -46,6 +46,11 @@ public:
     return limit_.admitted(level, text, std::chrono::steady_clock::now());
   }
 
+  std::vector<LineLimit::Admitted> due() {
+    const threads::Lock lock(mutex_);
+    return limit_.due(std::chrono::steady_clock::now());
+  }
+
   std::vector<LineLimit::Admitted> finish() {
     const threads::Lock lock(mutex_);
     return limit_.finish();
@@ -75,6 +80,11 @@ public:
   void write_own(Level level, std::string_view text) {
     if (level < min_) return;
     for (const auto& line : limits_.admitted(level, text)) write(line.level, line.text);
+  }
+
+  /// Does the same with the reports that are due.
+  void write_due() {
+    for (const auto& line : limits_.due()) write(line.level, line.text);
   }
 
   /// Waits until the lines of the session's own thread are written; gives up after `write_timeout`.
@@ -172,6 +182,10 @@ struct SessionState {
     for (const auto& line : limits.admitted(level, text)) log(line);
   }
 
+  void write_due() {
+    for (const auto& line : limits.due()) log(line);
+  }
+
   /// Logs how many lines were left out.
   void finish() noexcept {
     try {
@@ -267,6 +281,17 @@ void later(std::function<void()> log) noexcept {
       state->logger->log(mark(call_mark, *number), spdlog::level::critical, spdlog::string_view_t());
     }
   } catch (...) {  // NOLINT(bugprone-empty-catch): there is no memory for the line
+  }
+}
+
+void report_left_out() noexcept {
+  try {
+    if (Distributor* const distributor = Distributor::of_this_thread()) {
+      distributor->write_due();
+    } else if (const auto state = current()) {
+      state->write_due();
+    }
+  } catch (...) {  // NOLINT(bugprone-empty-catch): there is no memory for the lines
   }
 }
 

@@ -103,6 +103,10 @@ inline void error(std::string_view text) noexcept {
   write(Level::error, text);
 }
 
+/// Logs how many lines a limit has left out in a minute that is over. Call it about once a second, so that
+/// this does not wait for another line.
+void report_left_out() noexcept;
+
 /// Logs why the process ends, after the waiting lines. Returns when it is written or after a second.
 void failure(std::string_view text) noexcept;
 

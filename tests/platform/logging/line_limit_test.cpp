@@ -51,6 +51,7 @@ SCENARIO("a flood of one kind is a minute's lines, and then one a minute with th
   THEN("the latest is reported with the number of the others") {
     CHECK(rig.log("other") ==
           std::vector<std::string>{"refused 5999 (5939 more lines like this were not logged)", "other"});
+    CHECK(rig.limit.due(rig.now).empty());
     for (int minute = 0; minute < 5; ++minute) {
       std::size_t admitted = 0;
       for (int i = 0; i < 60; ++i) admitted += rig.flood(100);
@@ -63,6 +64,13 @@ SCENARIO("a flood of one kind is a minute's lines, and then one a minute with th
         CHECK(rig.flood(3) == 3);
       }
     }
+  }
+  THEN("it is reported without another line") {
+    const auto lines = rig.limit.due(rig.now);
+    REQUIRE(lines.size() == 1);
+    CHECK(lines[0].text == "refused 5999 (5939 more lines like this were not logged)");
+    CHECK(rig.limit.due(rig.now).empty());
+    CHECK(rig.limit.finish().empty());
   }
   THEN("its end is reported") {
     const auto lines = rig.limit.finish();

@@ -1,5 +1,6 @@
 #include "ros2/relay/relay.hpp"
 
+#include "logging/log.hpp"
 #include "observation/beacon_observers.hpp"
 #include "presence/beacon_admission.hpp"
 #include "process_log/log_publisher.hpp"
@@ -224,6 +225,7 @@ void Relay::Impl::log_transitions() {
                        now);
   }
   transition_log_.update(now);
+  logging::report_left_out();
 }
 
 /// Hands the transforms of a gone or absent beacon to one with the same frames.

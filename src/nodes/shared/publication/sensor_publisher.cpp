@@ -270,7 +270,10 @@ void SensorPublisher::Publisher::publish_statuses(SteadyTime now) {
     log_silence(address, transitions::Kind::imu_silent, beacon.imu, now);
     log_silence(address, transitions::Kind::fixes_silent, beacon.fix, now);
   }
-  logging::later([now, log = transition_log_] { log->update(now); });
+  logging::later([now, log = transition_log_] {
+    log->update(now);
+    logging::report_left_out();
+  });
   for (auto& entry : lines_) publish(entry.second);
   status_last_ = now;
   status_due_ = now + period_ns;

@@ -69,6 +69,7 @@ public:
     for (const auto& text : {admission_.refusals(), subscriptions_.refusals(), lines_.refusals()}) {
       if (text) logging::warning(*text);
     }
+    logging::report_left_out();
     lines_.take();
     second.warnings = lines_.warnings();
     second.warnings.insert(second.warnings.end(), pose_writers_.warnings().begin(),
