@@ -107,7 +107,9 @@ private:
 
 FusionNode::Impl::Impl(const FusionOptions& options)
     : lossless_(options.lossless),
-      admission_(options.addresses, options.max_beacons),
+      admission_(options.addresses, options.max_beacons,
+                 options.lossless ? presence::BeaconAdmission::Pace::unlimited
+                                  : presence::BeaconAdmission::Pace::limited),
       participant_(domain_options(options)),
       qos_(options.qos_file),
       delivery_(options.lossless ? dds::topics::Delivery::lossless : dds::topics::Delivery::live),
@@ -222,6 +224,7 @@ void FusionNode::Impl::publish_statuses() {
   const SteadyTime now = clocks::steady_now();
   log_transitions(now);
   transition_log_.update(now);
+  logging::report_left_out();
   status_publisher_.publish_all(unwritten());
   if (lossless_) status_publisher_.log_gaps(pose_publisher_.take_waited());
 }

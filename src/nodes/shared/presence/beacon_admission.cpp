@@ -1,17 +1,28 @@
 #include "presence/beacon_admission.hpp"
 
+#include "clocks/clocks.hpp"
 #include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace sonopose::presence {
 
-BeaconAdmission::BeaconAdmission(AddressSet addresses, std::size_t max_beacons)
-    : addresses_(std::move(addresses)), max_beacons_(max_beacons) {}
+BeaconAdmission::BeaconAdmission(AddressSet addresses, std::size_t max_beacons, Pace pace)
+    : addresses_(std::move(addresses)), max_beacons_(max_beacons), pace_(pace) {}
 
 bool BeaconAdmission::accepts(BeaconAddress address) noexcept {
+  return has(address) || accepts(address, clocks::steady_now());
+}
+
+/// True if the latest new beacons came too fast: `next_` is ahead by all that may come at once.
+bool BeaconAdmission::is_too_soon(SteadyTime now) const {
+  return pace_ == Pace::limited && next_ - now > static_cast<TimeNs>(max_at_once - 1) * spacing_ns;
+}
+
+bool BeaconAdmission::accepts(BeaconAddress address, SteadyTime now) noexcept {
   const threads::Lock lock(mutex_);
   if (admitted_[address]) return true;
   if (!addresses_.contains(address)) return false;
@@ -20,6 +31,8 @@ bool BeaconAdmission::accepts(BeaconAddress address) noexcept {
     refused_[address] = true;
     return false;
   }
+  if (is_too_soon(now)) return false;
+  next_ = std::max(next_, now) + spacing_ns;
   admitted_[address] = true;
   refused_[address] = false;
   known_[address] = true;

@@ -5,6 +5,7 @@
 #include "presence/address_set.hpp"
 #include "threads/mutex.hpp"
 #include <sonopose/dds/topics/topics.hpp>
+#include <sonopose/samples/time.hpp>
 
 #include <bitset>
 #include <cstddef>
@@ -22,11 +23,18 @@ public:
   /// Largest number of replacements per place. Bounds a flood of forged addresses.
   static constexpr std::size_t max_replacements = 16;
 
+  /// Pace of new beacons. Limited: the samples of others are ignored meanwhile, so that a flood of new
+  /// addresses does not delay the beacons that are served.
+  enum class Pace : bool { unlimited, limited };
+  static constexpr std::size_t max_at_once = 16;
+  static constexpr TimeNs spacing_ns = 5'000'000;  ///< time for one more new beacon
+
   /// `addresses`: the only ones to admit.
-  BeaconAdmission(AddressSet addresses, std::size_t max_beacons);
+  BeaconAdmission(AddressSet addresses, std::size_t max_beacons, Pace pace = Pace::unlimited);
 
   /// True if the beacon is admitted, possibly by this call. Does not allocate.
   bool accepts(BeaconAddress address) noexcept override;
+  bool accepts(BeaconAddress address, SteadyTime now) noexcept;
 
   /// True if the beacon is admitted.
   [[nodiscard]] bool has(BeaconAddress address) noexcept;
@@ -42,6 +50,7 @@ public:
   std::optional<std::string> warning();
 
 private:
+  [[nodiscard]] bool is_too_soon(SteadyTime now) const SONOPOSE_REQUIRES(mutex_);
   [[nodiscard]] std::string refusal_text() const SONOPOSE_REQUIRES(mutex_);
 
   static constexpr std::size_t addresses_ever = std::size_t{std::numeric_limits<BeaconAddress>::max()} + 1;
@@ -49,7 +58,9 @@ private:
 
   AddressSet addresses_;
   std::size_t max_beacons_;
+  Pace pace_;
   threads::Mutex mutex_;
+  SteadyTime next_ SONOPOSE_GUARDED_BY(mutex_);  ///< time of the next new beacon at an even pace
   Flags admitted_ SONOPOSE_GUARDED_BY(mutex_);
   /// Ever admitted: DDS keeps an instance of each until its writers have ended.
   Flags known_ SONOPOSE_GUARDED_BY(mutex_);

@@ -59,6 +59,32 @@ SCENARIO("the beacons that are heard first are admitted") {
   }
 }
 
+SCENARIO("a flood of new addresses is admitted at a limited pace") {
+  constexpr TimeNs ms = 1'000'000;
+  BeaconAdmission admission({}, 256, BeaconAdmission::Pace::limited);
+  SteadyTime now{1000 * ms};
+  const auto admitted_now = [&] {
+    int count = 0;
+    for (BeaconAddress address = 1; address <= 500; ++address) {
+      if (!admission.has(address) && admission.accepts(address, now)) ++count;
+    }
+    return count;
+  };
+  CHECK(admitted_now() == 16);
+  THEN("the first ones are served, and later ones come in turn and are not reported as too many") {
+    CHECK(admission.accepts(1, now));
+    for (int i = 0; i < 10; ++i) {
+      now += 5 * ms;
+      CHECK(admitted_now() == 1);
+    }
+    CHECK_FALSE(admission.refusals());
+  }
+  THEN("after a pause several may come at once again") {
+    now += 1000 * ms;
+    CHECK(admitted_now() == 16);
+  }
+}
+
 SCENARIO("a topic without measurements admits no beacons") {
   GIVEN("an admission, and a filter for statuses") {
     BeaconAdmission admission({}, 256);
