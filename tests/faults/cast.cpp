@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <fcntl.h>
 #include <filesystem>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <utility>
@@ -34,6 +35,13 @@ constexpr bool can_limit_files = false;  // the sanitizer ends a process with `u
 #else
 constexpr bool can_limit_files = true;
 #endif
+
+/// With SONOPOSE_FAULT_NICE=1, gives a program that has just started the lowest priority.
+void make_nice(const Process& process) {
+  constexpr int lowest = 19;
+  if (std::getenv("SONOPOSE_FAULT_NICE") == nullptr) return;
+  ::setpriority(PRIO_PROCESS, static_cast<id_t>(process.pid()), lowest);
+}
 
 bool is_crowded() {
   return std::getenv("SONOPOSE_FAULT_CROWD") != nullptr;
@@ -172,6 +180,7 @@ void Cast::start(Role role) {
   processes_[role] = role == Role::bridge && plan_.disk == Disk::full && can_limit_files
                          ? limited("ulimit -f 64", program, arguments, environment)
                          : std::make_unique<Process>(program, arguments, environment);
+  make_nice(*processes_.at(role));
 }
 
 void Cast::start_consumers() {
@@ -179,6 +188,7 @@ void Cast::start_consumers() {
     Arguments arguments{"--domain", std::to_string(bus_.domain_id())};
     arguments.insert(arguments.end(), more.begin(), more.end());
     consumers_[program] = std::make_unique<Process>(program, arguments);
+    make_nice(*consumers_.at(program));
   };
   start(SONOPOSE_TEST_MONITOR, {"--json"});
   start(SONOPOSE_TEST_RECORD, {(folder_ / "recorded.mcap").string()});
