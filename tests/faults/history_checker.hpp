@@ -39,6 +39,8 @@ struct Verdict {
   TimeNs longest_age_ns = 0;      ///< largest age of a pose without LATE
   TimeNs recovery_ns = 0;
   TimeNs stalled_ns = 0;  ///< total time in which the machine stalled threads
+  /// Poses without LATE whose stamps were older than the limit, also if the machine stalled threads.
+  std::size_t old_poses = 0;
   std::size_t owner_changes = 0;
   std::uint64_t missing_counted = 0;
   std::uint64_t missing_uncounted = 0;

@@ -175,6 +175,17 @@ SCENARIO("what a bridge sends after a stop is marked if it is old") {
 
 SCENARIO("a pose is marked if its stamp is old, wherever it was delayed") {
   History history = undisturbed();
+  const double step_s = GENERATE(0.0, 3.0, 9.5);
+  CAPTURE(step_s);
+  if (step_s > 0) {
+    const TimeNs amount_ns = GENERATE(-10'000 * ms, 10'000 * ms);
+    history.episodes.push_back({{.fault = Fault::clock_step, .target = Role::bridge, .amount_ns = amount_ns},
+                                {at(step_s), at(step_s)}});
+    for (Arrival& pose : history.poses) {
+      if (pose.received >= at(step_s)) pose.time_ns += amount_ns;
+      if (pose.received >= at(step_s)) pose.bridge_time_ns += amount_ns;
+    }
+  }
   for (Arrival& pose : history.poses) {
     if (pose.received >= at(8)) pose.time_ns -= 200 * ms;  // on the line
     if (pose.received >= at(8)) pose.received_host_ns += 150 * ms;
@@ -185,6 +196,13 @@ SCENARIO("a pose is marked if its stamp is old, wherever it was delayed") {
     return text.find("is not marked, but its stamp is 35") != std::string::npos;
   };
   CHECK(std::any_of(violations.begin(), violations.end(), is_named));
+}
+
+SCENARIO("the clock of a bridge tells no ages for four seconds after a step") {
+  History history = undisturbed();
+  history.episodes.push_back(
+      {{.fault = Fault::clock_step, .target = Role::bridge, .amount_ns = -500 * ms}, {at(7), at(7)}});
+  CHECK(violations_of(history) == none);
 }
 
 SCENARIO("no pose is from the future") {

@@ -174,19 +174,20 @@ Outcome play(const Plan& plan, Timing timing) {
 }
 
 void print_header() {
-  std::cout << fmt::format("{:>5} {:>6} {:>8} {:>10} {:>7} {:>9} {:>7} {:>8} {:>10}  {:<7} {}\n", "seed",
-                           "poses", "stall ms", "silence ms", "age ms", "recover s", "owners", "counted",
-                           "uncounted", "result", "plan");
+  std::cout << fmt::format("{:>5} {:>6} {:>8} {:>10} {:>7} {:>5} {:>9} {:>7} {:>8} {:>10}  {:<7} {}\n",
+                           "seed", "poses", "stall ms", "silence ms", "age ms", "old", "recover s", "owners",
+                           "counted", "uncounted", "result", "plan");
 }
 
 void print_row(const Outcome& outcome, const char* result) {
   const Verdict& verdict = outcome.verdict;
-  std::cout << fmt::format("{:>5} {:>6} {:>8.0f} {:>10.1f} {:>7.1f} {:>9.2f} {:>7} {:>8} {:>10}  {:<7} {}\n",
-                           outcome.plan.seed, outcome.poses, 1e-6 * static_cast<double>(verdict.stalled_ns),
-                           1e-6 * static_cast<double>(verdict.longest_silence_ns),
-                           1e-6 * static_cast<double>(verdict.longest_age_ns),
-                           seconds_between(0, verdict.recovery_ns), verdict.owner_changes,
-                           verdict.missing_counted, verdict.missing_uncounted, result, text_of(outcome.plan));
+  std::cout << fmt::format(
+      "{:>5} {:>6} {:>8.0f} {:>10.1f} {:>7.1f} {:>5} {:>9.2f} {:>7} {:>8} {:>10}  {:<7} {}\n",
+      outcome.plan.seed, outcome.poses, 1e-6 * static_cast<double>(verdict.stalled_ns),
+      1e-6 * static_cast<double>(verdict.longest_silence_ns),
+      1e-6 * static_cast<double>(verdict.longest_age_ns), verdict.old_poses,
+      seconds_between(0, verdict.recovery_ns), verdict.owner_changes, verdict.missing_counted,
+      verdict.missing_uncounted, result, text_of(outcome.plan));
   for (const std::string& violation : verdict.violations) std::cout << "      " << violation << "\n";
   std::cout << std::flush;
 }
