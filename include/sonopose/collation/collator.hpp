@@ -6,11 +6,12 @@
 
 #include <sonopose/samples/samples.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <tuple>
+#include <utility>
 
 namespace sonopose::collation {
 
@@ -55,20 +56,21 @@ public:
     ready_count_ = 0;
     const std::uint64_t sequence = sequence_of(event);
     if (!started_) begin(sequence);
-    const bool late = sequence < next_;
-    if (late && !is_restart(event, now)) {
-      ++counters_.duplicated;
-      return {};
-    }
-    if (late) restart_numbering(now);
-    late_run_ = 0;
-    if (sequence == next_ && waiting_ == 0) {
+    if (sequence < next_) {
+      if (!is_restart(event, now)) {
+        ++counters_.duplicated;
+        return {};
+      }
+      restart_numbering(sequence, now);
+      release_due(now);
+    } else if (sequence == next_ && waiting_ == 0) {
       ++next_;
       release(event);
     } else {
       store(event, now);
       release_due(now);
     }
+    late_count_ = 0;
     return {ready_.data(), ready_count_};
   }
 
@@ -86,29 +88,52 @@ private:
     next_ = sequence;
   }
 
-  void release(const Event& event, bool restart = false) { ready_[ready_count_++] = {event, restart}; }
+  void release(const Event& event) { ready_[ready_count_++] = {event, std::exchange(is_restarting_, false)}; }
 
-  /// Detects a restarted bridge, which counts from the beginning: several late numbers in succession without
-  /// one in line between them. A number that was given up is merely late. If two bridges publish the same
-  /// address, the first one stays in effect.
+  /// Detects a restarted bridge, which counts from the beginning: several late events with successive
+  /// numbers, in any order, without one in line between them. A number that was given up is merely late. If
+  /// two bridges publish the same address, the first one stays in effect.
   [[nodiscard]] bool is_restart(const Event& event, SteadyTime now) {
+    constexpr std::uint64_t min_successive = 4;
     const std::uint64_t sequence = sequence_of(event);
     if (was_given_up(sequence, now)) return false;
-    late_run_ = sequence == late_next_ ? late_run_ + 1 : 1;
-    late_next_ = sequence + 1;
-    if (late_run_ > late_.size()) return true;
-    late_[late_run_ - 1] = event;
-    return false;
+    late_[late_count_++ % late_.size()] = event;
+    const auto has_come = [&](std::uint64_t number) {
+      return std::ranges::any_of(late_events(),
+                                 [&](const Event& late) { return sequence_of(late) == number; });
+    };
+    std::uint64_t first = sequence;
+    std::uint64_t end = sequence + 1;
+    while (has_come(first - 1)) --first;
+    while (has_come(end)) ++end;
+    return end - first >= min_successive;
   }
 
-  /// Follows the new numbering, beginning with the late events that showed it.
-  void restart_numbering(SteadyTime now) {
+  /// Late events since the last one in line; at most the latest ones.
+  [[nodiscard]] std::span<const Event> late_events() const {
+    return std::span(late_).first(std::min(late_count_, late_.size()));
+  }
+
+  /// Follows the new numbering, beginning with the late events that showed it. `sequence`: the last of them.
+  void restart_numbering(std::uint64_t sequence, SteadyTime now) {
     while (waiting_ > 0) skip_to_earliest(now);
-    next_ = sequence_of(late_.back()) + 1;
+    const auto is_of_it = [&](const Event& late) {
+      const std::uint64_t number = sequence_of(late);
+      return std::max(number, sequence) - std::min(number, sequence) < capacity / 2;
+    };
+    next_ = sequence;
+    for (const Event& late : late_events()) {
+      if (is_of_it(late)) next_ = std::min(next_, sequence_of(late));
+    }
     given_up_ = {};
     ++counters_.restarts;
-    counters_.duplicated -= late_.size();
-    for (const Event& event : late_) release(event, &event == &late_.front());
+    ++counters_.duplicated;  // the last one is not counted yet
+    is_restarting_ = true;
+    for (const Event& late : late_events()) {
+      if (!is_of_it(late)) continue;
+      --counters_.duplicated;
+      store(late, now);
+    }
   }
 
   /// Numbers that were given up; empty if `to` is 0.
@@ -185,15 +210,14 @@ private:
 
   TimeNs timeout_ns_;
   std::array<Slot, capacity> slots_{};
-  std::array<Event, 3> late_{};  ///< latest late events in succession
-  /// All waiting events, the late ones, and the new one.
-  std::array<CollatedEvent, capacity + std::tuple_size_v<decltype(late_)> + 1> ready_{};
+  std::array<Event, 16> late_{};  ///< ring of the latest late events
+  std::size_t late_count_ = 0;    ///< late events since the last one in line
+  bool is_restarting_ = false;    ///< true until the first event of a new numbering is released
+  std::array<CollatedEvent, capacity + 16 + 1> ready_{};  ///< all waiting and late events, and the new one
   std::size_t ready_count_ = 0;
   std::size_t waiting_ = 0;
   std::uint64_t next_ = 0;
   bool started_ = false;
-  std::size_t late_run_ = 0;  ///< number of late events in succession
-  std::uint64_t late_next_ = 0;
   std::array<Gap, 16> given_up_{};  ///< latest gaps
   std::size_t given_up_count_ = 0;
   CollatorCounters counters_;

@@ -132,6 +132,26 @@ TEST_CASE("a bridge that restarts its numbering loses no event") {
   CHECK(line.collator.counters().duplicated == 0);
 }
 
+TEST_CASE("a bridge that restarts its numbering loses no event if another stream is taken first") {
+  Line line;
+  for (std::uint64_t n = 1000; n < 1050; ++n) line.push(n);
+  line.delivered.clear();
+  Numbers backlog{12, 19, 26};  // the fixes
+  for (std::uint64_t n = 5; n <= 30; ++n) {
+    if (n != 12 && n != 19 && n != 26) backlog.push_back(n);
+  }
+  for (const std::uint64_t n : backlog) {
+    line.push(n);
+    line.now = line.now - ms;  // all are taken at the same time
+  }
+  CHECK(line.delivered.front() == 5);
+  CHECK(line.delivered.size() == 26);
+  CHECK(std::is_sorted(line.delivered.begin(), line.delivered.end()));
+  CHECK(line.restarted_at == Numbers{5});
+  CHECK(line.collator.counters().lost == 0);
+  CHECK(line.collator.counters().duplicated == 0);
+}
+
 TEST_CASE("a stream that lags behind another by more than the timeout is late, and no restart") {
   // Every tenth event arrives immediately, the others 8 ms later, as from two sockets of an overloaded
   // receiver.
