@@ -113,10 +113,11 @@ std::uint64_t HistoryChecker::missing_between(const Track& track, const Arrival&
   return reduced(until->second, from->second + 1 + static_cast<std::uint64_t>(in_hand));
 }
 
-/// Returns true if the process lived long enough to report its losses up to this pose.
+/// Returns true if the process lived long enough to report the beacon's losses up to this pose.
 bool HistoryChecker::has_report_after(const Arrival& pose) const {
   return std::any_of(history_.statuses.begin(), history_.statuses.end(), [&](const FusionReport& report) {
-    return report.process == pose.process && report.received > pose.received;
+    return report.process == pose.process && report.status.address == pose.address &&
+           report.received > pose.received;
   });
 }
 
