@@ -125,6 +125,8 @@ private:
     for (const Event& late : late_events()) {
       if (is_of_it(late)) next_ = std::min(next_, sequence_of(late));
     }
+    // A bridge counts from 1, so the events before were lost, unless it plays a part of a recording.
+    if (next_ > 0 && next_ < capacity) counters_.lost += next_ - 1;
     given_up_ = {};
     ++counters_.restarts;
     ++counters_.duplicated;  // the last one is not counted yet
