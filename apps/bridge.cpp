@@ -36,6 +36,7 @@ int serve(const CLI::App& app, const Options& options) {
   process::StopSignal stop;  // outlives the source, whose capture checks it until the end
   const auto source = apps::make_source(options.source);
   stop.listen_to_signals();
+  if (!apps::wait_for_network(options.bus.domain, stop)) return 0;
   publication::SensorPublisher node({.domain = options.bus.domain,
                                      .qos_file = options.bus.qos_file,
                                      .lossless = options.source.is_unpaced(),

@@ -62,6 +62,7 @@ sonopose::fusion::FusionOptions node_options(const Options& options,
                      .max_beacons = options.max_beacons,
                      .standby = {},
                      .lossless = options.lossless};
+  if (node.domain.interfaces.empty()) node.domain.interfaces = config.interfaces();
   if (options.addresses) node.addresses = sonopose::presence::AddressSet::parse(*options.addresses);
   if (options.standby_strength > 0) node.standby = {options.standby_strength, options.warm_up_s};
   return node;
@@ -81,7 +82,9 @@ int serve(const CLI::App& app, const Options& options) {
   check_publisher(options.bus);
   sonopose::process::StopSignal stop;
   stop.listen_to_signals();
-  sonopose::fusion::FusionNode node(node_options(options, config));
+  const auto with_config = node_options(options, config);
+  if (!sonopose::apps::wait_for_network(with_config.domain, stop)) return 0;
+  sonopose::fusion::FusionNode node(with_config);
   const auto realtime = sonopose::apps::realtime(options.realtime_priority);
   sonopose::logging::info("serving");
   sonopose::apps::serve([&] { node.run(stop); });

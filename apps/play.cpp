@@ -31,6 +31,7 @@ int serve(Options& options) {
   options.player.qos_file = options.bus.qos_file;
   options.player.wait_for_readers = !options.no_wait;
   process::StopSignal stop;
+  apps::wait_for_network(options.player.domain, stop);  // a signal ends the process until the files are read
   player::PlayControl control;
   std::optional<player::Keys> keys;
   std::optional<apps::Waiting> reading("reading the recording");

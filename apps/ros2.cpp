@@ -35,6 +35,7 @@ int serve(const ros2::arguments::Arguments& arguments, const apps::Ros2Program& 
   if (!options.inputs.empty()) apps::check_publisher(program.bus);
   process::StopSignal stop;
   stop.listen_to_signals();
+  if (!apps::wait_for_network(options.domain, stop)) return 0;
   ros2::relay::Relay relay(options);
   apps::serve([&] { relay.run(stop); });
   return 0;

@@ -124,6 +124,7 @@ int main(int argc, char** argv) {
       return 0;
     }
     stop.listen_to_signals();
+    if (!apps::wait_for_network(bus.domain, stop)) return 0;
     options.domain = bus.domain;
     options.qos_file = bus.qos_file;
     options.version = apps::version();

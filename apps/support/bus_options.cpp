@@ -1,6 +1,8 @@
 #include "bus_options.hpp"
 
 #include "choice.hpp"
+#include "clocks/clocks.hpp"
+#include "dds/binding/network_interfaces.hpp"
 #include "logging/log.hpp"
 #include <sonopose/dds/binding/domain.hpp>
 #include <sonopose/samples/samples.hpp>
@@ -37,9 +39,14 @@ void add_bus_options(CLI::App& app, BusOptions& options) {
       ->group(bus_group);
   add_choice<dds::Network>(app, "--network", options.domain.network,
                            {{"loopback", dds::Network::loopback}, {"lan", dds::Network::lan}},
-                           "loopback: only this machine; lan: the interface that Cyclone DDS chooses "
-                           "(CYCLONEDDS_URI overrides both)")
+                           "loopback: only this machine; lan: the interface with the default route, else "
+                           "the most likely one (CYCLONEDDS_URI overrides both)")
       ->group(bus_group);
+  app.add_option("--interface", options.domain.interfaces,
+                 "Use this network interface instead, such as wlan0, or lo for this machine; may be repeated")
+      ->type_name("NAME")
+      ->group(bus_group)
+      ->allow_extra_args(false);
   app.add_option(
          "--partition", options.domain.partition,
          "DDS partition to read and write; a reader may use a pattern: hall-* (default: no partition)")
@@ -49,6 +56,20 @@ void add_bus_options(CLI::App& app, BusOptions& options) {
                  "File of QoS policies that override the project's (default: SONOPOSE_QOS, else none)")
       ->type_name("FILE")
       ->group(bus_group);
+}
+
+bool wait_for_network(const dds::DomainOptions& domain, const process::StopSignal& stop) {
+  constexpr TimeNs period_ns = 500'000'000;
+  std::string missing;
+  dds::NetworkChoice choice = dds::choose_network(domain);
+  for (; !choice.is_ready; choice = dds::choose_network(domain)) {
+    if (missing != choice.text) logging::warning("waiting for the network: " + choice.text);
+    missing = choice.text;
+    if (stop.wait_until(clocks::steady_now() + period_ns)) return false;
+  }
+  const bool is_default = domain.network == dds::Network::loopback && domain.interfaces.empty();
+  logging::write(is_default ? logging::Level::debug : logging::Level::info, "network: " + choice.text);
+  return true;
 }
 
 void add_max_beacons(CLI::App& app, const std::string& verb, std::size_t& max_beacons) {

@@ -1,6 +1,7 @@
 #pragma once
 // The options for the bus, common to all its programs.
 
+#include "process/stop_signal.hpp"
 #include "run.hpp"
 #include <sonopose/dds/binding/domain.hpp>
 
@@ -24,8 +25,14 @@ void check_publisher(const BusOptions& options);
 /// The group of these options.
 inline constexpr const char* bus_group = "Bus";
 
-/// Adds --domain, --network, --partition and --qos. From now on, messages of DDS are lines of the log.
+/// Adds --domain, --network, --interface, --partition and --qos. From now on, messages of DDS are lines of
+/// the log.
 void add_bus_options(CLI::App& app, BusOptions& options);
+
+/// Waits until the network is there: with `--network lan` any interface besides loopback, with --interface
+/// the named ones. Logs what is missing, then the interfaces and why they are used. Returns false if the stop
+/// came first.
+bool wait_for_network(const dds::DomainOptions& domain, const process::StopSignal& stop);
 
 /// Adds --max-beacons. `verb` says what the program does with beacons: "Serve".
 void add_max_beacons(CLI::App& app, const std::string& verb, std::size_t& max_beacons);

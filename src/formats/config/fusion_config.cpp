@@ -38,6 +38,18 @@ std::vector<files::toml::Leaf> leaves_of(const std::filesystem::path& file) {
   }
 }
 
+/// Splits "lo, wlan0".
+std::vector<std::string> names_in(const files::toml::Leaf& leaf) {
+  const auto* const text = std::get_if<std::string>(&leaf.value);
+  std::vector<std::string> names;
+  std::istringstream words(text == nullptr ? "" : *text);
+  for (std::string word; std::getline(words >> std::ws, word, ',');) {
+    if (!word.empty()) names.push_back(word);
+  }
+  if (names.empty()) throw SettingError(fmt::format("{}: not the name of an interface: \"wlan0\"", leaf.key));
+  return names;
+}
+
 /// Splits "beacon.7.documented.drift.decay_rate_hz" at the address.
 std::pair<BeaconAddress, std::string_view> split_beacon(std::string_view key) {
   const std::string_view rest = key.substr(beacon_prefix.size());
@@ -116,6 +128,10 @@ FusionConfig FusionConfig::load(const std::filesystem::path& file) {
   FusionConfig config;
   for (const files::toml::Leaf& leaf : leaves_of(file)) {
     try {
+      if (leaf.key == "bus.interface") {
+        config.interfaces_ = names_in(leaf);
+        continue;
+      }
       config.set(leaf.key, value_of(leaf));
     } catch (const SettingError& error) {
       throw ConfigError(fmt::format("{}:{}: {}", file.string(), leaf.line, error.what()));

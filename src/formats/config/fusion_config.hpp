@@ -41,6 +41,10 @@ public:
   /// The same, including which keys are the beacon's own. For all_beacons: the common settings.
   [[nodiscard]] BeaconSettings beacon(BeaconAddress address) const;
 
+  /// The network interfaces of the file: `interface = "lo, wlan0"` in its table `[bus]`. No setting: only the
+  /// fusion reads it, at its start.
+  [[nodiscard]] const std::vector<std::string>& interfaces() const { return interfaces_; }
+
   /// The beacons with settings of their own.
   [[nodiscard]] std::vector<BeaconAddress> beacons() const;
 
@@ -61,6 +65,7 @@ private:
   void set(std::string_view key, const settings::SettingValue& value);
 
   settings::Settings settings_;
+  std::vector<std::string> interfaces_;
   Assignments given_;  ///< settings that the user gave for all beacons
   std::map<BeaconAddress, Assignments> overrides_;
 };

@@ -101,6 +101,15 @@ velocity_smooth_rate_hz = 12.0
   CHECK(config.for_beacon(8).attitude.mahony.ki == attitude::MahonySettings{}.ki);
 }
 
+TEST_CASE("the interfaces of the bus are a list in one text, and no setting") {
+  CHECK(loaded("").interfaces().empty());
+  const auto config = loaded("[bus]\ninterface = \"lo, wlan0\"\n");
+  CHECK(config.interfaces() == std::vector<std::string>{"lo", "wlan0"});
+  CHECK(same_everywhere(config.for_beacon(7), {}));
+  CHECK_THAT(refusal("[bus]\ninterface = 3\n"), Contains(":2: bus.interface: not the name of an interface"));
+  CHECK_THAT(refusal("[bus]\ninterface = \" , \"\n"), Contains("bus.interface"));
+}
+
 TEST_CASE("an error names file, line, key, value and what is allowed") {
   SECTION("a misspelt key") {
     CHECK_THAT(refusal("[documented.drift]\n\ndecay_rate = 2.0\n"),

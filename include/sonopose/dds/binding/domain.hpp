@@ -20,7 +20,7 @@ inline constexpr std::uint32_t max_domain_id = 232;
 
 enum class Network : std::uint8_t {
   loopback,  ///< this machine only, without multicast: works on every machine without setup
-  lan,       ///< interface that Cyclone DDS chooses, with multicast if possible
+  lan,       ///< one other interface (choose_network), with multicast if possible
   /// Loopback and the interface of `lan`, without multicast. Reaches processes on loopback, and ROS 2 nodes
   /// confined to this machine.
   ros_localhost,
@@ -32,6 +32,9 @@ enum class Network : std::uint8_t {
 struct DomainOptions {
   std::optional<std::uint32_t> domain_id = std::nullopt;  ///< empty: ROS_DOMAIN_ID, otherwise 0
   Network network = Network::loopback;
+  /// Names or addresses of the interfaces to use instead of those of `network`; those for ROS 2 keep
+  /// loopback.
+  std::vector<std::string> interfaces = {};
   /// Addresses or names of other machines to search for processes.
   std::vector<std::string> peers = {};
   /// Partition of the readers and writers; empty: none. A reader's pattern ("hall-*") may match several.
@@ -59,6 +62,7 @@ struct UserNetwork {
   bool peers = false;                   ///< true if it lists peers
   bool without_multicast = false;       ///< true if AllowMulticast is false
   bool shared_memory = false;           ///< true if SharedMemory is enabled
+  bool other_transport = false;         ///< true if it selects IPv6 or TCP
 };
 
 /// Reads `uri`, a comma-separated list of XML fragments, file names and file:// URIs. Unreadable parts are

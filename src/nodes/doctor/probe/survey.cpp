@@ -1,21 +1,15 @@
 #include "doctor/probe/survey.hpp"
 
 #include "clocks/clocks.hpp"
+#include "dds/binding/network_interfaces.hpp"
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
 #include <algorithm>
-#include <arpa/inet.h>
-#include <array>
 #include <cstdlib>
-#include <cstring>
 #include <deque>
 #include <fstream>
-#include <ifaddrs.h>
 #include <list>
-#include <memory>
-#include <net/if.h>
-#include <netinet/in.h>
 #include <set>
 #include <tuple>
 
@@ -30,61 +24,21 @@ bool is_ours(const std::string& topic) {
   return topic.starts_with("sonopose/");
 }
 
-/// An interface of this machine with an IPv4 address.
-struct Interface {
-  std::string name;
-  std::string address;
-  unsigned flags = 0;
-};
-
-std::vector<Interface> interfaces_of_machine() {
-  ifaddrs* list = nullptr;
-  if (::getifaddrs(&list) != 0) return {};
-  const std::unique_ptr<ifaddrs, void (*)(ifaddrs*)> owner(list, ::freeifaddrs);
-  std::vector<Interface> found;
-  for (const ifaddrs* entry = list; entry != nullptr; entry = entry->ifa_next) {
-    if (entry->ifa_addr == nullptr || entry->ifa_addr->sa_family != AF_INET) continue;
-    sockaddr_in address{};
-    std::memcpy(&address, entry->ifa_addr, sizeof address);
-    std::array<char, INET_ADDRSTRLEN> text{};
-    if (::inet_ntop(AF_INET, &address.sin_addr, text.data(), text.size()) == nullptr) continue;
-    found.push_back({entry->ifa_name, text.data(), entry->ifa_flags});
-  }
-  return found;
-}
-
 /// The interfaces that the user names, by name or address. A missing one has no multicast.
-std::vector<rules::InterfaceObservation> named_interfaces(const dds::UserNetwork& user,
-                                                          const std::vector<Interface>& of_machine) {
+std::vector<rules::InterfaceObservation> named_interfaces(
+    const dds::UserNetwork& user, const std::vector<dds::NetworkInterface>& of_machine) {
   std::vector<rules::InterfaceObservation> named;
   for (const std::string& name : user.interfaces) {
     if (name.empty()) continue;  // Cyclone DDS chooses one
     rules::InterfaceObservation observation{.name = name};
-    for (const Interface& interface : of_machine) {
+    for (const dds::NetworkInterface& interface : of_machine) {
       if (name != interface.name && name != interface.address) continue;
-      observation.loopback = (interface.flags & IFF_LOOPBACK) != 0U;
-      observation.multicast = (interface.flags & IFF_MULTICAST) != 0U && !user.without_multicast;
+      observation.loopback = interface.loopback;
+      observation.multicast = interface.multicast && !user.without_multicast;
     }
     named.push_back(observation);
   }
   return named;
-}
-
-/// Lists the interfaces of this process: "lo", those that the user names, or the candidates of Cyclone DDS.
-std::string interfaces_in_use(const rules::BusObservation& bus, const std::vector<Interface>& of_machine) {
-  std::string list;
-  for (const rules::InterfaceObservation& named : bus.interfaces)
-    list += (list.empty() ? "" : ", ") + named.name;
-  if (!list.empty()) return list + ", from CYCLONEDDS_URI";
-  if (bus.loopback_only) return "lo";
-  int count = 0;
-  for (const Interface& interface : of_machine) {
-    if ((interface.flags & IFF_LOOPBACK) != 0U || (interface.flags & IFF_UP) == 0U) continue;
-    list += (list.empty() ? "" : ", ") + interface.name + " " + interface.address;
-    ++count;
-  }
-  if (count == 0) return "no interface but lo";
-  return count == 1 ? list : "one of " + list + "; select it with CYCLONEDDS_URI";
 }
 
 /// A domain that this process has joined, and the observations there.
@@ -150,14 +104,18 @@ rules::BusObservation bus_of(const dds::DomainOptions& options) {
   bus.domain_id = dds::resolve_domain_id(options);
   const char* const uri = std::getenv("CYCLONEDDS_URI");
   const dds::UserNetwork user = dds::network_named_by(uri == nullptr ? "" : uri, bus.domain_id);
-  const auto of_machine = interfaces_of_machine();
+  const auto of_machine = dds::network_interfaces();
+  const dds::NetworkChoice used = dds::choose_network(options, user, of_machine);
   bus.interfaces = named_interfaces(user, of_machine);
-  bus.loopback_only =
-      user.interfaces.empty()
-          ? options.network == dds::Network::loopback
-          : std::all_of(bus.interfaces.begin(), bus.interfaces.end(),
-                        [](const rules::InterfaceObservation& named) { return named.loopback; });
-  bus.interfaces_in_use = interfaces_in_use(bus, of_machine);
+  if (user.interfaces.empty()) {
+    bus.loopback_only = std::all_of(used.interfaces.begin(), used.interfaces.end(),
+                                    [](const dds::NetworkInterface& each) { return each.loopback; });
+  } else {
+    bus.loopback_only = std::all_of(bus.interfaces.begin(), bus.interfaces.end(),
+                                    [](const rules::InterfaceObservation& named) { return named.loopback; });
+  }
+  bus.interfaces_in_use = used.text;
+  bus.is_network_missing = !used.is_ready;
   bus.has_peers = user.peers;
   return bus;
 }
@@ -204,14 +162,15 @@ std::deque<std::uint32_t> domains_to_visit(const dds::DomainOptions& here) {
 
 /// Joins the first of these domains simultaneously, up to a limit, and removes them. Returns their number: 0
 /// if the file descriptors suffice for none.
-std::size_t visit_first(std::deque<std::uint32_t>& ids, dds::Network network, const process::StopSignal& stop,
-                        rules::BusObservation& bus) {
+std::size_t visit_first(std::deque<std::uint32_t>& ids, const dds::DomainOptions& here,
+                        const process::StopSignal& stop, rules::BusObservation& bus) {
   // Each domain has five threads and seven open files.
   constexpr std::size_t at_once = 32;
   std::list<Visit> visits;
   while (!ids.empty() && visits.size() < at_once) {
     try {
-      visits.emplace_back(dds::DomainOptions{.domain_id = ids.front(), .network = network});
+      visits.emplace_back(dds::DomainOptions{
+          .domain_id = ids.front(), .network = here.network, .interfaces = here.interfaces});
     } catch (const dds::Error& error) {
       if (error.is_out_of_resources()) break;  // next time, when these are closed
       ++bus.domains_not_searched;              // others use its ports
@@ -227,6 +186,16 @@ std::size_t visit_first(std::deque<std::uint32_t>& ids, dds::Network network, co
   return visits.size();
 }
 
+/// Looks at loopback in the same domain, if this process does not use it.
+void search_loopback(const process::StopSignal& stop, rules::BusObservation& bus) {
+  const bool uses_loopback = bus.loopback_only && !bus.is_network_missing;
+  if (uses_loopback || !bus.interfaces.empty()) return;
+  std::deque<std::uint32_t> own{bus.domain_id};
+  const std::size_t before = bus.other_domains.size();
+  visit_first(own, {.domain_id = bus.domain_id, .network = dds::Network::loopback}, stop, bus);
+  for (std::size_t i = before; i < bus.other_domains.size(); ++i) bus.other_domains[i].on_loopback = true;
+}
+
 }  // namespace
 
 void search_other_domains(const dds::DomainOptions& here, const process::StopSignal& stop,
@@ -234,10 +203,11 @@ void search_other_domains(const dds::DomainOptions& here, const process::StopSig
   const SteadyTime end = clocks::steady_now() + max_duration_ns;
   std::deque<std::uint32_t> ids = domains_to_visit(here);
   bus.searched_other_domains = true;
+  search_loopback(stop, bus);
   TimeNs longest_visit_ns = 0;
   while (!ids.empty() && !stop.requested()) {
     const SteadyTime began = clocks::steady_now();
-    if (began + longest_visit_ns > end || visit_first(ids, here.network, stop, bus) == 0) break;
+    if (began + longest_visit_ns > end || visit_first(ids, here, stop, bus) == 0) break;
     longest_visit_ns = std::max<TimeNs>(longest_visit_ns, clocks::steady_now() - began);
   }
   bus.domains_not_searched += ids.size();

@@ -39,6 +39,11 @@ void check_coverage(const Observations& observations, Findings& findings) {
 }
 
 void check_network(const BusObservation& bus, Findings& findings) {
+  if (bus.is_network_missing) {
+    findings.push_back(
+        {Severity::error, "bus", bus.interfaces_in_use,
+         "connect it; processes with --network lan or --interface wait for it at their start"});
+  }
   findings.push_back(
       {Severity::ok,
        "bus",
@@ -63,6 +68,10 @@ void check_network(const BusObservation& bus, Findings& findings) {
   }
 }
 
+std::string place_of(const DomainObservation& domain) {
+  return domain.on_loopback ? "on loopback of this machine" : fmt::format("in domain {}", domain.id);
+}
+
 /// "beacons are published in domain 5: use --domain 5"; empty if there are none.
 std::string other_domains_text(const BusObservation& bus) {
   std::string text;
@@ -70,8 +79,8 @@ std::string other_domains_text(const BusObservation& bus) {
     const char* const what = domain.beacons ? "beacons are published"
                              : domain.poses ? "a fusion runs"
                                             : "sonopose processes run";
-    text += fmt::format("{}{} in domain {}: use --domain {}", text.empty() ? "" : "; ", what, domain.id,
-                        domain.id);
+    text += fmt::format("{}{} {}: use {}", text.empty() ? "" : "; ", what, place_of(domain),
+                        domain.on_loopback ? "--network loopback" : fmt::format("--domain {}", domain.id));
   }
   return text;
 }
@@ -93,8 +102,8 @@ std::string remedy(const BusObservation& bus, bool DomainObservation::*missing, 
                    const std::string& fallback) {
   for (const DomainObservation& domain : bus.other_domains) {
     if (!(domain.*missing)) continue;
-    return fmt::format("{} in domain {}: start both bridge and fusion with the same --domain", what,
-                       domain.id);
+    return fmt::format("{} {}: start both bridge and fusion with the same {}", what, place_of(domain),
+                       domain.on_loopback ? "--network" : "--domain");
   }
   return fallback;
 }

@@ -52,15 +52,17 @@ struct InterfaceObservation {
 /// Another domain of the same network with processes of this system.
 struct DomainObservation {
   std::uint32_t id = 0;
-  bool beacons = false;  ///< IMU samples are published
-  bool poses = false;    ///< poses are published
-  bool ours = false;     ///< there is an endpoint of any native topic
+  bool beacons = false;      ///< IMU samples are published
+  bool poses = false;        ///< poses are published
+  bool ours = false;         ///< there is an endpoint of any native topic
+  bool on_loopback = false;  ///< the same domain, on loopback instead of the network
 };
 
 struct BusObservation {
   std::uint32_t domain_id = 0;
-  bool loopback_only = true;      ///< no other machine can be discovered
-  std::string interfaces_in_use;  ///< such as "lo", "eth0 10.0.0.2"
+  bool loopback_only = true;        ///< no other machine can be discovered
+  std::string interfaces_in_use;    ///< and why: "lo (127.0.0.1)", "eth0 (10.0.0.2), no other is up"
+  bool is_network_missing = false;  ///< no such interface is up
   std::vector<InterfaceObservation> interfaces;
   bool has_peers = false;  ///< CYCLONEDDS_URI names peers
   bool searched_other_domains = false;

@@ -1,3 +1,4 @@
+#include "dds/binding/network_interfaces.hpp"
 #include "dds/binding/system_checks.hpp"
 #include <sonopose/dds/binding/domain.hpp>
 #include <sonopose/dds/binding/error.hpp>
@@ -27,7 +28,7 @@ struct OpenDomain {
 
 /// Returns true if a domain with these options can be shared.
 bool same_configuration(const DomainOptions& a, const DomainOptions& b) {
-  return a.network == b.network && a.peers == b.peers && a.lease == b.lease &&
+  return a.network == b.network && a.interfaces == b.interfaces && a.peers == b.peers && a.lease == b.lease &&
          a.wait_for_readers == b.wait_for_readers && a.batch_writes == b.batch_writes;
 }
 
@@ -98,6 +99,10 @@ dds_entity_t create_domain(std::uint32_t id, const DomainOptions& options) {
   check_free_descriptors(about);
   check_free_threads(about);
   check_shared_memory(about, user);
+  const NetworkChoice network = choose_network(options, user, network_interfaces());
+  if (!network.is_ready && !options.interfaces.empty()) {
+    throw Error(about, DDS_RETCODE_PRECONDITION_NOT_MET, network.text);
+  }
   if (!uri.empty()) about += ", CYCLONEDDS_URI=" + uri;
   LoggedErrors logged;
   const dds_entity_t domain = dds_create_domain(id, domain_configuration(id, options, uri).c_str());

@@ -1,5 +1,6 @@
 // Builds the configuration text for Cyclone DDS.
 
+#include "dds/binding/network_interfaces.hpp"
 #include "loopback_xml.hpp"
 #include <sonopose/dds/binding/domain.hpp>
 
@@ -7,9 +8,7 @@
 
 #include <algorithm>
 #include <cstring>
-#include <ifaddrs.h>
 #include <initializer_list>
-#include <net/if.h>
 #include <sstream>
 #include <stdexcept>
 #include <strings.h>
@@ -52,6 +51,10 @@ void look_for_lists(const pugi::xml_node& parent, std::uint32_t domain_id, UserN
     if (same(node.name(), "AllowMulticast")) {
       found.without_multicast = same(node.child_value(), "false");
     }
+    if (same(node.name(), "Transport") || same(node.name(), "UseIPv6")) {
+      found.other_transport = !same(node.child_value(), "udp") && !same(node.child_value(), "false") &&
+                              !same(node.child_value(), "default");
+    }
     if (same(node.name(), "Peers")) found.peers = true;
     if (same(node.name(), "Enable") && same(parent.name(), "SharedMemory")) {
       std::string value;
@@ -93,28 +96,17 @@ std::string fragment(const std::string& content) {
   return "<CycloneDDS><Domain>" + content + "</Domain></CycloneDDS>";
 }
 
-/// Returns true if this machine has an interface besides loopback. Cyclone DDS rejects a second entry for
-/// loopback.
-bool has_other_interface() {
-  ifaddrs* first = nullptr;
-  if (getifaddrs(&first) != 0) return false;
-  bool found = false;
-  for (const ifaddrs* each = first; each != nullptr; each = each->ifa_next) {
-    const bool usable = (each->ifa_flags & IFF_UP) != 0 && (each->ifa_flags & IFF_LOOPBACK) == 0;
-    found = found || (usable && each->ifa_addr != nullptr && each->ifa_addr->sa_family == AF_INET);
-  }
-  freeifaddrs(first);
-  return found;
-}
-
-std::string general(Network network) {
-  if (network == Network::loopback) return content_of(loopback_domain().child("General"));
-  const bool multicast = network == Network::ros_subnet && has_other_interface();
-  std::string interfaces =
-      multicast ? R"(<NetworkInterface name="lo" multicast="true"/>)"  // otherwise no interface has multicast
-                : R"(<NetworkInterface name="lo"/>)";
-  if (has_other_interface()) {
-    interfaces += R"(<NetworkInterface autodetermine="true"/>)";
+/// Returns the interfaces, and turns multicast off where no other machine is to be found by it.
+std::string general(const NetworkChoice& choice, Network network) {
+  if (choice.interfaces.empty()) return {};
+  const bool only_here = std::all_of(choice.interfaces.begin(), choice.interfaces.end(),
+                                     [](const NetworkInterface& each) { return each.loopback; });
+  const bool multicast = !only_here && network != Network::ros_localhost;
+  std::string interfaces;
+  for (const NetworkInterface& each : choice.interfaces) {
+    interfaces += "<NetworkInterface name=\"" + each.name + "\"";
+    if (multicast && each.loopback) interfaces += " multicast=\"true\"";  // otherwise none has multicast
+    interfaces += "/>";
   }
   return "<Interfaces>" + interfaces + "</Interfaces>" +
          (multicast ? "" : "<AllowMulticast>false</AllowMulticast>");
@@ -137,8 +129,6 @@ std::string lease(const DomainOptions& options) {
 }
 
 std::string defaults(std::uint32_t domain_id, const DomainOptions& options, const UserNetwork& user) {
-  // If the user lists interfaces, Cyclone DDS decides about multicast as usual.
-  const bool ours = options.network != Network::lan && user.interfaces.empty();
   const std::string discovery = "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>" +
                                 std::to_string(max_participant_index(domain_id)) +
                                 "</MaxAutoParticipantIndex>" + lease(options) + peers(options, user);
@@ -161,8 +151,9 @@ std::string defaults(std::uint32_t domain_id, const DomainOptions& options, cons
         "<Watermarks><WhcHigh>1 GB</WhcHigh><WhcHighInit>1 GB</WhcHighInit>"
         "<WhcAdaptive>false</WhcAdaptive></Watermarks>";
   }
-  return fragment("<General>" + (ours ? general(options.network) : "") + "</General><Discovery>" + discovery +
-                  "</Discovery><Internal>" + internal + "</Internal>");
+  return fragment("<General>" +
+                  general(choose_network(options, user, network_interfaces()), options.network) +
+                  "</General><Discovery>" + discovery + "</Discovery><Internal>" + internal + "</Internal>");
 }
 
 }  // namespace

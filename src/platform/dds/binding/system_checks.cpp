@@ -1,17 +1,13 @@
 #include "dds/binding/system_checks.hpp"
 
+#include "dds/binding/network_interfaces.hpp"
 #include <sonopose/dds/binding/error.hpp>
 
 #include <algorithm>
-#include <arpa/inet.h>
-#include <array>
 #include <charconv>
 #include <cstring>
 #include <filesystem>
-#include <ifaddrs.h>
 #include <latch>
-#include <net/if.h>
-#include <netinet/in.h>
 #include <string>
 #include <sys/resource.h>
 #include <sys/socket.h>
@@ -70,29 +66,6 @@ bool is_roudi_running() {
   return connected;
 }
 
-struct Interface {
-  std::string name;
-  std::string address;
-};
-
-/// Returns the interfaces that are up with an IPv4 address.
-std::vector<Interface> usable_interfaces() {
-  std::vector<Interface> found;
-  ifaddrs* first = nullptr;
-  if (::getifaddrs(&first) != 0) return found;
-  for (const ifaddrs* each = first; each != nullptr; each = each->ifa_next) {
-    if ((each->ifa_flags & IFF_UP) == 0 || each->ifa_addr == nullptr) continue;
-    if (each->ifa_addr->sa_family != AF_INET) continue;
-    sockaddr_in address{};
-    std::memcpy(&address, each->ifa_addr, sizeof address);
-    std::array<char, INET_ADDRSTRLEN> text{};
-    ::inet_ntop(AF_INET, &address.sin_addr, text.data(), text.size());
-    found.push_back({each->ifa_name, text.data()});
-  }
-  ::freeifaddrs(first);
-  return found;
-}
-
 }  // namespace
 
 void check_free_descriptors(const std::string& about) {
@@ -124,16 +97,12 @@ void check_shared_memory(const std::string& about, const UserNetwork& user) {
 }
 
 std::string interface_advice(Network network, const UserNetwork& user) {
-  const std::vector<Interface> usable = usable_interfaces();
-  std::string text;
-  for (const auto& [name, address] : usable) {
-    text += text.empty() ? "" : ", ";
-    text.append(name).append(" (").append(address).append(")");
-  }
-  text = usable.empty() ? "no interface is up with an IPv4 address" : "up with an IPv4 address: " + text;
+  const std::vector<NetworkInterface> usable = network_interfaces();
+  std::string text = usable.empty() ? "no interface is up with an IPv4 address"
+                                    : "up with an IPv4 address: " + list_of(usable);
   const bool needs_loopback = usable.empty() || (network != Network::lan && user.interfaces.empty());
   const bool has_loopback =
-      std::any_of(usable.begin(), usable.end(), [](const Interface& each) { return each.name == "lo"; });
+      std::any_of(usable.begin(), usable.end(), [](const NetworkInterface& each) { return each.loopback; });
   if (needs_loopback && !has_loopback) text += "; bring up the loopback with `ip link set lo up`";
   return text;
 }

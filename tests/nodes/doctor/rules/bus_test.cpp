@@ -38,6 +38,22 @@ TEST_CASE("An empty domain is an error, and the remedy names the domain that is 
         "beacons are published in domain 8: use --domain 8");
 }
 
+TEST_CASE("A system on loopback beside an empty network is named") {
+  Observations observations = healthy();
+  observations.writers.clear();
+  observations.readers.clear();
+  observations.bus.other_domains = {{.id = 5, .beacons = true, .ours = true, .on_loopback = true}};
+  CHECK(found(diagnose(observations), "no sonopose process").remedy ==
+        "beacons are published on loopback of this machine: use --network loopback");
+}
+
+TEST_CASE("A missing network is an error with the interfaces there are") {
+  Observations observations = healthy();
+  observations.bus.is_network_missing = true;
+  observations.bus.interfaces_in_use = "no network interface is up, only lo (127.0.0.1)";
+  CHECK(found(diagnose(observations), "no network interface is up, only lo").severity == Severity::error);
+}
+
 TEST_CASE("Processes of other systems are ignored") {
   Observations observations = healthy();
   observations.writers = {endpoint("rt/chatter", "std_msgs::msg::dds_::String_", "talker")};
