@@ -5,6 +5,8 @@
 #include <Eigen/Core>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace sonopose::ros2 {
 namespace {
@@ -28,34 +30,102 @@ std::optional<UltrasonicFix> fix_at(const Header& header, const Point& position,
   return fix;
 }
 
+/// Returns the position's part of a covariance.
+Eigen::Matrix3d position_part(const PoseWithCovarianceStamped& pose) {
+  const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> all(&pose.pose.covariance[0]);
+  return all.topLeftCorner<3, 3>();
+}
+
+/// Raises variances to the least one.
+Eigen::Matrix3d bounded(Eigen::Matrix3d covariance) {
+  covariance.diagonal() = covariance.diagonal().cwiseMax(min_fix_std_m * min_fix_std_m).eval();
+  return covariance;
+}
+
+/// Returns the reason why one element is unusable; null if it is usable.
+const char* fault_of(const Eigen::Matrix3d& stated, int row, int column) {
+  constexpr double asymmetry = 1e-6;  // relative; some drivers compute with float
+  const double value = stated(row, column);
+  if (!std::isfinite(value)) return "not finite";
+  if (row == column && value < 0) return "negative";
+  if (std::abs(value) > max_fix_std_m * max_fix_std_m) return "above (100 m)²";
+  const double difference = std::abs(value - stated(column, row));
+  return difference > asymmetry * std::abs(value) + std::numeric_limits<double>::min() ? "not symmetric"
+                                                                                       : nullptr;
+}
+
+/// Gives axes with a greater variance the greatest one, without correlations. Returns their number.
+int limit_unknown_axes(Eigen::Matrix3d& covariance) {
+  constexpr double max_m2 = max_fix_std_m * max_fix_std_m;
+  int count = 0;
+  for (int i = 0; i < 3; ++i) {
+    if (!(covariance(i, i) > max_m2)) continue;
+    covariance.row(i).setZero();
+    covariance.col(i).setZero();
+    covariance(i, i) = max_m2;
+    ++count;
+  }
+  return count;
+}
+
+/// Returns the first fault.
+std::optional<CovarianceFault> fault_in(const Eigen::Matrix3d& stated) {
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      const char* const reason = fault_of(stated, row, column);
+      if (reason != nullptr) return CovarianceFault{row, column, stated(row, column), reason};
+    }
+  }
+  if (Eigen::LLT<Eigen::Matrix3d>(bounded(stated)).info() == Eigen::Success) return std::nullopt;
+  Eigen::Index row = 0;
+  Eigen::Index column = 0;
+  const Eigen::Matrix3d upper = stated.triangularView<Eigen::StrictlyUpper>();
+  upper.cwiseAbs().maxCoeff(&row, &column);
+  return CovarianceFault{static_cast<int>(row), static_cast<int>(column), stated(row, column),
+                         "not positive definite"};
+}
+
 /// Returns empty if the sender does not know it.
 std::optional<Covariance<3>> position_covariance(const PoseWithCovarianceStamped& pose) {
-  const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> all(&pose.pose.covariance[0]);
-  const Eigen::Matrix3d stated = all.topLeftCorner<3, 3>();
-  if (!stated.allFinite() || !(stated.diagonal().maxCoeff() > 0)) return std::nullopt;
-  const Vector3d variances = stated.diagonal().cwiseMax(min_fix_std_m * min_fix_std_m);
-  Eigen::Matrix3d bounded = stated;
-  bounded.diagonal() = variances;
-  const bool is_covariance = Eigen::LLT<Eigen::Matrix3d>(bounded).info() == Eigen::Success;
-  return is_covariance ? Covariance<3>::from_matrix(bounded) : Covariance<3>::from_diagonal(variances);
+  Eigen::Matrix3d stated = position_part(pose);
+  if (!(stated.diagonal().maxCoeff() > 0) || limit_unknown_axes(stated) == 3 || fault_in(stated)) {
+    return std::nullopt;
+  }
+  return Covariance<3>::from_matrix(bounded(stated));
+}
+
+Vector3d vector_of(const Vector3& vector) {
+  return {vector.x, vector.y, vector.z};
+}
+
+/// Tells whether REP-145 marks the data of this covariance as absent.
+bool is_absent(const double* covariance) {
+  return covariance[0] == -1;
 }
 
 }  // namespace
 
-std::optional<ImuSample> imu_sample(const Imu& imu, BeaconAddress address, TimeNs received_ns) {
+std::optional<CovarianceFault> covariance_fault(const PoseWithCovarianceStamped& pose) {
+  const Eigen::Matrix3d stated = position_part(pose);
+  return stated.isZero(0) ? std::nullopt : fault_in(stated);
+}
+
+std::optional<ReceivedImu> imu_sample(const Imu& imu, BeaconAddress address, TimeNs received_ns) {
   const auto sensor_ns = measured_at(imu.header, received_ns);
-  ImuSample sample;
+  ReceivedImu received;
+  ImuSample& sample = received.sample;
   sample.address = address;
-  sample.angular_velocity_body_radps = {imu.angular_velocity.x, imu.angular_velocity.y,
-                                        imu.angular_velocity.z};
-  sample.specific_force_body_mps2 = {imu.linear_acceleration.x, imu.linear_acceleration.y,
-                                     imu.linear_acceleration.z};
+  const Vector3d force = vector_of(imu.linear_acceleration);
+  received.has_angular_velocity = !is_absent(imu.angular_velocity_covariance);
+  received.has_specific_force = !is_absent(imu.linear_acceleration_covariance);
+  if (received.has_angular_velocity) sample.angular_velocity_body_radps = vector_of(imu.angular_velocity);
+  if (received.has_specific_force) sample.specific_force_body_mps2 = force;
   if (!sensor_ns || !sample.angular_velocity_body_radps.allFinite() ||
       !sample.specific_force_body_mps2.allFinite()) {
     return std::nullopt;
   }
   sample.sensor_time_ns = *sensor_ns;
-  return sample;
+  return received;
 }
 
 std::optional<UltrasonicFix> fix(const PointStamped& point, BeaconAddress address, TimeNs received_ns) {

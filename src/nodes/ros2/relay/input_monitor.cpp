@@ -54,33 +54,36 @@ void InputMonitor::check_silence(const InputEndpoints& endpoints, SteadyTime now
         endpoints.publishers == 0 && endpoints.publishers_incompatible > reported_incompatible_;
     if (!was_silent || has_new_cause) log_silence(endpoints, now, lines);
   } else if (was_silent) {
-    lines.push_back([this, silence = *silence_, end = latest_] {
+    const auto text = [this, silence = *silence_, end = latest_] {
       return fmt::format("beacon {}: {} from ROS 2{}, after {:.1f} s", input_.address, samples_text(),
                          silence.is_first ? "" : " again", seconds_between(silence.since, end));
-    });
+    };
+    lines.push_back({text, logging::Level::info});
     silence_.reset();
   }
 }
 
 void InputMonitor::log_silence(const InputEndpoints& endpoints, SteadyTime now, Lines& lines) {
-  lines.push_back([this, endpoints, now, silence = *silence_] {
+  const bool is_partial =
+      noticed_.contains(Notice::no_angular_velocity) || noticed_.contains(Notice::no_specific_force);
+  lines.push_back({[this, endpoints, now, silence = *silence_, is_partial] {
     const std::string lasted =
         silence.is_first ? "yet" : fmt::format("for {:.1f} s", seconds_between(silence.since, now));
     return fmt::format("beacon {}: no {} from ROS 2 {}: {}", input_.address, samples_text(), lasted,
-                       cause(endpoints));
-  });
+                       cause(endpoints, is_partial));
+  }});
   reported_incompatible_ = endpoints.publishers_incompatible;
 }
 
 void InputMonitor::check_losses(const InputEndpoints& endpoints, SteadyTime now, Lines& lines) {
   if (endpoints.samples_lost <= reported_lost_) return;
   if (reported_lost_at_ && now - *reported_lost_at_ < loss_report_period_ns) return;
-  lines.push_back([this, lost = endpoints.samples_lost - reported_lost_] {
+  lines.push_back({[this, lost = endpoints.samples_lost - reported_lost_] {
     return fmt::format(
         "beacon {}: {} from ROS 2 lost: messages arrived on {} faster than they were processed",
         input_.address, is_imu(input_) ? count_text(lost, "IMU sample") : count_text(lost, "fix", "fixes"),
         input_.topic);
-  });
+  }});
   reported_lost_ = endpoints.samples_lost;
   reported_lost_at_ = now;
 }
@@ -90,21 +93,58 @@ void InputMonitor::log_unexpected_frame(std::string_view frame, Lines& lines) {
   if (std::find(unexpected_frames_.begin(), unexpected_frames_.end(), frame) != unexpected_frames_.end())
     return;
   unexpected_frames_.emplace_back(frame);
-  lines.push_back([this, found = std::string(frame), expected = *expected_frame_] {
+  lines.push_back({[this, found = std::string(frame), expected = *expected_frame_] {
     return is_imu(input_) ? fmt::format(
                                 "beacon {}: the frame of {} on {} has changed from '{}' to '{}': the same "
                                 "axes are assumed",
                                 input_.address, samples_text(), input_.topic, expected, found)
                           : fmt::format("beacon {}: {} on {} are in frame '{}': they are used as if in '{}'",
                                         input_.address, samples_text(), input_.topic, found, expected);
-  });
+  }});
 }
 
 const char* InputMonitor::samples_text() const {
   return is_imu(input_) ? "IMU samples" : "fixes";
 }
 
-std::string InputMonitor::cause(const InputEndpoints& endpoints) const {
+void InputMonitor::on_notice(Notice notice, const std::function<std::string()>& detail, Lines& lines) {
+  if (!noticed_.insert(notice).second) return;
+  lines.push_back({[this, notice, text = detail ? detail() : std::string()] {
+                     return fmt::format("beacon {}: {} {}", input_.address, input_.topic,
+                                        text_of(notice, text));
+                   },
+                   notice == Notice::joined ? logging::Level::info : logging::Level::warning});
+}
+
+std::string InputMonitor::text_of(Notice notice, const std::string& detail) const {
+  switch (notice) {
+    case Notice::no_angular_velocity:
+      return "has messages without an angular velocity (its covariance[0] is -1): they are joined with those "
+             "of "
+             "the gyroscope, or not used";
+    case Notice::no_specific_force:
+      return "has messages without a linear acceleration (its covariance[0] is -1): they are "
+             "joined "
+             "with those of the accelerometer, or not used";
+    case Notice::joined:
+      return "has the angular velocity of samples whose linear acceleration is interpolated to its times";
+    case Notice::second_imu:
+      return fmt::format("is not used: the samples of {} are complete", detail);
+    case Notice::covariance:
+      return fmt::format("has an unusable covariance, which counts as unknown: {}", detail);
+    case Notice::repeats:
+      return "repeats its last position: each one is used once";
+  }
+  return {};
+}
+
+std::string InputMonitor::cause(const InputEndpoints& endpoints, bool is_partial) const {
+  if (endpoints.publishers > 0 && is_partial) {
+    return fmt::format(
+        "the messages on {} have only one of angular velocity and linear acceleration; if another "
+        "topic has the other, give it as a second --imu-in",
+        input_.topic);
+  }
   if (endpoints.publishers > 0) {
     return fmt::format("{} has {}, but no valid message has arrived", input_.topic,
                        count_text(endpoints.publishers, "publisher"));

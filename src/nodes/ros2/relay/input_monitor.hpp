@@ -3,11 +3,13 @@
 /// Detects events of one input topic for the log: silence, losses, unexpected frames. Without I/O: returns
 /// lines that another thread than that of the samples formats.
 
+#include "logging/log.hpp"
 #include "ros2/relay/input_option.hpp"
 
 #include <deque>
 #include <functional>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -25,8 +27,11 @@ struct InputEndpoints {
 /// Monitors one topic. Times are of the steady clock. Not thread-safe.
 class InputMonitor {
 public:
-  /// Formats a line, on any thread during the life of the monitor.
-  using Line = std::function<std::string()>;
+  /// A line with its level, formatted on any thread during the life of the monitor.
+  struct Line {
+    std::function<std::string()> text;
+    logging::Level level = logging::Level::warning;
+  };
   using Lines = std::vector<Line>;
 
   /// An input is silent without a valid sample for longer than `timeout_ns`. Until its first sample, the
@@ -41,6 +46,19 @@ public:
   /// Takes a valid sample with the frame of its header. Adds a line for each new frame other than the map
   /// (fixes) or the frame of the first sample (IMU).
   void on_sample(std::string_view frame, SteadyTime now, Lines& lines);
+
+  /// What a driver sends otherwise than expected.
+  enum class Notice : std::uint8_t {
+    no_angular_velocity,
+    no_specific_force,
+    joined,      ///< samples of accelerometer and gyroscope are joined
+    second_imu,  ///< another topic of this beacon has complete samples
+    covariance,  ///< a covariance is unusable
+    repeats      ///< positions come again
+  };
+
+  /// Adds a line about a notice, the first time. `detail`: the value and its fault, or the other topic.
+  void on_notice(Notice notice, const std::function<std::string()>& detail, Lines& lines);
 
   /// Adds lines for the start of a silence, with its probable cause, for its end, and, at most once per
   /// second, for losses. Call it many times per second.
@@ -58,7 +76,8 @@ private:
   void log_unexpected_frame(std::string_view frame, Lines& lines);
   [[nodiscard]] const char* samples_text() const;
   /// Describes the cause of a silence. Reads constants only, as the above.
-  [[nodiscard]] std::string cause(const InputEndpoints& endpoints) const;
+  [[nodiscard]] std::string cause(const InputEndpoints& endpoints, bool is_partial) const;
+  [[nodiscard]] std::string text_of(Notice notice, const std::string& detail) const;
 
   const Input input_;  // read by lines
   TimeNs timeout_ns_;
@@ -70,6 +89,7 @@ private:
   std::optional<SteadyTime> reported_lost_at_;
   std::optional<std::string> expected_frame_;
   std::vector<std::string> unexpected_frames_;
+  std::set<Notice> noticed_;
 };
 
 /// Minimum of host time − sender's time (s) over the last second. It excludes the varying part of the

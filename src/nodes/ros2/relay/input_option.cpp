@@ -44,6 +44,7 @@ std::optional<FixType> parse_fix_type(std::string_view text) {
 
 void check_pair(const Input& one, const Input& other) {
   if (one.kind != other.kind || one.address != other.address) return;
+  if (one.kind == Input::Kind::imu && one.topic != other.topic) return;  // accelerometer and gyroscope
   throw std::invalid_argument(fmt::format("{} and {}: beacon {} can have only one source of {}", text_of(one),
                                           text_of(other), one.address,
                                           one.kind == Input::Kind::imu ? "IMU samples" : "fixes"));
@@ -103,7 +104,15 @@ Input Input::parse(Kind kind, std::string_view text) {
 
 void check(const std::vector<Input>& inputs) {
   for (std::size_t i = 0; i < inputs.size(); ++i) {
-    for (std::size_t j = i + 1; j < inputs.size(); ++j) check_pair(inputs[i], inputs[j]);
+    int imus = inputs[i].kind == Input::Kind::imu ? 1 : 0;
+    for (std::size_t j = i + 1; j < inputs.size(); ++j) {
+      check_pair(inputs[i], inputs[j]);
+      imus += inputs[j].kind == Input::Kind::imu && inputs[j].address == inputs[i].address ? 1 : 0;
+    }
+    if (inputs[i].kind != Input::Kind::imu || imus <= 2) continue;
+    throw std::invalid_argument(fmt::format(
+        "{}: beacon {} can have two topics of IMU samples, the accelerometer's and the gyroscope's, not {}",
+        text_of(inputs[i]), inputs[i].address, imus));
   }
 }
 

@@ -37,7 +37,8 @@ std::string message_type_of(const Input& input);
 /// Type of fixes with this DDS name; empty for any other type.
 std::optional<FixType> fix_type_named(std::string_view dds_type_name);
 
-/// Throws std::invalid_argument for two topics of one kind and one beacon: their samples would be mixed.
+/// Throws std::invalid_argument for two topics of fixes of one beacon, whose samples would be mixed. A beacon
+/// may have two topics of IMU samples, one of its accelerometer and one of its gyroscope.
 void check(const std::vector<Input>& inputs);
 
 }  // namespace sonopose::ros2::relay

@@ -319,7 +319,10 @@ void Relay::Impl::bridge_while(const std::function<void()>& serve, std::atomic<b
   };
   source_ = make_source(
       node_, options_.inputs, {timeout_ns(topics::imu), timeout_ns(topics::fix)}, options_.output.frames.map,
-      [this](const std::string& line) { log_.warning(line); }, [this] { return clock_.now_ns(); });
+      [this](logging::Level level, const std::string& line) {
+        log_.write({level, line});
+      },
+      [this] { return clock_.now_ns(); });
   publication::SensorPublisher bridge({.domain = options_.domain,
                                        .qos_file = options_.qos_file,
                                        .record_folder = {},

@@ -3,6 +3,8 @@
 #include "clocks/clocks.hpp"
 #include "logging/log.hpp"
 #include "process/endpoint_counters.hpp"
+#include "ros2/relay/fix_repeats.hpp"
+#include "ros2/relay/imu_joiner.hpp"
 #include "ros2/relay/input_monitor.hpp"
 #include "ros2/relay/stamp_clock.hpp"
 #include "threads/mutex.hpp"
@@ -69,30 +71,16 @@ struct Stream {
   dds::ReadCondition has_data;
 };
 
-std::optional<Event> event_of(const ros2::Imu& imu, const InputState& input, StampClock& clock,
-                              TimeNs received_ns) {
-  auto sample = ros2::imu_sample(imu, input.address, received_ns);
-  if (!sample) return std::nullopt;
-  sample->meaning = input.imu_meaning;
-  clock.on_imu(sample->sensor_time_ns, received_ns);
-  return sample;
-}
-template <class Position>
-std::optional<Event> event_of(const Position& position, const InputState& input, const StampClock& clock,
-                              TimeNs received_ns) {
-  return ros2::fix(position, input.address, clock.at(received_ns));
+std::string text_of(const ros2::CovarianceFault& fault) {
+  constexpr std::string_view axes = "xyz";
+  return fmt::format("{:g} m² ({}, {}) is {}", fault.value_m2, axes[static_cast<std::size_t>(fault.row)],
+                     axes[static_cast<std::size_t>(fault.column)], fault.reason);
 }
 
-/// Time of measurement in the sender's clock.
-TimeNs measured_ns(const Event& event) {
-  if (const auto* imu = std::get_if<ImuSample>(&event)) return imu->sensor_time_ns;
-  if (const auto* fix = std::get_if<UltrasonicFix>(&event)) return fix->emission_time_ns;
-  return std::get<PairHeading>(event).emission_time_ns;
+std::optional<ros2::CovarianceFault> covariance_fault(const ros2::PointStamped& /*point*/) {
+  return std::nullopt;
 }
-
-void log_warning(const std::string& line) {
-  logging::warning(line);
-}
+using ros2::covariance_fault;
 
 class TopicsSource final : public Source {
 public:
@@ -103,6 +91,7 @@ public:
       InputState& input = *inputs_.emplace_back(std::make_unique<InputState>(option, timeouts, map_frame));
       Beacon& beacon = beacons_[option.address];
       beacon.status.address = option.address;
+      beacon.has_two_imus = beacon.has_imu && input.is_imu;
       beacon.has_imu = beacon.has_imu || input.is_imu;
       if (input.is_imu || option.fix_type) subscribe(input);
     }
@@ -116,11 +105,11 @@ public:
       lines.swap(new_lines_);
       std::swap(dropped, lines_dropped_);
     }
-    for (const InputMonitor::Line& line : lines) log_(line());
+    for (const InputMonitor::Line& line : lines) log_(line.level, line.text());
     if (dropped == 0) return;
-    log_(fmt::format("{} not logged: too many at a time",
-                     text::count_text(dropped, "further line about the inputs was",
-                                      "further lines about the inputs were")));
+    log_(logging::Level::warning, fmt::format("{} not logged: too many at a time",
+                                              text::count_text(dropped, "further line about the inputs was",
+                                                               "further lines about the inputs were")));
   }
 
   SteadyTime update_readers() override {
@@ -146,6 +135,10 @@ public:
       waitset_.wait(poll_period);
       add_new_streams();
       for_all_streams([&](auto& stream) { take(stream, sink); });
+      for (auto& entry : beacons_) {
+        entry.second.joiner.update(clocks::steady_now(), ready_);
+        pass_ready(entry.second, sink);
+      }
       check_inputs();
       publish_statuses(sink);
       sink.tick();
@@ -170,6 +163,11 @@ private:
     BeaconStatus status;
     bool has_imu = false;
     StampClock stamp_clock;
+    ImuJoiner joiner;
+    InputState* complete = nullptr;   ///< input with complete IMU samples
+    InputState* gyroscope = nullptr;  ///< input with angular velocities alone
+    bool has_two_imus = false;
+    FixRepeats repeats;
     SmallestOffset offset;  ///< IMU samples, or fixes without an IMU
   };
 
@@ -186,10 +184,11 @@ private:
     }
     const std::string used = message_type_of(input.option);
     if (type == used || !input.other_types.insert(type).second) return;
-    log_(fmt::format(
-        "beacon {}: a publisher of {} is ignored, because its type is {}, not {}", input.address,
-        input.option.topic, ros2::type_name_in_ros(type),
-        used.empty() ? "PointStamped or PoseWithCovarianceStamped" : ros2::type_name_in_ros(used)));
+    log_(logging::Level::warning,
+         fmt::format(
+             "beacon {}: a publisher of {} is ignored, because its type is {}, not {}", input.address,
+             input.option.topic, ros2::type_name_in_ros(type),
+             used.empty() ? "PointStamped or PoseWithCovarianceStamped" : ros2::type_name_in_ros(used)));
   }
 
   void subscribe(InputState& input) {
@@ -235,18 +234,69 @@ private:
     stream.reader.try_take_each([&](const T& message, const dds::SampleInfo&) {
       const TimeNs received_ns = next_reception_ns();
       ++beacon.status.frames;
-      const auto event = event_of(message, input, beacon.stamp_clock, received_ns);
-      if (!event) {
-        ++beacon.status.samples_rejected;
-        return;
-      }
-      const SteadyTime now = clocks::steady_now();
-      if (input.is_imu == beacon.has_imu) {
-        beacon.offset.add(seconds_between(measured_ns(*event), received_ns), now);
-      }
-      input.monitor.on_sample(message.header.frame_id, now, lines_);
-      sink.on(*event);
+      if (!process(message, input, beacon, received_ns, sink)) ++beacon.status.samples_rejected;
     });
+  }
+
+  /// Processes a message of an IMU. Returns false if it is invalid.
+  bool process(const ros2::Imu& message, InputState& input, Beacon& beacon, TimeNs received_ns,
+               publication::SampleSink& sink) {
+    auto received = ros2::imu_sample(message, input.address, received_ns);
+    if (!received) return false;
+    // Of two topics, one whose other values are exactly zero is that of one sensor that does not say so.
+    if (beacon.has_two_imus && received->has_angular_velocity && received->has_specific_force) {
+      received->has_specific_force = !received->sample.specific_force_body_mps2.isZero(0);
+      received->has_angular_velocity = !received->sample.angular_velocity_body_radps.isZero(0);
+    }
+    using Notice = InputMonitor::Notice;
+    if (!received->has_angular_velocity) input.monitor.on_notice(Notice::no_angular_velocity, {}, lines_);
+    if (!received->has_specific_force) input.monitor.on_notice(Notice::no_specific_force, {}, lines_);
+    const bool is_complete = received->has_angular_velocity && received->has_specific_force;
+    if (is_complete && beacon.complete == nullptr) beacon.complete = &input;
+    if (beacon.complete != nullptr && beacon.complete != &input) {
+      input.monitor.on_notice(
+          Notice::second_imu, [&] { return beacon.complete->option.topic; }, lines_);
+      return true;
+    }
+    if (received->has_angular_velocity) beacon.gyroscope = &input;
+    const SteadyTime now = clocks::steady_now();
+    received->sample.meaning = input.imu_meaning;
+    beacon.stamp_clock.on_imu(received->sample.sensor_time_ns, received_ns);
+    beacon.offset.add(seconds_between(received->sample.sensor_time_ns, received_ns), now);
+    const bool is_used = is_complete || beacon.joiner.joined() > 0;
+    if (is_used) input.monitor.on_sample(message.header.frame_id, now, lines_);
+    beacon.joiner.on(*received, now, ready_);
+    pass_ready(beacon, sink);
+    return true;
+  }
+
+  /// Processes a message with a position. Returns false if it is invalid.
+  template <class Position>
+  bool process(const Position& message, InputState& input, Beacon& beacon, TimeNs received_ns,
+               publication::SampleSink& sink) {
+    const auto fix = ros2::fix(message, input.address, beacon.stamp_clock.at(received_ns));
+    if (!fix) return false;
+    const SteadyTime now = clocks::steady_now();
+    if (!beacon.has_imu) beacon.offset.add(seconds_between(fix->emission_time_ns, received_ns), now);
+    input.monitor.on_sample(message.header.frame_id, now, lines_);
+    using Notice = InputMonitor::Notice;
+    if (const auto fault = covariance_fault(message)) {
+      input.monitor.on_notice(
+          Notice::covariance, [&fault] { return text_of(*fault); }, lines_);
+    }
+    const bool is_new = beacon.repeats.is_new(*fix);
+    if (!is_new) input.monitor.on_notice(Notice::repeats, {}, lines_);
+    if (is_new) sink.on(*fix);
+    return true;
+  }
+
+  /// Passes on the samples that are complete.
+  void pass_ready(Beacon& beacon, publication::SampleSink& sink) {
+    if (beacon.joiner.joined() > 0 && beacon.gyroscope != nullptr) {
+      beacon.gyroscope->monitor.on_notice(InputMonitor::Notice::joined, {}, lines_);
+    }
+    for (const ImuSample& sample : ready_) sink.on(sample);
+    ready_.clear();
   }
 
   /// Time of ROS 2, later than the previous one: the stamp of messages without a stamp.
@@ -310,6 +360,7 @@ private:
   AllStreams streams_;                                           ///< used by run() only
   dds::WaitSet waitset_;
   std::map<BeaconAddress, Beacon> beacons_;
+  std::vector<ImuSample> ready_;  ///< used by run() only
   ros2::RisingStamp reception_;
   InputMonitor::Lines lines_;  ///< used by run() only, like the next ones
   SteadyTime check_due_;
@@ -322,7 +373,7 @@ std::unique_ptr<Source> make_source(ros2::Node& node, const std::vector<Input>& 
                                     const InputTimeouts& timeouts, const std::string& map_frame,
                                     LineLogger log, TimeSource now) {
   check(inputs);
-  if (!log) log = log_warning;
+  if (!log) log = logging::write;
   return std::make_unique<TopicsSource>(node, inputs, timeouts, map_frame, std::move(log), std::move(now));
 }
 

@@ -3,6 +3,7 @@
 /// ROS 2 drivers (any IMU, any positioning system) as a source of a bridge.
 
 #include "clocks/clocks.hpp"
+#include "logging/log.hpp"
 #include "publication/source.hpp"
 #include "ros2/relay/input_option.hpp"
 #include <sonopose/ros2/node/node.hpp>
@@ -44,7 +45,7 @@ public:
 
 /// Receives a line without a newline: "beacon 7: no IMU samples from ROS 2 yet: …". Called in log_changes()
 /// and update_readers().
-using LineLogger = std::function<void(const std::string& line)>;
+using LineLogger = std::function<void(logging::Level level, const std::string& line)>;
 
 /// Current time in the clock of ROS 2, in nanoseconds. Called on the thread that runs the source.
 using TimeSource = std::function<TimeNs()>;

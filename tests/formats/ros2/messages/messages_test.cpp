@@ -86,12 +86,26 @@ SCENARIO("messages of ROS 2 drivers become samples") {
     THEN("the conversion back gives the same sample") {
       const auto back = imu_sample(imu, 7, received_ns);
       REQUIRE(back);
-      CHECK(*back == sample);
+      CHECK(back->sample == sample);
+      CHECK(back->has_angular_velocity);
+      CHECK(back->has_specific_force);
     }
     WHEN("the message has no stamp") {
       imu.header.stamp = {0, 0};
       THEN("the time of measurement is the time of reception") {
-        CHECK(imu_sample(imu, 7, received_ns)->sensor_time_ns == received_ns);
+        CHECK(imu_sample(imu, 7, received_ns)->sample.sensor_time_ns == received_ns);
+      }
+    }
+    WHEN("REP-145 marks one sensor as absent") {
+      imu.angular_velocity_covariance[0] = -1;
+      imu.angular_velocity.x = std::numeric_limits<double>::quiet_NaN();
+      THEN("the other one is used") {
+        const auto part = imu_sample(imu, 7, received_ns);
+        REQUIRE(part);
+        CHECK_FALSE(part->has_angular_velocity);
+        CHECK(part->has_specific_force);
+        CHECK(part->sample.angular_velocity_body_radps == Vector3d::Zero());
+        CHECK(part->sample.specific_force_body_mps2 == sample.specific_force_body_mps2);
       }
     }
     WHEN("a value is not finite, or the stamp is invalid") {
@@ -146,9 +160,9 @@ SCENARIO("messages of ROS 2 drivers become samples") {
       THEN("the fix has it, with the correlations") {
         covariance[0] = 0.04;
         covariance[1] = covariance[6] = 0.01;
-        CHECK(std_m(0) == Approx(0.2));
-        CHECK(std_m(1) == Approx(0.02));
         covariance[7] = 0.09;
+        CHECK(std_m(0) == Approx(0.2));
+        CHECK_FALSE(covariance_fault(pose));
         CHECK(fix(pose, 9, received_ns)->covariance_world_m2->at(0, 1) == 0.01);
       }
       THEN("a variance that no system reaches is raised, for this axis alone") {
@@ -159,8 +173,52 @@ SCENARIO("messages of ROS 2 drivers become samples") {
       THEN("zeros and values that are not finite mean that it is unknown") {
         covariance[1] = std::numeric_limits<double>::quiet_NaN();
         CHECK_FALSE(fix(pose, 9, received_ns)->covariance_world_m2);
+        CHECK(covariance_fault(pose)->reason == std::string("not finite"));
         std::fill(std::begin(covariance), std::end(covariance), 0.0);
         CHECK_FALSE(fix(pose, 9, received_ns)->covariance_world_m2);
+        CHECK_FALSE(covariance_fault(pose));
+      }
+    }
+    WHEN("the covariance cannot be one") {
+      auto& covariance = pose.pose.covariance;
+      const auto is_unknown = [&](int row, int column, double value, const std::string& reason) {
+        const auto fault = covariance_fault(pose);
+        REQUIRE(fault);
+        CHECK(fault->row == row);
+        CHECK(fault->column == column);
+        CHECK(fault->value_m2 == value);
+        CHECK_THAT(fault->reason, Catch::Contains(reason));
+        CHECK_FALSE(fix(pose, 9, received_ns)->covariance_world_m2);
+      };
+      THEN("it is unknown, and its first fault is found") {
+        SECTION("variances that are too large") {
+          for (const double value : {1e308, 1e6}) {
+            covariance[0] = covariance[7] = covariance[14] = value;
+            is_unknown(0, 0, value, "above");
+          }
+        }
+        SECTION("a negative variance") {
+          covariance[7] = -1;
+          is_unknown(1, 1, -1, "negative");
+        }
+        SECTION("not symmetric") {
+          covariance[1] = 1e-4;
+          is_unknown(0, 1, 1e-4, "not symmetric");
+        }
+        SECTION("correlations beyond one") {
+          covariance[1] = covariance[6] = 0.01;
+          is_unknown(0, 1, 0.01, "not positive definite");
+        }
+      }
+    }
+    WHEN("a driver in the plane does not know the height") {
+      pose.pose.covariance[14] = 1e6;
+      THEN("only this axis is unknown") {
+        const auto taken = fix(pose, 9, received_ns);
+        REQUIRE(taken->covariance_world_m2);
+        CHECK(taken->covariance_world_m2->std_dev(0) == Approx(0.02));
+        CHECK(taken->covariance_world_m2->std_dev(2) == Approx(max_fix_std_m));
+        CHECK(covariance_fault(pose)->row == 2);
       }
     }
     WHEN("it is infinite") {

@@ -26,7 +26,7 @@ struct Log {
   /// Forms the lines after the fact, as the relay does.
   std::vector<std::string> take() {
     std::vector<std::string> formed;
-    for (const InputMonitor::Line& line : std::exchange(lines, {})) formed.push_back(line());
+    for (const InputMonitor::Line& line : std::exchange(lines, {})) formed.push_back(line.text());
     return formed;
   }
   std::vector<std::string> update(const InputEndpoints& endpoints, TimeNs now_ns) {
@@ -43,11 +43,18 @@ struct Log {
 };
 
 SCENARIO("a beacon has one source of each kind in ROS 2") {
-  GIVEN("two topics of IMU samples, or of fixes, for one address") {
-    THEN("they are rejected with both names") {
+  GIVEN("an IMU as the topics of its accelerometer and of its gyroscope") {
+    THEN("they are accepted, but no third one, nor the same one twice") {
+      CHECK_NOTHROW(ros2::relay::check({{Kind::imu, "/a", 7}, {Kind::fix, "/b", 7}, {Kind::imu, "/c", 7}}));
       CHECK_THROWS_WITH(
-          ros2::relay::check({{Kind::imu, "/a", 7}, {Kind::fix, "/b", 7}, {Kind::imu, "/c", 7}}),
-          Contains("--imu-in /a=7") && Contains("--imu-in /c=7"));
+          ros2::relay::check({{Kind::imu, "/a", 7}, {Kind::imu, "/b", 7}, {Kind::imu, "/c", 7}}),
+          Contains("--imu-in /a=7") && Contains("beacon 7 can have two topics of IMU samples"));
+      CHECK_THROWS_WITH(ros2::relay::check({{Kind::imu, "/a", 7}, {Kind::imu, "/a", 7}}),
+                        Contains("--imu-in /a=7"));
+    }
+  }
+  GIVEN("two topics of fixes for one address") {
+    THEN("they are rejected with both names") {
       CHECK_THROWS_WITH(ros2::relay::check({{Kind::fix, "/a", 7}, {Kind::fix, "/b", 7}}),
                         Contains("--fix-in /a=7") && Contains("--fix-in /b=7"));
     }
