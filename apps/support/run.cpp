@@ -140,6 +140,32 @@ std::string reason_of(const std::exception& error) {
       error.what());
 }
 
+/// The arguments of a ROS 2 node, which launch_ros appends to those of any program.
+struct RosArguments {
+  std::string text;  ///< without "--ros-args"
+  bool has_parameters = false;
+};
+
+/// Removes `--ros-args … --`.
+std::vector<std::string> without_ros_arguments(const std::vector<std::string>& arguments,
+                                               RosArguments& removed) {
+  std::vector<std::string> own;
+  bool is_ros = false;
+  for (const std::string& word : arguments) {
+    if (word == "--ros-args") {
+      is_ros = true;
+    } else if (!is_ros) {
+      own.push_back(word);
+    } else if (word == "--") {
+      is_ros = false;
+    } else {
+      removed.text += (removed.text.empty() ? "" : " ") + word;
+      removed.has_parameters |= word == "-p" || word == "--param" || word == "--params-file";
+    }
+  }
+  return own;
+}
+
 /// The name for exceptions of other threads. Set once, before there are any.
 std::string& program_name() {
   static std::string name;
@@ -215,7 +241,16 @@ void serve(const std::function<void()>& node) {
 }
 
 int run(CLI::App& app, int argc, char** argv, const std::function<int()>& body) {
-  return run(app, {argv + 1, argv + argc}, body);
+  RosArguments ros;
+  const auto arguments = without_ros_arguments({argv + 1, argv + argc}, ros);
+  return run(app, arguments, [&] {
+    if (ros.has_parameters) {
+      logging::warning(fmt::format("not used: {}; only sonopose-ros2 reads parameters of ROS 2", ros.text));
+    } else if (!ros.text.empty()) {
+      logging::info(fmt::format("not used: {}; this program is no ROS 2 node", ros.text));
+    }
+    return body();
+  });
 }
 
 int run(CLI::App& app, const std::vector<std::string>& arguments, const std::function<int()>& body) {

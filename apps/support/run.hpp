@@ -39,7 +39,7 @@ CLI::Validator natural_number();
 /// Parses the command line and runs `body`. Returns the exit code: 0 for success, help and a stop by signal;
 /// CLI11's own numbers for errors of the command line. Returns 1 for any exception, even on another thread,
 /// and for a failed output. The reason goes to stderr. For an unknown option or command, it names the nearest
-/// known one.
+/// known one. Arguments of ROS 2 (`--ros-args … --`) are not used; parameters among them cause a warning.
 int run(CLI::App& app, int argc, char** argv, const std::function<int()>& body);
 /// The same for arguments without the name of the program.
 int run(CLI::App& app, const std::vector<std::string>& arguments, const std::function<int()>& body);

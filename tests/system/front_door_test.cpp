@@ -92,6 +92,16 @@ TEST_CASE("Every program prints its name and version") {
   }
 }
 
+TEST_CASE("Every program takes the arguments of ROS 2 that launch_ros appends") {
+  for (const std::string& program : programs()) {
+    const Result result = run(beside_front_door(program),
+                              {"--ros-args", "-r", "__node:=kart", "-r", "__ns:=/robot", "--", "--version"});
+    CAPTURE(program, result.error);
+    CHECK(result.code == 0);
+    CHECK(result.output == program + version_line);
+  }
+}
+
 SCENARIO("A verb runs its program") {
   WHEN("the program is beside sonopose") {
     THEN("it gets the arguments, and its exit code is that of sonopose") {
