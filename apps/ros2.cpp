@@ -23,12 +23,11 @@ ros2::relay::RelayOptions relay_options(const apps::Ros2Program& program) {
   return options;
 }
 
-int serve(const ros2::arguments::Arguments& arguments, const apps::Ros2Program& given) {
-  const apps::AppliedParameters parameters = apps::apply_parameters(arguments, given);
-  apps::Ros2Program program;  // includes the parameters
-  apps::parse(program.app, apps::own_arguments(arguments), parameters.arguments);
+int serve(const ros2::arguments::Arguments& arguments, apps::Ros2Program& program) {
+  const auto settings = apps::apply_parameters(arguments, program);
   auto options = relay_options(program);
-  options.startup_settings = parameters.settings;
+  options.startup_settings = settings;
+  options.own_parameters = apps::option_parameters(program);
   const auto level = apps::log_level(arguments, options.names.node(), program);
   const logging::Session log(ros2::relay::process_level(level));
   options.rosout = arguments.rosout;
@@ -45,8 +44,8 @@ int serve(const ros2::arguments::Arguments& arguments, const apps::Ros2Program& 
 
 int main(int argc, char** argv) try {
   const auto arguments = ros2::arguments::split({argv + 1, argv + argc});
-  apps::Ros2Program given;
-  return apps::run(given.app, apps::own_arguments(arguments), [&] { return serve(arguments, given); });
+  apps::Ros2Program program;
+  return apps::run(program.app, apps::own_arguments(arguments), [&] { return serve(arguments, program); });
 } catch (const std::exception& error) {
   logging::failure(error.what());
   return 1;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <stdexcept>
 
 namespace sonopose::apps {
@@ -21,22 +22,45 @@ std::string option_name(const std::string& parameter) {
   return name;
 }
 
-/// Returns the option of a parameter; null if there is none, or if ROS 2 has another argument for it.
-const CLI::Option* option_of(const Ros2Program& program, const Parameter& parameter) {
-  constexpr std::array others{"--help", "--version", "--name", "--namespace", "--remap", "--enclave"};
-  const std::string name = option_name(parameter.name);
-  if (std::find(others.begin(), others.end(), name) != others.end()) return nullptr;
-  return program.app.get_option_no_throw(name);
+/// True if ROS 2 has another argument for this option, or if it only prints something.
+bool is_no_parameter(const std::string& option) {
+  constexpr std::array others{"--help",      "--help-all", "--version", "--name",
+                              "--namespace", "--remap",    "--enclave"};
+  return std::find(others.begin(), others.end(), option) != others.end();
 }
 
-void add_option(const CLI::Option& option, const Parameter& parameter, std::vector<std::string>& arguments) {
+/// Returns the option of a parameter; null if there is none.
+CLI::Option* option_of(Ros2Program& program, const Parameter& parameter) {
   const std::string name = option_name(parameter.name);
-  if (option.get_type_size() > 1) {
-    arguments.push_back(name);
-    arguments.insert(arguments.end(), parameter.values.begin(), parameter.values.end());
-  } else {
-    for (const std::string& value : parameter.values) arguments.push_back(fmt::format("{}={}", name, value));
+  return is_no_parameter(name) ? nullptr : program.app.get_option_no_throw(name);
+}
+
+/// Gives an option its values, which are no words of a command line: they may be empty, or begin with a dash.
+void assign(CLI::Option& option, const Parameter& parameter) {
+  if (parameter.values.empty()) return;  // an empty list
+  try {
+    for (const std::string& value : parameter.values) option.add_result(value);
+    option.run_callback();
+  } catch (const CLI::ParseError& error) {
+    throw std::invalid_argument(fmt::format("{}: {}", parameter.origin, error.what()));
   }
+}
+
+/// Returns the value of a text as YAML has it.
+settings::SettingValue scalar_of(const std::string& text) {
+  if (text == "true" || text == "false") return text == "true";
+  const char* const end = text.data() + text.size();
+  int whole = 0;
+  if (const auto [rest, error] = std::from_chars(text.data(), end, whole);
+      error == std::errc() && rest == end) {
+    return whole;
+  }
+  double real = 0;
+  if (const auto [rest, error] = std::from_chars(text.data(), end, real);
+      error == std::errc() && rest == end) {
+    return real;
+  }
+  return text;
 }
 
 ros2::arguments::LogLevel ros2_level(logging::Level level) {
@@ -75,27 +99,48 @@ std::vector<std::string> own_arguments(const Arguments& arguments) {
   return own;
 }
 
-AppliedParameters apply_parameters(const Arguments& arguments, const Ros2Program& given) {
-  const std::string node = ros2::full_name(node_name(given.ros2));
+std::vector<ros2::relay::StartupSetting> apply_parameters(const Arguments& arguments, Ros2Program& program) {
+  const std::string node = ros2::full_name(node_name(program.ros2));
   std::vector<Parameter> selected;
   for (const Parameter& parameter : arguments.parameters) {
     if (!ros2::arguments::selects(parameter.node, node)) continue;
     std::erase_if(selected, [&](const Parameter& earlier) { return earlier.name == parameter.name; });
     selected.push_back(parameter);
   }
-  AppliedParameters applied;
+  std::vector<ros2::relay::StartupSetting> settings;
   for (const Parameter& parameter : selected) {
-    if (const CLI::Option* const option = option_of(given, parameter)) {
-      if (option->count() == 0) add_option(*option, parameter, applied.arguments);
+    if (parameter.name == "start_type_description_service") continue;  // of every node of Jazzy; we have none
+    if (CLI::Option* const option = option_of(program, parameter)) {
+      if (option->count() == 0) assign(*option, parameter);
     } else if (ros2::relay::setting_named(parameter.name)) {
-      applied.settings.push_back(setting_of(parameter));
+      settings.push_back(setting_of(parameter));
     } else {
       logging::warning(fmt::format("{}: {} is neither a setting nor an option of the relay; {}",
                                    parameter.origin, parameter.name,
                                    ros2::relay::why_unknown(parameter.name)));
     }
   }
-  return applied;
+  return settings;
+}
+
+ros2::relay::OptionParameters option_parameters(const Ros2Program& program) {
+  ros2::relay::OptionParameters parameters;
+  for (const CLI::Option* option : program.app.get_options()) {
+    std::string name = option->get_single_name();
+    if (is_no_parameter("--" + name)) continue;
+    std::replace(name.begin(), name.end(), '-', '_');
+    const bool is_flag = option->get_items_expected_max() == 0;
+    if (option->count() == 0) {
+      const std::string text = is_flag ? "false" : option->get_default_str();
+      if (!text.empty()) parameters[name] = scalar_of(text);
+    } else if (option->get_items_expected_max() > 1) {
+      parameters[name] = option->results();
+    } else {
+      const std::string& text = option->results().back();
+      parameters[name] = scalar_of(text);
+    }
+  }
+  return parameters;
 }
 
 ros2::arguments::LogLevel log_level(const Arguments& arguments, const ros2::NodeName& node,

@@ -24,14 +24,14 @@ struct Ros2Program {
 /// Returns the relay's own arguments, with the remap rules and the enclave of --ros-args as own options.
 std::vector<std::string> own_arguments(const ros2::arguments::Arguments& arguments);
 
-/// The parameters that `given`, already parsed, does not override: relay options as arguments, others as
-/// settings of the fusion. Unknown parameters cause a warning on standard error. Throws std::invalid_argument
-/// with the origin of the parameter.
-struct AppliedParameters {
-  std::vector<std::string> arguments;
-  std::vector<ros2::relay::StartupSetting> settings;
-};
-AppliedParameters apply_parameters(const ros2::arguments::Arguments& arguments, const Ros2Program& given);
+/// Gives the parameters to `program`, already parsed: to its options, unless the command line has them, and
+/// returns those that are settings of the fusion. Unknown parameters cause a warning on standard error.
+/// Throws std::invalid_argument with the origin of the parameter.
+std::vector<ros2::relay::StartupSetting> apply_parameters(const ros2::arguments::Arguments& arguments,
+                                                          Ros2Program& program);
+
+/// Returns the options in use as parameters: those that are given or have a default.
+ros2::relay::OptionParameters option_parameters(const Ros2Program& program);
 
 /// Returns the least level of the lines that the node logs, from ROS 2's own argument or else from
 /// --log-level.

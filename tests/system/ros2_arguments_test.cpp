@@ -61,6 +61,30 @@ SCENARIO("ros2 launch starts the relay like any node") {
   }
 }
 
+SCENARIO("parameters are values, not words of a command line") {
+  GIVEN("a file with an empty text, a list with negative numbers, and a parameter of every node of Jazzy") {
+    const Bus bus;
+    const TemporaryFolder folder;
+    const auto file = folder / "parameters.yaml";
+    write_text(file, R"(/**:
+  ros__parameters:
+    beacon_namespace: ''
+    addresses: 7
+    mount: [0.1, 0, 0, 0, 0, -90.0]
+    topics: [odom, fix]
+    start_type_description_service: true
+)");
+    RosReader<ros2::Odometry> odom(bus, "/odom");
+    const auto fusion = bus.fusion();
+    const auto bridge = bus.bridge({});
+    const auto relay = bus.ros2({"--ros-args", "--params-file", file.string()});
+    THEN("the relay runs with them, without a warning") {
+      CHECK(odom.wait_for_count(1, [](const auto&) {}));
+      CHECK(relay->text(Stream::error).find("is neither") == std::string::npos);
+    }
+  }
+}
+
 Result refused(const Arguments& ros_arguments) {
   const TestDomain domain;
   Arguments arguments{"--domain", std::to_string(domain.id()), "--ros-args"};

@@ -22,8 +22,9 @@ DiagnosticsPublisher::DiagnosticsPublisher(const RelayOptions& options, ros2::No
       writer_(node.make_writer<ros2::DiagnosticArray>("/diagnostics", "ros2::Diagnostics")),
       started_(clocks::steady_now()) {}
 
-const std::string& DiagnosticsPublisher::node_name() const {
-  return options_.names.node().name;
+/// The node's name after its namespace: "sonopose", "robot/sonopose".
+std::string DiagnosticsPublisher::node_name() const {
+  return ros2::full_name(options_.names.node()).substr(1);
 }
 
 bool DiagnosticsPublisher::is_present(BeaconAddress address) const {

@@ -41,7 +41,7 @@ public:
   }
 
 private:
-  [[nodiscard]] const std::string& node_name() const;
+  [[nodiscard]] std::string node_name() const;
   ros2::Diagnostic own_diagnostic(std::size_t reported, const Beacons& beacons, const Source* source);
   void check_transforms(const BeaconPublishers& publishers, ros2::Diagnostic& diagnostic) const;
 

@@ -12,7 +12,14 @@
 namespace sonopose::ros2::relay {
 
 /// rcl_interfaces/msg/ParameterType.
-enum class ParameterType : std::uint8_t { not_set = 0, boolean = 1, integer = 2, real = 3, text = 4 };
+enum class ParameterType : std::uint8_t {
+  not_set = 0,
+  boolean = 1,
+  integer = 2,
+  real = 3,
+  text = 4,
+  texts = 9
+};
 
 ParameterType type_of(const settings::SettingValue& value);
 

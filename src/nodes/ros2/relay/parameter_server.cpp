@@ -42,10 +42,41 @@ std::string excess_of_names(const Sequence& sequence) {
   return excess_of(sequence._length, bytes);
 }
 
+/// Value of a parameter, and the strings that its message borrows.
+struct Value {
+  Value(const SettingsByBeacon& effective, const OptionParameters& options, const std::string& name) {
+    if (const auto option = options.find(name); option == options.end()) {
+      scalar = parameter_value(effective, name);
+    } else if (const auto* const one = std::get_if<settings::SettingValue>(&option->second)) {
+      scalar = *one;
+    } else {
+      texts = std::get<std::vector<std::string>>(option->second);
+    }
+    message = value_message(scalar);
+    if (!texts) return;
+    message.type = static_cast<std::uint8_t>(ParameterType::texts);
+    pointers = borrow_strings(*texts);
+    borrow_sequence(message.string_array_value, pointers);
+  }
+  Value(const Value&) = delete;
+  Value& operator=(const Value&) = delete;
+  ~Value() = default;
+
+  std::optional<settings::SettingValue> scalar;
+  std::optional<std::vector<std::string>> texts;
+  std::vector<char*> pointers;
+  ros2::ParameterValue message{};
+};
+
 /// Description of a parameter, and the strings and ranges that its message borrows.
 struct Description {
-  explicit Description(std::string parameter) : name(std::move(parameter)) {
+  Description(std::string parameter, const OptionParameters& options) : name(std::move(parameter)) {
     message.name = borrow_string(name);
+    if (options.contains(name)) {
+      sentence = "option of sonopose-ros2; a restart changes it";
+      message.type = Value({}, options, name).message.type;
+      message.read_only = true;
+    }
     if (const auto setting = setting_named(name)) describe(settings::setting_info(setting->key));
     message.description = borrow_string(sentence);
     message.additional_constraints = borrow_string(allowed);
@@ -94,6 +125,7 @@ ParameterServer::ParameterServer(ros2::Node& node, const dds::DomainParticipant&
       wake_(std::move(wake)),
       client_(options.domain, options.qos_file),
       startup_requests_(requests_of(options.startup_settings)),
+      own_parameters_(options.own_parameters),
       events_(node),
       admission_({}, options.max_beacons + 1),  // including all_beacons
       settings_listener_(wake_),
@@ -190,6 +222,14 @@ bool ParameterServer::refuses(const std::string& excess) {
   return !excess.empty() || stopped_();
 }
 
+std::string ParameterServer::read_only_error(std::span<const ros2::Parameter> parameters) const {
+  for (const ros2::Parameter& parameter : parameters) {
+    if (!own_parameters_.contains(parameter.name)) continue;
+    return fmt::format("{} is read-only: restart sonopose-ros2 to change it", parameter.name);
+  }
+  return {};
+}
+
 void ParameterServer::log_refusal(const std::string& reason) {
   constexpr TimeNs period_ns = 10'000'000'000;
   const SteadyTime now = clocks::steady_now();
@@ -200,7 +240,8 @@ void ParameterServer::log_refusal(const std::string& reason) {
 
 void ParameterServer::list(const ros2::ListParameters::Request& request, const auto& reply) {
   if (refuses(excess_of_names(request.prefixes))) return reply({});
-  const auto found = list_parameters(effective_, strings_of(request.prefixes), request.depth);
+  const auto found =
+      list_parameters(effective_, strings_of(request.prefixes), request.depth, own_parameters_);
   auto names = borrow_strings(found.names);
   auto prefixes = borrow_strings(found.prefixes);
   ros2::ListParameters::Response response{};
@@ -211,12 +252,12 @@ void ParameterServer::list(const ros2::ListParameters::Request& request, const a
 
 void ParameterServer::get(const ros2::GetParameters::Request& request, const auto& reply) {
   if (refuses(excess_of_names(request.names))) return reply({});
-  std::vector<std::optional<settings::SettingValue>> values;
-  for (const std::string& name : strings_of(request.names)) {
-    values.push_back(parameter_value(effective_, name));
-  }
+  std::vector<std::unique_ptr<Value>> values;
   std::vector<ros2::ParameterValue> messages;
-  for (const auto& value : values) messages.push_back(value_message(value));
+  for (const std::string& name : strings_of(request.names)) {
+    messages.push_back(
+        values.emplace_back(std::make_unique<Value>(effective_, own_parameters_, name))->message);
+  }
   ros2::GetParameters::Response response{};
   borrow_sequence(response.values, messages);
   reply(response);
@@ -226,8 +267,7 @@ void ParameterServer::get_types(const ros2::GetParameterTypes::Request& request,
   if (refuses(excess_of_names(request.names))) return reply({});
   std::vector<std::uint8_t> types;
   for (const std::string& name : strings_of(request.names)) {
-    const auto value = parameter_value(effective_, name);
-    types.push_back(static_cast<std::uint8_t>(value ? type_of(*value) : ParameterType::not_set));
+    types.push_back(Value(effective_, own_parameters_, name).message.type);
   }
   ros2::GetParameterTypes::Response response{};
   borrow_sequence(response.types, types);
@@ -239,7 +279,8 @@ void ParameterServer::describe(const ros2::DescribeParameters::Request& request,
   std::vector<std::unique_ptr<Description>> descriptions;
   std::vector<ros2::ParameterDescriptor> messages;
   for (const std::string& name : strings_of(request.names)) {
-    messages.push_back(descriptions.emplace_back(std::make_unique<Description>(name))->message);
+    messages.push_back(
+        descriptions.emplace_back(std::make_unique<Description>(name, own_parameters_))->message);
   }
   ros2::DescribeParameters::Response response{};
   borrow_sequence(response.descriptors, messages);
@@ -262,6 +303,10 @@ void ParameterServer::set(const ros2::SetParameters::Request& request, const aut
     return errors[i];
   };
   std::vector<ros2::SetParametersResult> results;
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    std::string read_only = read_only_error(parameters.subspan(i, 1));
+    if (!read_only.empty()) errors[i] = std::move(read_only);
+  }
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const std::string& error = error_of(i);
     results.push_back({error.empty(), borrow_string(error)});
@@ -275,6 +320,7 @@ void ParameterServer::set_atomically(const ros2::SetParametersAtomically::Reques
                                      const auto& reply) {
   const auto parameters = values_of(request.parameters);
   std::string error = excess_of(parameters);
+  if (error.empty()) error = read_only_error(parameters);
   if (error.empty()) {
     error = changes_.set_atomically(parameters, stopped_);
   } else {

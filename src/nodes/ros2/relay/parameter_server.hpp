@@ -29,6 +29,7 @@ struct ParameterServerOptions {
   dds::DomainOptions domain;
   std::optional<std::filesystem::path> qos_file;
   std::vector<StartupSetting> startup_settings;  ///< sent when a fusion appears and no other is known
+  OptionParameters own_parameters = {};          ///< read-only
   std::size_t max_beacons = presence::BeaconAdmission::default_max_beacons;  ///< most with settings at a time
 };
 
@@ -89,6 +90,8 @@ private:
   void set_atomically(const ros2::SetParametersAtomically::Request& request, const auto& reply);
   void reset(const auto& reply);
   bool refuses(const std::string& excess);
+  /// Returns the error of a change of the first read-only parameter among these; empty without one.
+  [[nodiscard]] std::string read_only_error(std::span<const ros2::Parameter> parameters) const;
   void log_refusal(const std::string& reason);
 
   Log& log_;
@@ -97,6 +100,7 @@ private:
   ParameterChanges changes_{client_, log_};
   Stopped stopped_ = settings_client::SettingsClient::never;  ///< that of `serve`
   std::vector<SettingsRequest> startup_requests_;
+  OptionParameters own_parameters_;
   SteadyTime next_refusal_;        ///< not logged before
   bool reported_invalid_ = false;  ///< a value of the settings
   bool applied_startup_ = false;

@@ -69,8 +69,11 @@ std::optional<settings::SettingValue> valid_value(const SettingAssignment& setti
 }
 
 ParameterList list_parameters(const SettingsByBeacon& effective, const std::vector<std::string>& prefixes,
-                              std::uint64_t depth) {
+                              std::uint64_t depth, const OptionParameters& options) {
   ParameterList list;
+  for (const auto& entry : options) {
+    if (is_selected(entry.first, prefixes, depth)) list.names.push_back(entry.first);
+  }
   for (const auto& [address, settings] : effective) {
     for (const auto& setting : settings.values) {
       if (!valid_value(setting)) continue;

@@ -10,6 +10,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace sonopose::ros2::relay {
@@ -28,6 +29,10 @@ std::optional<SettingName> setting_named(const std::string& parameter);
 std::string why_unknown(const std::string& parameter);
 std::string parameter_name(const SettingName& setting);
 
+/// Options of the relay by parameter name: read-only parameters, a list as texts.
+using OptionValue = std::variant<settings::SettingValue, std::vector<std::string>>;
+using OptionParameters = std::map<std::string, OptionValue>;
+
 /// Effective settings by beacon; all_beacons: defaults of all beacons.
 using SettingsByBeacon = std::map<BeaconAddress, EffectiveSettings>;
 
@@ -37,10 +42,10 @@ struct ParameterList {
   std::vector<std::string> prefixes;
 };
 
-/// Lists parameters of all_beacons and of each known beacon, with the semantics of rclcpp: those below one of
-/// `prefixes` (all if empty), at most `depth` levels deep (0: no limit).
+/// Lists options, and parameters of all_beacons and of each known beacon, with the semantics of rclcpp: those
+/// below one of `prefixes` (all if empty), at most `depth` levels deep (0: no limit).
 ParameterList list_parameters(const SettingsByBeacon& effective, const std::vector<std::string>& prefixes,
-                              std::uint64_t depth);
+                              std::uint64_t depth, const OptionParameters& options = {});
 
 /// Parsed value; empty if this version does not accept it. Settings come from any process.
 std::optional<settings::SettingValue> valid_value(const SettingAssignment& setting);

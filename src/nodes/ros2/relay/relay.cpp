@@ -150,6 +150,7 @@ Relay::Impl::Impl(const RelayOptions& options)
                   {.domain = options_.domain,
                    .qos_file = options.qos_file,
                    .startup_settings = options.startup_settings,
+                   .own_parameters = options.own_parameters,
                    .max_beacons = options.max_beacons},
                   log_, [this] { parameters_wakeup_.wake(); }),
       peers_(options_, participant_, node_, parameters_, log_, [this] { wakeup_.wake(); }),

@@ -6,6 +6,7 @@
 #include "presence/address_set.hpp"
 #include "presence/beacon_admission.hpp"
 #include "process/stop_signal.hpp"
+#include "ros2/relay/parameters.hpp"
 #include "ros2/relay/presence.hpp"
 #include "ros2/relay/source.hpp"
 #include "ros2/relay/startup_settings.hpp"
@@ -79,6 +80,7 @@ struct RelayOptions {
   bool use_sim_time = false;  ///< takes the time of ROS 2 from /clock
   ServicesMode services = ServicesMode::automatic;
   std::vector<StartupSetting> startup_settings;  ///< sent when a fusion appears and no other is known
+  OptionParameters own_parameters = {};          ///< these options, for the parameter services
   bool rosout = true;                            ///< publishes log lines
   Presence::Limits presence = {};                ///< times after which a beacon is stale and gone
 };

@@ -31,13 +31,16 @@ class System {
 public:
   System(const System&) = delete;
   System& operator=(const System&) = delete;
-  System()
+  explicit System(const ros2::relay::OptionParameters& own_parameters = {})
       : environment_(::unsetenv("CYCLONEDDS_URI")),
         fusion_(fusion_options()),
         participant_(dds::make_participant(options())),
         imu_(dds::topics::make_writer(participant_, qos_, dds::topics::imu)),
         node_(participant_, qos_, ros2::NameResolver({}), ros2::Distro::jazzy),
-        server_(node_, participant_, {.domain = options(), .qos_file = {}, .startup_settings = {}}, log_) {
+        server_(
+            node_, participant_,
+            {.domain = options(), .qos_file = {}, .startup_settings = {}, .own_parameters = own_parameters},
+            log_) {
     server_.offer_services(node_, true);
     node_.announce();
     REQUIRE(wait_until([&] { return imu_.publication_matched_status().current_count > 0; }));
@@ -226,6 +229,42 @@ TEST_CASE("A client reads description, type and range of a setting") {
     });
     return found == std::vector<int>{2, 0};
   }));
+}
+
+TEST_CASE("The options of the relay are read-only parameters") {
+  const System system({{"map_frame", settings::SettingValue(std::string("hall"))},
+                       {"use_sim_time", settings::SettingValue(false)},
+                       {"topics", std::vector<std::string>{"odom", "pose"}}});
+  Client<ros2::ListParameters> list(system, "list_parameters");
+  list.call({}, [&](const auto& response) {
+    const std::set<std::string> names{response.result.names._buffer,
+                                      response.result.names._buffer + response.result.names._length};
+    CHECK(names.contains("map_frame"));
+    CHECK(names.contains("topics"));
+  });
+  Client<ros2::GetParameters> get(system, "get_parameters");
+  CHECK(values_of(get, {"map_frame", "use_sim_time"}) == Texts{"string hall", "false"});
+  const Texts asked{"topics"};
+  Names names(asked);
+  ros2::GetParameters::Request request{};
+  names.assign_to(request.names);
+  get.call(request, [](const auto& response) {
+    REQUIRE(response.values._length == 1);
+    CHECK(response.values._buffer[0].type == 9);
+    REQUIRE(response.values._buffer[0].string_array_value._length == 2);
+    CHECK(response.values._buffer[0].string_array_value._buffer[1] == std::string("pose"));
+  });
+  Client<ros2::DescribeParameters> describe(system, "describe_parameters");
+  ros2::DescribeParameters::Request described{};
+  names.assign_to(described.names);
+  describe.call(described, [](const auto& response) {
+    REQUIRE(response.descriptors._length == 1);
+    CHECK(response.descriptors._buffer[0].read_only);
+    CHECK(response.descriptors._buffer[0].type == 9);
+  });
+  Client<ros2::SetParameters> set(system, "set_parameters");
+  CHECK(errors_of(set, {parameter("map_frame", 4, 0, "yard")}) ==
+        Texts{"map_frame is read-only: restart sonopose-ros2 to change it"});
 }
 
 TEST_CASE("A client sets settings individually; invalid ones are rejected with the reason") {

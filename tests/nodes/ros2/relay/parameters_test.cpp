@@ -67,6 +67,9 @@ TEST_CASE("Parameters are listed as rclcpp lists them") {
         Texts{"documented.drift.jump_alpha", "documented.trust.n_min"});
   CHECK(list_parameters(effective, {"tru"}, 0).names.empty());
   CHECK(list_parameters({}, {}, 0).names.empty());
+  const OptionParameters options{{"map_frame", settings::SettingValue(std::string("map"))}};
+  CHECK(list_parameters({}, {}, 1, options).names == Texts{"map_frame"});
+  CHECK(list_parameters({}, {"beacon_7"}, 0, options).names.empty());
 }
 
 TEST_CASE("A parameter has the effective value, with the type of its setting") {
