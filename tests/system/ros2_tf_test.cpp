@@ -214,6 +214,46 @@ SCENARIO("the mount can come from the robot's own description") {
   }
 }
 
+SCENARIO("the relay gives way to a robot description that has the mount") {
+  GIVEN("a running chain, and a relay that publishes a mount of its own") {
+    const Bus bus;
+    RosReader<ros2::TFMessage> fixed(bus, "/tf_static", Subscription::latched_log);
+    const auto fusion = bus.fusion();
+    const auto relay = bus.ros2({"--mount", "1", "0", "0", "0", "0", "0"});
+    const auto bridge = bus.bridge({});
+    const auto wait_for_x = [&](double x_m) {
+      return fixed.wait_for([&](const ros2::TFMessage& message) {
+        for (const SeenTransform& one : seen(message)) {
+          if (one.child == "imu_link" && std::abs(one.transform.translation_m.x() - x_m) < 1e-9) return true;
+        }
+        return false;
+      });
+    };
+    REQUIRE(wait_for_x(1));
+    WHEN("another node publishes another one") {
+      const std::string base = "base_link";
+      const std::string imu = "imu_link";
+      const dds::DomainParticipant participant = dds::make_participant({.domain_id = bus.domain_id()});
+      dds::DataWriter<ros2::TFMessage> robot(participant,
+                                             dds::Topic<ros2::TFMessage>(participant, "rt/tf_static"),
+                                             qos_of(Subscription::latched));
+      auto transform =
+          ros2::transform({{0.3, 0.1, 0.8}, Quaterniond::Identity()}, clocks::host_now(), base, imu);
+      robot.write({{1, 1, &transform, false}});
+      THEN("it warns, and publishes the same") {
+        CHECK(relay->wait_for_line(Stream::error, "another node publishes base_link -> imu_link"));
+        std::size_t with_it = 0;
+        CHECK(fixed.wait_for([&](const ros2::TFMessage& message) {
+          for (const SeenTransform& one : seen(message)) {
+            if (one.child == "imu_link" && std::abs(one.transform.translation_m.x() - 0.3) < 1e-9) ++with_it;
+          }
+          return with_it == 2;  // the robot's and the relay's
+        }));
+      }
+    }
+  }
+}
+
 SCENARIO("two beacons do not publish the same frame") {
   GIVEN("two beacons and a relay whose frame names do not contain the address") {
     const Bus bus;

@@ -63,6 +63,8 @@ public:
   [[nodiscard]] std::uint64_t imu_data_lost() const;
   /// Sets the mount of the IMU, without which there are no poses. Returns true if it is another one.
   bool set_mount(const ros2::Mount& mount);
+  /// The mount; empty if it is not known yet.
+  [[nodiscard]] std::optional<ros2::Mount> mount() const;
   [[nodiscard]] bool has_mount() const { return mount().has_value(); }
 
   [[nodiscard]] const ros2::FrameNames& frames() const { return frames_; }
@@ -73,7 +75,6 @@ public:
 
 private:
   void publish_raw(const ImuSample& sample);
-  [[nodiscard]] std::optional<ros2::Mount> mount() const;
   void publish_odometry(const FusedPose& pose);
   void publish_imu(const ImuSample& sample, const FusedPose& pose);
   void publish(const ros2::relay::FixQueue::Ready& fixes);

@@ -6,6 +6,7 @@
 #include "process_log/log_publisher.hpp"
 #include "publication/sensor_publisher.hpp"
 #include "ros2/relay/diagnostics_publisher.hpp"
+#include "ros2/relay/foreign_mounts.hpp"
 #include "ros2/relay/log.hpp"
 #include "ros2/relay/mount_finder.hpp"
 #include "ros2/relay/native_receiver.hpp"
@@ -90,6 +91,7 @@ private:
   void log_transitions();
   void replace_tree_owner();
   void publish_mounts();
+  void take_over_mounts();
   void serve(const process::StopSignal& stop, const std::atomic<bool>& failed);
   void bridge_while(const std::function<void()>& serve, std::atomic<bool>& failed);
   void serve_parameters(const std::stop_token& end, const process::StopSignal& stop);
@@ -128,7 +130,8 @@ private:
   // Readers are last, so that they are destroyed first and no callback uses a destroyed member.
   TfListener tf_listener_{*this};
   dds::DataReader<ros2::TFMessage> tf_reader_;
-  std::unique_ptr<MountFinder> mount_finder_;  ///< null if the mount is known
+  std::unique_ptr<MountFinder> mount_finder_;      ///< null if the mount is known
+  std::unique_ptr<ForeignMounts> foreign_mounts_;  ///< null unless this node publishes the mount
   std::optional<NativeReceiver> receiver_;
 };
 
@@ -166,6 +169,9 @@ Relay::Impl::Impl(const RelayOptions& options)
   }
   if (options.output.mount_from_tf) {
     mount_finder_ = std::make_unique<MountFinder>(node_, log_, [this] { wakeup_.wake(); });
+  }
+  if (options.output.publishes_mount()) {
+    foreign_mounts_ = std::make_unique<ForeignMounts>(node_, log_, [this] { wakeup_.wake(); });
   }
   node_.announce();
   receiver_.emplace(participant_, qos_, options, admission_,
@@ -244,11 +250,20 @@ void Relay::Impl::replace_tree_owner() {
 }
 
 void Relay::Impl::publish_mounts() {
-  std::vector<ros2::FrameNames> in_tree;
+  std::vector<std::pair<ros2::FrameNames, ros2::Mount>> in_tree;
   for_each_beacon([&](const BeaconPublishers& publishers) {
-    if (publishers.is_in_tree()) in_tree.push_back(publishers.frames());
+    const auto mount = publishers.mount();
+    if (publishers.is_in_tree() && mount) in_tree.emplace_back(publishers.frames(), *mount);
   });
   tree_.publish_mounts(in_tree);
+}
+
+/// Gives way to another node that publishes a mount.
+void Relay::Impl::take_over_mounts() {
+  if (!foreign_mounts_) return;
+  bool changed = false;
+  for_each_beacon([&](BeaconPublishers& publishers) { changed |= foreign_mounts_->assign_to(publishers); });
+  if (changed) publish_mounts();
 }
 
 /// Runs until the stop, or until `failed`.
@@ -264,6 +279,7 @@ void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>
       publishers.create_magnetic_writer(node_);
       if (mount_finder_) mount_finder_->assign_to(publishers);
     });
+    take_over_mounts();
     peers_.observe();
     node_.announce();
     if (clocks::steady_now() < next_status) continue;

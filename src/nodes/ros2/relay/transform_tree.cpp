@@ -44,13 +44,13 @@ bool TransformTree::has_frames_per_beacon() const {
   return ros2::has_frames_per_beacon(options_.output.frames, options_.output.tf == TfMode::map_odom);
 }
 
-void TransformTree::publish_mounts(const std::vector<ros2::FrameNames>& beacons) {
+void TransformTree::publish_mounts(const std::vector<std::pair<ros2::FrameNames, ros2::Mount>>& beacons) {
   if (static_writer_.is_nil() || beacons.empty()) return;
-  const ros2::Transform mount{options_.output.mount.imu_in_base_m, options_.output.mount.q_imu_to_base};
   std::vector<ros2::TransformStamped> transforms;
   transforms.reserve(beacons.size());
-  for (const ros2::FrameNames& frames : beacons) {
-    transforms.push_back(ros2::transform(mount, clock_.now_ns(), frames.base, frames.imu));
+  for (const auto& [frames, mount] : beacons) {
+    const ros2::Transform imu_in_base{mount.imu_in_base_m, mount.q_imu_to_base};
+    transforms.push_back(ros2::transform(imu_in_base, clock_.now_ns(), frames.base, frames.imu));
   }
   // One message with all transforms, because a late subscriber receives only the last message.
   ros2::TFMessage message{};

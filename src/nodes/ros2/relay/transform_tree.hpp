@@ -7,6 +7,7 @@
 #include "ros2/relay/ros_clock.hpp"
 
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace sonopose::ros2::relay {
@@ -27,7 +28,7 @@ public:
   void hand_over(BeaconAddress address);
 
   /// Publishes the mount of each beacon in the tree, unless the options leave it to others.
-  void publish_mounts(const std::vector<ros2::FrameNames>& beacons);
+  void publish_mounts(const std::vector<std::pair<ros2::FrameNames, ros2::Mount>>& beacons);
 
 private:
   [[nodiscard]] bool has_frames_per_beacon() const;

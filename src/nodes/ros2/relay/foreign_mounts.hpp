@@ -1,0 +1,56 @@
+#pragma once
+/// \file
+/// Finds the mount of the IMU that another node publishes beside the relay, as a URDF does.
+
+#include "ros2/relay/beacon_publishers.hpp"
+#include "ros2/relay/log.hpp"
+#include "threads/mutex.hpp"
+#include <sonopose/dds/binding/discovery.hpp>
+#include <sonopose/ros2/messages/static_transforms.hpp>
+#include <sonopose/ros2/node/node.hpp>
+
+#include <functional>
+#include <map>
+#include <set>
+
+namespace sonopose::ros2::relay {
+
+/// Two different transforms of one frame would alternate for the listeners, so the relay takes over that of
+/// the other node. Those of other relays do not count: they would take over this one's.
+class ForeignMounts {
+public:
+  /// Publishers of /tf_static that are observed at a time, at most.
+  static constexpr std::size_t max_publishers = 64;
+
+  /// `wake` is called on new transforms, under the rules of a listener. The others must outlive it. Throws
+  /// dds::Error.
+  ForeignMounts(ros2::Node& node, Log& log, std::function<void()> wake);
+
+  /// Gives a beacon the mount that another node publishes for its frames, and logs it. Returns true if it is
+  /// another one than before. Main thread only.
+  bool assign_to(BeaconPublishers& publishers);
+
+private:
+  class Listener final : public dds::DataReaderListener<ros2::TFMessage> {
+  public:
+    explicit Listener(ForeignMounts& mounts) : mounts_(mounts) {}
+    void on_data_available(dds::DataReader<ros2::TFMessage>& reader) noexcept override;
+
+  private:
+    ForeignMounts& mounts_;
+  };
+
+  /// Publishers that are alive and no relay.
+  [[nodiscard]] std::set<dds::InstanceHandle> robot_publishers() const;
+
+  Log& log_;
+  std::function<void()> wake_;
+  dds::Discovery discovery_;
+  threads::Mutex mutex_;
+  std::map<dds::InstanceHandle, ros2::StaticTransforms> transforms_
+      SONOPOSE_GUARDED_BY(mutex_);  ///< by publisher
+  Listener listener_{*this};
+  dds::DataReader<ros2::TFMessage> reader_;  ///< last, because its listener uses the others
+};
+
+}  // namespace sonopose::ros2::relay
