@@ -2,9 +2,9 @@
 
 #include "choice.hpp"
 #include "clocks/clocks.hpp"
-#include "dds/binding/network_interfaces.hpp"
 #include "logging/log.hpp"
 #include <sonopose/dds/binding/domain.hpp>
+#include <sonopose/dds/binding/network_interfaces.hpp>
 #include <sonopose/samples/samples.hpp>
 
 #include <stdexcept>

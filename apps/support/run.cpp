@@ -159,7 +159,7 @@ std::vector<std::string> without_ros_arguments(const std::vector<std::string>& a
     } else if (word == "--") {
       is_ros = false;
     } else {
-      removed.text += (removed.text.empty() ? "" : " ") + word;
+      removed.text.append(removed.text.empty() ? "" : " ").append(word);
       removed.has_parameters |= word == "-p" || word == "--param" || word == "--params-file";
     }
   }

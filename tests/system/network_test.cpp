@@ -41,7 +41,7 @@ SCENARIO("a program on the lan waits for the network, and takes the one with the
     WHEN("wlan0 comes up, then docker0, and a monitor starts") {
       const Result result = in_namespace(
           "ip link set lo up; " SONOPOSE_TEST_BRIDGE " --network lan --source sim 2> " + log +
-          " & bridge=$!; trap \"kill $bridge; wait\" EXIT; until grep -q 'waiting for the network' " + log +
+          " & bridge=$!; trap 'kill $bridge; wait' EXIT; until grep -q 'waiting for the network' " + log +
           "; do kill -0 $bridge; sleep 0.1; done; " + add_wlan0 + "until grep -q 'network: wlan0' " + log +
           "; do kill -0 $bridge; sleep 0.1; done; " + add_docker0 +
           SONOPOSE_TEST_MONITOR " --network lan --echo sonopose/imu --count 1 --duration 100; cat " + log);
@@ -59,7 +59,7 @@ SCENARIO("a program on the lan waits for the network, and takes the one with the
     WHEN("the doctor looks at the lan") {
       const Result result =
           in_namespace("ip link set lo up; " + add_wlan0 + SONOPOSE_TEST_BRIDGE " --source sim 2> " + log +
-                       " & bridge=$!; trap \"kill $bridge; wait\" EXIT; until grep -q publishing " + log +
+                       " & bridge=$!; trap 'kill $bridge; wait' EXIT; until grep -q publishing " + log +
                        "; do kill -0 $bridge; sleep 0.1; done; " SONOPOSE_TEST_DOCTOR
                        " --network lan --duration 0.5 || true");
       THEN("it finds the bridge, and says how to reach it") {

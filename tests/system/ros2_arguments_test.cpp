@@ -77,7 +77,7 @@ SCENARIO("parameters are values, not words of a command line") {
     RosReader<ros2::Odometry> odom(bus, "/odom");
     const auto fusion = bus.fusion();
     const auto bridge = bus.bridge({});
-    const auto relay = bus.ros2({"--ros-args", "--params-file", file.string()});
+    const auto relay = bus.ros2({"--ros-args", "--params-file", file.string(), "--"});
     THEN("the relay runs with them, without a warning") {
       CHECK(odom.wait_for_count(1, [](const auto&) {}));
       CHECK(relay->text(Stream::error).find("is neither") == std::string::npos);

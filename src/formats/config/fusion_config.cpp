@@ -46,7 +46,8 @@ std::vector<std::string> names_in(const files::toml::Leaf& leaf) {
   for (std::string word; std::getline(words >> std::ws, word, ',');) {
     if (!word.empty()) names.push_back(word);
   }
-  if (names.empty()) throw SettingError(fmt::format("{}: not the name of an interface: \"wlan0\"", leaf.key));
+  if (names.empty())
+    throw SettingError(fmt::format(R"({}: not the name of an interface: "wlan0")", leaf.key));
   return names;
 }
 

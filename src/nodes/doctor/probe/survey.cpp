@@ -1,7 +1,7 @@
 #include "doctor/probe/survey.hpp"
 
 #include "clocks/clocks.hpp"
-#include "dds/binding/network_interfaces.hpp"
+#include <sonopose/dds/binding/network_interfaces.hpp>
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 

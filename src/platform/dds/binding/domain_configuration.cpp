@@ -1,8 +1,8 @@
 // Builds the configuration text for Cyclone DDS.
 
-#include "dds/binding/network_interfaces.hpp"
 #include "loopback_xml.hpp"
 #include <sonopose/dds/binding/domain.hpp>
+#include <sonopose/dds/binding/network_interfaces.hpp>
 
 #include <pugixml.hpp>
 
@@ -104,8 +104,8 @@ std::string general(const NetworkChoice& choice, Network network) {
   const bool multicast = !only_here && network != Network::ros_localhost;
   std::string interfaces;
   for (const NetworkInterface& each : choice.interfaces) {
-    interfaces += "<NetworkInterface name=\"" + each.name + "\"";
-    if (multicast && each.loopback) interfaces += " multicast=\"true\"";  // otherwise none has multicast
+    interfaces.append(R"(<NetworkInterface name=")").append(each.name).append(R"(")");
+    if (multicast && each.loopback) interfaces += R"( multicast="true")";  // otherwise none has multicast
     interfaces += "/>";
   }
   return "<Interfaces>" + interfaces + "</Interfaces>" +

@@ -1,4 +1,4 @@
-#include "dds/binding/network_interfaces.hpp"
+#include <sonopose/dds/binding/network_interfaces.hpp>
 
 #include <algorithm>
 #include <arpa/inet.h>
@@ -84,7 +84,9 @@ NetworkChoice choose_named(const std::vector<std::string>& names,
         [&name](const NetworkInterface& each) { return each.name == name || each.address == name; });
     if (found == available.end()) {
       const std::string up = available.empty() ? "none is" : "up: " + list_of(available);
-      return {.interfaces = {}, .is_ready = false, .text = "--interface " + name + " is not up; " + up};
+      return {.interfaces = {},
+              .is_ready = false,
+              .text = std::string("--interface ").append(name).append(" is not up; ").append(up)};
     }
     const bool is_new =
         std::find(choice.interfaces.begin(), choice.interfaces.end(), *found) == choice.interfaces.end();

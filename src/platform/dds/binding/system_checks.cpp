@@ -1,7 +1,7 @@
 #include "dds/binding/system_checks.hpp"
 
-#include "dds/binding/network_interfaces.hpp"
 #include <sonopose/dds/binding/error.hpp>
+#include <sonopose/dds/binding/network_interfaces.hpp>
 
 #include <algorithm>
 #include <charconv>

@@ -1,4 +1,4 @@
-#include "dds/binding/network_interfaces.hpp"
+#include <sonopose/dds/binding/network_interfaces.hpp>
 
 #include <catch2/catch.hpp>
 
