@@ -155,7 +155,7 @@ void describe_network(CLI::App& app) {
   app.get_option("--network")
       ->option_text("loopback|lan (default: from the environment variables of ROS 2)")
       ->description(
-          "loopback: only this machine; lan: the interface with the default route, else a likely one, "
+          "loopback: only this machine; lan: the interface of the default route, "
           "without any bridge or fusion on loopback (CYCLONEDDS_URI overrides both)");
 }
 
