@@ -3,6 +3,7 @@
 #include "publication/sensor_publisher.hpp"
 #include "support/bus_options.hpp"
 #include "support/log_option.hpp"
+#include "support/options_file.hpp"
 #include "support/realtime_option.hpp"
 #include "support/source_options.hpp"
 
@@ -62,5 +63,6 @@ int main(int argc, char** argv) {
   apps::add_source_options(app, options.source);
   app.add_option("--record", options.record, "Write the published samples to a new sensor-log folder")
       ->type_name("DIR");
+  apps::add_options_file(app);
   return apps::run(app, argc, argv, [&] { return serve(app, options); });
 }

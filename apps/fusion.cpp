@@ -62,7 +62,6 @@ sonopose::fusion::FusionOptions node_options(const Options& options,
                      .max_beacons = options.max_beacons,
                      .standby = {},
                      .lossless = options.lossless};
-  if (node.domain.interfaces.empty()) node.domain.interfaces = config.interfaces();
   if (options.addresses) node.addresses = sonopose::presence::AddressSet::parse(*options.addresses);
   if (options.standby_strength > 0) node.standby = {options.standby_strength, options.warm_up_s};
   return node;

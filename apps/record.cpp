@@ -5,6 +5,7 @@
 #include "recorder/signal_trigger.hpp"
 #include "support/bus_options.hpp"
 #include "support/log_option.hpp"
+#include "support/options_file.hpp"
 #include "support/record_options.hpp"
 #include "support/topic_option.hpp"
 #include "support/version.hpp"
@@ -110,6 +111,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   apps::add_file_options(app, recording);
   apps::add_last_options(app, recording);
+  apps::add_options_file(app);
   std::string command = "sonopose-record";
   for (int i = 1; i < argc; ++i) command += std::string(" ") + argv[i];
   return apps::run(app, argc, argv, [&] { return serve(options, command); });

@@ -2,6 +2,7 @@
 // samples of ROS 2 drivers.
 
 #include "ros2/relay/log.hpp"
+#include "support/options_file.hpp"
 #include "support/ros2_command_line.hpp"
 
 #include <exception>

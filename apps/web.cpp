@@ -6,6 +6,7 @@
 #include "support/bus_options.hpp"
 #include "support/expanded_option.hpp"
 #include "support/log_option.hpp"
+#include "support/options_file.hpp"
 #include "support/version.hpp"
 #include "support/waiting.hpp"
 #include "web/recording_node.hpp"
@@ -90,6 +91,7 @@ int main(int argc, char** argv) {
       ->needs(plan);
   app.add_option("--geofence", given.geofence, "The corners of an area, as CSV with the header # x_m,y_m")
       ->type_name("FILE");
+  apps::add_options_file(app);
   for (const CLI::Option* const option : app.get_options()) {
     const bool is_of_bus = option->get_group() == apps::bus_group;
     const bool is_of_live_page = option->check_lname("allow-changes") || option->check_lname("max-beacons");

@@ -54,6 +54,16 @@ void add_beacon_option(CLI::App& app, std::optional<BeaconAddress>& beacon) {
       ->check(CLI::Range(0, 65534));
 }
 
+void add_beacon_or_all_option(CLI::App& app, BeaconAddress& beacon) {
+  app.add_option("--beacon", beacon, "Address of one beacon (default: all)")
+      ->transform([](const std::string& text) {
+        if (text == "all") return std::to_string(all_beacons);
+        if (CLI::Range(0, all_beacons - 1)(text).empty()) return text;
+        throw CLI::ValidationError(fmt::format("{}: must be all or 0 … {}", text, all_beacons - 1));
+      })
+      ->option_text("ADDRESS|all");
+}
+
 void assign_everywhere(ConfigOptions& options, BeaconAddress beacon, const std::string& key,
                        const std::string& value) {
   options.assignments.push_back(fmt::format("{}={}", key, value));

@@ -34,6 +34,9 @@ void add_beacon_option(CLI::App& app, BeaconAddress& beacon);
 /// The same for a log that may name its beacon, which is the default.
 void add_beacon_option(CLI::App& app, std::optional<BeaconAddress>& beacon);
 
+/// Adds --beacon, which also takes "all" for all_beacons, the default.
+void add_beacon_or_all_option(CLI::App& app, BeaconAddress& beacon);
+
 /// Reads the settings, with --set above --config, and logs their warnings. Throws config::ConfigError.
 config::FusionConfig configuration(const CLI::App& app, const ConfigOptions& options);
 

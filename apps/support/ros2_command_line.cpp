@@ -1,5 +1,6 @@
 #include "ros2_command_line.hpp"
 
+#include "options_file.hpp"
 #include "ros2/relay/parameters.hpp"
 
 #include <fmt/format.h>
@@ -24,8 +25,8 @@ std::string option_name(const std::string& parameter) {
 
 /// True if ROS 2 has another argument for this option, or if it only prints something.
 bool is_no_parameter(const std::string& option) {
-  constexpr std::array others{"--help",      "--help-all", "--version", "--name",
-                              "--namespace", "--remap",    "--enclave"};
+  constexpr std::array others{"--help",  "--help-all", "--version", "--name",        "--namespace",
+                              "--remap", "--enclave",  "--config",  "--print-config"};
   return std::find(others.begin(), others.end(), option) != others.end();
 }
 
@@ -38,6 +39,7 @@ CLI::Option* option_of(Ros2Program& program, const Parameter& parameter) {
 /// Gives an option its values, which are no words of a command line: they may be empty, or begin with a dash.
 void assign(CLI::Option& option, const Parameter& parameter) {
   if (parameter.values.empty()) return;  // an empty list
+  option.clear();                        // what a file gives
   try {
     for (const std::string& value : parameter.values) option.add_result(value);
     option.run_callback();
@@ -90,6 +92,7 @@ Ros2Program::Ros2Program() {
   add_bus_options(app, bus);
   add_ros2_options(app, ros2);
   add_log_option(app, log_level);
+  add_options_file(app);
 }
 
 std::vector<std::string> own_arguments(const Arguments& arguments) {
@@ -107,11 +110,12 @@ std::vector<ros2::relay::StartupSetting> apply_parameters(const Arguments& argum
     std::erase_if(selected, [&](const Parameter& earlier) { return earlier.name == parameter.name; });
     selected.push_back(parameter);
   }
+  const auto own = own_arguments(arguments);
   std::vector<ros2::relay::StartupSetting> settings;
   for (const Parameter& parameter : selected) {
     if (parameter.name == "start_type_description_service") continue;  // of every node of Jazzy; we have none
     if (CLI::Option* const option = option_of(program, parameter)) {
-      if (option->count() == 0) assign(*option, parameter);
+      if (!is_given(*option, own)) assign(*option, parameter);
     } else if (ros2::relay::setting_named(parameter.name)) {
       settings.push_back(setting_of(parameter));
     } else {

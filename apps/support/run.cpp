@@ -1,8 +1,11 @@
 #include "run.hpp"
 
+#include "completion.hpp"
+#include "config/fusion_config.hpp"
 #include "help.hpp"
 #include "logging/log.hpp"
 #include "nearest.hpp"
+#include "options_file.hpp"
 #include "verbs.hpp"
 #include "version.hpp"
 
@@ -92,6 +95,14 @@ std::vector<std::string> with_joined_values(const CLI::App& app, const std::vect
                   option->get_items_expected_max() == 1;
   }
   return joined;
+}
+
+/// Returns where a mistake is, if it is in a file.
+std::string origin_of(const CLI::ParseError& error, const std::vector<FileOption>& options) {
+  const std::string text = error.what();
+  const auto found = std::ranges::find_if(
+      options, [&](const FileOption& option) { return text.starts_with(option.name + ":"); });
+  return found == options.end() ? "" : found->origin + ": ";
 }
 
 /// Prints a requested text. Returns the exit code.
@@ -203,6 +214,7 @@ Program::Program(std::string_view verb, const std::string& details)
   set_help_all_flag("--help-all", "Print everything about every option and exit");
   set_version_flag("--version", get_name() + " " + std::string(apps::version()),
                    "Print the version and exit");
+  add_completions(*this);
 }
 
 Program::~Program() = default;
@@ -257,8 +269,10 @@ int run(CLI::App& app, const std::vector<std::string>& arguments, const std::fun
   program_name() = app.get_name();
   logging::set_program(app.get_name());
   prepare_process();
+  std::vector<FileOption> of_file;
   try {
-    parse(app, with_joined_values(app, arguments));
+    of_file = file_options(app, arguments);
+    parse(app, with_joined_values(app, arguments), arguments_of(of_file));
     for (const CLI::App* each : {&std::as_const(app), &command_of(app)}) refuse_empty_paths(*each);
   } catch (const Printed& asked) {
     return print_requested(asked.what());
@@ -267,15 +281,21 @@ int run(CLI::App& app, const std::vector<std::string>& arguments, const std::fun
     app.exit(asked, text);
     return print_requested(text.str());
   } catch (const CLI::ParseError& error) {
-    logging::failure(
-        fmt::format("{}\nRun {} --help for more information.", mistake_in(app, error), app.get_name()));
+    logging::failure(fmt::format("{}{}\nRun {} --help for more information.", origin_of(error, of_file),
+                                 mistake_in(app, error), app.get_name()));
     return error.get_exit_code();
+  } catch (const config::ConfigError& error) {
+    logging::failure(error.what());
+    return wrong_configuration;
   }
   std::set_terminate(end_by_exception);
   try {
     const int code = body();
     flush_output();
     return code;
+  } catch (const config::ConfigError& error) {
+    logging::failure(error.what());
+    return wrong_configuration;
   } catch (const std::exception& error) {
     logging::failure(reason_of(error));
     return 1;

@@ -36,8 +36,13 @@ CLI::Validator number_between(double min, double max = std::numeric_limits<doubl
 /// Accepts an integer from 0 to 10⁹, such as a seed. Without a limit, CLI11 reads -1 as the largest number.
 CLI::Validator natural_number();
 
-/// Parses the command line and runs `body`. Returns the exit code: 0 for success, help and a stop by signal;
-/// CLI11's own numbers for errors of the command line. Returns 1 for any exception, even on another thread,
+/// Exit code for a file of settings or options that cannot be used: EX_CONFIG of sysexits.h. A service
+/// manager need not try again.
+inline constexpr int wrong_configuration = 78;
+
+/// Parses the command line, with the options of a file (options_file.hpp), and runs `body`. Returns the exit
+/// code: 0 for success, help and a stop by signal; CLI11's own numbers for errors of the command line;
+/// `wrong_configuration` for config::ConfigError. Returns 1 for any exception, even on another thread,
 /// and for a failed output. The reason goes to stderr. For an unknown option or command, it names the nearest
 /// known one. Arguments of ROS 2 (`--ros-args … --`) are not used; parameters among them cause a warning.
 int run(CLI::App& app, int argc, char** argv, const std::function<int()>& body);

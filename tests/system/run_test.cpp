@@ -114,10 +114,10 @@ SCENARIO("an error of one program is the error of all") {
   WHEN("the settings are wrong") {
     const auto all = start(bus, {"--set", "heading.mount_offset_deg=1000"});
     THEN("the fusion's message and exit code arrive") {
-      CHECK(all->wait_for_exit() == 1);
+      CHECK(all->wait_for_exit() == 78);
       CHECK_THAT(all->text(Stream::error),
                  Contains("heading.mount_offset_deg = 1000: out of range") &&
-                     Contains("sonopose-run: sonopose-fusion ended with exit code 1"));
+                     Contains("sonopose-run: sonopose-fusion ended with exit code 78"));
     }
   }
   WHEN("a short simulation ends by itself") {

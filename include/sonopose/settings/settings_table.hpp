@@ -46,6 +46,12 @@ public:
   using std::invalid_argument::invalid_argument;
 };
 
+/// A key of an earlier version. The message names its successor.
+class RenamedSetting : public SettingError {
+public:
+  using SettingError::SettingError;
+};
+
 /// All settings: first the shared ones, then those of each engine, in the order of the groups in Settings.
 const std::vector<SettingInfo>& setting_table();
 

@@ -137,7 +137,7 @@ const SettingInfo& setting_info(std::string_view key) {
   const std::string_view old_key = key == "fusion.imu_weight" ? "imu_weight" : key;
   for (const SettingInfo& row : table) {
     if (without_engine(row) == old_key) {
-      throw SettingError("'" + std::string(key) + "' is now called '" + row.key + "'");
+      throw RenamedSetting("'" + std::string(key) + "' is now called '" + row.key + "'");
     }
   }
   const SettingInfo* nearest = &table.front();

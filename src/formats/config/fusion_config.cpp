@@ -38,17 +38,13 @@ std::vector<files::toml::Leaf> leaves_of(const std::filesystem::path& file) {
   }
 }
 
-/// Splits "lo, wlan0".
-std::vector<std::string> names_in(const files::toml::Leaf& leaf) {
-  const auto* const text = std::get_if<std::string>(&leaf.value);
-  std::vector<std::string> names;
-  std::istringstream words(text == nullptr ? "" : *text);
-  for (std::string word; std::getline(words >> std::ws, word, ',');) {
-    if (!word.empty()) names.push_back(word);
+std::vector<std::filesystem::path> files_of(const std::filesystem::path& file,
+                                            const std::filesystem::path& without) {
+  try {
+    return files::toml::with_drop_ins(file, without);
+  } catch (const files::IoError& error) {
+    throw ConfigError(error.what());
   }
-  if (names.empty())
-    throw SettingError(fmt::format(R"({}: not the name of an interface: "wlan0")", leaf.key));
-  return names;
 }
 
 /// Splits "beacon.7.documented.drift.decay_rate_hz" at the address.
@@ -125,20 +121,26 @@ std::string tables_of(const std::map<BeaconAddress, Assignments>& overrides) {
 
 }  // namespace
 
-FusionConfig FusionConfig::load(const std::filesystem::path& file) {
+FusionConfig FusionConfig::load(const std::filesystem::path& file, const std::filesystem::path& without) {
   FusionConfig config;
+  for (const std::filesystem::path& each : files_of(file, without)) config.add(each);
+  return config;
+}
+
+void FusionConfig::add(const std::filesystem::path& file) {
   for (const files::toml::Leaf& leaf : leaves_of(file)) {
+    if (leaf.key.starts_with(program_prefix)) continue;
+    const auto at_line = [&](const SettingError& error) {
+      return fmt::format("{}:{}: {}", file.string(), leaf.line, error.what());
+    };
     try {
-      if (leaf.key == "bus.interface") {
-        config.interfaces_ = names_in(leaf);
-        continue;
-      }
-      config.set(leaf.key, value_of(leaf));
+      set(leaf.key, value_of(leaf));
+    } catch (const settings::RenamedSetting& error) {
+      renamed_.push_back(at_line(error) + "; this value is not used");
     } catch (const SettingError& error) {
-      throw ConfigError(fmt::format("{}:{}: {}", file.string(), leaf.line, error.what()));
+      throw ConfigError(at_line(error));
     }
   }
-  return config;
 }
 
 void FusionConfig::assign(std::string_view assignment) {
@@ -199,7 +201,8 @@ void FusionConfig::check() const {
 std::vector<std::string> FusionConfig::warnings() const {
   std::map<BeaconAddress, settings::Settings> of_beacons;
   for (const auto& entry : overrides_) of_beacons.emplace(entry.first, for_beacon(entry.first));
-  std::vector<std::string> texts = warnings_for_all(settings_, given_, of_beacons);
+  std::vector<std::string> texts = renamed_;
+  for (std::string& text : warnings_for_all(settings_, given_, of_beacons)) texts.push_back(std::move(text));
   for (const auto& [address, own] : overrides_) {
     const auto more = warnings_for(of_beacons.at(address), own, fmt::format("beacon.{}.", address));
     texts.insert(texts.end(), more.begin(), more.end());
@@ -228,6 +231,29 @@ std::string FusionConfig::to_toml() const {
 
 std::string FusionConfig::given_toml() const {
   return tables_of("", given_) + tables_of(overrides_);
+}
+
+FusionConfig FusionConfig::changes_from(const FusionConfig& base) const {
+  FusionConfig changes;
+  for (const auto& row : settings::setting_table()) {
+    const SettingValue value = settings::get(settings_, row.key);
+    if (value != settings::get(base.settings_, row.key)) changes.set(row.key, value);
+  }
+  for (const auto& [address, own] : overrides_) {
+    const auto known = base.overrides_.find(address);
+    for (const auto& [key, value] : own) {
+      const bool is_known = known != base.overrides_.end() && known->second.contains(key) &&
+                            known->second.find(key)->second == value;
+      if (!is_known) changes.overrides_[address].insert_or_assign(key, value);
+    }
+  }
+  return changes;
+}
+
+std::size_t FusionConfig::given() const {
+  std::size_t count = given_.size();
+  for (const auto& entry : overrides_) count += entry.second.size();
+  return count;
 }
 
 }  // namespace sonopose::config

@@ -21,6 +21,9 @@ public:
   using std::runtime_error::runtime_error;
 };
 
+/// The table of a settings file that has options of sonopose-fusion instead of settings, with a dot.
+inline constexpr std::string_view program_prefix = "program.";
+
 /// Settings for all beacons, and overrides for single ones.
 class FusionConfig {
 public:
@@ -28,9 +31,10 @@ public:
   FusionConfig() = default;
 
   /// Reads a TOML file with a table per settings group (`[documented.drift]`), and per beacon
-  /// `[beacon.7.documented.drift]`. Throws ConfigError for invalid TOML, an unknown key, and a value of the
-  /// wrong type or out of range.
-  static FusionConfig load(const std::filesystem::path& file);
+  /// `[beacon.7.documented.drift]`, and then its drop-ins FILE.d/*.toml except `without`. Skips the table
+  /// `[program]`, which has options of sonopose-fusion. A key of an earlier version is a warning. Throws
+  /// ConfigError for invalid TOML, an unknown key, and a value of the wrong type or out of range.
+  static FusionConfig load(const std::filesystem::path& file, const std::filesystem::path& without = {});
 
   /// Applies `group.key=value` or `beacon.7.group.key=value`, as typed after --set. Throws ConfigError.
   void assign(std::string_view assignment);
@@ -41,18 +45,14 @@ public:
   /// The same, including which keys are the beacon's own. For all_beacons: the common settings.
   [[nodiscard]] BeaconSettings beacon(BeaconAddress address) const;
 
-  /// The network interfaces of the file: `interface = "lo, wlan0"` in its table `[bus]`. No setting: only the
-  /// fusion reads it, at its start.
-  [[nodiscard]] const std::vector<std::string>& interfaces() const { return interfaces_; }
-
   /// The beacons with settings of their own.
   [[nodiscard]] std::vector<BeaconAddress> beacons() const;
 
   /// Throws ConfigError if an estimator cannot work with the settings of a beacon.
   void check() const;
 
-  /// Returns warnings about valid but probably unintended settings: items 2–4 with a preset that replaces
-  /// them, and contradictions.
+  /// Returns warnings about keys of earlier versions and about valid but probably unintended settings: items
+  /// 2–4 with a preset that replaces them, and contradictions.
   [[nodiscard]] std::vector<std::string> warnings() const;
 
   /// The complete configuration as a commented TOML file, which loads back to the same values.
@@ -61,13 +61,21 @@ public:
   /// The settings that were given, as TOML.
   [[nodiscard]] std::string given_toml() const;
 
+  /// The given settings that have another value in `base`, or that `base` does not have as a beacon's own.
+  /// Also those for all beacons that only `base` has, at their values here.
+  [[nodiscard]] FusionConfig changes_from(const FusionConfig& base) const;
+
+  /// Number of settings that were given.
+  [[nodiscard]] std::size_t given() const;
+
 private:
+  void add(const std::filesystem::path& file);
   void set(std::string_view key, const settings::SettingValue& value);
 
   settings::Settings settings_;
-  std::vector<std::string> interfaces_;
   Assignments given_;  ///< settings that the user gave for all beacons
   std::map<BeaconAddress, Assignments> overrides_;
+  std::vector<std::string> renamed_;  ///< keys of earlier versions, with file and line
 };
 
 /// The table of all settings as a page of the docs.

@@ -5,6 +5,7 @@
 #include "files/error.hpp"
 #include "logging/log.hpp"
 #include "process/host_name.hpp"
+#include "process/service.hpp"
 #include "recorder/foreign_topics.hpp"
 #include "recorder/pipeline.hpp"
 #include "recorder/ros2_topics.hpp"
@@ -240,6 +241,7 @@ bool Recorder::Node::has_failed() const {
 void Recorder::Node::run(const process::StopSignal& stop) {
   const SteadyTime end = options_.duration_s > 0 ? began_ + to_ns(options_.duration_s) : SteadyTime::max();
   report_begin();
+  process::report_ready();
   try {
     while (!stop.requested() && clocks::steady_now() < end && !has_failed()) {
       const auto writers = discovery_.writers();
@@ -248,7 +250,8 @@ void Recorder::Node::run(const process::StopSignal& stop) {
       report_news();
       report_rate();
       logging::report_left_out();
-      stop.wait_until(std::min(end, clocks::steady_now() + poll_period_ns), news_);
+      const SteadyTime now = clocks::steady_now();
+      stop.wait_until(std::min({end, now + poll_period_ns, process::report_progress_by(now)}), news_);
     }
   } catch (const std::exception&) {
     failure_ = std::current_exception();

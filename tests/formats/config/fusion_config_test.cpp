@@ -101,15 +101,6 @@ velocity_smooth_rate_hz = 12.0
   CHECK(config.for_beacon(8).attitude.mahony.ki == attitude::MahonySettings{}.ki);
 }
 
-TEST_CASE("the interfaces of the bus are a list in one text, and no setting") {
-  CHECK(loaded("").interfaces().empty());
-  const auto config = loaded("[bus]\ninterface = \"lo, wlan0\"\n");
-  CHECK(config.interfaces() == std::vector<std::string>{"lo", "wlan0"});
-  CHECK(same_everywhere(config.for_beacon(7), {}));
-  CHECK_THAT(refusal("[bus]\ninterface = 3\n"), Contains(":2: bus.interface: not the name of an interface"));
-  CHECK_THAT(refusal("[bus]\ninterface = \" , \"\n"), Contains("bus.interface"));
-}
-
 TEST_CASE("an error names file, line, key, value and what is allowed") {
   SECTION("a misspelt key") {
     CHECK_THAT(refusal("[documented.drift]\n\ndecay_rate = 2.0\n"),
@@ -377,6 +368,44 @@ TEST_CASE("what is printed gives no warnings of its own when it is loaded") {
 
 TEST_CASE("the printed defaults give no warning although one engine does not read all of them") {
   CHECK(loaded(FusionConfig{}.to_toml()).warnings().empty());
+}
+
+TEST_CASE("drop-ins replace the values of their file, in the order of their names") {
+  const TemporaryFile file("[admission]\nmin_quality_percent = 10\n[program]\nrealtime = 50\n");
+  const std::filesystem::path drop_ins = file.path().string() + ".d";
+  std::filesystem::create_directory(drop_ins);
+  std::ofstream(drop_ins / "90-b.toml") << "[admission]\nmin_quality_percent = 30\n";
+  std::ofstream(drop_ins / "50-a.toml") << "[admission]\nmin_quality_percent = 20\n";
+  std::ofstream(drop_ins / "95-c.txt") << "no TOML";
+  const auto quality = [](const FusionConfig& config) {
+    return settings::to_text(settings::get(config.for_beacon(7), "admission.min_quality_percent"));
+  };
+  CHECK(quality(FusionConfig::load(file.path())) == "30");
+  CHECK(quality(FusionConfig::load(file.path(), drop_ins / "90-b.toml")) == "20");
+  std::filesystem::remove_all(drop_ins);
+}
+
+TEST_CASE("a key of an earlier version is a warning with its successor, and the rest is used") {
+  const FusionConfig config = loaded("[trust]\nsigma_m = 0.5\n[admission]\nmin_quality_percent = 10\n");
+  const auto warnings = config.warnings();
+  REQUIRE(warnings.size() == 1);
+  CHECK_THAT(warnings[0], Contains(".toml:2: ") && Contains("'documented.trust.sigma_m'"));
+  CHECK(settings::to_text(settings::get(config.for_beacon(7), "admission.min_quality_percent")) == "10");
+}
+
+TEST_CASE("changes have what differs from another configuration, also a value that is the default") {
+  const FusionConfig base = loaded(
+      "[admission]\nmin_quality_percent = 10\n[beacon.7.heading]\n"
+      "mount_offset_deg = 90.0\n");
+  FusionConfig live;
+  live.assign("beacon.7.heading.mount_offset_deg=90");
+  live.assign("beacon.8.heading.mount_offset_deg=90");
+  live.assign("kalman.delay.estimate=true");
+  const FusionConfig changes = live.changes_from(base);
+  CHECK(changes.given() == 3);
+  const std::string toml = changes.given_toml();
+  CHECK_THAT(toml, Contains("[admission]\nmin_quality_percent = ") && Contains("[beacon.8.heading]") &&
+                       Contains("estimate = true") && !Contains("[beacon.7"));
 }
 
 TEST_CASE("a magnetometer is refused with an engine that uses none") {

@@ -3,6 +3,7 @@
 #include "logging/log.hpp"
 #include "observation/beacon_observers.hpp"
 #include "presence/beacon_admission.hpp"
+#include "process/service.hpp"
 #include "process_log/log_publisher.hpp"
 #include "publication/sensor_publisher.hpp"
 #include "ros2/relay/diagnostics_publisher.hpp"
@@ -272,7 +273,11 @@ void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>
   node_.announce();
   SteadyTime next_status = clocks::steady_now() + status_period_ns;
   SteadyTime readers_due = next_status;
-  while (!failed && !stop.wait_until(std::min(next_status, readers_due), wakeup_)) {
+  process::report_ready();
+  const auto wake_at = [&] {
+    return std::min({next_status, readers_due, process::report_progress_by(clocks::steady_now())});
+  };
+  while (!failed && !stop.wait_until(wake_at(), wakeup_)) {
     open_topics(stop);
     if (source_) readers_due = source_->update_readers();
     for_each_beacon([this](BeaconPublishers& publishers) {

@@ -5,6 +5,7 @@
 #include "logging/log.hpp"
 #include "presence/silence.hpp"
 #include "process/random_id.hpp"
+#include "process/service.hpp"
 #include "process_log/log_publisher.hpp"
 #include "publication/background_recording.hpp"
 #include "publication/deadline_count.hpp"
@@ -114,6 +115,7 @@ private:
   void log_silence(BeaconAddress address, transitions::Kind kind, Stream& stream, SteadyTime now);
 
   bool lossless_;
+  bool reports_to_manager_;
   dds::DomainParticipant participant_;
   dds::qos::Provider qos_;
   std::unique_ptr<process_log::LogPublisher> log_publisher_;
@@ -137,6 +139,7 @@ private:
 
 SensorPublisher::Publisher::Publisher(const PublisherOptions& options)
     : lossless_(options.lossless),
+      reports_to_manager_(options.publishes_log),
       participant_(domain_options(options)),
       qos_(options.qos_file),
       log_publisher_(options.publishes_log ? std::make_unique<process_log::LogPublisher>(participant_, qos_)
@@ -259,6 +262,10 @@ void SensorPublisher::Publisher::publish(LineStatus& line) {
 void SensorPublisher::Publisher::tick() {
   flush();
   const SteadyTime now = clocks::steady_now();
+  if (reports_to_manager_) {
+    process::report_ready();
+    process::report_progress(now);
+  }
   if (now >= status_due_) publish_statuses(now);
 }
 

@@ -23,7 +23,8 @@ struct PublisherOptions {
   /// Sensor-log folder for the published samples. An error ends the recording, not the publishing.
   std::optional<std::filesystem::path> record_folder;
   recording::LogSettings source_settings = {};  ///< for the recording's meta.toml
-  bool publishes_log = true;                    ///< false if another part of the process publishes its log
+  /// False if another part of the process publishes its log and reports to the service manager.
+  bool publishes_log = true;
 };
 
 class SensorPublisher {

@@ -6,6 +6,7 @@
 #define TOML_EXCEPTIONS 1
 #include <toml++/toml.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -55,11 +56,30 @@ std::string checked_text(const std::filesystem::path& file) {
   return text;
 }
 
+Value value_of(const ::toml::node& node);
+
+/// Returns the words of an array, or nothing if it has anything but numbers and texts.
+Value words_of(const ::toml::array& array) {
+  Words words;
+  for (const ::toml::node& node : array) {
+    const Value value = value_of(node);
+    if (const auto* const text = std::get_if<std::string>(&value)) {
+      words.push_back(*text);
+    } else if (node.is_number()) {
+      words.push_back(text_of(value));
+    } else {
+      return OtherValue{};
+    }
+  }
+  return words;
+}
+
 Value value_of(const ::toml::node& node) {
   if (const auto flag = node.value_exact<bool>()) return *flag;
   if (const auto whole = node.value_exact<std::int64_t>()) return *whole;
   if (const auto real = node.value_exact<double>()) return *real;
   if (auto text = node.value_exact<std::string>()) return *std::move(text);
+  if (const auto* const array = node.as_array()) return words_of(*array);
   return OtherValue{};
 }
 
@@ -107,9 +127,25 @@ std::vector<Leaf> read_leaves(const std::filesystem::path& file) {
   return LeafCollector(file).collect(tree);
 }
 
+std::vector<std::filesystem::path> with_drop_ins(const std::filesystem::path& file,
+                                                 const std::filesystem::path& except) {
+  std::vector<std::filesystem::path> drop_ins;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(file.string() + ".d", error)) {
+    if (entry.path().extension() == ".toml" && entry.path() != except) drop_ins.push_back(entry.path());
+  }
+  if (error && error != std::errc::no_such_file_or_directory && error != std::errc::not_a_directory) {
+    throw IoError(fmt::format("{}.d: {}", file.string(), error.message()));
+  }
+  std::sort(drop_ins.begin(), drop_ins.end());
+  drop_ins.insert(drop_ins.begin(), file);
+  return drop_ins;
+}
+
 std::string text_of(const Value& value) {
   struct Visitor {
     std::string operator()(const OtherValue&) const { return "this value"; }
+    std::string operator()(const Words&) const { return "this array"; }
     std::string operator()(bool flag) const { return flag ? "true" : "false"; }
     std::string operator()(std::int64_t whole) const { return std::to_string(whole); }
     std::string operator()(double real) const { return fmt::format("{:#}", real); }

@@ -13,10 +13,13 @@
 
 namespace sonopose::files::toml {
 
-/// A date, an array or another value that no file of this project has.
+/// A date, an array of arrays or another value that no file of this project has.
 struct OtherValue {};
 
-using Value = std::variant<OtherValue, bool, std::int64_t, double, std::string>;
+/// The words of an array of numbers and texts.
+using Words = std::vector<std::string>;
+
+using Value = std::variant<OtherValue, bool, std::int64_t, double, std::string, Words>;
 
 /// A value and its line. The key joins the names of its tables and its own by dots:
 /// "documented.drift.decay_rate_hz".
@@ -30,6 +33,11 @@ struct Leaf {
 /// be read or is not TOML. Also throws if it has more than 16 MiB, a line more than 32 dots or a key more
 /// than 16 parts.
 std::vector<Leaf> read_leaves(const std::filesystem::path& file);
+
+/// Returns the files that together have the values of `file`, in the order in which a value replaces those
+/// before it: the file, then the drop-ins FILE.d/*.toml by their names. `except` is a drop-in to leave out.
+std::vector<std::filesystem::path> with_drop_ins(const std::filesystem::path& file,
+                                                 const std::filesystem::path& except = {});
 
 /// Returns the value as in a file: texts in quotes.
 std::string text_of(const Value& value);

@@ -1,0 +1,208 @@
+#include "options_file.hpp"
+
+#include "config/fusion_config.hpp"
+#include "files/toml/quoted.hpp"
+#include "files/toml/toml_leaves.hpp"
+#include "help.hpp"
+#include "nearest.hpp"
+#include "run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <string_view>
+#include <utility>
+#include <variant>
+
+namespace sonopose::apps {
+namespace {
+
+namespace toml = files::toml;
+
+constexpr const char* file_option = "--config";
+constexpr const char* print_option = "--print-config";
+
+bool is_key(const CLI::Option& option) {
+  constexpr std::array others{"--help", "--help-all",      "--version", file_option,
+                              "--set",  "--help-settings", print_option};
+  if (option.get_lnames().empty() || option.get_group().empty()) return false;
+  return std::ranges::none_of(others, [&](const char* name) { return option.check_name(name); });
+}
+
+/// Returns the file of the last --config; empty if there is none.
+std::string file_in(const std::vector<std::string>& arguments) {
+  const std::string joined = std::string(file_option) + "=";
+  std::string file;
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    if (arguments[i].starts_with(joined)) file = arguments[i].substr(joined.size());
+    if (arguments[i] == file_option && i + 1 < arguments.size()) file = arguments[i + 1];
+  }
+  return file;
+}
+
+/// Returns the key of an option; empty if it is not one of the program.
+std::string key_of(const CLI::App& app, const std::string& key) {
+  const bool has_settings = app.get_option_no_throw("--set") != nullptr;
+  if (!has_settings) return key;
+  return key.starts_with(config::program_prefix) ? key.substr(config::program_prefix.size()) : "";
+}
+
+std::vector<std::string> texts_of(const toml::Value& value) {
+  if (const auto* const words = std::get_if<toml::Words>(&value)) return *words;
+  if (const auto* const text = std::get_if<std::string>(&value)) return {*text};
+  if (std::holds_alternative<toml::OtherValue>(value)) return {};
+  return {toml::text_of(value)};
+}
+
+/// Returns the arguments for an option; none for a flag that is false.
+std::vector<std::string> written(const CLI::Option& option, const std::string& name,
+                                 const toml::Value& value) {
+  const bool* const flag = std::get_if<bool>(&value);
+  if (flag != nullptr && option.get_items_expected_max() == 0) {
+    return *flag ? std::vector{name} : std::vector<std::string>{};
+  }
+  std::vector<std::string> arguments;
+  const bool is_row = option.get_items_expected_min() > 1;  // as --floor-plan-area
+  if (is_row) arguments.push_back(name);
+  for (const std::string& text : texts_of(value)) {
+    arguments.push_back(is_row ? text : fmt::format("{}={}", name, text));
+  }
+  return arguments;
+}
+
+[[noreturn]] void refuse_key(const CLI::App& app, const std::string& origin, const std::string& key) {
+  std::vector<std::string> known;
+  for (const CLI::Option* const option : app.get_options()) {
+    if (is_key(*option)) known.push_back(option->get_lnames().front());
+  }
+  throw config::ConfigError(
+      fmt::format("{}: {} has no such option{}", origin, app.get_name(), suggestion(key, known)));
+}
+
+FileOption option_of(const CLI::App& app, const std::string& file, const toml::Leaf& leaf,
+                     const std::string& key) {
+  const std::string origin = fmt::format("{}:{}: {}", file, leaf.line, leaf.key);
+  const std::string name = "--" + key;
+  const CLI::Option* const option = app.get_option_no_throw(name);
+  if (option == nullptr || !is_key(*option)) refuse_key(app, origin, key);
+  if (std::holds_alternative<toml::OtherValue>(leaf.value)) {
+    throw config::ConfigError(origin + ": neither a number, true or false, a text, nor an array of those");
+  }
+  return {origin, name, written(*option, name, leaf.value)};
+}
+
+/// Returns a value as TOML: numbers and truth values as they are, other texts in quotes.
+std::string literal(const CLI::Option& option, const std::string& text) {
+  double number = 0;
+  const bool is_flag = option.get_items_expected_max() == 0 && (text == "true" || text == "false");
+  const bool is_number = !text.empty() && text.find_first_not_of("-0123456789.") == std::string::npos &&
+                         text.back() != '.' && text.front() != '.' &&
+                         (text.size() == 1 || text.front() != '0' || text[1] == '.') &&
+                         CLI::detail::lexical_cast(text, number);
+  return is_flag || is_number ? text : toml::quoted(text);
+}
+
+std::string value_text(const CLI::Option& option) {
+  std::vector<std::string> texts = option.results();
+  if (texts.size() == 1) return literal(option, texts.front());
+  for (std::string& text : texts) text = literal(option, text);
+  return fmt::format("[{}]", CLI::detail::join(texts, ", "));
+}
+
+/// Returns what is allowed in brackets, as in --help: "FLOAT in [0 - 1]" without the name of the type before.
+std::string allowed_text(const CLI::Option& option) {
+  const std::string& text = option.get_option_text();
+  if (!text.empty()) return fmt::format(" ({})", text.substr(0, text.find(" (")));
+  const std::string type = option.get_type_name();
+  const std::string allowed = type.substr(type.find(':') + 1);  // all of it without a colon
+  return allowed.empty() ? "" : fmt::format(" ({})", allowed);
+}
+
+/// Returns the value of an option that is not given; empty if there is none.
+std::string default_text(const CLI::Option& option) {
+  constexpr std::string_view mark = " (default: ";
+  const std::string& text = option.get_option_text();
+  const std::size_t begin = text.find(mark);
+  if (begin == std::string::npos) return option.get_default_str();
+  return text.substr(begin + mark.size(), text.size() - begin - mark.size() - 1);
+}
+
+std::string comment(const std::string& text) {
+  std::string lines = "# " + wrapped(text, 2, 0);
+  for (std::size_t at = lines.find('\n'); at != std::string::npos; at = lines.find('\n', at + 1)) {
+    lines.insert(at + 1, "# ");
+  }
+  return lines + "\n";
+}
+
+}  // namespace
+
+void add_options_file(CLI::App& app) {
+  constexpr const char* group = "Options file";
+  app.add_option(file_option, "TOML file with options, and its drop-ins FILE.d/*.toml")
+      ->type_name("FILE")
+      ->group(group);
+  app.add_flag_callback(
+         print_option, [&app] { throw Printed(options_toml(app)); },
+         "Print all options with what is given as commented TOML and exit")
+      ->group(group);
+}
+
+bool is_given(const CLI::Option& option, const std::vector<std::string>& arguments) {
+  return std::ranges::any_of(arguments, [&](const std::string& argument) {
+    const std::string name = argument.substr(0, argument.find('='));
+    return name.starts_with('-') && option.check_name(name);
+  });
+}
+
+std::vector<FileOption> file_options(const CLI::App& app, const std::vector<std::string>& arguments) {
+  const std::string file = file_in(arguments);
+  const bool reads_file =
+      app.get_option_no_throw(file_option) != nullptr && app.get_option_no_throw(print_option) != nullptr;
+  if (!reads_file || file.empty()) return {};
+  std::map<std::string, FileOption> options;  // the last file with an option gives its value
+  try {
+    for (const auto& each : toml::with_drop_ins(file)) {
+      for (const toml::Leaf& leaf : toml::read_leaves(each)) {
+        const std::string key = key_of(app, leaf.key);
+        if (key.empty()) continue;
+        FileOption option = option_of(app, each.string(), leaf, key);
+        if (!is_given(*app.get_option(option.name), arguments)) {
+          options.insert_or_assign(key, std::move(option));
+        }
+      }
+    }
+  } catch (const files::IoError& error) {
+    throw config::ConfigError(error.what());
+  }
+  std::vector<FileOption> list;
+  for (auto& entry : options) list.push_back(std::move(entry.second));
+  return list;
+}
+
+std::vector<std::string> arguments_of(const std::vector<FileOption>& options) {
+  std::vector<std::string> arguments;
+  for (const FileOption& option : options) {
+    arguments.insert(arguments.end(), option.arguments.begin(), option.arguments.end());
+  }
+  return arguments;
+}
+
+std::string options_toml(const CLI::App& app) {
+  std::string text = comment(
+      fmt::format("Options of {} for --config. Those of the command line replace them.", app.get_name()));
+  for (const CLI::Option* const option : app.get_options()) {
+    if (!is_key(*option)) continue;
+    const std::string& key = option->get_lnames().front();
+    const bool is_set = option->count() > 0;
+    std::string value = is_set ? value_text(*option) : default_text(*option);
+    if (!is_set && !value.empty()) value = literal(*option, value);
+    text += "\n" + comment(option->get_description() + allowed_text(*option));
+    text += fmt::format("{}{} = {}\n", is_set ? "" : "# ", key, value);
+  }
+  return text;
+}
+
+}  // namespace sonopose::apps
