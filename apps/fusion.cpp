@@ -1,6 +1,7 @@
 // sonopose-fusion: subscribes to the bridge's samples and publishes the fused pose of every beacon.
 
 #include "fusion/fusion_node.hpp"
+#include "process/service.hpp"
 #include "support/bus_options.hpp"
 #include "support/config_options.hpp"
 #include "support/log_option.hpp"
@@ -26,6 +27,7 @@ struct Options {
   int realtime_priority = 0;
   sonopose::logging::Level log_level = sonopose::logging::Level::info;
   bool print_config = false;
+  bool check_config = false;
   bool print_settings_page = false;
 };
 
@@ -47,13 +49,15 @@ void add_options(CLI::App& app, Options& options) {
                "Keep every event and pose and wait for slow consumers; use it for a log played at --rate 0")
       ->excludes(strength);
   app.add_flag("--print-config", options.print_config, "Print the settings as commented TOML and exit");
+  app.add_flag("--check-config", options.check_config, "Report what is wrong with the settings and exit");
   app.add_flag("--print-settings-page", options.print_settings_page,
                "Print the table of all settings as a page of the docs and exit")
       ->group("");  // for those who change the table
 }
 
-sonopose::fusion::FusionOptions node_options(const Options& options,
-                                             const sonopose::config::FusionConfig& config) {
+sonopose::fusion::FusionOptions node_options(
+    const Options& options, const sonopose::config::FusionConfig& config,
+    const std::function<sonopose::config::FusionConfig()>& read_again) {
   using namespace sonopose::fusion;
   FusionOptions node{.domain = options.bus.domain,
                      .qos_file = options.bus.qos_file,
@@ -61,7 +65,8 @@ sonopose::fusion::FusionOptions node_options(const Options& options,
                      .addresses = {},
                      .max_beacons = options.max_beacons,
                      .standby = {},
-                     .lossless = options.lossless};
+                     .lossless = options.lossless,
+                     .read_again = read_again};
   if (options.addresses) node.addresses = sonopose::presence::AddressSet::parse(*options.addresses);
   if (options.standby_strength > 0) node.standby = {options.standby_strength, options.warm_up_s};
   return node;
@@ -74,14 +79,14 @@ int serve(const CLI::App& app, const Options& options) {
   }
   const sonopose::logging::Session log(options.log_level);
   const auto config = sonopose::apps::configuration(app, options.config);
-  if (options.print_config) {
-    sonopose::apps::print("{}", config.to_toml());
-    return 0;
-  }
+  if (options.print_config) sonopose::apps::print("{}", config.to_toml());
+  if (options.print_config || options.check_config) return 0;
   check_publisher(options.bus);
   sonopose::process::StopSignal stop;
   stop.listen_to_signals();
-  const auto with_config = node_options(options, config);
+  const sonopose::process::ReloadRequest reload;
+  const auto with_config =
+      node_options(options, config, [&] { return sonopose::apps::configuration(app, options.config); });
   if (!sonopose::apps::wait_for_network(with_config.domain, stop)) return 0;
   sonopose::fusion::FusionNode node(with_config);
   const auto realtime = sonopose::apps::realtime(options.realtime_priority);

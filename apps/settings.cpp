@@ -4,6 +4,7 @@
 #include "settings_client/settings_client.hpp"
 #include "settings_client/settings_report.hpp"
 #include "support/bus_options.hpp"
+#include "support/config_options.hpp"
 #include <sonopose/text/escaped.hpp>
 
 #include <fmt/format.h>
@@ -15,6 +16,7 @@
 #include <vector>
 
 using namespace sonopose;
+using namespace sonopose::settings_client;
 
 namespace {
 
@@ -22,12 +24,13 @@ struct Options {
   apps::BusOptions bus;
   std::vector<std::string> words;  ///< keys, or assignments
   std::filesystem::path file;
+  std::filesystem::path base = SONOPOSE_CONFIG_FOLDER "/fusion.toml";
   BeaconAddress address = all_beacons;
   std::uint64_t from_event = 0;
   double timeout_s = 5.0;
   double duration_s = 0.0;
   bool json = false;
-  settings_client::SettingsClient client() const { return {bus.domain, bus.qos_file}; }
+  SettingsClient client() const { return {bus.domain, bus.qos_file}; }
 };
 
 [[noreturn]] void fail(const Options& options, const char* what) {
@@ -36,7 +39,7 @@ struct Options {
 }
 
 int get(const Options& options) {
-  settings_client::check_names(options.words);
+  check_names(options.words);
   auto found = options.client().effective(options.address, options.timeout_s);
   if (found.empty()) fail(options, "no settings arrived");
   if (options.address != all_beacons && found.front().address == all_beacons) {
@@ -45,37 +48,37 @@ int get(const Options& options) {
         options.address));
   }
   if (options.json) {
-    for (auto& settings : found) settings = settings_client::selected(std::move(settings), options.words);
-    apps::print("{}", settings_client::json_of(found));
+    for (auto& settings : found) settings = selected(std::move(settings), options.words);
+    apps::print("{}", json_of(found));
   } else {
-    apps::print("{}", settings_client::toml_of(found, options.words));
+    apps::print("{}", toml_of(found, options.words));
   }
   return 0;
 }
 
 int set(const Options& options) {
   SettingsRequest request{.address = options.address, .from_sequence = options.from_event, .assignments = {}};
-  for (const auto& word : options.words)
-    request.assignments.push_back(settings_client::parse_assignment(word));
+  for (const auto& word : options.words) request.assignments.push_back(parse_assignment(word));
   const auto reply = options.client().change(request, options.timeout_s);
   if (!reply) fail(options, "no fusion answered");
   if (!reply->accepted) throw std::runtime_error("refused: " + text::escaped(reply->reason));
   if (!reply->reason.empty()) logging::warning(text::escaped(reply->reason));
-  apps::print("accepted: {}\n", settings_client::effective_time_text(*reply));
-  return settings_client::changes_no_known_beacon(*reply) ? 1 : 0;
+  apps::print("accepted: {}\n", effective_time_text(*reply));
+  return changes_no_known_beacon(*reply) ? 1 : 0;
 }
 
 int save(const Options& options) {
   const auto changed = options.client().changed(options.timeout_s);
   if (changed.empty()) fail(options, "not all settings arrived");
-  logging::info(settings_client::save(changed, options.file));
+  logging::info(options.file.empty() ? save_drop_in(changed, options.base)
+                                     : settings_client::save(changed, options.file));
   return 0;
 }
 
 int watch(const Options& options) {
   process::StopSignal stop;
   stop.listen_to_signals();
-  settings_client::SettingsObserver changes(options.json);
+  SettingsObserver changes(options.json);
   const auto print = [&changes](const EffectiveSettings& settings) {
     if (!changes.has_settings_of(settings.address)) {
       const bool all = settings.address == all_beacons;
@@ -96,17 +99,9 @@ int reset(const Options& options) {
   return 0;
 }
 
-std::string address_text(const std::string& text) {
-  if (text == "all") return std::to_string(all_beacons);
-  if (CLI::Range(0, all_beacons - 1)(text).empty()) return text;
-  throw CLI::ValidationError(fmt::format("{}: must be all or 0 … {}", text, all_beacons - 1));
-}
-
 CLI::App* add_command(CLI::App& app, Options& options, const char* name, const char* description) {
   auto* command = app.add_subcommand(name, description);
-  command->add_option("--beacon", options.address, "Address of one beacon (default: all)")
-      ->transform(address_text)
-      ->option_text("ADDRESS|all");
+  apps::add_beacon_or_all_option(*command, options.address);
   return command;
 }
 
@@ -127,16 +122,17 @@ int main(int argc, char** argv) {
 
   auto* setting = add_command(app, options, "set", "Change settings: all of the given ones, or none");
   setting->add_option("KEY=VALUE", options.words, "New values")->required();
-  setting->add_option("--from-event", options.from_event,
-                      "Number of the first event that uses them (default: the next one)");
+  setting->add_option("--from-event", options.from_event, "First event that uses them (default: the next)");
 
   auto* watching = add_command(app, options, "watch", "Print each change when it takes effect");
   watching->add_flag("--json", options.json, "Print one JSON object per change");
   watching->add_option("--duration", options.duration_s, "Exit after this many seconds; 0: run until stopped")
       ->check(CLI::NonNegativeNumber);
 
-  auto* saving = app.add_subcommand("save", "Write a file for --config: what differs from the defaults");
-  saving->add_option("FILE", options.file, "File to write, replaced if it exists")->required();
+  auto* saving = app.add_subcommand("save", "Keep the settings for the next start of the fusion");
+  saving->add_option("FILE", options.file, "What differs from the defaults (default: a drop-in)");
+  saving->add_option("--config", options.base, "Write its drop-in 90-saved.toml: what differs from it")
+      ->option_text("FILE (default: " + options.base.string() + ")");
 
   add_command(app, options, "reset", "Restart the engines and wait until they have restarted");
 

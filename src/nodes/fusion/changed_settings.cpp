@@ -19,7 +19,7 @@ std::vector<EffectiveSettings> ChangedSettings::update(BeaconAddress address) {
   for (const BeaconAddress each : beacons) {
     if (!addresses_.contains(each)) continue;
     const config::BeaconSettings settings = at_end(each);
-    if (!settings.has_own()) continue;
+    if (!settings.has_own() && !known_.contains(each)) continue;
     auto values = settings.own_texts();
     if (values != known_[each]) add(each, std::move(values));
   }

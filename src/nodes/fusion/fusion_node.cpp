@@ -10,6 +10,7 @@
 #include "logging/log.hpp"
 #include "process/endpoint_counters.hpp"
 #include "process/free_memory.hpp"
+#include "process/service.hpp"
 #include "process_log/log_publisher.hpp"
 #include "threads/guarded.hpp"
 #include "transitions/transition_log.hpp"
@@ -71,6 +72,9 @@ public:
   /// Waits until `poll` is due, `deadline`, or the stop. Returns true once stopped.
   bool wait_for_poll(const process::StopSignal& stop, SteadyTime deadline);
 
+  /// Replaces the settings by those of the configuration, or keeps them if it cannot be used.
+  void reload();
+
   /// Lets a standby process take over without a missed pose.
   void hand_over();
   void finish_log();
@@ -82,6 +86,7 @@ private:
   [[nodiscard]] std::uint64_t unwritten() const;
 
   const bool lossless_;
+  const std::function<config::FusionConfig()> read_again_;
   presence::BeaconAdmission admission_;
   dds::DomainParticipant participant_;
   dds::qos::Provider qos_;
@@ -107,6 +112,7 @@ private:
 
 FusionNode::Impl::Impl(const FusionOptions& options)
     : lossless_(options.lossless),
+      read_again_(options.read_again),
       admission_(options.addresses, options.max_beacons,
                  options.lossless ? presence::BeaconAdmission::Pace::unlimited
                                   : presence::BeaconAdmission::Pace::limited),
@@ -180,6 +186,8 @@ void FusionNode::Impl::poll() {
 bool FusionNode::Impl::wait_for_poll(const process::StopSignal& stop, SteadyTime deadline) {
   const SteadyTime now = clocks::steady_now();
   const bool postponed = receiver_->poll_alarm().at() > now;
+  // After `poll`, which waits for the locks of the engines: one that hangs ends the reports.
+  deadline = std::min(deadline, process::report_progress_by(now));
   return stop.wait_until(postponed ? deadline : std::min(deadline, pose_publisher_.poll_by(now)),
                          receiver_->poll_alarm());
 }
@@ -217,6 +225,19 @@ void FusionNode::Impl::hand_over() {
   }
 }
 
+void FusionNode::Impl::reload() {
+  if (!read_again_) return;
+  process::report_reloading();
+  std::string status = "settings read again";
+  try {
+    settings_server_.replace(read_again_());
+  } catch (const std::exception& error) {
+    status = fmt::format("settings not read again, the former ones stay: {}", error.what());
+    logging::error(status);
+  }
+  process::report_reloaded(status);
+}
+
 void FusionNode::Impl::publish_statuses() {
   if (!lossless_) remove_gone();
   receiver_->update();
@@ -240,8 +261,10 @@ FusionNode::~FusionNode() = default;
 void FusionNode::run(const process::StopSignal& stop) {
   constexpr TimeNs period_ns = 1'000'000'000;
   SteadyTime status_due = clocks::steady_now();
+  process::report_ready();
   do {
     impl_->poll();
+    if (process::ReloadRequest::take()) impl_->reload();
     if (clocks::steady_now() < status_due) continue;
     impl_->publish_statuses();
     status_due += period_ns;

@@ -10,6 +10,7 @@
 #include <sonopose/dds/binding/domain.hpp>
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -23,6 +24,8 @@ struct FusionOptions {
   std::size_t max_beacons = presence::BeaconAdmission::default_max_beacons;  ///< most beacons at a time
   std::optional<StandbyOptions> standby;  ///< shares the beacons with other processes; not with `lossless`
   bool lossless = false;                  ///< keeps all events and poses, for a log at full speed
+  /// Reads the configuration again, when process::ReloadRequest asks for it. Throws config::ConfigError.
+  std::function<config::FusionConfig()> read_again = {};
 };
 
 /// Live, the whole path from event to pose runs on Cyclone's receive thread, which is the fastest. Lossless,

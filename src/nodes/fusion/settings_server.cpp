@@ -46,6 +46,28 @@ void SettingsServer::unregister(BeaconAddress address) noexcept {
   settings_writer_.try_unregister_instance(settings);
 }
 
+void SettingsServer::replace(config::FusionConfig config) {
+  replacement_.with([&](auto& replacement) { replacement = std::move(config); });
+  wake_.trigger_value(true);
+}
+
+/// Replaces the settings on the thread of the requests, which would otherwise write back their copies.
+void SettingsServer::replace_requested() {
+  const auto config = replacement_.with([](auto& each) { return std::exchange(each, std::nullopt); });
+  if (!config) return;
+  auto addresses = estimators_.with([](auto& all) { return all.scheduled(); });
+  for (const BeaconAddress address : config->beacons()) addresses.push_back(address);
+  addresses.push_back(all_beacons);
+  for (const BeaconAddress address : addresses) {
+    SettingsTimeline timeline(config->beacon(address));
+    timeline.add(0, SettingsTimeline::Scope::for_all, {});  // a change, which the next event takes
+    estimators_.with([&](auto& all) { all.exchange_timeline(address, timeline); });
+  }
+  publish(estimators_.with([](auto& all) { return all.settings_for_all(); }));
+  publish_changed(all_beacons);
+  log_.write(logging::Level::info, "settings read again", clocks::steady_now());
+}
+
 void SettingsServer::serve() {
   const dds::ReadCondition has_requests(request_reader_);
   dds::WaitSet waitset;
@@ -56,6 +78,7 @@ void SettingsServer::serve() {
     waitset.wait(log_.has_pending() ? dds::Duration(report_period) : dds::infinite);
     log_.update(clocks::steady_now());
     wake_.trigger_value(false);
+    replace_requested();
     publish_changes();
     request_reader_.try_take_each([this](const sonopose_SettingsRequest& request, const dds::SampleInfo&) {
       if (stopping_) return;

@@ -14,6 +14,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <thread>
 
 namespace sonopose::fusion {
@@ -31,6 +32,9 @@ public:
   /// Publishes the last changes.
   ~SettingsServer();
 
+  /// Replaces all settings from the next event of each beacon on, and with them accepted requests.
+  void replace(config::FusionConfig config);
+
   /// Schedules the publication of settings that changed with an event.
   void on_change() noexcept { wake_.trigger_value(true); }
 
@@ -42,6 +46,7 @@ public:
 
 private:
   void serve();
+  void replace_requested();
   void try_answer(const sonopose_SettingsRequest& request);
   void answer(const sonopose_SettingsRequest& request);
   void log(const SettingsRequest& request, const SettingsReply& reply);
@@ -63,6 +68,7 @@ private:
   dds::DataWriter<sonopose_SettingsReply> reply_writer_;
   dds::DataReader<sonopose_SettingsRequest> request_reader_;
   dds::GuardCondition wake_;
+  threads::Guarded<std::optional<config::FusionConfig>> replacement_;
   std::atomic<bool> stopping_ = false;
   std::atomic<std::uint64_t> unwritten_ = 0;
   std::thread thread_;

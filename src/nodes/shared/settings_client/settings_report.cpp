@@ -2,6 +2,7 @@
 
 #include "config/beacon_settings.hpp"
 #include "config/fusion_config.hpp"
+#include "files/error.hpp"
 #include "files/replacement.hpp"
 #include <sonopose/settings/settings_table.hpp>
 #include <sonopose/text/count_text.hpp>
@@ -12,6 +13,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 namespace sonopose::settings_client {
@@ -65,6 +67,18 @@ std::string toml_header(const EffectiveSettings& settings) {
   return fmt::format("# Defaults of all beacons{}\n", from);
 }
 
+/// Returns the settings of a fusion as a configuration.
+config::FusionConfig config_of(const std::vector<EffectiveSettings>& changed) {
+  config::FusionConfig config;
+  for (const EffectiveSettings& settings : changed) {
+    const std::string prefix =
+        settings.address == all_beacons ? "" : fmt::format("beacon.{}.", settings.address);
+    for (const auto& [key, value] : settings.values)
+      config.assign(fmt::format("{}{}={}", prefix, key, value));
+  }
+  return config;
+}
+
 }  // namespace
 
 SettingAssignment parse_assignment(std::string_view text) {
@@ -114,21 +128,27 @@ std::string toml_of(const std::vector<EffectiveSettings>& settings, const std::v
 }
 
 std::string save(const std::vector<EffectiveSettings>& changed, const std::filesystem::path& file) {
-  config::FusionConfig config;
-  std::size_t count = 0;
-  for (const EffectiveSettings& settings : changed) {
-    const std::string prefix =
-        settings.address == all_beacons ? "" : fmt::format("beacon.{}.", settings.address);
-    for (const auto& [key, value] : settings.values)
-      config.assign(fmt::format("{}{}={}", prefix, key, value));
-    count += settings.values.size();
-  }
+  const config::FusionConfig config = config_of(changed);
   files::write_whole(file,
                      "# Saved by sonopose-settings: what differs from the defaults, and each beacon's own. "
                      "For --config of the fusion.\n" +
                          config.given_toml());
   return fmt::format("{}: {} from the defaults or are a beacon's own", file.string(),
-                     text::count_text(count, "setting that differs", "settings that differ"));
+                     text::count_text(config.given(), "setting that differs", "settings that differ"));
+}
+
+std::string save_drop_in(const std::vector<EffectiveSettings>& changed, const std::filesystem::path& base) {
+  const std::filesystem::path file = base.string() + ".d/90-saved.toml";
+  const auto changes = config_of(changed).changes_from(config::FusionConfig::load(base, file));
+  std::error_code error;
+  std::filesystem::create_directory(file.parent_path(), error);
+  if (error) throw files::IoError(fmt::format("{}: {}", file.parent_path().string(), error.message()));
+  files::write_whole(file, fmt::format("# Saved by sonopose-settings: what differs from {} and its other "
+                                       "drop-ins.\n{}",
+                                       base.string(), changes.given_toml()));
+  return fmt::format("{}: {} from {}", file.string(),
+                     text::count_text(changes.given(), "setting that differs", "settings that differ"),
+                     base.string());
 }
 
 std::string json_of(const std::vector<EffectiveSettings>& settings) {

@@ -33,6 +33,11 @@ std::string toml_of(const std::vector<EffectiveSettings>& settings,
 /// existing one. Returns what was saved, for the user. Throws files::IoError.
 std::string save(const std::vector<EffectiveSettings>& changed, const std::filesystem::path& file);
 
+/// Writes the drop-in BASE.d/90-saved.toml with what differs from the file `base` and its other drop-ins, so
+/// that a fusion with --config BASE starts with these settings. Returns what was saved, for the user. Throws
+/// files::IoError, config::ConfigError.
+std::string save_drop_in(const std::vector<EffectiveSettings>& changed, const std::filesystem::path& base);
+
 /// A JSON array with one object per beacon ("all" for all_beacons), on one line:
 /// {"beacon": 7, "from_event": 12, "time_ns": …, "settings": {"documented.drift.jump_alpha": 0.5, …}}.
 std::string json_of(const std::vector<EffectiveSettings>& settings);

@@ -1,0 +1,139 @@
+/// Programs as services: options in files, readiness, watchdog and settings that are read again.
+
+#include "support/bus.hpp"
+#include "support/notify_socket.hpp"
+#include "support/temporary_folder.hpp"
+
+#include <array>
+#include <csignal>
+#include <cstdlib>
+
+namespace service_test {
+
+using namespace sonopose;
+using namespace sonopose::test;
+using Catch::Contains;
+
+constexpr int wrong_configuration = 78;
+
+/// A file with options or settings, and the folder of its drop-ins.
+struct ConfigFile {
+  explicit ConfigFile(const std::string& text) {
+    write_text(path, text);
+    std::filesystem::create_directory(drop_ins);
+  }
+
+  TemporaryFolder folder;
+  std::filesystem::path path = folder / "service.toml";
+  std::filesystem::path drop_ins = folder / "service.toml.d";
+};
+
+SCENARIO("every option is a key of the file of --config") {
+  for (const char* const program : {SONOPOSE_TEST_BRIDGE, SONOPOSE_TEST_RECORD, SONOPOSE_TEST_ROS2}) {
+    CAPTURE(program);
+    const Result all = run(program, {"--print-config"}, neutral);
+    REQUIRE(all.code == 0);
+    CHECK_THAT(all.output, Contains("# domain = "));
+    GIVEN(std::string("what it prints, and a drop-in with a domain: ") + program) {
+      const ConfigFile file(all.output);
+      write_text(file.drop_ins / "50-domain.toml", "domain = 9\nlog-level = \"error\"\n");
+      const std::string path = file.path.string();
+      THEN("the drop-in has precedence over the file, and the command line over both") {
+        const Result used = run(program, {"--config", path, "--log-level=debug", "--print-config"}, neutral);
+        CAPTURE(used.error);
+        REQUIRE(used.code == 0);
+        CHECK_THAT(used.output, Contains("\ndomain = 9\n") && Contains("\nlog-level = \"debug\"\n"));
+      }
+      THEN("an unknown key is named with file, line and the nearest option") {
+        write_text(file.path, "\ndomian = 1\n");
+        const Result wrong = run(program, {"--config", path}, neutral);
+        CHECK(wrong.code == wrong_configuration);
+        CHECK_THAT(wrong.error, Contains(path + ":2: domian") && Contains("did you mean domain?"));
+      }
+      THEN("a wrong value is named with file, line, value and limit") {
+        write_text(file.drop_ins / "50-domain.toml", "domain = 4711\n");
+        const Result wrong = run(program, {"--config", path}, neutral);
+        CHECK(wrong.code != 0);
+        CHECK_THAT(wrong.error, Contains("50-domain.toml:1: domain") && Contains("4711") && Contains("232"));
+      }
+    }
+  }
+}
+
+SCENARIO("options of the fusion are in the table [program] of its settings") {
+  const ConfigFile file("[program]\naddresses = \"seven\"\n[admission]\nmin_quality_percent = 60\n");
+  const Result wrong = run(SONOPOSE_TEST_FUSION, {"--config", file.path.string()}, neutral);
+  CHECK(wrong.code != 0);
+  CHECK_THAT(wrong.error, Contains("seven"));
+}
+
+SCENARIO("a fusion reports to the service manager, and reads its settings again") {
+  GIVEN("a fusion with a file of settings, whose watchdog has a period of 2 s") {
+    const ConfigFile file("[admission]\nmin_quality_percent = 50\n");
+    NotifySocket manager(file.folder / "notify");
+    const Bus bus;
+    ::setenv("NOTIFY_SOCKET", (file.folder / "notify").c_str(), 1);
+    ::setenv("WATCHDOG_USEC", "2000000", 1);
+    const auto fusion = bus.fusion({"--config", file.path.string()});
+    ::unsetenv("NOTIFY_SOCKET");
+    ::unsetenv("WATCHDOG_USEC");
+    const auto quality = [&bus] { return bus.settings({"get", "admission.min_quality_percent"}).output; };
+    REQUIRE(!manager.next_with("READY=1").empty());
+    WHEN("nothing happens") {
+      THEN("it reports its progress again and again") {
+        CHECK(!manager.next_with("WATCHDOG=1").empty());
+        CHECK(!manager.next_with("WATCHDOG=1").empty());
+      }
+    }
+    WHEN("a drop-in is added, and the fusion gets SIGUSR2") {
+      write_text(file.drop_ins / "50-quality.toml", "[admission]\nmin_quality_percent = 60\n");
+      fusion->send(SIGUSR2);
+      REQUIRE(!manager.next_with("RELOADING=1").empty());
+      CHECK_THAT(manager.next_with("READY=1"), Contains("settings read again"));
+      REQUIRE(fusion->wait_for_line(Stream::error, "settings read again"));
+      THEN("it uses the new settings") {
+        CHECK_THAT(quality(), Contains("= 60"));
+      }
+      AND_WHEN("the drop-in becomes wrong") {
+        write_text(file.drop_ins / "50-quality.toml", "[admission]\nmin_quality_percent = 600\n");
+        fusion->send(SIGUSR2);
+        THEN("the fusion names the mistake and keeps its settings") {
+          CHECK_THAT(manager.next_with("the former ones stay"),
+                     Contains("READY=1") && Contains("50-quality.toml:2:") && Contains("600"));
+          CHECK_THAT(quality(), Contains("= 60"));
+        }
+      }
+    }
+    WHEN("a setting is changed live and saved") {
+      REQUIRE(bus.settings({"set", "admission.min_quality_percent=70"}).code == 0);
+      const Result saved = bus.settings({"save", "--config", file.path.string()});
+      CAPTURE(saved.error);
+      REQUIRE(saved.code == 0);
+      THEN("a drop-in has what differs from the file, and the fusion reads it") {
+        CHECK_THAT(read_text(file.drop_ins / "90-saved.toml"),
+                   Contains("[admission]\nmin_quality_percent = 70") && !Contains("mount_offset_deg"));
+        fusion->send(SIGUSR2);
+        REQUIRE(fusion->wait_for_line(Stream::error, "settings read again"));
+        CHECK_THAT(quality(), Contains("= 70"));
+      }
+    }
+  }
+}
+
+SCENARIO("a key of an earlier version does not stop the fusion") {
+  const ConfigFile file("[trust]\nsigma_m = 0.5\n[admission]\nmin_quality_percent = 50\n");
+  const Result checked =
+      run(SONOPOSE_TEST_FUSION, {"--config", file.path.string(), "--check-config"}, neutral);
+  CHECK(checked.code == 0);
+  CHECK_THAT(checked.error, Contains(file.path.string() + ":2:") && Contains("documented.trust.sigma_m"));
+}
+
+SCENARIO("programs tell the shells what to complete") {
+  const Result bridge = run(SONOPOSE_TEST_BRIDGE, {"--print-completions"}, neutral);
+  CHECK(bridge.code == 0);
+  CHECK_THAT(bridge.output, Contains("-\t--capture\tFILE\t") && Contains("-\t--network\tloopback|lan\t"));
+  const Result settings = run(SONOPOSE_TEST_SETTINGS, {"--print-completions"}, neutral);
+  CHECK_THAT(settings.output, Contains("-\tsave\t-\t") && Contains("save\t--config\tFILE\t"));
+}
+
+}  // namespace service_test
