@@ -5,6 +5,7 @@
 #include "observation/bus/bus_watch.hpp"
 #include "observation/bus/views_json.hpp"
 #include "presence/beacon_admission.hpp"
+#include "process/service.hpp"
 #include "threads/mutex.hpp"
 #include "transitions/transition_log.hpp"
 #include "web/foxglove/topic_feed.hpp"
@@ -12,6 +13,7 @@
 #include "web/live/event_json.hpp"
 #include "web/live/live_state.hpp"
 #include "web/log_lines.hpp"
+#include "web/metrics.hpp"
 #include "web/page_clients.hpp"
 #include "web/page_messages.hpp"
 #include "web/page_requests.hpp"
@@ -57,19 +59,27 @@ public:
                 server_.send({client}, http::shared_text(std::move(message)), is_text, loss);
               }),
         worker_(options.domain, options.qos_file, options.examine,
-                [this](std::string findings) { pages_.broadcast_latest("findings", std::move(findings)); }) {}
+                [this](std::string findings) { pages_.broadcast_latest("findings", std::move(findings)); }) {
+    metrics_.update({}, clocks::host_now(), clocks::steady_now());
+  }
 
   PageClients& pages() { return pages_; }
   RequestWorker& worker() { return worker_; }
+  Metrics& metrics() { return metrics_; }
 
   void send_time() {
     const threads::Lock lock(feed_mutex_);
     feed_.send_time(clocks::host_now());
   }
 
-  http::Response get(std::string_view path) override { return files_.get(path); }
+  http::Response get(std::string_view path) override {
+    const auto answer = metrics_.get(path, clocks::steady_now());
+    return answer ? *answer : files_.get(path);
+  }
 
-  [[nodiscard]] bool is_public(std::string_view path) const override { return files_.is_public(path); }
+  [[nodiscard]] bool is_public(std::string_view path) const override {
+    return path == "/healthz" || files_.is_public(path);
+  }
 
   /// Chooses a protocol. A page of another origin may use only Foxglove's, which changes nothing.
   std::optional<std::string> choose_protocol(std::string_view path, const std::vector<std::string>& offered,
@@ -135,6 +145,7 @@ private:
   http::Server& server_;
   const live::LiveState& state_;
   SiteFiles files_;
+  Metrics metrics_;
   Hello hello_;
   PageClients pages_;
   threads::Mutex feed_mutex_;
@@ -234,6 +245,7 @@ public:
   /// Sends statuses. Call it once a second.
   void send_second() {
     const observation::bus::BusSnapshot second = bus_.take_snapshot();
+    site_.metrics().update(second.beacons, clocks::host_now(), clocks::steady_now());
     silence_log_.update(clocks::steady_now());
     pose_log_.update(clocks::steady_now());
     show_held_events();
@@ -326,9 +338,11 @@ void serve(const WebOptions& options, const http::OnReady& on_ready, const proce
   LiveSite site(options, bus, state, server);
   const http::Serving serving(server, site);
   on_ready(server.urls());
+  process::report_ready();
   Broadcast broadcast(bus, options.max_beacons, state, site);
   SteadyTime next = clocks::steady_now() + frame_period_ns;
   for (int frame = 1; !stop.wait_until(next); ++frame) {
+    process::report_progress(clocks::steady_now());
     broadcast.send_frame();
     if (frame % frames_per_second == 0) broadcast.send_second();
     next = std::max(next + frame_period_ns, clocks::steady_now());  // missed frames are skipped
