@@ -15,6 +15,7 @@ namespace sonopose::web {
 namespace {
 
 using observation::BeaconView;
+using observation::Percentiles;
 using Views = std::vector<BeaconView>;
 
 /// Writes one metric after the other, each with all its beacons, as the format demands.
@@ -58,12 +59,15 @@ bool has_poses(const BeaconView& view) {
 void add_pose(Writer& out, const Views& beacons, TimeNs now_ns) {
   out.add("pose_rate_hz", "gauge", "Poses at IMU samples in the last second.",
           [](const BeaconView& view) { return view.pose_rate_hz; });
-  out.begin("pose_latency_seconds", "gauge", "From the bridge's publication to the reception here.");
-  for (const BeaconView& view : beacons) {
-    if (view.poses == 0) continue;
-    out.row("pose_latency_seconds", view, ",quantile=\"0.5\"", view.latency.p50_s);
-    out.row("pose_latency_seconds", view, ",quantile=\"0.99\"", view.latency.p99_s);
-  }
+  const auto latency = [](double Percentiles::*quantile) {
+    return [quantile](const BeaconView& view) {
+      return view.poses > 0 ? std::optional(view.latency.*quantile) : std::nullopt;
+    };
+  };
+  out.add("pose_latency_p50_seconds", "gauge", "Median from the bridge's publication to the reception here.",
+          latency(&Percentiles::p50_s));
+  out.add("pose_latency_p99_seconds", "gauge", "The same, not exceeded by 99 % of the poses.",
+          latency(&Percentiles::p99_s));
   out.add("pose_age_seconds", "gauge", "Age of the last pose.",
           [now_ns](const BeaconView& view) -> std::optional<double> {
             if (!has_poses(view)) return {};

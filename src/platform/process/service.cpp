@@ -1,7 +1,5 @@
 #include "process/service.hpp"
 
-#include "clocks/clocks.hpp"
-
 #include <atomic>
 #include <cerrno>
 #include <charconv>

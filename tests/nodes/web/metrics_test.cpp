@@ -37,7 +37,7 @@ SCENARIO("each metric has a row for each beacon that knows it") {
   CHECK_THAT(text, Contains("# TYPE sonopose_pose_rate_hz gauge\n"
                             "sonopose_pose_rate_hz{beacon=\"7\"} 100\n"
                             "sonopose_pose_rate_hz{beacon=\"9\"} 0\n"));
-  CHECK_THAT(text, Contains("sonopose_pose_latency_seconds{beacon=\"7\",quantile=\"0.99\"} 0.001\n"));
+  CHECK_THAT(text, Contains("sonopose_pose_latency_p99_seconds{beacon=\"7\"} 0.001\n"));
   CHECK_THAT(text, Contains("sonopose_pose_age_seconds{beacon=\"7\"} 0.25\n"));
   CHECK_THAT(text, Contains("sonopose_pose_status{beacon=\"7\",condition=\"stale\"} 1\n") &&
                        Contains("sonopose_pose_status{beacon=\"7\",condition=\"late\"} 0\n"));
