@@ -78,8 +78,9 @@ private:
     sequence_ += sequence_step(choice);
     now_ns_ =
         static_cast<TimeNs>(static_cast<std::uint64_t>(now_ns_) + static_cast<std::uint64_t>(time_step_ns()));
-    switch (choice % 4) {
-      case 0: {
+    switch (choice % 8) {
+      case 0:
+      case 4: {
         UltrasonicFix fix;
         stamp(fix, -time_step_ns());
         fix.position_world_m = vector();
@@ -93,7 +94,16 @@ private:
         }
         return fix;
       }
-      case 1: {
+      case 6: {
+        TwistSample twist;
+        stamp(twist, -time_step_ns());
+        twist.velocity_body_mps = vector();
+        twist.velocity_std_mps = vector();
+        twist.axes = data_.ConsumeIntegral<std::uint8_t>();
+        return twist;
+      }
+      case 1:
+      case 5: {
         PairHeading heading;
         stamp(heading, -time_step_ns());
         heading.heading_world_rad = number();

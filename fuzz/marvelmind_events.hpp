@@ -56,6 +56,8 @@ private:
             "a heading is less than a turn");
   }
 
+  static void check(const TwistSample& /*twist*/) { promise(false, "no packet has a velocity"); }
+
   std::uint64_t packets_ = 0;
   std::uint64_t events_ = 0;
 };

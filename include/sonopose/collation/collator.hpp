@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Restores the order of one beacon's events. The three topics have no order among each other; the bridge's
+/// Restores the order of one beacon's events. The topics have no order among each other; the bridge's
 /// event numbers define it. An event that is next in line passes immediately. An early one waits for a
 /// limited time for its predecessors, which then count as lost.
 
@@ -55,6 +55,10 @@ public:
   std::span<const CollatedEvent> push(const Event& event, SteadyTime now) {
     ready_count_ = 0;
     const std::uint64_t sequence = sequence_of(event);
+    if (sequence == unnumbered) {
+      release(event);
+      return {ready_.data(), ready_count_};
+    }
     if (!started_) begin(sequence);
     if (sequence < next_) {
       if (!is_restart(event, now)) {

@@ -26,6 +26,10 @@ public:
   std::span<const CollatedEvent> push(const Event& event) {
     ready_.clear();
     const std::uint64_t sequence = sequence_of(event);
+    if (sequence == unnumbered) {
+      ready_.push_back({event, false});
+      return ready_;
+    }
     bool restart = false;
     if (sequence < next_) {
       // Either duplicates, or the first events of a log that is played again, which may arrive in any order.

@@ -27,6 +27,7 @@ public:
   std::optional<FusedPose> predict(const ImuSample& imu) noexcept;
   FixReport correct(const UltrasonicFix& fix) noexcept;
   void correct(const PairHeading& heading) noexcept;
+  void correct(const TwistSample& twist) noexcept;
   void finish_pending_work() noexcept;
   /// Applies new settings. A changed fusion.engine restarts with that engine, which allocates its memory.
   void configure(const settings::Settings& settings) noexcept;

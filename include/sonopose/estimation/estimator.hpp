@@ -33,13 +33,15 @@ namespace sonopose::estimation {
 template <class T>
 concept Estimator = std::copyable<T> && std::equality_comparable<typename T::Snapshot> &&
     requires(T estimator, const T& constant, const ImuSample& imu, const UltrasonicFix& fix,
-             const PairHeading& heading, const settings::Settings& settings,
+             const PairHeading& heading, const TwistSample& twist, const settings::Settings& settings,
              const typename T::Snapshot& snapshot) {
   { estimator.predict(imu) }
   noexcept->std::same_as<std::optional<FusedPose>>;
   { estimator.correct(fix) }
   noexcept->std::same_as<FixReport>;
   { estimator.correct(heading) }
+  noexcept->std::same_as<void>;
+  { estimator.correct(twist) }
   noexcept->std::same_as<void>;
   { estimator.finish_pending_work() }
   noexcept->std::same_as<void>;
@@ -57,8 +59,8 @@ concept Estimator = std::copyable<T> && std::equality_comparable<typename T::Sna
   { constant.estimate() } -> std::same_as<Estimate>;
 };
 
-/// Output for one event: a pose for an IMU sample, a report for a fix, nothing for a heading or an unused
-/// sample.
+/// Output for one event: a pose for an IMU sample, a report for a fix, nothing for a heading, a
+/// twist or an unused sample.
 using EventResult = std::variant<std::monostate, FusedPose, FixReport>;
 
 /// Passes an event to the estimator.
@@ -69,7 +71,8 @@ EventResult process(T& estimator, const Event& event) noexcept {
     return {};
   }
   if (const auto* fix = std::get_if<UltrasonicFix>(&event)) return estimator.correct(*fix);
-  estimator.correct(*std::get_if<PairHeading>(&event));
+  if (const auto* heading = std::get_if<PairHeading>(&event)) estimator.correct(*heading);
+  if (const auto* twist = std::get_if<TwistSample>(&event)) estimator.correct(*twist);
   return {};
 }
 

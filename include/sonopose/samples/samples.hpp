@@ -40,10 +40,14 @@ enum class ImuMeaning : std::uint32_t {
 /// Words for ImuMeaning in options and files, in the order of its values.
 inline constexpr std::array<std::string_view, 3> imu_meaning_words{"unknown", "instant", "mean"};
 
+/// Event number of a sample whose producer is not the bridge of its beacon, such as an odometer's. It is used
+/// when it arrives.
+inline constexpr std::uint64_t unnumbered = 0;
+
 /// One inertial measurement.
 struct ImuSample {
   BeaconAddress address = 0;
-  std::uint64_t sequence = 0;  ///< event number over the beacon's three streams, given by the bridge
+  std::uint64_t sequence = 0;  ///< event number over all streams of the beacon, given by the bridge
   TimeNs sensor_time_ns = 0;   ///< time of measurement
   TimeNs bridge_time_ns = 0;  ///< time of publication by the bridge; for latency alone, never for integration
   Vector3d angular_velocity_body_radps = Vector3d::Zero();
@@ -101,7 +105,8 @@ enum TwistAxis : std::uint32_t {
   twist_angular_velocity_z = 1U << 5U
 };
 
-/// A measured velocity, such as wheel odometry. No engine uses it yet.
+/// A measured velocity of the tracked point, such as wheel odometry, in the axes of the pose's body. The
+/// Kalman engine uses its linear part (docs/kalman.md).
 struct TwistSample {
   BeaconAddress address = 0;
   std::uint64_t sequence = 0;
@@ -126,7 +131,7 @@ struct StationaryBeacon {
 };
 
 /// An input of the engine.
-using Event = std::variant<ImuSample, UltrasonicFix, PairHeading>;
+using Event = std::variant<ImuSample, UltrasonicFix, PairHeading, TwistSample>;
 
 inline BeaconAddress address_of(const Event& event) {
   return std::visit([](const auto& sample) { return sample.address; }, event);
@@ -136,15 +141,20 @@ inline std::uint64_t sequence_of(const Event& event) {
   return std::visit([](const auto& sample) { return sample.sequence; }, event);
 }
 
-/// Earliest time at which a causal user has the event: the stamp of an IMU sample, the receipt of a fix or
-/// heading.
+/// Earliest time at which a causal user has the event: the stamp of an IMU sample, the receipt of any
+/// other.
+inline TimeNs available_at_ns(const ImuSample& sample) {
+  return sample.sensor_time_ns;
+}
+template <class Received>
+requires requires(const Received& sample) {
+  sample.received_time_ns;
+}
+TimeNs available_at_ns(const Received& sample) {
+  return sample.received_time_ns;
+}
 inline TimeNs available_at_ns(const Event& event) {
-  struct Visitor {
-    TimeNs operator()(const ImuSample& sample) const { return sample.sensor_time_ns; }
-    TimeNs operator()(const UltrasonicFix& fix) const { return fix.received_time_ns; }
-    TimeNs operator()(const PairHeading& heading) const { return heading.received_time_ns; }
-  };
-  return std::visit(Visitor{}, event);
+  return std::visit([](const auto& sample) { return available_at_ns(sample); }, event);
 }
 
 /// A true state, if known (simulator, motion capture).

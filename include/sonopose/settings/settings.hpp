@@ -90,6 +90,17 @@ struct DelaySettings {
   bool estimate = false;
 };
 
+/// Measured velocities of the body.
+struct TwistSettings {
+  bool enabled = true;
+  double std_mps = 0.05;
+  double lateral_std_mps = 0.0;
+  double vertical_std_mps = 0.0;
+  double point_x_m = 0.0;
+  double point_y_m = 0.0;
+  double scale_std = 0.05;
+};
+
 /// Behaviour without fixes or without IMU samples.
 struct OutageSettings {
   double velocity_decay_rate_hz = 1.0;  ///< item 10
@@ -172,6 +183,7 @@ struct Settings {
   AlignmentSettings alignment;
   HeadingSettings heading;
   DelaySettings delay;
+  TwistSettings twist;
   OutageSettings outage;
   AdmissionSettings admission;
   TrustSettings trust;

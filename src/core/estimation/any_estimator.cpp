@@ -27,6 +27,10 @@ void AnyEstimator::correct(const PairHeading& heading) noexcept {
   std::visit([&](auto& estimator) { estimator.correct(heading); }, estimator_);
 }
 
+void AnyEstimator::correct(const TwistSample& twist) noexcept {
+  std::visit([&](auto& estimator) { estimator.correct(twist); }, estimator_);
+}
+
 void AnyEstimator::finish_pending_work() noexcept {
   std::visit([](auto& estimator) { estimator.finish_pending_work(); }, estimator_);
 }

@@ -118,6 +118,26 @@ void add(Builder& table, const DelaySettings& settings) {
              "Estimate a constant delay error of up to 0.3 s. Only changes of speed or direction reveal it.");
 }
 
+void add(Builder& table, const TwistSettings& settings) {
+  table.group("twist");
+  table.read_by(ReadBy::kalman);
+  table.flag(no_item, "enabled", settings.enabled,
+             "Use measured velocities, as of wheels, where there are any.");
+  table.real(no_item, "std_mps", settings.std_mps, {0.005, 10.0}, "m/s",
+             "Standard deviation of a measured velocity whose source states none.");
+  table.real(no_item, "lateral_std_mps", settings.lateral_std_mps, {0.0, 10.0}, "m/s",
+             "Standard deviation of no motion to the side, while forward speed is measured alone. 0 disables "
+             "this. For vehicles that cannot move sideways.");
+  table.real(no_item, "vertical_std_mps", settings.vertical_std_mps, {0.0, 10.0}, "m/s",
+             "Standard deviation of no motion along body Z, likewise.");
+  table.real(no_item, "point_x_m", settings.point_x_m, {-10.0, 10.0}, "m",
+             "Place whose velocity is measured, forward of the tracked point: the fixed axle.");
+  table.real(no_item, "point_y_m", settings.point_y_m, {-10.0, 10.0}, "m",
+             "That place, to the left of the tracked point.");
+  table.real(no_item, "scale_std", settings.scale_std, {0.0, 0.2}, "",
+             "Standard deviation of the unknown scale error, which is estimated. 0: the scale is exact.");
+}
+
 void add(Builder& table, const OutageSettings& settings) {
   table.group("outage");
   table.read_by(ReadBy::documented);
@@ -444,6 +464,7 @@ void detail::add_all(Builder& table, const Settings& settings) {
   add(table, settings.alignment);
   add(table, settings.heading);
   add(table, settings.delay);
+  add(table, settings.twist);
   add(table, settings.outage);
   table.read_by(ReadBy::all);
   add(table, settings.admission);

@@ -27,6 +27,7 @@ struct Streams {
   void add(const ImuSample& sample) { imu.push_back(sample); }
   void add(const UltrasonicFix& fix) { fixes.push_back(fix); }
   void add(const PairHeading& heading) { headings.push_back(heading); }
+  void add(const TwistSample& /*twist*/) {}  // a beacon measures none
 };
 
 struct Dashboard {

@@ -13,6 +13,7 @@ std::int64_t divide_down(std::int64_t value, std::int64_t divisor) {
 }  // namespace
 
 void Disassembler::on(const Event& event, PacketSink sink) {
+  if (std::holds_alternative<TwistSample>(event)) return;  // no packet has it
   if (const auto* heading = std::get_if<PairHeading>(&event)) {
     if (!waiting_ || heading->emission_time_ns != waiting_->emission_time_ns) return;
     send(*waiting_, heading, sink);

@@ -64,6 +64,10 @@ void InputCheck::add(const PairHeading& heading) {
   heading_ages_ns_.push_back(heading.received_time_ns - heading.emission_time_ns);
 }
 
+void InputCheck::add(const TwistSample& twist) {
+  twists_.push_back(twist.emission_time_ns);
+}
+
 void InputCheck::add(const Event& event) {
   std::visit([this](const auto& sample) { add(sample); }, event);
 }
@@ -274,6 +278,7 @@ std::vector<std::string> InputCheck::findings() const {
   add_if(order("IMU samples", imu_));
   add_if(order("fixes", fixes_));
   add_if(order("headings", headings_));
+  add_if(order("velocities", twists_));
   for (std::string& text : units_of_readings()) texts.push_back(std::move(text));
   add_if(unit_of_positions());
   add_if(unit_of_quality());

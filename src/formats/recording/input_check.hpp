@@ -25,6 +25,7 @@ public:
   void add(const ImuSample& imu);
   void add(const UltrasonicFix& fix);
   void add(const PairHeading& heading);
+  void add(const TwistSample& twist);
   void add(const Event& event);
 
   /// One sentence for each finding, the gravest first.
@@ -51,6 +52,7 @@ private:
   Stamps imu_;
   Stamps fixes_;
   Stamps headings_;
+  Stamps twists_;
   std::vector<Vector3d> positions_world_m_;
   std::vector<double> qualities_percent_;
   std::vector<TimeNs> fix_ages_ns_;  ///< durations from emission to reception

@@ -13,6 +13,7 @@ namespace sonopose::recording {
 inline constexpr std::string_view imu_file = "imu.csv";
 inline constexpr std::string_view ultrasonic_file = "ultrasonic.csv";
 inline constexpr std::string_view heading_file = "heading.csv";
+inline constexpr std::string_view twist_file = "twist.csv";
 inline constexpr std::string_view truth_file = "truth.csv";
 inline constexpr std::string_view wheel_speed_file = "wheel_speed.csv";
 inline constexpr std::string_view movement_file = "movement.csv";
@@ -29,6 +30,11 @@ inline constexpr std::size_t ultrasonic_columns_required = 5;
 
 inline constexpr std::array<std::string_view, 3> heading_columns{"timestamp [ns]", "received [ns]",
                                                                  "heading [deg]"};
+
+inline constexpr std::array<std::string_view, 11> twist_columns{
+    "timestamp [ns]", "received [ns]",  "v_x [m s^-1]",   "v_y [m s^-1]",   "v_z [m s^-1]",  "std_x [m s^-1]",
+    "std_y [m s^-1]", "std_z [m s^-1]", "w_x [rad s^-1]", "w_y [rad s^-1]", "w_z [rad s^-1]"};
+inline constexpr std::size_t twist_columns_required = 5;  ///< columns up to the velocity
 
 inline constexpr std::array<std::string_view, 17> truth_columns{
     "timestamp [ns]", "p_x [m]",          "p_y [m]",          "p_z [m]",          "q_w []",

@@ -155,28 +155,36 @@ private:
 /// merge_by_availability with IMU samples from any source.
 template <class ImuSamples>
 SensorLog merged(const std::string& name, ImuSamples imu_samples, Samples<UltrasonicFix> fixes,
-                 Samples<PairHeading> headings) {
+                 Samples<PairHeading> headings, Samples<TwistSample> twists) {
   LookAhead imu(std::move(imu_samples));
   SensorLog log;
   std::vector<Event>& events = log.events;
-  events.reserve(imu.expected_count() + fixes.expected_count() + headings.expected_count());
+  events.reserve(imu.expected_count() + fixes.expected_count() + headings.expected_count() +
+                 twists.expected_count());
   const auto append = [&events](auto& samples) {
     auto sample = *samples.current();
     sample.sequence = events.size() + 1;
     events.emplace_back(std::move(sample));
     samples.step();
   };
-  constexpr TimeNs never = std::numeric_limits<TimeNs>::max();
-  while (imu.current() != nullptr || fixes.current() != nullptr || headings.current() != nullptr) {
-    const TimeNs imu_ns = imu.current() != nullptr ? imu.current()->sensor_time_ns : never;
-    const TimeNs fix_ns = fixes.current() != nullptr ? fixes.current()->received_time_ns : never;
-    const TimeNs heading_ns = headings.current() != nullptr ? headings.current()->received_time_ns : never;
-    if (imu.current() != nullptr && imu_ns <= fix_ns && imu_ns <= heading_ns) {
+  const auto next_ns = [](const auto& samples) {
+    return samples.current() != nullptr ? available_at_ns(*samples.current())
+                                        : std::numeric_limits<TimeNs>::max();
+  };
+  while (imu.current() != nullptr || fixes.current() != nullptr || headings.current() != nullptr ||
+         twists.current() != nullptr) {
+    const TimeNs least_ns = std::min({next_ns(imu), next_ns(fixes), next_ns(headings), next_ns(twists)});
+    const auto is_next = [&](const auto& samples) {
+      return samples.current() != nullptr && next_ns(samples) == least_ns;
+    };
+    if (is_next(imu)) {
       append(imu);
-    } else if (fixes.current() != nullptr && fix_ns <= heading_ns) {
+    } else if (is_next(fixes)) {
       append(fixes);
-    } else {
+    } else if (is_next(headings)) {
       append(headings);
+    } else {
+      append(twists);
     }
   }
   log.warnings = imu.warnings(name);
@@ -221,7 +229,9 @@ SensorLog read_sensor_log(const std::filesystem::path& folder, std::optional<Bea
   std::vector<PairHeading> headings;
   if (files::is_present(folder / heading_file))
     headings = read_heading_csv(folder / heading_file, own_address);
-  SensorLog log = merged(folder.string(), std::move(imu), Samples(fixes), Samples(headings));
+  std::vector<TwistSample> twists;
+  if (files::is_present(folder / twist_file)) twists = read_twist_csv(folder / twist_file, own_address);
+  SensorLog log = merged(folder.string(), std::move(imu), Samples(fixes), Samples(headings), Samples(twists));
   log.address = own_address;
   if (files::is_present(folder / truth_file)) log.truth = read_truth_csv(folder / truth_file, log.address);
   if (files::is_present(folder / wheel_speed_file))
@@ -241,8 +251,9 @@ ImuLog read_imu_log(const std::filesystem::path& folder, std::optional<BeaconAdd
 
 SensorLog merge_by_availability(const std::string& name, const std::vector<ImuSample>& imu,
                                 const std::vector<UltrasonicFix>& fixes,
-                                const std::vector<PairHeading>& headings) {
-  return merged(name, Samples(imu), Samples(fixes), Samples(headings));
+                                const std::vector<PairHeading>& headings,
+                                const std::vector<TwistSample>& twists) {
+  return merged(name, Samples(imu), Samples(fixes), Samples(headings), Samples(twists));
 }
 
 std::vector<ImuSample> read_imu_csv(const std::filesystem::path& file, BeaconAddress address) {
@@ -285,6 +296,30 @@ std::vector<PairHeading> read_heading_csv(const std::filesystem::path& file, Bea
     if (heading.valid) heading.heading_world_rad = rows.number_in(files::degree, 2);
   }
   return headings;
+}
+
+std::vector<TwistSample> read_twist_csv(const std::filesystem::path& file, BeaconAddress address) {
+  files::CsvReader rows(file, layout_of(twist_columns, twist_columns_required));
+  std::vector<TwistSample> twists;
+  while (rows.next_row()) {
+    TwistSample& twist = twists.emplace_back();
+    twist.address = address;
+    twist.emission_time_ns = rows.time_ns(0);
+    twist.received_time_ns = rows.time_ns(1);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto axis = static_cast<Eigen::Index>(i);
+      if (const auto velocity_mps = rows.optional_number(2 + i)) {
+        twist.velocity_body_mps[axis] = *velocity_mps;
+        twist.velocity_std_mps[axis] = rows.optional_number(5 + i).value_or(-1.0);
+        twist.axes |= twist_velocity_x << i;
+      }
+      if (const auto rate_radps = rows.optional_number(8 + i)) {
+        twist.angular_velocity_body_radps[axis] = *rate_radps;
+        twist.axes |= twist_angular_velocity_x << i;
+      }
+    }
+  }
+  return twists;
 }
 
 std::vector<TruthSample> read_truth_csv(const std::filesystem::path& file, BeaconAddress address,

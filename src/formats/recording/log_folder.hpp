@@ -7,6 +7,7 @@
 /// | `imu.csv`        | timestamp, w_x, w_y, w_z [rad/s], a_x, a_y, a_z [m/s²], optional m_x, m_y, m_z [µT] |
 /// | `ultrasonic.csv` | timestamp (emission), received, x, y, z [m], quality [%] |
 /// | `heading.csv`    | timestamp (emission), received, heading [deg]; optional file |
+/// | `twist.csv`      | timestamp, received, v(3) [m/s], optional std(3) [m/s], w(3) [rad/s]; optional file |
 /// | `truth.csv`      | timestamp, p(3) [m], q_w, q_x, q_y, q_z, v(3) [m/s], …; optional file |
 /// | `wheel_speed.csv` | timestamp, speed [m/s]; optional file, only used for scores |
 /// | `meta.toml`      | what these files do not say (log_meta.hpp); optional file |
@@ -57,16 +58,17 @@ struct ImuLog {
 /// Reads only the IMU samples of a folder. Throws files::IoError.
 ImuLog read_imu_log(const std::filesystem::path& folder, std::optional<BeaconAddress> address = {});
 
-/// Merges the three streams and numbers the events from 1. An IMU sample comes at its stamp, a fix or heading
-/// at its receipt; at equal times IMU, fix, heading. Each stream keeps its order: a row that is earlier than
-/// its predecessor follows directly after it.
+/// Merges the streams and numbers the events from 1. An IMU sample comes at its stamp, any other at its
+/// receipt; at equal times IMU, fix, heading, velocity. Each stream keeps its order: a row that is earlier
+/// than its predecessor follows directly after it.
 ///
 /// Leaves out IMU samples with wrong stamps far in the future, which the estimators would follow, and says so
 /// in the warnings, after `name`. A stamp counts as wrong if it is more than 1 s later than the stamp before
 /// it and than most of the next 128, and the stamps then step back by more than 1 s.
 SensorLog merge_by_availability(const std::string& name, const std::vector<ImuSample>& imu,
                                 const std::vector<UltrasonicFix>& fixes,
-                                const std::vector<PairHeading>& headings);
+                                const std::vector<PairHeading>& headings,
+                                const std::vector<TwistSample>& twists = {});
 
 /// The IMU samples of a table.
 struct ImuTable {
@@ -85,6 +87,9 @@ std::vector<UltrasonicFix> read_ultrasonic_csv(const std::filesystem::path& file
 
 /// Reads a row with an empty heading as an invalid sample.
 std::vector<PairHeading> read_heading_csv(const std::filesystem::path& file, BeaconAddress address);
+
+/// Reads an empty cell as an axis that was not measured, or a standard deviation that is unknown.
+std::vector<TwistSample> read_twist_csv(const std::filesystem::path& file, BeaconAddress address);
 
 /// Reads position, attitude and velocity, each NaN if unknown, and sorts them by time.
 std::vector<TruthSample> read_truth_csv(const std::filesystem::path& file, BeaconAddress address,

@@ -7,6 +7,7 @@
 #include "recording/part_folder.hpp"
 
 #include <cmath>
+#include <limits>
 #include <span>
 #include <string>
 #include <utility>
@@ -92,6 +93,30 @@ void SensorLogWriter::write(const PairHeading& heading) {
   flush_when_due();
 }
 
+void SensorLogWriter::write(const TwistSample& twist) {
+  admit(twist.address);
+  if (!twist_) {
+    twist_ = new_file(folder_ / twist_file);
+    twist_->header(twist_columns);
+  }
+  twist_->integer(twist.emission_time_ns).integer(twist.received_time_ns);
+  const auto write_axes = [&](const Vector3d& value, std::uint32_t first_axis, double least) {
+    for (int axis = 0; axis < 3; ++axis) {
+      if ((twist.axes & (first_axis << axis)) != 0 && value[axis] >= least) {
+        twist_->number(value[axis]);
+      } else {
+        twist_->empty();
+      }
+    }
+  };
+  constexpr double any = -std::numeric_limits<double>::infinity();
+  write_axes(twist.velocity_body_mps, twist_velocity_x, any);
+  write_axes(twist.velocity_std_mps, twist_velocity_x, 0.0);
+  write_axes(twist.angular_velocity_body_radps, twist_angular_velocity_x, any);
+  twist_->end_row();
+  flush_when_due();
+}
+
 void SensorLogWriter::write(const TruthSample& sample) {
   admit(sample.address);
   if (!truth_) {
@@ -113,7 +138,7 @@ void SensorLogWriter::write(const Event& event) {
 
 void SensorLogWriter::flush() {
   last_flush_ = std::chrono::steady_clock::now();
-  for (files::CsvWriter* file : {imu_.get(), ultrasonic_.get(), heading_.get(), truth_.get()}) {
+  for (files::CsvWriter* file : {imu_.get(), ultrasonic_.get(), heading_.get(), twist_.get(), truth_.get()}) {
     if (file != nullptr) file->flush();
   }
 }

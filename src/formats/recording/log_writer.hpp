@@ -20,7 +20,7 @@ namespace sonopose::recording {
 /// than its last second. Rows keep the order of the calls.
 ///
 /// The format omits sequence numbers (the reader renumbers), the flags of a fix, a measured delay other than
-/// receipt − emission, and the value of an invalid heading.
+/// receipt − emission, the value of an invalid heading, and standard deviations of a measured rate.
 ///
 /// `meta.toml` follows the samples: it has the address of the first one, and the common meaning of all IMU
 /// samples, or unknown if they differ.
@@ -39,10 +39,12 @@ public:
   SensorLogWriter& operator=(SensorLogWriter&&) = delete;
 
   /// All samples must belong to one beacon, else files::IoError. The first IMU sample decides whether
-  /// `imu.csv` has magnetometer columns. The first truth creates `truth.csv`; NaN values become empty cells.
+  /// `imu.csv` has magnetometer columns. The first velocity creates `twist.csv`, the first truth `truth.csv`;
+  /// NaN values become empty cells.
   void write(const ImuSample& sample);
   void write(const UltrasonicFix& fix);
   void write(const PairHeading& heading);
+  void write(const TwistSample& twist);
   void write(const TruthSample& sample);
   void write(const Event& event);
 
@@ -62,6 +64,7 @@ private:
   std::unique_ptr<files::CsvWriter> imu_;
   std::unique_ptr<files::CsvWriter> ultrasonic_;
   std::unique_ptr<files::CsvWriter> heading_;
+  std::unique_ptr<files::CsvWriter> twist_;  ///< null until the first velocity
   std::unique_ptr<files::CsvWriter> truth_;  ///< null until the first truth
   LogMeta meta_;                             ///< metadata as written
   std::optional<bool> with_magnetometer_;    ///< empty until the first IMU sample

@@ -35,7 +35,8 @@ void check_free(const fs::path& folder) {
 }  // namespace
 
 void refuse_recording_in(const fs::path& folder) {
-  for (const std::string_view name : {imu_file, ultrasonic_file, heading_file, truth_file, meta_file}) {
+  for (const std::string_view name :
+       {imu_file, ultrasonic_file, heading_file, twist_file, truth_file, meta_file}) {
     if (files::is_present(folder / name)) {
       throw files::IoError(folder.string() + ": already contains a recording (" + std::string(name) +
                            "), which is not overwritten");

@@ -10,14 +10,15 @@ namespace sonopose::bridge {
 inline Event shifted(Event event, TimeNs shift_ns) {
   if (auto* imu = std::get_if<ImuSample>(&event)) {
     imu->sensor_time_ns = saturated_sum(imu->sensor_time_ns, shift_ns);
-  } else if (auto* fix = std::get_if<UltrasonicFix>(&event)) {
-    fix->emission_time_ns = saturated_sum(fix->emission_time_ns, shift_ns);
-    fix->received_time_ns = saturated_sum(fix->received_time_ns, shift_ns);
-  } else {
-    auto& heading = std::get<PairHeading>(event);
-    heading.emission_time_ns = saturated_sum(heading.emission_time_ns, shift_ns);
-    heading.received_time_ns = saturated_sum(heading.received_time_ns, shift_ns);
   }
+  const auto shift = [shift_ns](auto* sample) {
+    if (sample == nullptr) return;
+    sample->emission_time_ns = saturated_sum(sample->emission_time_ns, shift_ns);
+    sample->received_time_ns = saturated_sum(sample->received_time_ns, shift_ns);
+  };
+  shift(std::get_if<UltrasonicFix>(&event));
+  shift(std::get_if<PairHeading>(&event));
+  shift(std::get_if<TwistSample>(&event));
   return event;
 }
 

@@ -52,8 +52,10 @@ inline rules::Observations observed(const std::vector<Event>& events, const sett
       probe.on(sample, now_ns, 1);
     } else if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
       probe.on(*fix, now_ns);
+    } else if (const auto* heading = std::get_if<PairHeading>(&event)) {
+      probe.on(*heading, now_ns);
     } else {
-      probe.on(std::get<PairHeading>(event), now_ns);
+      probe.on(std::get<TwistSample>(event), now_ns);
     }
     estimator.collate(event, 1, {now_ns}, {now_ns});
     while (const auto outcome = estimator.process_next()) {

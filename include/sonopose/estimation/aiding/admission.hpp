@@ -44,6 +44,10 @@ inline constexpr double future_tolerance_s = 0.3;
 [[nodiscard]] bool admits(const AdmissionSettings& settings, TimeNs now_ns, const PairHeading& heading,
                           TimeNs measured_ns, double ahead_s = future_tolerance_s);
 
+/// True if a velocity is a possible and recent measurement.
+[[nodiscard]] bool admits(const AdmissionSettings& settings, TimeNs now_ns, const TwistSample& twist,
+                          TimeNs measured_ns, double ahead_s = future_tolerance_s);
+
 /// Bits of FixFlag that exclude a fix measured at `measured_ns`, in whatever order fixes arrive; 0: none.
 [[nodiscard]] std::uint32_t fix_rejection_flags(const AdmissionSettings& settings, TimeNs now_ns,
                                                 const UltrasonicFix& fix, TimeNs measured_ns,

@@ -11,4 +11,10 @@ namespace sonopose::estimation::aiding {
 [[nodiscard]] TimeNs measured_at(const settings::DelaySettings& settings, const UltrasonicFix& fix);
 [[nodiscard]] TimeNs measured_at(const settings::DelaySettings& settings, const PairHeading& heading);
 
+/// Stamp of a velocity: its delay is that of its own source.
+[[nodiscard]] inline TimeNs measured_at(const settings::DelaySettings& /*settings*/,
+                                        const TwistSample& twist) {
+  return twist.emission_time_ns;
+}
+
 }  // namespace sonopose::estimation::aiding

@@ -34,6 +34,7 @@ public:
 
   /// Sets the yaw to which the following IMU samples turn the body.
   void correct(const PairHeading& heading) noexcept;
+  void correct(const TwistSample& twist) noexcept;  ///< only counts it
 
   /// Adds the latest IMU sample to the history of the path, which a pose does not need.
   void finish_pending_work() noexcept;

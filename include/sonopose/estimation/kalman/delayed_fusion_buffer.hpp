@@ -5,36 +5,42 @@
 #include <sonopose/estimation/kalman/checkpoints.hpp>
 
 #include <limits>
+#include <type_traits>
 #include <variant>
 #include <vector>
 
 namespace sonopose::estimation::kalman {
 
 inline constexpr std::size_t imu_capacity = 2048;
-inline constexpr std::size_t aiding_capacity = 512;  ///< fixes and headings
+inline constexpr std::size_t aiding_capacity = 512;                 ///< fixes, headings and velocities
+inline constexpr std::size_t twist_capacity = aiding_capacity / 2;  ///< places that velocities may fill
 
-/// A fix or a heading.
-using AidingMeasurement = std::variant<FixMeasurement, HeadingMeasurement>;
+/// A fix, a heading or a velocity of the body.
+using AidingMeasurement = std::variant<FixMeasurement, HeadingMeasurement, TwistMeasurement>;
 
 /// True if both are the same measurement, which may have arrived at different times.
 inline bool is_copy(const AidingMeasurement& a, const AidingMeasurement& b) {
   if (a == b) return true;
+  const auto equal = [&b](const auto& measured, const auto& value_of) {
+    const auto* other = std::get_if<std::remove_cvref_t<decltype(measured)>>(&b);
+    return other != nullptr && measured.stamp_ns != 0 && measured.stamp_ns == other->stamp_ns &&
+           value_of(measured) == value_of(*other);
+  };
   if (const auto* fix = std::get_if<FixMeasurement>(&a)) {
-    const auto* other = std::get_if<FixMeasurement>(&b);
-    return other != nullptr && fix->stamp_ns != 0 && fix->stamp_ns == other->stamp_ns &&
-           fix->position_world_m == other->position_world_m;
+    return equal(*fix, [](const FixMeasurement& any) { return any.position_world_m; });
   }
-  const auto& heading = std::get<HeadingMeasurement>(a);
-  const auto* other = std::get_if<HeadingMeasurement>(&b);
-  return other != nullptr && heading.stamp_ns != 0 && heading.stamp_ns == other->stamp_ns &&
-         heading.heading_world_rad == other->heading_world_rad;
+  if (const auto* twist = std::get_if<TwistMeasurement>(&a)) {
+    return equal(*twist, [](const TwistMeasurement& any) { return any.velocity_body_mps; });
+  }
+  return equal(std::get<HeadingMeasurement>(a),
+               [](const HeadingMeasurement& any) { return any.heading_world_rad; });
 }
 
 /// Sort key in time. A heading follows the fix of the same emission, even if their stamps differ a little.
 inline TimeNs order_key(const AidingMeasurement& aiding) {
   constexpr TimeNs after_fix_ns = 500'000;
-  const auto* fix = std::get_if<FixMeasurement>(&aiding);
-  return fix != nullptr ? fix->time_ns : std::get<HeadingMeasurement>(aiding).time_ns + after_fix_ns;
+  const TimeNs time_ns = std::visit([](const auto& any) { return any.time_ns; }, aiding);
+  return std::holds_alternative<HeadingMeasurement>(aiding) ? time_ns + after_fix_ns : time_ns;
 }
 
 /// Oldest state that is kept and the events since then: enough to compute everything again.
@@ -43,6 +49,7 @@ struct History {
   std::vector<ImuMeasurement> imu;
   std::vector<FixMeasurement> fixes;
   std::vector<HeadingMeasurement> headings;
+  std::vector<TwistMeasurement> twists;
   bool stamps_are_ahead = false;  ///< true if the last fix or heading was removed as one from the future
 
   bool operator==(const History&) const = default;
@@ -79,6 +86,9 @@ public:
 
   /// True if a measurement of this time can still be inserted: it is not too old, and there is room.
   [[nodiscard]] bool can_insert(TimeNs time_ns) const;
+
+  /// True if there is room for a velocity too.
+  [[nodiscard]] bool has_place_for_twist() const { return aiding_.size() < twist_capacity; }
 
   /// True if the same measurement is already stored.
   [[nodiscard]] bool contains(const AidingMeasurement& aiding) const;

@@ -43,6 +43,7 @@ public:
   std::optional<FusedPose> predict(const ImuSample& raw) noexcept;
   FixReport correct(const UltrasonicFix& fix) noexcept;
   void correct(const PairHeading& heading) noexcept;
+  void correct(const TwistSample& twist) noexcept;
   void finish_pending_work() noexcept;
   void reset() noexcept;
   void restore(const Snapshot& snapshot) noexcept;
@@ -53,6 +54,7 @@ public:
   [[nodiscard]] ImuMeasurement measurement_in(const ImuSample& raw) const;
   [[nodiscard]] FixMeasurement measurement_in(const UltrasonicFix& fix) const;
   [[nodiscard]] HeadingMeasurement measurement_in(const PairHeading& heading) const;
+  [[nodiscard]] TwistMeasurement measurement_in(const TwistSample& twist) const;
 
   [[nodiscard]] const settings::Settings& settings() const { return settings_; }
   /// State after the processed events (DelayedFusionBuffer::now).

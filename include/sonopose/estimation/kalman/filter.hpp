@@ -3,11 +3,14 @@
 /// One error-state Kalman filter: a nominal state at the IMU and the covariance of its error. The equations
 /// are those of docs/kalman.md.
 
+#include <sonopose/estimation/kalman/at_most_one.hpp>
 #include <sonopose/samples/field_fault.hpp>
 #include <sonopose/samples/samples.hpp>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+
+#include <array>
 
 namespace sonopose::estimation::kalman {
 
@@ -35,7 +38,8 @@ struct ProcessNoise {
   double gyro_radps_rthz = 2e-4;
   double accel_bias_mps2_rts = 4e-4;
   double gyro_bias_radps_rts = 1e-4;
-  double delay_s_rts = 1e-4;  ///< used if the delay is estimated
+  double delay_s_rts = 1e-4;         ///< used if the delay is estimated
+  double velocity_scale_rts = 5e-4;  ///< used once velocities are measured
 };
 
 /// Unmeasured motion: white acceleration and angular rate, and a decaying velocity.
@@ -52,6 +56,7 @@ struct Innovation {
   Matrix3d covariance_m2 = Matrix3d::Identity();  ///< S = H P Hᵀ + R
   StateColumns columns = StateColumns::Zero();    ///< P Hᵀ
   Vector3d delay_row = Vector3d::Zero();          ///< row of P Hᵀ for the delay
+  Vector3d scale_row = Vector3d::Zero();          ///< row of P Hᵀ for the scale of measured velocities
   double squared_norm = 0;                        ///< normalised by S
   double log_determinant = 0;                     ///< log-determinant of S
 };
@@ -90,6 +95,28 @@ struct NominalStep {
   Vector3d force_world_mps2;
 };
 
+/// Scale error of measured velocities, which are 1 + `error` times the true ones: a further row and column.
+struct VelocityScale {
+  double error = 0;
+  double variance = 0;
+  double delay_covariance_s = 0;  ///< covariance with the delay error
+  StateVector covariance = StateVector::Zero();
+
+  bool operator==(const VelocityScale&) const = default;
+};
+
+inline constexpr double max_scale_error = 0.15;
+
+/// A velocity along one body axis, and its prediction by a filter.
+struct VelocityInnovation {
+  double value_mps = 0;
+  double variance_m2ps2 = 1;                 ///< S = H P Hᵀ + R
+  double estimated_mps = 0;                  ///< true velocity, by the filter
+  StateVector column = StateVector::Zero();  ///< P Hᵀ
+  double delay_row = 0;                      ///< row of P Hᵀ for the delay
+  double scale_row = 0;                      ///< row of P Hᵀ for the scale
+};
+
 /// Nominal state and its covariance. A plain value; no function throws or allocates.
 class Filter : public NominalState {
 public:
@@ -101,6 +128,7 @@ public:
   double delay_error_s = 0;                            ///< age of fixes and headings beyond their stamps
   double delay_variance_s2 = 0;                        ///< 0: not estimated
   StateVector delay_covariance = StateVector::Zero();  ///< covariance of the state with the delay
+  AtMostOne<VelocityScale> scale;                      ///< there once a velocity was measured
   Transition pending;                                  ///< transition since the covariance was propagated
 
   bool operator==(const Filter&) const = default;
@@ -146,10 +174,20 @@ public:
         Eigen::RowVector3d::Zero();            ///< H of the attitude error; zero for all other states
     StateVector column = StateVector::Zero();  ///< P Hᵀ
     double delay_row = 0;                      ///< row of P Hᵀ for the delay
+    double scale_row = 0;                      ///< row of P Hᵀ for the scale of measured velocities
   };
   [[nodiscard]] HeadingInnovation heading_innovation(double heading_world_rad, double mount_rad,
                                                      double variance_rad2, double ahead_s) const;
   void correct_heading(double heading_world_rad, double mount_rad, double variance_rad2, double ahead_s);
+
+  /// Innovation of the velocity along a body axis of the point `from_tracked_body_m`, measured `ahead_s`
+  /// after the latest step. With `is_scaled`, the scale error applies.
+  [[nodiscard]] VelocityInnovation velocity_innovation(int axis, double velocity_mps, double variance_m2ps2,
+                                                       const Vector3d& from_tracked_body_m, bool is_scaled,
+                                                       double ahead_s) const;
+  /// Corrects the state by this innovation, of the current state. `more_variance_m2ps2` is added to the
+  /// variance of the measurement.
+  void correct_velocity(const VelocityInnovation& innovation, double more_variance_m2ps2);
 
   /// Corrects by a direct measurement of the three states from `index` on. `innovation` is measured minus
   /// estimated; `variance` is that of each component.
@@ -202,6 +240,7 @@ private:
   template <int count>
   [[nodiscard]] Eigen::Matrix<double, 3, count> times_columns(
       const Eigen::Matrix<double, state_size, count>& columns, double ahead_s) const;
+  [[nodiscard]] Vector3d fix_delay_column(const Quaterniond& q_then, double ahead_s) const;
   [[nodiscard]] Matrix3d fix_covariance_of(const StateColumns& columns, double ahead_s) const;
   using HeadingRow = Eigen::Matrix<double, 1, 3>;
   [[nodiscard]] HeadingRow heading_row(const Vector3d& axis_world) const;
@@ -209,7 +248,7 @@ private:
   template <int rows>
   void correct(const Eigen::Matrix<double, state_size, rows>& w,
                const Eigen::Matrix<double, rows, 1>& innovation,
-               const Eigen::Matrix<double, rows, 1>& w_delay);
+               const Eigen::Matrix<double, rows, 1>& w_delay, const Eigen::Matrix<double, rows, 1>& w_scale);
 };
 
 void for_each_field(IsFieldsOf<Transition> auto& transition, const auto& visit) {
@@ -225,6 +264,27 @@ void for_each_field(IsFieldsOf<Transition> auto& transition, const auto& visit) 
   visit("position_gyro_bias", transition.position_gyro_bias);
 }
 
+/// Visits the parts of a covariance of the state with another one.
+void for_each_part(auto& column, const std::array<const char*, 6>& names, const auto& visit) {
+  for (int i = 0; i < 6; ++i) {
+    Vector3d part = column.template segment<3>(3 * i);
+    visit(names[static_cast<std::size_t>(i)], part);
+    if constexpr (!std::is_const_v<std::remove_reference_t<decltype(column)>>) {
+      column.template segment<3>(3 * i) = part;
+    }
+  }
+}
+
+void for_each_field(IsFieldsOf<VelocityScale> auto& scale, const auto& visit) {
+  visit("error", scale.error);
+  visit("variance", scale.variance);
+  visit("delay_covariance", scale.delay_covariance_s);  // may be negative
+  for_each_part(scale.covariance,
+                {"covariance.position", "covariance.velocity", "covariance.attitude", "covariance.gyro_bias",
+                 "covariance.accel_bias", "covariance.lever_arm"},
+                visit);
+}
+
 /// Visits the fields of a filter. In every stored state, all filters have made all steps up to the latest
 /// sample.
 void for_each_field(IsFieldsOf<Filter> auto& filter, const auto& visit) {
@@ -236,23 +296,15 @@ void for_each_field(IsFieldsOf<Filter> auto& filter, const auto& visit) {
   visit("lever_arm_body_m", filter.lever_arm_body_m);
   visit("delay_error_s", filter.delay_error_s);
   visit("delay_variance_s2", filter.delay_variance_s2);
-  const auto visit_part = [&](const char* name, StateIndex index) {
-    Vector3d part = filter.delay_covariance.template segment<3>(index);
-    visit(name, part);
-    if constexpr (!std::is_const_v<std::remove_reference_t<decltype(filter)>>) {
-      filter.delay_covariance.template segment<3>(index) = part;
-    }
-  };
-  visit_part("delay_covariance.position", at_position);
-  visit_part("delay_covariance.velocity", at_velocity);
-  visit_part("delay_covariance.attitude", at_attitude);
-  visit_part("delay_covariance.gyro_bias", at_gyro_bias);
-  visit_part("delay_covariance.accel_bias", at_accel_bias);
-  visit_part("delay_covariance.lever_arm", at_lever_arm);
+  for_each_part(filter.delay_covariance,
+                {"delay_covariance.position", "delay_covariance.velocity", "delay_covariance.attitude",
+                 "delay_covariance.gyro_bias", "delay_covariance.accel_bias", "delay_covariance.lever_arm"},
+                visit);
   visit("covariance", filter.covariance);
   for_each_field(filter.pending, visit);
   visit("acceleration_world_mps2", filter.acceleration_world_mps2);
   visit("angular_velocity_body_radps", filter.angular_velocity_body_radps);
+  visit("velocity_scale", filter.scale);
 }
 
 }  // namespace sonopose::estimation::kalman

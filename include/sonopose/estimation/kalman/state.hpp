@@ -12,6 +12,7 @@
 #include <sonopose/estimation/kalman/imu_steps.hpp>
 #include <sonopose/estimation/kalman/measurements.hpp>
 #include <sonopose/estimation/kalman/rest.hpp>
+#include <sonopose/estimation/kalman/twist.hpp>
 #include <sonopose/estimation/kalman/wrong_tracks.hpp>
 #include <sonopose/samples/field_fault.hpp>
 #include <sonopose/samples/pose.hpp>
@@ -92,6 +93,7 @@ struct State {
   aiding::DefaultPosition default_position;
   WrongTracks wrong_tracks;
   ImuFaultDetector imu_fault;
+  AtMostOne<TwistGate> twist;  ///< there once a velocity was measured
 
   bool operator==(const State&) const = default;
 
@@ -108,6 +110,7 @@ struct State {
   ImuOutcome on_imu(const settings::Settings& settings, const ImuMeasurement& sample);
   FixOutcome on_fix(const settings::Settings& settings, const FixMeasurement& fix);
   HeadingOutcome on_heading(const settings::Settings& settings, const HeadingMeasurement& heading);
+  void on_twist(const settings::Settings& settings, const TwistMeasurement& measured);
 
   /// Handles a change of the mount offset by this angle. If the yaw is known from headings, the angle adds to
   /// its uncertainty.
@@ -170,6 +173,7 @@ void for_each_field(IsFieldsOf<State> auto& state, const auto& visit) {
   visit("default_position", state.default_position);
   visit("wrong_tracks", state.wrong_tracks);
   visit("imu_fault", state.imu_fault);
+  visit("twist", state.twist);
 }
 
 }  // namespace sonopose::estimation::kalman

@@ -17,6 +17,7 @@ void for_each_field(IsFieldsOf<Snapshot> auto& snapshot, const auto& visit) {
   visit("imu", snapshot.history.imu);
   visit("fixes", snapshot.history.fixes);
   visit("headings", snapshot.history.headings);
+  visit("twists", snapshot.history.twists);
   visit("stamps_are_ahead", snapshot.history.stamps_are_ahead);
   visit("admission.backward_in_row", snapshot.admission.backward_in_row);
   visit("admission.announced_ns", snapshot.admission.announced_ns);

@@ -31,9 +31,9 @@ Measurements measurements_of(std::span<const Event> events, const settings::Sett
     } else if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
       if (!fix->position_world_m.allFinite()) continue;
       log.fixes.push_back({fix->emission_time_ns, fix->position_world_m, fix->sequence});
-    } else if (const auto& heading = std::get<PairHeading>(event);
-               heading.valid && std::isfinite(heading.heading_world_rad)) {
-      log.headings.push_back({heading.emission_time_ns, heading.heading_world_rad, heading.sequence});
+    } else if (const auto* heading = std::get_if<PairHeading>(&event);
+               heading != nullptr && heading->valid && std::isfinite(heading->heading_world_rad)) {
+      log.headings.push_back({heading->emission_time_ns, heading->heading_world_rad, heading->sequence});
     }
   }
   sort_by_time(log.imu);

@@ -59,6 +59,15 @@ bool admits(const AdmissionSettings& settings, TimeNs now_ns, const PairHeading&
          is_recent(settings, now_ns, measured_ns, heading.received_time_ns, ahead_s);
 }
 
+bool admits(const AdmissionSettings& settings, TimeNs now_ns, const TwistSample& twist, TimeNs measured_ns,
+            double ahead_s) {
+  constexpr double max_speed_mps = 1000.0;
+  const auto is_number = [](const Vector3d& value) { return value.allFinite(); };
+  return within(twist.velocity_body_mps, max_speed_mps) && is_number(twist.velocity_std_mps) &&
+         is_number(twist.angular_velocity_body_radps) && is_number(twist.angular_velocity_std_radps) &&
+         is_recent(settings, now_ns, measured_ns, twist.received_time_ns, ahead_s);
+}
+
 std::uint32_t fix_rejection_flags(const AdmissionSettings& settings, TimeNs now_ns, const UltrasonicFix& fix,
                                   TimeNs measured_ns, double ahead_s) {
   if (!within(fix.position_world_m, settings.max_position_m)) return fix_invalid;

@@ -218,6 +218,10 @@ void Engine::correct(const PairHeading& heading) noexcept {
                       measured_ns);  // 5
 }
 
+void Engine::correct(const TwistSample& /*twist*/) noexcept {
+  ++counters_.twists_unused;
+}
+
 // The pose
 
 FusedPose Engine::pose_at(const ImuSample& imu) const {

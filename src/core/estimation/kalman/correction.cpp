@@ -57,6 +57,12 @@ Matrix3d Filter::fix_covariance_of(const StateColumns& columns, double ahead_s) 
   return 0.5 * (whole + whole.transpose());
 }
 
+/// H of a fix for the delay: minus the velocity of the tracked point.
+Vector3d Filter::fix_delay_column(const Quaterniond& q_then, double ahead_s) const {
+  return q_then * angular_velocity_body_radps.cross(lever_arm_body_m) - velocity_world_mps -
+         ahead_s * acceleration_world_mps2;
+}
+
 Innovation Filter::fix_innovation(const Vector3d& fix_world_m, const Matrix3d& fix_covariance_m2,
                                   double ahead_s) const {
   Innovation innovation;
@@ -68,15 +74,18 @@ Innovation Filter::fix_innovation(const Vector3d& fix_world_m, const Matrix3d& f
   innovation.value_world_m = fix_world_m - predicted;
   innovation.columns = fix_columns(ahead_s);
   if (estimates_delay()) {
-    // H of the delay is minus the velocity of the tracked point.
-    const Vector3d h = q_then * angular_velocity_body_radps.cross(lever_arm_body_m) - velocity_world_mps -
-                       ahead_s * acceleration_world_mps2;
+    const Vector3d h = fix_delay_column(q_then, ahead_s);
     innovation.delay_row = times_columns(delay_covariance, ahead_s) + delay_variance_s2 * h;
     innovation.columns += delay_covariance * h.transpose();
     const Matrix3d by_delay = h * innovation.delay_row.transpose();
     innovation.covariance_m2 = 0.5 * (by_delay + by_delay.transpose());
   } else {
     innovation.covariance_m2.setZero();
+  }
+  if (scale) {
+    innovation.scale_row = times_columns(scale->covariance, ahead_s);
+    if (estimates_delay())
+      innovation.scale_row += scale->delay_covariance_s * fix_delay_column(q_then, ahead_s);
   }
   innovation.covariance_m2 += fix_covariance_of(innovation.columns, ahead_s) + fix_covariance_m2;
   const Eigen::LLT<Matrix3d> factor(innovation.covariance_m2);
@@ -96,7 +105,8 @@ void Filter::correct_fix(const Innovation& innovation, const Matrix3d& more_cova
   const StateColumns w = whitened(innovation.columns, factor);
   const Vector3d whitened_innovation = factor.matrixL().solve(innovation.value_world_m);
   const Vector3d w_delay = factor.matrixL().solve(innovation.delay_row);
-  correct(w, whitened_innovation, w_delay);
+  correct(w, whitened_innovation, w_delay,
+          scale ? factor.matrixL().solve(innovation.scale_row).eval() : w_delay);
 }
 
 /// Jacobian H of a heading with respect to the attitude error. The direction of a body axis b = R a in the
@@ -133,6 +143,10 @@ Filter::HeadingInnovation Filter::heading_innovation(double heading_world_rad, d
     innovation.column += h * delay_covariance;
     innovation.delay_row = row.dot(delay_covariance.segment<3>(at_attitude)) + h * delay_variance_s2;
   }
+  if (scale) {
+    innovation.scale_row = row.dot(scale->covariance.segment<3>(at_attitude));
+    if (estimates_delay()) innovation.scale_row += h * scale->delay_covariance_s;
+  }
   innovation.variance_rad2 =
       row.dot(innovation.column.segment<3>(at_attitude)) + h * innovation.delay_row + variance_rad2;
   return innovation;
@@ -145,7 +159,7 @@ void Filter::correct_heading(double heading_world_rad, double mount_rad, double 
   if (!innovation.observable) return;
   const double std_rad = std::sqrt(innovation.variance_rad2);
   correct<1>(innovation.column / std_rad, Scalar(innovation.value_rad / std_rad),
-             Scalar(innovation.delay_row / std_rad));
+             Scalar(innovation.delay_row / std_rad), Scalar(innovation.scale_row / std_rad));
 }
 
 void Filter::update_direct(StateIndex index, const Vector3d& innovation, double variance) {
@@ -156,7 +170,8 @@ void Filter::update_direct(StateIndex index, const Vector3d& innovation, double 
   const StateColumns w = whitened(columns, factor);
   const Vector3d whitened_innovation = factor.matrixL().solve(innovation);
   const Vector3d w_delay = factor.matrixL().solve(delay_covariance.segment<3>(index));
-  correct(w, whitened_innovation, w_delay);
+  correct(w, whitened_innovation, w_delay,
+          scale ? factor.matrixL().solve(scale->covariance.segment<3>(index)).eval() : w_delay);
 }
 
 void Filter::add_variance(StateIndex index, const Vector3d& variance) {
@@ -168,6 +183,7 @@ void Filter::decorrelate(StateIndex index, const Vector3d& variance) {
   covariance.middleCols<3>(index).setZero();
   covariance.diagonal().segment<3>(index) = variance;
   delay_covariance.segment<3>(index).setZero();
+  if (scale) scale->covariance.segment<3>(index).setZero();
 }
 
 void Filter::turn_world(double angle_rad) {
@@ -181,6 +197,7 @@ void Filter::turn_world(double angle_rad) {
     covariance.middleRows<3>(index) = (turn * covariance.middleRows<3>(index)).eval();
     covariance.middleCols<3>(index) = (covariance.middleCols<3>(index) * turn.transpose()).eval();
     delay_covariance.segment<3>(index) = (turn * delay_covariance.segment<3>(index)).eval();
+    if (scale) scale->covariance.segment<3>(index) = (turn * scale->covariance.segment<3>(index)).eval();
   }
   mirror_upper(covariance);
 }
@@ -189,6 +206,7 @@ void Filter::estimate_delay(double variance_s2) {
   delay_covariance.setZero();
   delay_variance_s2 = variance_s2;
   if (variance_s2 == 0.0) delay_error_s = 0.0;
+  if (scale) scale->delay_covariance_s = 0.0;
 }
 
 void Filter::add_yaw_variance(double variance_rad2) {
@@ -198,16 +216,24 @@ void Filter::add_yaw_variance(double variance_rad2) {
 }
 
 /// Applies P ← P − W Wᵀ and injects the error W e, where e is the innovation times L⁻¹. `w_delay` is the row
-/// of W for the delay.
+/// of W for the delay, `w_scale` that for the scale of measured velocities, if there is one.
 template <int rows>
 void Filter::correct(const Eigen::Matrix<double, state_size, rows>& w,
                      const Eigen::Matrix<double, rows, 1>& innovation,
-                     const Eigen::Matrix<double, rows, 1>& w_delay) {
+                     const Eigen::Matrix<double, rows, 1>& w_delay,
+                     const Eigen::Matrix<double, rows, 1>& w_scale) {
   constexpr double max_delay_error_s = 0.3;
   constexpr double min_delay_std_s = 1e-5;
   const StateVector error = w * innovation;
   covariance -= w.lazyProduct(w.transpose());
   inject(error);
+  if (scale) {
+    constexpr double min_scale_std = 1e-4;
+    scale->covariance -= w * w_scale;
+    if (estimates_delay()) scale->delay_covariance_s -= w_delay.dot(w_scale);
+    scale->variance = std::max(scale->variance - w_scale.squaredNorm(), min_scale_std * min_scale_std);
+    scale->error = std::clamp(scale->error + w_scale.dot(innovation), -max_scale_error, max_scale_error);
+  }
   if (!estimates_delay()) return;
   delay_covariance -= w * w_delay;
   delay_variance_s2 = std::max(delay_variance_s2 - w_delay.squaredNorm(), min_delay_std_s * min_delay_std_s);

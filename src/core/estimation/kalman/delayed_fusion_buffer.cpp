@@ -148,6 +148,8 @@ FixOutcome DelayedFusionBuffer::replay(const settings::Settings& settings, const
     FixOutcome outcome;
     if (const auto* fix = std::get_if<FixMeasurement>(&aiding)) {
       outcome = now_.on_fix(settings, *fix);
+    } else if (const auto* twist = std::get_if<TwistMeasurement>(&aiding)) {
+      now_.on_twist(settings, *twist);
     } else {
       now_.on_heading(settings, *std::get_if<HeadingMeasurement>(&aiding));
     }
@@ -197,6 +199,8 @@ History DelayedFusionBuffer::history() const {
   for (const AidingMeasurement& aiding : aiding_) {
     if (const auto* fix = std::get_if<FixMeasurement>(&aiding)) {
       history.fixes.push_back(*fix);
+    } else if (const auto* twist = std::get_if<TwistMeasurement>(&aiding)) {
+      history.twists.push_back(*twist);
     } else {
       history.headings.push_back(*std::get_if<HeadingMeasurement>(&aiding));
     }
@@ -222,6 +226,9 @@ void DelayedFusionBuffer::restore(const settings::Settings& settings, const Hist
   }
   for (const HeadingMeasurement& heading : history.headings) {
     if (has_place()) insert(heading);
+  }
+  for (const TwistMeasurement& twist : history.twists) {
+    if (has_place()) insert(twist);
   }
   replay(settings, nullptr);
 }

@@ -257,6 +257,51 @@ void Engine::correct(const PairHeading& heading) noexcept {
   buffer_.add(settings_, measured);
 }
 
+TwistMeasurement Engine::measurement_in(const TwistSample& twist) const {
+  constexpr double min_std_mps = 0.005;
+  constexpr double max_std_mps = 1000.0;  // tells nothing
+  const settings::TwistSettings& settings = settings_.twist;
+  TwistMeasurement measured{.time_ns = measured_at(twist), .stamp_ns = stamp_or_none(twist.emission_time_ns)};
+  for (int axis = 0; axis < 3; ++axis) {
+    if ((twist.axes & (twist_velocity_x << axis)) == 0) continue;
+    const double own_std_mps = twist.velocity_std_mps[axis];
+    if (own_std_mps > max_std_mps) continue;
+    measured.velocity_body_mps[axis] = twist.velocity_body_mps[axis];
+    measured.std_mps[axis] = std::max(own_std_mps >= 0.0 ? own_std_mps : settings.std_mps, min_std_mps);
+  }
+  const auto constrain = [&measured](int axis, double std_mps) {
+    if (measured.std_mps.x() < 0.0 || measured.std_mps[axis] >= 0.0 || std_mps == 0.0) return;
+    measured.std_mps[axis] = std_mps;
+    measured.constrained |= 1 << axis;
+  };
+  constrain(1, settings.lateral_std_mps);
+  constrain(2, settings.vertical_std_mps);
+  return measured;
+}
+
+void Engine::correct(const TwistSample& twist) noexcept {
+  if (buffer_.has_pending_sample()) finish_pending_work();
+  const TwistMeasurement measured = measurement_in(twist);
+  if (!aiding::admission::admits(settings_.admission, time_ns(), twist, measured.time_ns,
+                                 buffer_.max_ahead_s())) {
+    ++counters_.samples_invalid;
+    return;
+  }
+  const bool is_measured = measured.std_mps.maxCoeff() >= 0.0;
+  if (!settings_.twist.enabled || !is_measured || state().phase == Phase::waiting ||
+      !buffer_.has_place_for_twist() || buffer_.contains(measured)) {
+    ++counters_.twists_unused;
+    return;
+  }
+  if (!buffer_.can_insert(measured.time_ns)) {
+    ++counters_.samples_invalid;  // too late
+    return;
+  }
+  buffer_.add(settings_, measured);
+  const bool rejected = state().twist && state().twist->rejected;
+  ++(rejected ? counters_.twists_rejected : counters_.twists_used);
+}
+
 FusedPose Engine::pose_at(const ImuSample& imu, const NominalState& nominal) const {
   const State& now = state();
   FusedPose pose;

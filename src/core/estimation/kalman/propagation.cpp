@@ -150,6 +150,10 @@ void Filter::predict_without_imu(double duration_s, const UnknownMotion& motion)
   P.middleCols<3>(at_velocity) *= decay;
   delay_covariance.segment<3>(at_position) += moving_s * delay_covariance.segment<3>(at_velocity);
   delay_covariance.segment<3>(at_velocity) *= decay;
+  if (scale) {
+    scale->covariance.segment<3>(at_position) += moving_s * scale->covariance.segment<3>(at_velocity);
+    scale->covariance.segment<3>(at_velocity) *= decay;
+  }
   // Integrals of white acceleration with a decaying velocity.
   const double accel = motion.accel_mps2_rthz * motion.accel_mps2_rthz;
   P.diagonal().segment<3>(at_position).array() +=
@@ -169,7 +173,7 @@ void Filter::apply_past_errors(double duration_s) {
   pending.impulse_sum_m = 0.5 * duration_s * pending.impulse_mps;
   pending.rotation_sum_s = duration_s * pending.rotation_start;
   pending.rotation_double_sum_s2 = 0.5 * duration_s * pending.rotation_sum_s;
-  propagate({0.0, 0.0, 0.0, 0.0, 0.0});
+  propagate({0.0, 0.0, 0.0, 0.0, 0.0, 0.0});
 }
 
 StateCovariance Filter::transition() const {
@@ -218,6 +222,13 @@ void Filter::propagate(const ProcessNoise& noise) {
     delay_covariance.segment<3>(at_velocity) = f.times_velocity_rows(before);
     delay_covariance.segment<3>(at_attitude) = f.times_attitude_rows(before);
     delay_variance_s2 += noise.delay_s_rts * noise.delay_s_rts * pending.duration_s;
+  }
+  if (scale) {
+    const StateVector before = scale->covariance;
+    scale->covariance.segment<3>(at_position) = f.times_position_rows(before);
+    scale->covariance.segment<3>(at_velocity) = f.times_velocity_rows(before);
+    scale->covariance.segment<3>(at_attitude) = f.times_attitude_rows(before);
+    scale->variance += noise.velocity_scale_rts * noise.velocity_scale_rts * pending.duration_s;
   }
   pending = Transition{};
 }

@@ -23,6 +23,10 @@ struct RangeCheck {
   void operator()(const char* /*name*/, const std::vector<Record>& records) const {
     for (const Record& record : records) for_each_field(record, *this);
   }
+  template <class Record>
+  void operator()(const char* /*name*/, const AtMostOne<Record>& record) const {
+    if (record) for_each_field(*record, *this);
+  }
   template <class Record, std::size_t count>
   void operator()(const char* /*name*/, const std::array<Record, count>& records) const {
     for (const Record& record : records) for_each_field(record, *this);
@@ -39,10 +43,12 @@ private:
 };
 
 bool is_covariance(const Filter& filter) {
-  using Joint = Eigen::Matrix<double, state_size + 1, state_size + 1>;  // including the delay
+  using Joint = Eigen::Matrix<double, state_size + 2, state_size + 2>;  // including delay and scale
+  const VelocityScale velocity_scale = filter.scale ? *filter.scale : VelocityScale{};
   Joint joint;
-  joint << filter.covariance, filter.delay_covariance, filter.delay_covariance.transpose(),
-      filter.delay_variance_s2;
+  joint << filter.covariance, filter.delay_covariance, velocity_scale.covariance,
+      filter.delay_covariance.transpose(), filter.delay_variance_s2, velocity_scale.delay_covariance_s,
+      velocity_scale.covariance.transpose(), velocity_scale.delay_covariance_s, velocity_scale.variance;
   if (joint != joint.transpose() || !(joint.diagonal().minCoeff() >= 0.0)) return false;
   // Correlations, with a margin for rounding.
   constexpr double margin = 1e-9;
@@ -155,8 +161,8 @@ std::optional<FieldFault> find_fault(const Snapshot& snapshot) {
   if (fault) return fault;
   const History& history = snapshot.history;
   if (history.imu.size() > imu_capacity) return FieldFault{"imu", "are more than an engine keeps"};
-  if (history.fixes.size() + history.headings.size() > aiding_capacity) {
-    return FieldFault{"fixes", "and headings are more than an engine keeps"};
+  if (history.fixes.size() + history.headings.size() + history.twists.size() > aiding_capacity) {
+    return FieldFault{"fixes", "and other measurements are more than an engine keeps"};
   }
   TimeNs before_ns = history.base.imu.time_ns;
   for (const ImuMeasurement& imu : history.imu) {
@@ -172,6 +178,9 @@ std::optional<FieldFault> find_fault(const Snapshot& snapshot) {
   for (const HeadingMeasurement& heading : history.headings) {
     if (order_key(heading) < history.base.imu.time_ns)
       return FieldFault{"headings", "begin before the state"};
+  }
+  for (const TwistMeasurement& twist : history.twists) {
+    if (order_key(twist) < history.base.imu.time_ns) return FieldFault{"twists", "begin before the state"};
   }
   return std::nullopt;
 }

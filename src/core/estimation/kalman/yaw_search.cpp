@@ -32,6 +32,7 @@ Filter initial_filter(const State& state, bool at_rest) {
   start.lever_arm_body_m = before.lever_arm_body_m;
   start.delay_error_s = before.delay_error_s;
   start.delay_variance_s2 = before.delay_variance_s2;
+  if (before.scale) start.scale.push({.error = before.scale->error, .variance = before.scale->variance});
   for (const StateIndex index : {at_gyro_bias, at_accel_bias, at_lever_arm}) {
     start.covariance.block<3, 3>(index, index) = before.covariance.block<3, 3>(index, index);
   }

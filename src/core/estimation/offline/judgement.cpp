@@ -59,6 +59,15 @@ public:
     if (heading.valid && engine_.counters().headings != before) insert({measured, heading.sequence});
   }
 
+  void add(const TwistSample& twist) {
+    const kalman::TwistMeasurement measured = engine_.measurement_in(twist);
+    const std::uint64_t before = engine_.counters().twists_used + engine_.counters().twists_rejected;
+    engine_.correct(twist);
+    if (engine_.counters().twists_used + engine_.counters().twists_rejected != before) {
+      insert({measured, twist.sequence});
+    }
+  }
+
   std::vector<Admitted> finished() { return std::move(admitted_); }
 
 private:
@@ -149,6 +158,11 @@ public:
                                          .used = outcome.used,
                                          .variance_rad2 = outcome.variance_rad2,
                                          .added_yaw_variance_rad2 = outcome.added_variance_rad2});
+  }
+
+  /// A velocity has no part in a segment; it only affects the verdicts.
+  void add(const kalman::TwistMeasurement& twist, std::uint64_t /*sequence*/) {
+    state_.on_twist(settings_, twist);
   }
 
   std::vector<Segment> finished() { return std::move(segments_); }

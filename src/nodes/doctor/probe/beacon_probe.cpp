@@ -122,6 +122,10 @@ void BeaconProbe::on(const PairHeading& heading, const Arrival& arrival) {
   headings_.add(arrival.time_ns, heading);
 }
 
+void BeaconProbe::on(const TwistSample& twist, const Arrival& arrival) {
+  if (twist.sequence != unnumbered) sequences_.add(arrival.time_ns, twist.sequence);
+}
+
 void BeaconProbe::on(const FusedPose& pose, const Arrival& arrival) {
   if (!in_window()) return;
   pose_.count(arrival);

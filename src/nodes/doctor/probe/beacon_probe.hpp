@@ -49,6 +49,7 @@ public:
   void on(const ImuSample& imu, const Arrival& arrival, std::uint64_t writer);
   void on(const UltrasonicFix& fix, const Arrival& arrival);
   void on(const PairHeading& heading, const Arrival& arrival);
+  void on(const TwistSample& twist, const Arrival& arrival);
   void on(const FusedPose& pose, const Arrival& arrival);
   void on(const FixReport& report, const Arrival& arrival);
   void on(const BeaconStatus& status);

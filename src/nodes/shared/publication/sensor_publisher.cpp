@@ -108,6 +108,7 @@ private:
   void publish(ImuSample imu, Beacon& beacon);
   void publish(const UltrasonicFix& fix, Beacon& beacon);
   void publish(const PairHeading& heading, Beacon& beacon);
+  void publish(const TwistSample& twist, Beacon& /*beacon*/) { writers_.write(twist); }
   void publish_status(Beacon& beacon, SteadyTime now);
   void publish(LineStatus& line);
   void log(const transitions::Transition& transition, SteadyTime now);
@@ -166,9 +167,12 @@ SensorPublisher::Publisher::~Publisher() {
 void SensorPublisher::Publisher::on(const Event& event) {
   Beacon& beacon = beacon_of(address_of(event));
   Event numbered = event;
+  // Velocities alone are of a beacon that another bridge numbers.
+  const bool is_numbered = beacon.next_sequence > 1 || !std::holds_alternative<TwistSample>(event);
   std::visit(
-      [&beacon](auto& sample) {
-        if (sample.sequence == 0) sample.sequence = beacon.next_sequence;
+      [&beacon, is_numbered](auto& sample) {
+        if (!is_numbered) return;
+        if (sample.sequence == unnumbered) sample.sequence = beacon.next_sequence;
         beacon.next_sequence = sample.sequence + 1;
       },
       numbered);

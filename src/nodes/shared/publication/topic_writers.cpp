@@ -14,6 +14,7 @@ TopicWriters::TopicWriters(const dds::DomainParticipant& participant, const dds:
       imu_(make_writer(participant, qos, dds::topics::imu, &imu_listener_, delivery)),
       fix_(make_writer(participant, qos, dds::topics::fix, &fix_listener_, delivery)),
       heading_(make_writer(participant, qos, dds::topics::heading, &heading_listener_, delivery)),
+      twist_(make_writer(participant, qos, dds::topics::twist, &twist_listener_, delivery)),
       truth_(make_writer(participant, qos, dds::topics::truth)),
       status_(make_writer(participant, qos, dds::topics::beacon_status)),
       line_(make_writer(participant, qos, dds::topics::line_status)),
@@ -24,6 +25,7 @@ void TopicWriters::flush() {
   imu_.flush();
   fix_.flush();
   heading_.flush();
+  twist_.flush();
   truth_.flush();
   status_.flush();
   line_.flush();
@@ -42,6 +44,7 @@ void TopicWriters::unregister(BeaconAddress address) {
     unregister_at(imu_);
     unregister_at(fix_);
     unregister_at(heading_);
+    unregister_at(twist_);
   }
   unregister_at(truth_);
   unregister_at(status_);
@@ -51,7 +54,8 @@ void TopicWriters::wait_for_readers() {
   const auto all_matched = [this] {
     return imu_.publication_matched_status().current_count > 0 &&
            fix_.publication_matched_status().current_count > 0 &&
-           heading_.publication_matched_status().current_count > 0;
+           heading_.publication_matched_status().current_count > 0 &&
+           twist_.publication_matched_status().current_count > 0;
   };
   constexpr TimeNs poll_period_ns = 20'000'000;
   constexpr TimeNs report_after_ns = 3'000'000'000;
@@ -77,6 +81,7 @@ void TopicWriters::wait_until_read() {
   wait(imu_);
   wait(fix_);
   wait(heading_);
+  wait(twist_);
   wait(truth_);
 }
 

@@ -25,6 +25,7 @@ public:
   void write(const ImuSample& sample) { write(imu_, dds::topics::to_idl(sample)); }
   void write(const UltrasonicFix& fix) { write(fix_, dds::topics::to_idl(fix)); }
   void write(const PairHeading& heading) { write(heading_, dds::topics::to_idl(heading)); }
+  void write(const TwistSample& twist) { write(twist_, dds::topics::to_idl(twist)); }
   void write(const TruthSample& truth) { write(truth_, dds::topics::to_idl(truth)); }
   void write(const BeaconStatus& status) { write(status_, dds::topics::to_idl(status)); }
   void write(const LineStatus& line) { write(line_, dds::topics::to_idl(line)); }
@@ -67,9 +68,11 @@ private:
   process::CountingWriterListener<sonopose_ImuSample> imu_listener_{endpoints_};
   process::CountingWriterListener<sonopose_UltrasonicFix> fix_listener_{endpoints_};
   process::CountingWriterListener<sonopose_PairHeading> heading_listener_{endpoints_};
+  process::CountingWriterListener<sonopose_TwistSample> twist_listener_{endpoints_};
   dds::DataWriter<sonopose_ImuSample> imu_;
   dds::DataWriter<sonopose_UltrasonicFix> fix_;
   dds::DataWriter<sonopose_PairHeading> heading_;
+  dds::DataWriter<sonopose_TwistSample> twist_;
   dds::DataWriter<sonopose_TruthSample> truth_;
   dds::DataWriter<sonopose_BeaconStatus> status_;
   dds::DataWriter<sonopose_LineStatus> line_;

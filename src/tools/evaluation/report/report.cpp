@@ -117,6 +117,11 @@ std::string report_text(const RunResult& result, const Timing& timing) {
                                   text::count_text(counters.headings, "heading"),
                                   text::count_text(counters.imu_gaps, "IMU gap"), counters.samples_invalid,
                                   text::count_text(result.imu_stamps_back, "IMU stamp")));
+  if (const auto twists = counters.twists_used + counters.twists_rejected + counters.twists_unused;
+      twists > 0) {
+    text += report_line("velocities", fmt::format("{:8} used, {} rejected, {} not used", counters.twists_used,
+                                                  counters.twists_rejected, counters.twists_unused));
+  }
   text += report_line(
       "duration",
       fmt::format("{:8.2f} s, replayed at {:.0f} x real time (reading {:.3f} s, engine {:.3f} s)",
@@ -147,6 +152,9 @@ std::string report_json(const RunResult& result, const Timing& timing) {
                                       {"fix_flags", std::move(fix_flags)},
                                       {"imu_samples", result.counters.imu_samples},
                                       {"headings", result.counters.headings},
+                                      {"twists_used", result.counters.twists_used},
+                                      {"twists_rejected", result.counters.twists_rejected},
+                                      {"twists_unused", result.counters.twists_unused},
                                       {"imu_gaps", result.counters.imu_gaps},
                                       {"samples_invalid", result.counters.samples_invalid},
                                       {"imu_stamps_back", result.imu_stamps_back},

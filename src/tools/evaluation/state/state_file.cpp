@@ -19,7 +19,7 @@ namespace {
 using OrderedJson = nlohmann::ordered_json;
 
 constexpr std::string_view format_name = "sonopose estimator state";
-constexpr int format_version = 10;
+constexpr int format_version = 11;
 
 double finite(const char* name, double value) {
   if (std::isfinite(value)) return value;
