@@ -5,6 +5,7 @@
 #include "sim/simulator.hpp"
 #include "support/progress.hpp"
 #include "support/run.hpp"
+#include "support/wheel_options.hpp"
 #include <sonopose/geometry/rotation.hpp>
 #include <sonopose/text/count_text.hpp>
 
@@ -31,6 +32,7 @@ struct Options {
   std::optional<double> mount_offset_deg;
   std::optional<double> delay_error_ms;
   std::vector<double> lever_arm_body_m;  ///< x, y, z; empty: lever arm of the scenario
+  apps::WheelOptions wheels;
   bool list = false;
 };
 
@@ -56,6 +58,7 @@ void add_options(CLI::App& app, Options& options) {
       ->allow_extra_args(false)
       ->type_name("X Y Z")
       ->check(metres);
+  apps::add_wheel_options(app, options.wheels);
   app.add_flag("--list", options.list, "List the scenarios and exit");
 }
 
@@ -95,16 +98,19 @@ recording::LogSettings settings_of(const Options& options, const sim::Scenario& 
   if (!options.lever_arm_body_m.empty()) {
     settings.emplace_back("lever_arm_m", fmt::format("{}", fmt::join(options.lever_arm_body_m, " ")));
   }
+  apps::describe(options.wheels, settings);
   return settings;
 }
 
 int write(const Options& options) {
   if (options.scenario.empty()) throw CLI::RequiredError("SCENARIO");
-  const sim::Scenario& scenario = sim::find_scenario(options.scenario);
+  sim::Scenario scenario = sim::find_scenario(options.scenario);
   if (options.folder.empty()) throw CLI::RequiredError("--out");
   const double duration_s = options.duration_s.value_or(scenario.duration_s);
   const sim::Run run{.seed = options.seed, .duration_s = duration_s};
-  sim::Simulator simulator(scenario, sensors_of(options, scenario, run), run);
+  sim::SensorSettings sensors = sensors_of(options, scenario, run);
+  apps::add_wheels(options.wheels, duration_s, sensors, scenario.disturbances);
+  sim::Simulator simulator(scenario, sensors, run);
   const recording::PartFolder folder(options.folder);
   std::optional<recording::SensorLogWriter> log;
   log.emplace(folder.part(), settings_of(options, scenario, duration_s));
@@ -125,9 +131,10 @@ int write(const Options& options) {
   log.reset();
   folder.commit();
   progress.clear();
-  apps::print("{}: {}, seed {}, {} s: {}, {}, {}, {}\n", options.folder.string(), scenario.name, options.seed,
-              duration_s, text::count_text(count[0], "IMU sample"),
+  apps::print("{}: {}, seed {}, {} s: {}, {}, {}, {}{}\n", options.folder.string(), scenario.name,
+              options.seed, duration_s, text::count_text(count[0], "IMU sample"),
               text::count_text(count[1], "fix", "fixes"), text::count_text(count[2], "heading"),
+              count[3] == 0 ? "" : text::count_text(count[3], "velocity", "velocities") + ", ",
               text::count_text(truth_count, "true state"));
   return 0;
 }

@@ -100,6 +100,7 @@ void check(const Disturbances& disturbances) {
   check_spans("outages", disturbances.outages);
   check_spans("imu_outages", disturbances.imu_outages);
   check_spans("halved_fix_rates", disturbances.halved_fix_rates);
+  check_spans("wheel_slips", disturbances.wheel_slips);
   check_spans("outlier_bursts", disturbances.outlier_bursts);
   for (const OutlierBurst& burst : disturbances.outlier_bursts) {
     check_vector("outlier_bursts.offset_world_m", burst.offset_world_m);
@@ -212,6 +213,14 @@ Motion relocated(const Disturbances& disturbances, double time_s, const Motion& 
     result.position_world_m += relocation.by_world_m;
   }
   return result;
+}
+
+double wheel_slip(const Disturbances& disturbances, double time_s) {
+  double by = 0;
+  for (const WheelSlip& slip : disturbances.wheel_slips) {
+    if (holds(slip, time_s)) by += slip.by;
+  }
+  return by;
 }
 
 double heading_error_rad(const Disturbances& disturbances, double time_s) {

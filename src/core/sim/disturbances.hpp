@@ -18,6 +18,14 @@ struct Outage {
   double duration_s = 0;
 };
 
+/// Slip of the wheels in [begin, begin + duration): they turn by the share `by` faster than the vehicle
+/// moves.
+struct WheelSlip {
+  double begin_s = 0;
+  double duration_s = 0;
+  double by = 0;
+};
+
 /// Omission of every other fix in [begin, begin + duration), with its heading.
 struct HalvedFixRate {
   double begin_s = 0;
@@ -119,6 +127,7 @@ struct Disturbances {
   std::vector<Outage> outages{};  ///< outages of fixes and headings
   std::vector<Outage> imu_outages{};
   std::vector<HalvedFixRate> halved_fix_rates{};
+  std::vector<WheelSlip> wheel_slips{};
   std::vector<OutlierBurst> outlier_bursts{};
   std::vector<Relocation> relocations{};
   std::vector<HeadingError> heading_errors{};
@@ -149,6 +158,9 @@ Vector3d track_offset_world_m(const Disturbances& disturbances, double time_s,
 
 /// Motion after the relocations until this time, one after the other.
 Motion relocated(const Disturbances& disturbances, double time_s, const Motion& motion);
+
+/// Sum of the slips.
+double wheel_slip(const Disturbances& disturbances, double time_s);
 
 /// Sum of the heading's errors.
 double heading_error_rad(const Disturbances& disturbances, double time_s);

@@ -80,6 +80,11 @@ void check(const SensorSettings& settings) {
   not_negative(settings.quality_percent, "quality_percent");
   not_negative(settings.quality_noise_percent, "quality_noise_percent");
   not_negative(settings.heading_noise_rad, "heading_noise_rad");
+  not_negative(settings.wheel_rate_hz, "wheel_rate_hz");
+  not_negative(settings.wheel_noise_mps, "wheel_noise_mps");
+  not_negative(settings.wheel_wander, "wheel_wander");
+  not_negative(settings.wheel_delay_s, "wheel_delay_s");
+  require(std::isfinite(settings.wheel_scale_error), "wheel_scale_error", settings.wheel_scale_error);
 }
 
 ImuSample ideal_imu_sample(const Motion& motion, const Vector3d& lever_body_m) {
@@ -153,6 +158,19 @@ UltrasonicFix UltrasonicModel::measure_fix(const Motion& motion, const FixCondit
   fix.quality_percent = std::clamp(std::round(quality), 0.0, 100.0);  // as in packet 0x0007: whole percent
   if (settings_.pair_heading) fix.flags |= ultrasonic_flag_pair_centre;
   return fix;
+}
+
+TwistSample WheelModel::measure(const Motion& motion, double slip) {
+  constexpr double wander_s = 1.0;
+  const double kept = std::exp(-1.0 / (settings_.wheel_rate_hz * wander_s));
+  wander_ = kept * wander_ + std::sqrt(1.0 - kept * kept) * settings_.wheel_wander * random_.normal();
+  const Vector3d velocity_body_mps = motion.q_body_to_world.conjugate() * motion.velocity_world_mps;
+  TwistSample twist;
+  twist.velocity_body_mps.x() = (1.0 + settings_.wheel_scale_error + wander_ + slip) * velocity_body_mps.x() +
+                                settings_.wheel_noise_mps * random_.normal();
+  twist.velocity_std_mps.x() = settings_.wheel_noise_mps;
+  twist.axes = twist_velocity_x;
+  return twist;
 }
 
 PairHeading UltrasonicModel::measure_heading(const Motion& motion, double error_rad) {

@@ -40,6 +40,12 @@ struct SensorSettings {
   double quality_percent = 90.0;
   double quality_noise_percent = 3.0;
 
+  double wheel_rate_hz = 0.0;      ///< rate of the speed of the wheels, along body X; 0: no wheels
+  double wheel_noise_mps = 0.03;   ///< per sample
+  double wheel_wander = 0.01;      ///< deviation of the scale error about its mean, over about a second
+  double wheel_scale_error = 0.0;  ///< wheels read 1 + this times the speed
+  double wheel_delay_s = 0.01;     ///< from measurement to receipt
+
   bool pair_heading = true;  ///< false: a single beacon, no headings
   double heading_noise_rad = 0.8 * geometry::radians_per_degree;
   double pair_mount_offset_rad = 0.0;  ///< direction of the pair's axis in the body, from body X to the left
@@ -100,6 +106,21 @@ private:
   Random random_;
   double fix_rate_hz_;
   double fix_noise_m_;
+};
+
+/// Speed of the wheels of a vehicle that drives along body X.
+class WheelModel {
+public:
+  WheelModel(const SensorSettings& settings, Random random) : settings_{settings}, random_{random} {}
+
+  /// Measures the speed of this motion, without times and address. The wheels turn by the share `slip`
+  /// faster.
+  TwistSample measure(const Motion& motion, double slip);
+
+private:
+  SensorSettings settings_;
+  Random random_;
+  double wander_ = 0;
 };
 
 }  // namespace sonopose::sim

@@ -20,7 +20,8 @@ enum Stream : std::uint64_t {
   position_packet_stream = 6,
   poor_fix_stream = 7,
   variation_stream = 8,
-  imu_fault_stream = 9
+  imu_fault_stream = 9,
+  wheel_stream = 10
 };
 
 Random stream_of(const Run& run, Stream stream) {
@@ -37,7 +38,7 @@ Scenario checked(Scenario scenario) {
   return scenario;
 }
 
-/// Order of events that become available at the same time: IMU, fix, heading.
+/// Order of events that become available at the same time: IMU, fix, heading, velocity.
 bool earlier(const Event& a, const Event& b) {
   return std::pair(available_at_ns(a), a.index()) < std::pair(available_at_ns(b), b.index());
 }
@@ -65,6 +66,7 @@ Simulator::Simulator(const Scenario& scenario, const SensorSettings& sensors, co
       ultrasonic_{sensors, stream_of(run, ultrasonic_stream)},
       imu_packets_{scenario_.disturbances.imu_packets, stream_of(run, imu_packet_stream)},
       position_packets_{scenario_.disturbances.position_packets, stream_of(run, position_packet_stream)},
+      wheels_{sensors, stream_of(run, wheel_stream)},
       poor_fixes_{stream_of(run, poor_fix_stream)},
       imu_faults_{stream_of(run, imu_fault_stream)},
       fix_phase_{stream_of(run, phase_stream).uniform()},
@@ -145,6 +147,9 @@ void Simulator::deliver(const ImuSample& sample, int copies) {
 }
 
 void Simulator::emit_until(TimeNs time_ns) {
+  while (sensors_.wheel_rate_hz > 0 && time_of_sample(wheel_count_, sensors_.wheel_rate_hz, 0.5) <= time_ns) {
+    measure_wheels();
+  }
   const double rate_hz = ultrasonic_.fix_rate_hz();
   if (rate_hz <= 0) return;
   while (time_of_sample(emission_count_, rate_hz, fix_phase_) <= time_ns) emit_one();
@@ -173,6 +178,16 @@ void Simulator::emit_one() {
     receive(fix);
     if (sensors_.pair_heading) receive(heading);
   }
+}
+
+void Simulator::measure_wheels() {
+  const TimeNs time_ns = time_of_sample(wheel_count_++, sensors_.wheel_rate_hz, 0.5);
+  TwistSample twist =
+      wheels_.measure(motion_at(time_ns), wheel_slip(scenario_.disturbances, since_start_s(time_ns)));
+  twist.address = run_.address;
+  twist.emission_time_ns = time_ns;
+  twist.received_time_ns = time_ns + to_ns(sensors_.wheel_delay_s);
+  receive(twist);
 }
 
 UltrasonicFix Simulator::measure_fix(const Motion& motion, double time_s) {

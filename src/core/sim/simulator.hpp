@@ -32,8 +32,8 @@ struct Step {
   std::optional<TruthSample> truth;
 };
 
-/// Yields a beacon's IMU samples at their own time, and fixes and headings at their receipt; at equal times
-/// IMU, fix, heading. Event sequence numbers count from 1 in order of arrival: lost packets have none, and
+/// Yields a beacon's IMU samples at their own time, and all others at their receipt; at equal times IMU, fix,
+/// heading, velocity. Event sequence numbers count from 1 in order of arrival: lost packets have none, and
 /// each copy has its own. A late IMU sample follows the sample measured at its arrival. Fixes received after
 /// the last IMU sample are dropped.
 class Simulator {
@@ -63,6 +63,7 @@ private:
   void deliver(const ImuSample& sample, int copies);
   void emit_until(TimeNs time_ns);
   void emit_one();
+  void measure_wheels();
   UltrasonicFix measure_fix(const Motion& motion, double time_s);
   void receive(const Event& event);
 
@@ -73,12 +74,14 @@ private:
   UltrasonicModel ultrasonic_;
   PacketChannel imu_packets_;
   PacketChannel position_packets_;
+  WheelModel wheels_;
   Random poor_fixes_;
   Random imu_faults_;
   double fix_phase_;
   double start_yaw_rad_;
   std::uint64_t imu_count_ = 0;
   std::uint64_t emission_count_ = 0;
+  std::uint64_t wheel_count_ = 0;
   std::uint64_t sequence_ = 0;
   std::vector<LateImu> late_imu_;
   std::deque<Step> arrived_imu_;  ///< arrived, not yet returned
