@@ -36,7 +36,7 @@ constexpr TimeNs collation_timeout_ns = 1'000'000'000;
 
 bool is_input(const mcap::Channel& channel) {
   return channel.topic == topics::imu.name || channel.topic == topics::fix.name ||
-         channel.topic == topics::heading.name;
+         channel.topic == topics::heading.name || channel.topic == topics::twist.name;
 }
 
 bool is_command(const std::string& topic) {
@@ -117,6 +117,8 @@ private:
       collate(decoded(topics::fix, reader_, message), message);
     } else if (topic == topics::heading.name) {
       collate(decoded(topics::heading, reader_, message), message);
+    } else if (topic == topics::twist.name) {
+      collate(decoded(topics::twist, reader_, message), message);
     } else if (topic == topics::truth.name) {
       const TruthSample truth = decoded(topics::truth, reader_, message);
       require_time(truth.time_ns, message);
@@ -147,7 +149,8 @@ private:
 
   void collate(const Event& event, const mcap::Message& message) {
     require_time(available_at_ns(event), message);
-    if (input_count_++ == 0) first_sequence_ = sequence_of(event);
+    ++input_count_;
+    if (first_sequence_ == 0) first_sequence_ = sequence_of(event);
     constexpr auto latest = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max() / 2);
     const auto log_time_ns = static_cast<std::int64_t>(std::min(message.log_time_ns, latest));
     arrival_ = std::max(arrival_, SteadyTime{log_time_ns});

@@ -43,6 +43,7 @@ EventReceiver::EventReceiver(const dds::DomainParticipant& participant, const dd
   };
   fix_reader_ = input(topics::fix, fix_listener_);
   heading_reader_ = input(topics::heading, heading_listener_);
+  twist_reader_ = input(topics::twist, twist_listener_);
   imu_reader_ = input(topics::imu, imu_listener_);
   reset_reader_ = topics::make_reader(participant, qos, topics::reset, &reset_listener_);
   if (lossless) {
@@ -58,6 +59,7 @@ EventReceiver::~EventReceiver() {
   imu_reader_.close();
   fix_reader_.close();
   heading_reader_.close();
+  twist_reader_.close();
   reset_reader_.close();
 }
 
@@ -124,7 +126,8 @@ void EventReceiver::take_backlog() noexcept {
   const SteadyTime now = clocks::steady_now();
   unpaused_clock_.on_poll(now);
   overload_.on_round(now, clocks::thread_time_ns());
-  take(heading_reader_, now);
+  take(twist_reader_, now);
+  take(heading_reader_, clocks::steady_now());
   take(fix_reader_, clocks::steady_now());
   take(imu_reader_, clocks::steady_now());
 }
@@ -142,16 +145,19 @@ void EventReceiver::serve_lossless(const std::stop_token& stop) {
   const dds::ReadCondition imu(imu_reader_);
   const dds::ReadCondition fix(fix_reader_);
   const dds::ReadCondition heading(heading_reader_);
+  const dds::ReadCondition twist(twist_reader_);
   dds::WaitSet waitset;
   waitset += imu;
   waitset += fix;
   waitset += heading;
+  waitset += twist;
   while (!stop.stop_requested()) {
     waitset.wait(std::chrono::milliseconds(100));
     const Lock lock(taking_);
     take(imu_reader_, clocks::steady_now());
     take(fix_reader_, clocks::steady_now());
     take(heading_reader_, clocks::steady_now());
+    take(twist_reader_, clocks::steady_now());
   }
 }
 

@@ -107,11 +107,13 @@ private:
   Listener<sonopose_ImuSample> imu_listener_{*this};
   Listener<sonopose_UltrasonicFix> fix_listener_{*this};
   Listener<sonopose_PairHeading> heading_listener_{*this};
+  Listener<sonopose_TwistSample> twist_listener_{*this};
   Listener<sonopose_ResetCommand> reset_listener_{*this};
   // Readers last: their listeners may be called before the constructor ends.
   dds::DataReader<sonopose_ImuSample> imu_reader_;
   dds::DataReader<sonopose_UltrasonicFix> fix_reader_;
   dds::DataReader<sonopose_PairHeading> heading_reader_;
+  dds::DataReader<sonopose_TwistSample> twist_reader_;
   dds::DataReader<sonopose_ResetCommand> reset_reader_;
   std::jthread lossless_thread_;
   BacklogThread backlog_thread_;

@@ -48,7 +48,7 @@ void EventGaps::on(const mcap::Chunk& chunk) {
     const mcap::Message message = message_at(chunk, entry);
     const auto address = dds::topics::beacon_of(message.data);
     const auto number = dds::topics::event_sequence_of(message.data);
-    if (address && number) on(*address, *number);
+    if (address && number && *number != unnumbered) on(*address, *number);
   }
 }
 

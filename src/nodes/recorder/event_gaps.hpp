@@ -54,9 +54,9 @@ private:
 /// Counts the missing events of all beacons. One thread writes; any thread may read the count.
 class EventGaps {
 public:
-  /// `channel_ids`: channels of imu, fix and heading, whose events are numbered together. If one is 0, it is
-  /// not recorded, and nothing is counted.
-  explicit EventGaps(std::array<std::uint16_t, 3> channel_ids) : channel_ids_(channel_ids) {}
+  /// `channel_ids`: channels of imu, fix, heading and twist, whose events are numbered together. If one is 0,
+  /// it is not recorded, and nothing is counted.
+  explicit EventGaps(std::array<std::uint16_t, 4> channel_ids) : channel_ids_(channel_ids) {}
 
   void on(const mcap::Chunk& chunk);
   /// Counts the numbers that are still open, at the end.
@@ -83,7 +83,7 @@ private:
   void begin_numbering(Beacon& beacon, std::uint64_t first);
   void finish(EventNumbers& numbers);
 
-  std::array<std::uint16_t, 3> channel_ids_;
+  std::array<std::uint16_t, 4> channel_ids_;
   std::map<BeaconAddress, Beacon> beacons_;
   std::atomic<std::uint64_t> missing_ = 0;
 };

@@ -76,10 +76,11 @@ std::filesystem::path FileSeries::part() const {
   return current_ ? current_->name.part() : file_of(next_number()) += ".part";
 }
 
-std::array<std::uint16_t, 3> FileSeries::input_channel_ids() const {
+std::array<std::uint16_t, 4> FileSeries::input_channel_ids() const {
   const threads::Lock lock(mutex_);
   return {channel_id_of(options_.channels, "sonopose/imu"), channel_id_of(options_.channels, "sonopose/fix"),
-          channel_id_of(options_.channels, "sonopose/heading")};
+          channel_id_of(options_.channels, "sonopose/heading"),
+          channel_id_of(options_.channels, "sonopose/twist")};
 }
 
 std::uint16_t FileSeries::ends_channel_id() const {

@@ -59,8 +59,8 @@ public:
 
   /// Adds a channel to the current and all later files. Returns its id.
   std::uint16_t add_channel(ChannelSpec channel);
-  /// Channels of imu, fix and heading; 0: not recorded. Call it before any thread writes.
-  [[nodiscard]] std::array<std::uint16_t, 3> input_channel_ids() const;
+  /// Channels of imu, fix, heading and twist; 0: not recorded. Call it before any thread writes.
+  [[nodiscard]] std::array<std::uint16_t, 4> input_channel_ids() const;
   /// Channel of the ends of instances; 0: not recorded.
   [[nodiscard]] std::uint16_t ends_channel_id() const;
   /// Topic of a channel.

@@ -31,7 +31,7 @@ struct Recording {
   EventGaps gaps;
 
   explicit Recording(std::uint16_t recorded_headings = heading_channel)
-      : gaps({imu_channel, fix_channel, recorded_headings}) {}
+      : gaps({imu_channel, fix_channel, recorded_headings, twist_channel}) {}
   void on(std::uint64_t number, BeaconAddress address = 7, std::uint16_t channel_id = imu_channel) {
     const auto data = sample_of(address, number);
     mcap::Chunk chunk;

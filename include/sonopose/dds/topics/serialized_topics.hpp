@@ -66,8 +66,8 @@ const SerializedTopic* find_topic(const std::string& name);
 /// Beacon of a sample or key of a topic with beacons; empty if the bytes are too few.
 std::optional<BeaconAddress> beacon_of(std::span<const std::byte> sample);
 
-/// Event number of an ImuSample, UltrasonicFix, PairHeading, FusedPose or FixReport; empty if the bytes are
-/// too few.
+/// Event number of an ImuSample, UltrasonicFix, PairHeading, TwistSample, FusedPose or FixReport; empty if
+/// the bytes are too few.
 std::optional<std::uint64_t> event_sequence_of(std::span<const std::byte> sample);
 
 /// Status in a serialized pose; 0 if the bytes are too few.

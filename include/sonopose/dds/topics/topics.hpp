@@ -27,7 +27,7 @@ inline constexpr Entry<sonopose_ImuSample> imu{"sonopose/imu", "sonopose::Imu", 
 inline constexpr Entry<sonopose_UltrasonicFix> fix{"sonopose/fix", "sonopose::Fix", "sonopose::LosslessFix"};
 inline constexpr Entry<sonopose_PairHeading> heading{"sonopose/heading", "sonopose::Heading",
                                                      "sonopose::LosslessHeading"};
-/// wheel odometry → fusion; reserved
+/// wheel odometry → fusion
 inline constexpr Entry<sonopose_TwistSample> twist{"sonopose/twist", "sonopose::Twist",
                                                    "sonopose::LosslessTwist"};
 /// bridge → consumers

@@ -77,6 +77,7 @@ private:
   Subscription<sonopose_ImuSample> imu_;
   Subscription<sonopose_UltrasonicFix> fix_;
   Subscription<sonopose_PairHeading> heading_;
+  Subscription<sonopose_TwistSample> twist_;
   Subscription<sonopose_FusedPose> pose_;
   Subscription<sonopose_FixReport> report_;
   Subscription<sonopose_BeaconStatus> beacon_status_;
@@ -103,6 +104,7 @@ SystemObserver::SystemObserver(const DoctorOptions& options)
       imu_(participant_, qos_, topics::imu, &admission_),
       fix_(participant_, qos_, topics::fix, &admission_),
       heading_(participant_, qos_, topics::heading, &admission_),
+      twist_(participant_, qos_, topics::twist, &admission_),
       pose_(participant_, qos_, topics::pose, &admission_),
       report_(participant_, qos_, topics::report, &admission_),
       beacon_status_(participant_, qos_, topics::beacon_status, &admission_),
@@ -114,8 +116,8 @@ SystemObserver::SystemObserver(const DoctorOptions& options)
                  .heading_s = deadline_s(topics::heading),
                  .pose_s = deadline_s(topics::pose)} {
   for (const dds::ReadCondition* const condition :
-       {&imu_.has_data, &fix_.has_data, &heading_.has_data, &pose_.has_data, &report_.has_data,
-        &beacon_status_.has_data, &fusion_status_.has_data, &settings_.has_data}) {
+       {&imu_.has_data, &fix_.has_data, &heading_.has_data, &twist_.has_data, &pose_.has_data,
+        &report_.has_data, &beacon_status_.has_data, &fusion_status_.has_data, &settings_.has_data}) {
     waitset_ += *condition;
   }
 }
@@ -174,6 +176,7 @@ void SystemObserver::take_all() {
   take(imu_, arrival);
   take(fix_, arrival);
   take(heading_, arrival);
+  take(twist_, arrival);
   take(pose_, arrival);
   take(report_, arrival);
   take(beacon_status_, arrival);
