@@ -50,7 +50,14 @@ void note_interval(TwistGate& gate, TimeNs time_ns) {
   gate.seen_ns = time_ns;
 }
 
-/// True if this axis, or its mean over the last tenths of a second, contradicts the best filter.
+/// True if velocities were rejected less than half a second ago.
+bool is_slipping(const TwistGate& gate, TimeNs time_ns) {
+  constexpr double ends_s = 0.5;
+  return gate.rejected_since_ns != 0 && seconds_between(gate.rejected_ns, time_ns) < ends_s;
+}
+
+/// True if this axis, or its mean over the last tenths of a second, contradicts the best filter. While wheels
+/// slip, less contradicts: the filter grows uncertain.
 bool contradicts(TwistGate& gate, const JudgedTwist& twist, int axis, const VelocityInnovation& innovation) {
   constexpr double memory_s = 0.15;
   const double share = std::min(1.0, std::max(gate.interval_s, 0.001) / memory_s);
@@ -58,7 +65,10 @@ bool contradicts(TwistGate& gate, const JudgedTwist& twist, int axis, const Velo
   mean_mps += share * (innovation.value_mps - mean_mps);
   const double mean_variance =
       innovation.variance_m2ps2 - (1.0 - share / (2.0 - share)) * twist.variance(axis);
-  return std::max(squared_norm(innovation), square(mean_mps) / mean_variance) > axis_chi2_reject_threshold;
+  const double threshold = twist.is_scaled(axis) && is_slipping(gate, twist.measured.time_ns)
+                               ? axis_chi2_huber_threshold
+                               : axis_chi2_reject_threshold;
+  return std::max(squared_norm(innovation), square(mean_mps) / mean_variance) > threshold;
 }
 
 /// Believes in another scale that has contradicted used fixes for long. Wheels rarely slip so long.
