@@ -13,7 +13,8 @@ namespace {
 // Thresholds on the χ² of one axis, 1 degree of freedom:
 constexpr double axis_chi2_huber_threshold = 6.6;  // 1 % is above
 constexpr double axis_chi2_reject_threshold = 25.0;
-constexpr double error_memory_s = 0.1;  // time for which errors of wheels are alike
+constexpr double mean_chi2_reject_threshold = 16.0;
+constexpr double error_memory_s = 0.2;  // time for which errors of wheels are alike
 
 /// A velocity under judgement.
 struct JudgedTwist {
@@ -50,10 +51,12 @@ void note_interval(TwistGate& gate, TimeNs time_ns) {
   gate.seen_ns = time_ns;
 }
 
-/// True if velocities were rejected less than half a second ago.
+/// True if wheels began to slip a short time ago, and velocities were rejected in the last half second.
 bool is_slipping(const TwistGate& gate, TimeNs time_ns) {
   constexpr double ends_s = 0.5;
-  return gate.rejected_since_ns != 0 && seconds_between(gate.rejected_ns, time_ns) < ends_s;
+  constexpr double longest_s = 1.5;
+  return gate.rejected_since_ns != 0 && seconds_between(gate.rejected_ns, time_ns) < ends_s &&
+         seconds_between(gate.rejected_since_ns, time_ns) < longest_s;
 }
 
 /// True if this axis, or its mean over the last tenths of a second, contradicts the best filter. While wheels
@@ -65,10 +68,10 @@ bool contradicts(TwistGate& gate, const JudgedTwist& twist, int axis, const Velo
   mean_mps += share * (innovation.value_mps - mean_mps);
   const double mean_variance =
       innovation.variance_m2ps2 - (1.0 - share / (2.0 - share)) * twist.variance(axis);
-  const double threshold = twist.is_scaled(axis) && is_slipping(gate, twist.measured.time_ns)
-                               ? axis_chi2_huber_threshold
-                               : axis_chi2_reject_threshold;
-  return std::max(squared_norm(innovation), square(mean_mps) / mean_variance) > threshold;
+  const bool is_strict = twist.is_scaled(axis) && is_slipping(gate, twist.measured.time_ns);
+  return squared_norm(innovation) > (is_strict ? axis_chi2_huber_threshold : axis_chi2_reject_threshold) ||
+         square(mean_mps) / mean_variance >
+             (is_strict ? axis_chi2_huber_threshold : mean_chi2_reject_threshold);
 }
 
 /// Believes in another scale that has contradicted used fixes for long. Wheels rarely slip so long.

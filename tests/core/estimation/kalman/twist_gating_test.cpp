@@ -171,14 +171,15 @@ SCENARIO("velocities that arrive late give the same state") {
       const sim::Run run{.seed = 3, .duration_s = 20.0};
       sim::Simulator simulator(scenario, run);
       Engine engine({});
-      // The last second has no velocities, so that none is still on its way.
+      // None before the first fix arrives, which would not be used, and none that would still be on its way.
       while (const auto step = simulator.next()) {
         if (const auto* imu = std::get_if<ImuSample>(&step->event)) engine.predict(*imu);
         if (const auto* fix = std::get_if<UltrasonicFix>(&step->event)) engine.correct(*fix);
         if (const auto* heading = std::get_if<PairHeading>(&step->event)) engine.correct(*heading);
         const auto* twist = std::get_if<TwistSample>(&step->event);
-        if (twist != nullptr && seconds_between(run.start_time_ns, twist->emission_time_ns) < 19.0)
-          engine.correct(*twist);
+        if (twist == nullptr) continue;
+        const double time_s = seconds_between(run.start_time_ns, twist->emission_time_ns);
+        if (time_s > 1.0 && time_s < 19.0) engine.correct(*twist);
       }
       engine.finish_pending_work();
       return engine.state().filter();
