@@ -139,8 +139,7 @@ std::string comment(const std::string& text) {
 
 }  // namespace
 
-void add_options_file(CLI::App& app) {
-  constexpr const char* group = "Options file";
+void add_options_file(CLI::App& app, const std::string& group) {
   app.add_option(file_option, "TOML file with options, and its drop-ins FILE.d/*.toml")
       ->type_name("FILE")
       ->group(group);

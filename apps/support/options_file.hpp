@@ -9,7 +9,7 @@
 namespace sonopose::apps {
 
 /// Adds --config, a TOML file whose keys are the other options, and --print-config, which prints such a file.
-void add_options_file(CLI::App& app);
+void add_options_file(CLI::App& app, const std::string& group = "Options");
 
 /// True if the arguments have this option.
 bool is_given(const CLI::Option& option, const std::vector<std::string>& arguments);

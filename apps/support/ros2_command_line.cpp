@@ -92,7 +92,7 @@ Ros2Program::Ros2Program() {
   add_bus_options(app, bus);
   add_ros2_options(app, ros2);
   add_log_option(app, log_level);
-  add_options_file(app);
+  add_options_file(app, "ROS 2 node");
 }
 
 std::vector<std::string> own_arguments(const Arguments& arguments) {
