@@ -51,6 +51,16 @@ TEST_CASE("events in order pass immediately, with any first number") {
   CHECK(line.collator.counters().duplicated == 0);
 }
 
+TEST_CASE("an event without a number passes at once") {
+  Line line;
+  line.push_all({unnumbered, 1, 3, unnumbered});
+  CHECK(line.delivered == Numbers{unnumbered, 1, unnumbered});
+  line.push(2);
+  CHECK(line.delivered == Numbers{unnumbered, 1, unnumbered, 2, 3});
+  CHECK(line.collator.counters().lost == 0);
+  CHECK(line.collator.counters().duplicated == 0);
+}
+
 TEST_CASE("a gap that is filled in time loses nothing") {
   Line line;
   line.push_all({1, 2, 4, 5});

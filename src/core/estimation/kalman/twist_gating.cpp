@@ -16,6 +16,8 @@ constexpr double axis_chi2_reject_threshold = 25.0;
 constexpr double mean_chi2_reject_threshold = 16.0;
 constexpr double error_memory_s = 0.2;  // time for which errors of wheels are alike
 
+constexpr double scale_wander = 0.01;  // deviation of the scale from its slow mean, as of wheels in curves
+
 /// A velocity under judgement.
 struct JudgedTwist {
   const TwistMeasurement& measured;
@@ -25,7 +27,10 @@ struct JudgedTwist {
 
   [[nodiscard]] bool has(int axis) const { return measured.std_mps[axis] >= 0.0; }
   [[nodiscard]] bool is_scaled(int axis) const { return (measured.constrained & (1 << axis)) == 0; }
-  [[nodiscard]] double variance(int axis) const { return square(measured.std_mps[axis]); }
+  [[nodiscard]] double variance(int axis) const {
+    const double wander_mps = is_scaled(axis) ? scale_wander * measured.velocity_body_mps[axis] : 0.0;
+    return square(measured.std_mps[axis]) + square(wander_mps);
+  }
   [[nodiscard]] VelocityInnovation innovation(const Filter& filter, int axis) const {
     return filter.velocity_innovation(axis, measured.velocity_body_mps[axis], variance(axis),
                                       from_tracked_body_m, is_scaled(axis), ahead_s);
@@ -67,7 +72,7 @@ bool contradicts(TwistGate& gate, const JudgedTwist& twist, int axis, const Velo
   double& mean_mps = gate.mean_innovation_mps[axis];
   mean_mps += share * (innovation.value_mps - mean_mps);
   const double mean_variance =
-      innovation.variance_m2ps2 - (1.0 - share / (2.0 - share)) * twist.variance(axis);
+      innovation.variance_m2ps2 - (1.0 - share / (2.0 - share)) * square(twist.measured.std_mps[axis]);
   const bool is_strict = twist.is_scaled(axis) && is_slipping(gate, twist.measured.time_ns);
   return squared_norm(innovation) > (is_strict ? axis_chi2_huber_threshold : axis_chi2_reject_threshold) ||
          square(mean_mps) / mean_variance >
