@@ -111,6 +111,9 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
   app.add_option("--imu-rate", options.sim.imu_rate_hz,
                  "IMU rate of the simulator in Hz (default: the scenario's)")
       ->check(number_between(1.0, 1000.0));
+  app.add_option("--twist", options.sim.wheel_rate_hz,
+                 "Rate in Hz of the speed of simulated wheels, along body X (default: the scenario's)")
+      ->check(number_between(1.0, 1000.0));
   app.add_option("--seed", options.sim.seed, "Seed of the simulator's noise")
       ->check(natural_number())
       ->capture_default_str();

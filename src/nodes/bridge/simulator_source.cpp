@@ -66,6 +66,7 @@ const SimulatorOptions& checked(const SimulatorOptions& options) {
 sim::SensorSettings sensors_of(const SimulatorOptions& options, const sim::Scenario& scenario) {
   sim::SensorSettings sensors = scenario.sensors;
   if (options.imu_rate_hz) sensors.imu_rate_hz = *options.imu_rate_hz;
+  if (options.wheel_rate_hz) sensors.wheel_rate_hz = *options.wheel_rate_hz;
   return sensors;
 }
 

@@ -16,10 +16,11 @@ struct SimulatorOptions {
   std::string scenario = "walk";
   std::uint64_t seed = 1;
   BeaconAddress address = 7;
-  std::uint32_t beacons = 1;          ///< number of beacons; further ones take the next addresses and seeds
-  double duration_s = 0;              ///< 0: unlimited
-  double rate = 1;                    ///< playback speed (Pacer); 1: real time
-  std::optional<double> imu_rate_hz;  ///< empty: rate of the scenario
+  std::uint32_t beacons = 1;            ///< number of beacons; further ones take the next addresses and seeds
+  double duration_s = 0;                ///< 0: unlimited
+  double rate = 1;                      ///< playback speed (Pacer); 1: real time
+  std::optional<double> imu_rate_hz;    ///< empty: rate of the scenario
+  std::optional<double> wheel_rate_hz;  ///< rate of the speed of wheels; empty: that of the scenario
   std::optional<std::filesystem::path> capture;  ///< file for the bytes that a real beacon would have sent
 };
 
