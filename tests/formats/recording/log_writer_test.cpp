@@ -72,6 +72,28 @@ SCENARIO("a log reads back to the same bits and in the same order") {
       CHECK(count == truth.size());
     }
   }
+  GIVEN("velocities, some of unknown deviation or with axes that were not measured") {
+    const TemporaryFolder folder;
+    std::vector<Event> events;
+    {
+      recording::SensorLogWriter writer(folder / "log");
+      for (std::uint64_t number = 1; number <= 4; ++number) {
+        TwistSample twist{.address = 7, .sequence = number};
+        twist.emission_time_ns = start_ns + static_cast<TimeNs>(number);
+        twist.received_time_ns = twist.emission_time_ns + 10;
+        twist.velocity_body_mps.x() = 0.1 * static_cast<double>(number);
+        twist.axes = twist_velocity_x;
+        if (number > 1) twist.velocity_std_mps.x() = 0.03;
+        if (number > 2) twist.axes |= twist_angular_velocity_z;
+        if (number > 2) twist.angular_velocity_body_radps.z() = -0.7;
+        writer.write(twist);
+        events.emplace_back(twist);
+      }
+    }
+    THEN("they read back") {
+      CHECK(read_sensor_log(folder / "log").events == events);
+    }
+  }
   GIVEN("ten thousand headings and magnetic fields with random bits, which the files store in other units") {
     const TemporaryFolder folder;
     sim::Random random(1);

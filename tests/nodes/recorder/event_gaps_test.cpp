@@ -17,6 +17,7 @@ constexpr std::uint16_t imu_channel = 1;
 constexpr std::uint16_t fix_channel = 2;
 constexpr std::uint16_t heading_channel = 3;
 constexpr std::uint16_t pose_channel = 4;
+constexpr std::uint16_t twist_channel = 5;
 
 /// Start of a little-endian sample: address and event number.
 std::vector<std::byte> sample_of(BeaconAddress address, std::uint64_t number) {
