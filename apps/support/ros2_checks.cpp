@@ -91,6 +91,7 @@ ros2::relay::RelayOptions relay_options(const Ros2Options& options, const ros2::
                                   .max_beacons = options.max_beacons,
                                   .output = options.output,
                                   .inputs = {},
+                                  .twist_inputs = {},
                                   .services = options.services,
                                   .startup_settings = {}};
   relay.output.mount = with_option("--mount", [&] { return ros2::mount_at(options.mount); });
@@ -104,6 +105,14 @@ ros2::relay::RelayOptions relay_options(const Ros2Options& options, const ros2::
   for (auto& input : relay.inputs) input.imu_meaning = options.imu_meaning.value_or(input.imu_meaning);
   for (const auto& text : options.fix_in) relay.inputs.push_back(ros2::relay::Input::parse(Kind::fix, text));
   check(relay.inputs);
+  using ros2::relay::TwistInput;
+  for (const auto& text : options.odom_in) relay.twist_inputs.push_back(TwistInput::parse_odometry(text));
+  for (const auto& text : options.twist_in) relay.twist_inputs.push_back(TwistInput::parse_twist(text));
+  check(relay.twist_inputs);
+  if (!relay.twist_inputs.empty() && relay.output.mount_from_tf) {
+    throw std::invalid_argument(
+        "--odom-in and --twist-in need the mount at the start: --mount, not --mount-from-tf");
+  }
   relay.use_sim_time = options.use_sim_time;
   if (options.imu_meaning && options.imu_in.empty()) {
     throw std::invalid_argument("--imu-meaning only works with --imu-in");

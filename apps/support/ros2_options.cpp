@@ -148,6 +148,14 @@ void add_input_options(CLI::App& app, Ros2Options& options) {
          "that of the topic's first publisher, or TYPE")
       ->type_name("TOPIC[:TYPE]=ADDRESS")
       ->group(group);
+  app.add_option("--odom-in", options.odom_in,
+                 "Use the twist of nav_msgs/Odometry (wheels) as velocities of a beacon: /odom=7")
+      ->type_name("TOPIC=ADDRESS")
+      ->group(group);
+  app.add_option("--twist-in", options.twist_in,
+                 "Use TwistWithCovarianceStamped, or TwistStamped, likewise: /wheel/twist:TwistStamped=7")
+      ->type_name("TOPIC[:TYPE]=ADDRESS")
+      ->group(group);
 }
 
 /// Describes a different default: other programs use loopback, the relay the network of the ROS 2 nodes.

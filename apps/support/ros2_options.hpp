@@ -24,6 +24,8 @@ struct Ros2Options {
   std::array<double, 6> mount{};  ///< x, y, z in m; roll, pitch, yaw in degrees
   std::vector<std::string> imu_in;
   std::vector<std::string> fix_in;
+  std::vector<std::string> odom_in;
+  std::vector<std::string> twist_in;
   std::optional<ImuMeaning> imu_meaning;
   bool use_sim_time = false;
   ros2::relay::ServicesMode services = ros2::relay::ServicesMode::automatic;

@@ -132,7 +132,7 @@ TEST_CASE("a bridge that restarts its numbering loses only events that do not ar
   Line line;
   Numbers pushed;
   for (std::uint64_t n = 1000; n < 1050; ++n) pushed.push_back(n);
-  const std::uint64_t first = GENERATE(1, 5, 500);
+  const std::uint64_t first = GENERATE(1U, 5U, 500U);
   for (std::uint64_t n = first; n <= first + 20; ++n) pushed.push_back(n);
   for (const std::uint64_t n : pushed) line.push(n);
   CHECK(line.delivered == pushed);

@@ -24,6 +24,8 @@ using Quaternion = geometry_msgs_msg_dds__Quaternion_;
 using Pose = geometry_msgs_msg_dds__Pose_;
 using PoseStamped = geometry_msgs_msg_dds__PoseStamped_;
 using PoseWithCovarianceStamped = geometry_msgs_msg_dds__PoseWithCovarianceStamped_;
+using TwistStamped = geometry_msgs_msg_dds__TwistStamped_;
+using TwistWithCovarianceStamped = geometry_msgs_msg_dds__TwistWithCovarianceStamped_;
 using TransformStamped = geometry_msgs_msg_dds__TransformStamped_;
 using Imu = sensor_msgs_msg_dds__Imu_;
 using MagneticField = sensor_msgs_msg_dds__MagneticField_;
@@ -54,6 +56,18 @@ template <>
 struct TopicTraits<ros2::PoseWithCovarianceStamped> {
   static const dds_topic_descriptor_t& descriptor() {
     return geometry_msgs_msg_dds__PoseWithCovarianceStamped__desc;
+  }
+};
+
+template <>
+struct TopicTraits<ros2::TwistStamped> {
+  static const dds_topic_descriptor_t& descriptor() { return geometry_msgs_msg_dds__TwistStamped__desc; }
+};
+
+template <>
+struct TopicTraits<ros2::TwistWithCovarianceStamped> {
+  static const dds_topic_descriptor_t& descriptor() {
+    return geometry_msgs_msg_dds__TwistWithCovarianceStamped__desc;
   }
 };
 

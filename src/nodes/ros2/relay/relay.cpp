@@ -324,7 +324,7 @@ void Relay::Impl::run(const process::StopSignal& stop) {
   log_.info("relaying as " + ros2::full_name(options_.names.node()));
   const std::jthread parameters([&](const std::stop_token& end) { serve_parameters(end, stop); });
   std::atomic<bool> failed = false;
-  if (options_.inputs.empty()) {
+  if (options_.inputs.empty() && options_.twist_inputs.empty()) {
     serve(stop, failed);
   } else {
     bridge_while([&] { serve(stop, failed); }, failed);
@@ -345,6 +345,9 @@ void Relay::Impl::bridge_while(const std::function<void()>& serve, std::atomic<b
         log_.write({level, line});
       },
       [this] { return clock_.now_ns(); });
+  if (!options_.twist_inputs.empty()) {
+    source_->use(std::make_unique<TwistInputs>(node_, options_.twist_inputs, options_.output.mount));
+  }
   publication::SensorPublisher bridge({.domain = options_.domain,
                                        .qos_file = options_.qos_file,
                                        .record_folder = {},

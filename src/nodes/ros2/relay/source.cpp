@@ -97,6 +97,8 @@ public:
     }
   }
 
+  void use(std::unique_ptr<TwistInputs> twists) override { twists_ = std::move(twists); }
+
   void log_changes() override {
     InputMonitor::Lines lines;
     std::uint64_t dropped = 0;
@@ -131,6 +133,7 @@ public:
 
   void run(publication::SampleSink& sink, const process::StopSignal& stop) override {
     constexpr std::chrono::milliseconds poll_period{100};
+    if (twists_) twists_->attach_to(waitset_);
     while (!stop.requested()) {
       waitset_.wait(poll_period);
       add_new_streams();
@@ -139,6 +142,7 @@ public:
         entry.second.joiner.update(clocks::steady_now(), ready_);
         pass_ready(entry.second, sink);
       }
+      take_twists(sink);
       check_inputs();
       publish_statuses(sink);
       sink.tick();
@@ -299,6 +303,19 @@ private:
     ready_.clear();
   }
 
+  void take_twists(publication::SampleSink& sink) {
+    if (!twists_) return;
+    twists_->take(
+        sink,
+        [this](BeaconAddress address) {
+          const auto beacon = beacons_.find(address);
+          return beacon != beacons_.end() ? beacon->second.stamp_clock.at(now_()) : now_();
+        },
+        [this](const std::string& line) {
+          lines_.push_back({logging::Level::warning, [line] { return line; }});
+        });
+  }
+
   /// Time of ROS 2, later than the previous one: the stamp of messages without a stamp.
   TimeNs next_reception_ns() {
     const TimeNs time_ns = now_();
@@ -359,6 +376,7 @@ private:
   std::uint64_t lines_dropped_ SONOPOSE_GUARDED_BY(mutex_) = 0;  ///< dropped since the last log_changes()
   AllStreams streams_;                                           ///< used by run() only
   dds::WaitSet waitset_;
+  std::unique_ptr<TwistInputs> twists_;  ///< null: none
   std::map<BeaconAddress, Beacon> beacons_;
   std::vector<ImuSample> ready_;  ///< used by run() only
   ros2::RisingStamp reception_;

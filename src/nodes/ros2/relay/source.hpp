@@ -6,6 +6,7 @@
 #include "logging/log.hpp"
 #include "publication/source.hpp"
 #include "ros2/relay/input_option.hpp"
+#include "ros2/relay/twist_inputs.hpp"
 #include <sonopose/ros2/node/node.hpp>
 
 #include <cstdint>
@@ -37,6 +38,9 @@ public:
   /// other types. Call it on the thread of the node, and Node::announce() after it. Returns the time before
   /// which further calls do nothing. Throws dds::Error.
   virtual SteadyTime update_readers() = 0;
+
+  /// Passes on these velocities too. Call it before run().
+  virtual void use(std::unique_ptr<TwistInputs> twists) = 0;
 
   /// Formats and logs the changes that run() has found. Call it about once a second, and at the end, on the
   /// thread of update_readers(): the thread of run() passes samples on.
