@@ -312,7 +312,7 @@ private:
           return beacon != beacons_.end() ? beacon->second.stamp_clock.at(now_()) : now_();
         },
         [this](const std::string& line) {
-          lines_.push_back({logging::Level::warning, [line] { return line; }});
+          lines_.push_back({[line] { return line; }, logging::Level::warning});
         });
   }
 
