@@ -1,9 +1,15 @@
-/// Options of velocities from ROS 2.
+/// Velocities from ROS 2: options, and messages on the way to samples.
 
 #include "ros2/relay/twist_inputs.hpp"
 
+#include "bridge/collecting_sink.hpp"
+#include "support/test_domain.hpp"
+#include "support/wait_until.hpp"
+#include <sonopose/ros2/messages/idl_types.hpp>
+
 #include <catch2/catch.hpp>
 
+#include <string>
 #include <vector>
 
 namespace twist_inputs_test {
@@ -34,6 +40,68 @@ SCENARIO("options of velocities") {
       CHECK_THROWS_WITH(ros2::relay::check(std::vector{TwistInput::parse_odometry("/odom=7"),
                                                        TwistInput::parse_twist("/wheel=7")}),
                         Contains("only one source of velocities, not /odom and /wheel"));
+    }
+  }
+}
+
+SCENARIO("velocities of drivers become samples") {
+  GIVEN("a driver of odometry, and one of TwistStamped") {
+    const test::TestDomain domain;
+    const dds::qos::Provider qos;
+    const auto participant = dds::make_participant({.domain_id = domain.id()});
+    const auto drivers = dds::make_participant({.domain_id = domain.id()});
+    ros2::Node node(participant, qos, ros2::NameResolver({}), ros2::Distro::jazzy);
+    ros2::relay::TwistInputs inputs(
+        node, {TwistInput::parse_odometry("/odom=7"), TwistInput::parse_twist("/wheel:TwistStamped=8")}, {});
+    dds::DataWriter<ros2::Odometry> odometry(drivers, dds::Topic<ros2::Odometry>(drivers, "rt/odom"));
+    dds::DataWriter<ros2::TwistStamped> wheel(drivers, dds::Topic<ros2::TwistStamped>(drivers, "rt/wheel"));
+    REQUIRE(test::wait_until([&] {
+      return odometry.publication_matched_status().current_count > 0 &&
+             wheel.publication_matched_status().current_count > 0;
+    }));
+    test::CollectingSink sink;
+    std::vector<std::string> lines;
+    const auto take_until = [&](const auto& condition) {
+      return test::wait_until([&] {
+        inputs.take(
+            sink, [](BeaconAddress) { return TimeNs{5'000'000'000}; },
+            [&lines](const std::string& line) { lines.push_back(line); });
+        return condition();
+      });
+    };
+    WHEN("they publish") {
+      std::string frame = "odom";
+      ros2::Odometry message{};
+      message.header.frame_id = frame.data();
+      message.child_frame_id = frame.data();
+      message.twist.twist.linear.x = 1.5;
+      odometry.write(message);
+      ros2::TwistStamped stamped{};
+      stamped.header.frame_id = frame.data();
+      stamped.twist.linear.x = -0.5;
+      wheel.write(stamped);
+      THEN("each beacon gets its velocity") {
+        REQUIRE(take_until([&] { return sink.of_kind<TwistSample>().size() == 2; }));
+        for (const TwistSample& twist : sink.of_kind<TwistSample>()) {
+          CHECK(twist.velocity_body_mps.x() == (twist.address == 7 ? 1.5 : -0.5));
+        }
+      }
+    }
+    WHEN("a driver publishes two messages without a measured axis") {
+      std::string frame = "odom";
+      ros2::Odometry message{};
+      message.header.frame_id = frame.data();
+      message.child_frame_id = frame.data();
+      for (const int i : {0, 7, 14}) message.twist.covariance[i] = -1.0;
+      odometry.write(message);
+      odometry.write(message);
+      message.twist.covariance[0] = 0.1;
+      odometry.write(message);
+      THEN("this is said once") {
+        REQUIRE(take_until([&] { return sink.of_kind<TwistSample>().size() == 1; }));
+        REQUIRE(lines.size() == 1);
+        CHECK_THAT(lines.front(), Contains("beacon 7: velocities on /odom are not used"));
+      }
     }
   }
 }
