@@ -142,7 +142,8 @@ public:
 private:
   bool is_common(const CLI::Option& option) const {
     return &option == app_.get_help_ptr() || &option == app_.get_help_all_ptr() ||
-           option.check_name("--version") || option.check_name("--print-config");
+           option.check_name("--version") || option.check_name("--print-config") ||
+           option.check_name("--interface") || option.check_name("--partition") || option.check_name("--qos");
   }
 
   template <class Takes>

@@ -238,7 +238,7 @@ SCENARIO("the relay takes the samples of a driver in Fast DDS in") {
   }
 }
 
-SCENARIO("the relay takes the positions of a driver in Fast DDS, with their covariance") {
+SCENARIO("the relay takes the positions of a driver in Fast DDS") {
   GIVEN("a relay with an input whose type it learns from the driver, and a native consumer") {
     const Bus bus;
     Consumer<sonopose_UltrasonicFix> fixes(bus, topics::fix);
@@ -252,8 +252,7 @@ SCENARIO("the relay takes the positions of a driver in Fast DDS, with their cova
         const UltrasonicFix& fix = fixes.samples.back();
         CHECK(fix.address == 9);
         CHECK(fix.position_world_m == Vector3d::Constant(std::bit_cast<double>(0x3fd5555555555555)));
-        CHECK(fix.covariance_world_m2.has_value() == (type == "pose"));
-        if (fix.covariance_world_m2) CHECK(fix.covariance_world_m2->at(2, 2) == fix.position_world_m.x());
+        CHECK_FALSE(fix.covariance_world_m2);  // equal values everywhere are not positive definite
         CHECK(fix.measured_delay_s.value_or(-1) >= 0);
       }
     }

@@ -103,7 +103,7 @@ TEST_CASE("a meta.toml with an error is refused with file, line, key, value and 
   CHECK_THAT(refusal("beacon_address = -1"), Contains("beacon_address: -1 is not a whole number"));
   CHECK_THAT(refusal("beacon_address = 7.0"), Contains("beacon_address: 7.0 is not a whole number"));
   CHECK_THAT(refusal("beacon_address = \"7\""), Contains("beacon_address: \"7\" is not a whole number"));
-  CHECK_THAT(refusal("program_version = [1]"), Contains("program_version: this value is not a text"));
+  CHECK_THAT(refusal("program_version = [1]"), Contains("program_version: this array is not a text"));
   CHECK_THAT(refusal("[imu]\nmeaning = \"mean\""),
              Contains("/meta.toml:2: imu.meaning: unknown key; the keys are imu_meaning, beacon_address, "
                       "program_version, settings.NAME"));

@@ -141,7 +141,8 @@ void update_distrustful_models(State& state, bool is_suspicious) {
 }
 
 bool switch_to_distrustful_model(State& state) {
-  constexpr double min_evidence_margin = 10.0;  // prior odds: most IMUs are right
+  constexpr double min_evidence_margin = 10.0;    // prior odds: most IMUs are right
+  constexpr double min_margin_over_tracks = 4.0;  // wrong tracks are more frequent
   // A start that is not proven is more likely to be wrong than the IMU, unless nothing else explains the
   // fixes.
   if (state.phase != Phase::tracking ||
@@ -158,7 +159,8 @@ bool switch_to_distrustful_model(State& state) {
   double max_evidence = state.imu_fault.shifted.evidence;
   if (const Hypothesis* const other = find_other_track(state))
     max_evidence = std::max(max_evidence, other->evidence);
-  if (!(chosen->evidence > std::max(state.bank.best().evidence + min_evidence_margin, max_evidence)))
+  if (!(chosen->evidence >
+        std::max(state.bank.best().evidence + min_evidence_margin, max_evidence + min_margin_over_tracks)))
     return false;
   adopt_distrustful_model(state, *chosen);
   return true;

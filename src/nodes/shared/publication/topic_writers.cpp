@@ -3,6 +3,7 @@
 #include "clocks/clocks.hpp"
 #include "logging/log.hpp"
 
+#include <algorithm>
 #include <chrono>
 
 namespace sonopose::publication {
@@ -51,17 +52,22 @@ void TopicWriters::unregister(BeaconAddress address) {
 }
 
 void TopicWriters::wait_for_readers() {
-  const auto all_matched = [this] {
-    return imu_.publication_matched_status().current_count > 0 &&
-           fix_.publication_matched_status().current_count > 0 &&
-           heading_.publication_matched_status().current_count > 0 &&
-           twist_.publication_matched_status().current_count > 0;
-  };
   constexpr TimeNs poll_period_ns = 20'000'000;
+  constexpr TimeNs discovery_ns = 500'000'000;  // a reader of the same process is found soon
   constexpr TimeNs report_after_ns = 3'000'000'000;
   const SteadyTime began = clocks::steady_now();
+  const auto is_matched = [](auto&... writers) {
+    return ((writers.publication_matched_status().current_count > 0) && ...);
+  };
+  SteadyTime matched = SteadyTime::max();
+  const auto may_begin = [&] {
+    if (!is_matched(imu_, fix_, heading_)) return false;
+    matched = std::min(matched, clocks::steady_now());
+    // A consumer need not read velocities.
+    return is_matched(twist_) || clocks::steady_now() - matched > discovery_ns;
+  };
   bool reported = false;
-  while (!all_matched()) {
+  while (!may_begin()) {
     if (stop_->wait_until(clocks::steady_now() + poll_period_ns)) return;
     if (!reported && clocks::steady_now() - began > report_after_ns) {
       logging::warning("waiting for a reader (is sonopose-fusion running?)");

@@ -53,6 +53,7 @@ Settings random_settings(Dice& dice) {
   Settings settings;
   for (const SettingInfo& row : setting_table()) {
     if (row.group == "output" || row.key == "fusion.engine") continue;  // belong to no engine
+    if (row.group.starts_with("kalman")) continue;                      // of the other engine
     if (row.key == "delay.correction_s") continue;                      // see below
     if (!row.choices.empty()) {
       set(settings, row.key,
