@@ -105,8 +105,8 @@ enum TwistAxis : std::uint32_t {
   twist_angular_velocity_z = 1U << 5U
 };
 
-/// A measured velocity of the tracked point, such as wheel odometry, in the axes of the pose's body. The
-/// Kalman engine uses its linear part (docs/kalman.md).
+/// A measured velocity of a point of the body (kalman.twist.point_x_m, point_y_m), such as wheel odometry, in
+/// the axes of the pose's body. The Kalman engine uses its linear part (docs/kalman.md).
 struct TwistSample {
   BeaconAddress address = 0;
   std::uint64_t sequence = 0;

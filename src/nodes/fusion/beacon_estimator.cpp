@@ -47,8 +47,9 @@ EventOutcome BeaconEstimator::process(const collation::CollatedEvent& collated) 
   if (restart && available_at_ns(event) < estimator_.time_ns()) estimator_.reset();
 
   EventOutcome outcome;
-  const std::uint64_t sequence = sequence_of(event);
   const bool first = !last_sequence_;
+  std::uint64_t sequence = sequence_of(event);
+  if (sequence == unnumbered) sequence = last_sequence_.value_or(0);  // used on arrival
   const bool changed = timeline_.advance(sequence);
   last_sequence_ = sequence;
   if (changed) estimator_.configure(timeline_.settings());

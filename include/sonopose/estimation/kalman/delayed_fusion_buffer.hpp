@@ -6,6 +6,7 @@
 
 #include <limits>
 #include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -30,7 +31,9 @@ inline bool is_copy(const AidingMeasurement& a, const AidingMeasurement& b) {
     return equal(*fix, [](const FixMeasurement& any) { return any.position_world_m; });
   }
   if (const auto* twist = std::get_if<TwistMeasurement>(&a)) {
-    return equal(*twist, [](const TwistMeasurement& any) { return any.velocity_body_mps; });
+    return equal(*twist, [](const TwistMeasurement& any) {
+      return std::pair(any.velocity_body_mps, any.std_mps);  // which axes were measured, too
+    });
   }
   return equal(std::get<HeadingMeasurement>(a),
                [](const HeadingMeasurement& any) { return any.heading_world_rad; });

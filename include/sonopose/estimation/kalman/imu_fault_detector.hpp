@@ -44,6 +44,8 @@ struct ImuFaultDetector {
   double add_scatter(const Innovation& innovation);
   /// Adds the innovation of a used fix to the mean. White innovations have a mean of zero.
   void add_used(const Innovation& innovation);
+  /// Forgets the innovations, because another track or model is followed.
+  void forget_innovations();
   bool operator==(const ImuFaultDetector&) const = default;
 };
 

@@ -271,7 +271,7 @@ TwistMeasurement Engine::measurement_in(const TwistSample& twist) const {
   }
   const auto constrain = [&measured](int axis, double std_mps) {
     if (measured.std_mps.x() < 0.0 || measured.std_mps[axis] >= 0.0 || std_mps == 0.0) return;
-    measured.std_mps[axis] = std_mps;
+    measured.std_mps[axis] = std::max(std_mps, min_std_mps);
     measured.constrained |= 1 << axis;
   };
   constrain(1, settings.lateral_std_mps);

@@ -115,7 +115,7 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
     correct_followed(state, judged, more_covariance_m2);
     if (is_tracking) learn_noise(state, judged);
     note_used(state, fix);
-    state.imu_fault.add_used(innovation);
+    if (is_tracking) state.imu_fault.add_used(innovation);
   } else {
     ++state.fixes.rejected_in_row;
     if (state.fixes.rejected_in_row >= min_rejected_in_row) state.imu_fault.is_undecided = true;
@@ -128,7 +128,8 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
       judge_rejected(state, judged, outcome);
     }
   }
-  update_distrustful_models(state, outcome.innovation.squared_norm > chi2_explain_threshold);
+  update_distrustful_models(state, std::max(outcome.innovation.squared_norm,
+                                            state.imu_fault.mean_innovation_chi2) > chi2_explain_threshold);
   return outcome;
 }
 

@@ -68,8 +68,7 @@ void adopt_distrustful_model(State& state, Hypothesis& chosen) {
       if (each.track == Track::followed && &each != &best) restart(each, best, detector);
     }
   }
-  detector.mean_innovation_world_m.setZero();
-  detector.mean_innovation_chi2 = 0.0;
+  detector.forget_innovations();
   state.headings.accept();
   rest::restart(state.rest);
 }
@@ -122,8 +121,7 @@ void update_evidence(State& state, const JudgedFix& judged) {
 void update_distrustful_models(State& state, bool is_suspicious) {
   constexpr TimeNs suspicion_ns = 2'000'000'000;
   ImuFaultDetector& detector = state.imu_fault;
-  if (is_suspicious || detector.mean_innovation_chi2 > chi2_explain_threshold)
-    detector.suspicious_until_ns = state.time_ns + suspicion_ns;
+  if (is_suspicious) detector.suspicious_until_ns = state.time_ns + suspicion_ns;
   if (state.phase != Phase::tracking || is_distrustful(state.bank.best().imu)) return;
   const bool is_wanted = state.time_ns <= detector.suspicious_until_ns;
   for (const ImuModel model :
@@ -178,6 +176,11 @@ double log_likelihood(const Vector3d& value_m, const Matrix3d& covariance_m2) {
 }
 
 }  // namespace
+
+void ImuFaultDetector::forget_innovations() {
+  mean_innovation_world_m.setZero();
+  mean_innovation_chi2 = 0.0;
+}
 
 void ImuFaultDetector::add_used(const Innovation& innovation) {
   constexpr double gain = 0.2;

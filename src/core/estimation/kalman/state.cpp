@@ -231,6 +231,7 @@ void recover_if_not_finite(State& state) {
   state.imu.mean_force_body_mps2 = state.imu.force_body_mps2;
   state.frozen_track = {};
   state.imu_fault = {};
+  state.twist = {};
   state.phase = Phase::waiting;
 }
 

@@ -189,6 +189,7 @@ void note_jump(State& state, TimeNs fix_ns) {
   state.converging_until_ns = std::max(state.imu.time_ns, fix_ns) + converging_ns;
   state.fixes.used_ns = fix_ns;
   state.fixes.rejected_in_row = 0;
+  state.imu_fault.forget_innovations();
 }
 
 /// Judges the hypothesis that the map has turned suddenly. It starts with the second consecutive heading that

@@ -86,7 +86,7 @@ void doubt_scale(State& state, const JudgedTwist& twist, const VelocityInnovatio
   TwistGate& gate = *state.twist;
   const TimeNs now_ns = twist.measured.time_ns;
   const double error = innovation.value_mps / innovation.estimated_mps;
-  if (seconds_between(gate.rejected_since_ns, now_ns) < believed_after_s ||
+  if (!state.filter().scale || seconds_between(gate.rejected_since_ns, now_ns) < believed_after_s ||
       seconds_between(state.fixes.used_ns, now_ns) > 1.0 || !(std::abs(error) < max_scale_error) ||
       std::abs(innovation.estimated_mps) < min_speed_mps)
     return;
@@ -119,7 +119,7 @@ void judge(State& state, const JudgedTwist& twist) {
       note_contradiction(gate, twist.measured.time_ns);
       doubt_scale(state, twist, of_best);
     }
-    is_used = is_used || !rejected;
+    is_used = is_used || (!rejected && twist.is_scaled(axis));
     for (Hypothesis& each : state.bank) {
       if (each.track != Track::followed || (rejected && !is_distrustful(each.imu))) continue;
       const VelocityInnovation own = twist.innovation(each.filter, axis);
@@ -148,6 +148,7 @@ void score_starts(State& state, const JudgedTwist& twist) {
     }
     best = std::max(best, likelihood);
   }
+  state.twist->rejected = false;
   for (Hypothesis& each : state.bank) {
     if (!is_start(each)) continue;
     each.score +=
