@@ -13,6 +13,7 @@
 #include <exception>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace sonopose::fusion {
 
@@ -55,14 +56,16 @@ void SettingsServer::replace(config::FusionConfig config) {
 void SettingsServer::replace_requested() {
   const auto config = replacement_.with([](auto& each) { return std::exchange(each, std::nullopt); });
   if (!config) return;
-  auto addresses = estimators_.with([](auto& all) { return all.scheduled(); });
-  for (const BeaconAddress address : config->beacons()) addresses.push_back(address);
-  addresses.push_back(all_beacons);
-  for (const BeaconAddress address : addresses) {
-    SettingsTimeline timeline(config->beacon(address));
-    timeline.add(0, SettingsTimeline::Scope::for_all, {});  // a change, which the next event takes
-    estimators_.with([&](auto& all) { all.exchange_timeline(address, timeline); });
-  }
+  estimators_.with([&](auto& all) {  // at once, so that a beacon that appears meanwhile has the new ones too
+    std::vector<BeaconAddress> addresses = all.scheduled();
+    for (const BeaconAddress address : config->beacons()) addresses.push_back(address);
+    addresses.push_back(all_beacons);
+    for (const BeaconAddress address : addresses) {
+      SettingsTimeline timeline(config->beacon(address));
+      timeline.add(0, SettingsTimeline::Scope::for_all, {});  // a change, which the next event takes
+      all.exchange_timeline(address, timeline);
+    }
+  });
   publish(estimators_.with([](auto& all) { return all.settings_for_all(); }));
   publish_changed(all_beacons);
   log_.write(logging::Level::info, "settings read again", clocks::steady_now());
