@@ -180,17 +180,13 @@ void Metrics::update(const Views& beacons, TimeNs now_ns, SteadyTime now) {
 std::optional<http::Response> Metrics::get(std::string_view path, SteadyTime now) const {
   constexpr TimeNs max_age_ns = 5'000'000'000;
   const threads::Lock lock(mutex_);
+  if (path != "/metrics" && path != "/healthz" && path != "/readyz") return {};
+  if (now - updated_ > max_age_ns) return http::text_response(503, "the bus was not observed for 5 s\n");
   if (path == "/metrics") {
     return http::Response{200, "text/plain; version=0.0.4; charset=utf-8", http::shared_text(text_)};
   }
-  const bool is_stuck = now - updated_ > max_age_ns;
-  if (path == "/healthz") {
-    return is_stuck ? http::text_response(503, "the bus was not observed for 5 s\n")
-                    : http::text_response(200, "ok\n");
-  }
-  if (path != "/readyz") return {};
-  const std::string reason = is_stuck ? "the bus was not observed for 5 s" : why_not_ready_;
-  return http::text_response(reason.empty() ? 200 : 503, (reason.empty() ? "ok" : reason) + "\n");
+  if (path == "/healthz" || why_not_ready_.empty()) return http::text_response(200, "ok\n");
+  return http::text_response(503, why_not_ready_ + "\n");
 }
 
 }  // namespace sonopose::web

@@ -62,6 +62,8 @@ SCENARIO("the page is ready if every beacon has poses, and healthy while it obse
   metrics.update({view_of(7), lost}, now_ns, start);
   CHECK(*metrics.get("/readyz", start)->body == "no poses of beacon 8\n");
   const SteadyTime later = start + 6'000'000'000;
+  CHECK(metrics.get("/metrics", start)->status == 200);
+  CHECK(metrics.get("/metrics", later)->status == 503);  // instead of values of the past
   CHECK(metrics.get("/healthz", later)->status == 503);
   CHECK(metrics.get("/readyz", later)->status == 503);
 }
