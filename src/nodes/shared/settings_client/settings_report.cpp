@@ -138,6 +138,12 @@ std::string save(const std::vector<EffectiveSettings>& changed, const std::files
 }
 
 std::string save_drop_in(const std::vector<EffectiveSettings>& changed, const std::filesystem::path& base) {
+  std::error_code absent;
+  if (!std::filesystem::exists(base, absent)) {
+    throw files::IoError(
+        fmt::format("{}: no such file; `save FILE` writes a new file, --config names the file of the fusion",
+                    base.string()));
+  }
   const std::filesystem::path file = base.string() + ".d/90-saved.toml";
   const auto changes = config_of(changed).changes_from(config::FusionConfig::load(base, file));
   std::error_code error;
