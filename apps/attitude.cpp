@@ -91,7 +91,7 @@ evaluation::AttitudeResult run_log(const Path& folder, const Options& options,
 }
 
 /// Returns the settings, overridden by --filter and --magnetometer.
-settings::Settings settings_of(const CLI::App& app, const Options& options) {
+settings::Settings settings_of(const Options& options) {
   apps::ConfigOptions config = options.config;
   const auto set = [&](const std::string& key, const std::string& value) {
     apps::assign_everywhere(config, options.beacon, key, value);
@@ -100,11 +100,11 @@ settings::Settings settings_of(const CLI::App& app, const Options& options) {
   if (options.filter) set("documented.attitude.filter", *options.filter);
   if (options.magnetometer)
     set("documented.attitude.magnetometer", *options.magnetometer == "on" ? "true" : "false");
-  return apps::configuration(app, config).for_beacon(options.beacon);
+  return apps::configuration(config).for_beacon(options.beacon);
 }
 
-int run_logs(const CLI::App& app, const Options& options) {
-  const settings::Settings settings = settings_of(app, options);
+int run_logs(const Options& options) {
+  const settings::Settings settings = settings_of(options);
   if (options.out) {
     check_names(options.logs);
     evaluation::make_folder(*options.out);
@@ -131,5 +131,5 @@ int main(int argc, char** argv) {
   Options options;
   apps::Program app("attitude");
   add_options(app, options);
-  return sonopose::apps::run(app, argc, argv, [&] { return run_logs(app, options); });
+  return sonopose::apps::run(app, argc, argv, [&] { return run_logs(options); });
 }

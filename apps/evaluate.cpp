@@ -34,23 +34,22 @@ struct Options {
 };
 
 /// Returns the settings of each engine.
-std::vector<settings::Settings> settings_of(const CLI::App& app, const Options& options) {
-  if (options.engines.empty()) return {apps::configuration(app, options.config).for_beacon(options.beacon)};
+std::vector<settings::Settings> settings_of(const Options& options) {
+  if (options.engines.empty()) return {apps::configuration(options.config).for_beacon(options.beacon)};
   std::vector<settings::Settings> all;
   for (const std::string& engine : options.engines) {
     apps::ConfigOptions config = options.config;
     apps::assign_everywhere(config, options.beacon, "fusion.engine", engine);
-    all.push_back(apps::configuration(app, config).for_beacon(options.beacon));
+    all.push_back(apps::configuration(config).for_beacon(options.beacon));
   }
   return all;
 }
 
 /// Returns the settings of one of the compared files; --set applies to both.
-settings::Settings settings_of(const CLI::App& app, const Options& options,
-                               const std::filesystem::path& file) {
+settings::Settings settings_of(const Options& options, const std::filesystem::path& file) {
   apps::ConfigOptions config = options.config;
   config.file = file;
-  return apps::configuration(app, config).for_beacon(options.beacon);
+  return apps::configuration(config).for_beacon(options.beacon);
 }
 
 void show(const apps::CasePlace& place, apps::Progress& progress) {
@@ -58,11 +57,11 @@ void show(const apps::CasePlace& place, apps::Progress& progress) {
               fmt::format("case {} of {}: {}", place.index + 1, place.count, place.name));
 }
 
-int compare(const CLI::App& app, const Options& options) {
+int compare(const Options& options) {
   const std::filesystem::path& first = options.compared[0];
   const std::filesystem::path& second = options.compared[1];
-  const settings::Settings first_settings = settings_of(app, options, first);
-  const settings::Settings second_settings = settings_of(app, options, second);
+  const settings::Settings first_settings = settings_of(options, first);
+  const settings::Settings second_settings = settings_of(options, second);
   std::vector<evaluation::CostPair> costs;
   apps::Progress progress;
   const auto compare_case = [&](const std::vector<evaluation::Case>& runs) {
@@ -88,9 +87,9 @@ int compare(const CLI::App& app, const Options& options) {
   return 0;
 }
 
-int evaluate(const CLI::App& app, const Options& options) {
-  if (!options.compared.empty()) return compare(app, options);
-  const std::vector<settings::Settings> engines = settings_of(app, options);
+int evaluate(const Options& options) {
+  if (!options.compared.empty()) return compare(options);
+  const std::vector<settings::Settings> engines = settings_of(options);
   apps::Progress progress;
   std::optional<evaluation::SummaryTable> table;
   bool is_only_case = false;
@@ -145,6 +144,6 @@ int main(int argc, char** argv) {
   app.add_flag("--json", options.json, "Print JSON instead of tables");
   return apps::run(app, argc, argv, [&] {
     if (app.count("--beacon") > 0) options.cases.beacon = options.beacon;
-    return evaluate(app, options);
+    return evaluate(options);
   });
 }

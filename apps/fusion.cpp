@@ -34,6 +34,7 @@ struct Options {
 void add_options(CLI::App& app, Options& options) {
   app.add_option("--addresses", options.addresses,
                  "Serve only these beacons: 7, 7-131 or 7-131,200 (default: all)")
+      ->check(sonopose::apps::readable_by(sonopose::presence::AddressSet::parse))
       ->type_name("LIST");
   sonopose::apps::add_max_beacons(app, "Serve", options.max_beacons);
   auto* strength = app.add_option(
@@ -49,7 +50,8 @@ void add_options(CLI::App& app, Options& options) {
                "Keep every event and pose and wait for slow consumers; use it for a log played at --rate 0")
       ->excludes(strength);
   app.add_flag("--print-config", options.print_config, "Print the settings as commented TOML and exit");
-  app.add_flag("--check-config", options.check_config, "Report what is wrong with the settings and exit");
+  app.add_flag("--check-config", options.check_config,
+               "Report what is wrong with settings and options and exit");
   app.add_flag("--print-settings-page", options.print_settings_page,
                "Print the table of all settings as a page of the docs and exit")
       ->group("");  // for those who change the table
@@ -72,21 +74,22 @@ sonopose::fusion::FusionOptions node_options(
   return node;
 }
 
-int serve(const CLI::App& app, const Options& options) {
+int serve(const Options& options) {
   if (options.print_settings_page) {
     sonopose::apps::print("{}", sonopose::config::settings_page());
     return 0;
   }
   const sonopose::logging::Session log(options.log_level);
-  const auto config = sonopose::apps::configuration(app, options.config);
+  const auto config = sonopose::apps::configuration(options.config);
   if (options.print_config) sonopose::apps::print("{}", config.to_toml());
-  if (options.print_config || options.check_config) return 0;
+  if (options.print_config) return 0;
   check_publisher(options.bus);
+  if (options.check_config) return 0;
   sonopose::process::StopSignal stop;
   stop.listen_to_signals();
   const sonopose::process::ReloadRequest reload;
   const auto with_config =
-      node_options(options, config, [&] { return sonopose::apps::configuration(app, options.config); });
+      node_options(options, config, [&] { return sonopose::apps::configuration(options.config); });
   if (!sonopose::apps::wait_for_network(with_config.domain, stop)) return 0;
   sonopose::fusion::FusionNode node(with_config);
   const auto realtime = sonopose::apps::realtime(options.realtime_priority);
@@ -105,5 +108,5 @@ int main(int argc, char** argv) {
   sonopose::apps::add_log_option(app, options.log_level);
   sonopose::apps::add_config_options(app, options.config);
   add_options(app, options);
-  return sonopose::apps::run(app, argc, argv, [&] { return serve(app, options); });
+  return sonopose::apps::run(app, argc, argv, [&] { return serve(options); });
 }

@@ -103,7 +103,9 @@ int main(int argc, char** argv) {
       ->delimiter(',')
       ->check(apps::topic_name())
       ->type_name("TOPIC,...");
-  app.add_option("--beacons", options.beacons, "Only these beacons, such as 7-131,200")->type_name("LIST");
+  app.add_option("--beacons", options.beacons, "Only these beacons, such as 7-131,200")
+      ->check(apps::readable_by(presence::AddressSet::parse))
+      ->type_name("LIST");
   app.add_flag("--ros2", recording.ros2,
                "Also the topics of ROS 2, to FILE_ros2.mcap, which its own player plays");
   app.add_option("--duration", recording.duration_s, "End after this many seconds; 0: record until stopped")

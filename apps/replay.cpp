@@ -80,12 +80,12 @@ void draw(std::optional<plots::Plot>& plot) {
 }
 
 /// Runs the log with each of the two files; --set applies to both.
-int compare(const CLI::App& app, const apps::ReplayOptions& options) {
+int compare(const apps::ReplayOptions& options) {
   std::vector<config::FusionConfig> configs;
   for (const Path& file : options.compared) {
     apps::ReplayOptions one = options;
     one.config.file = file;
-    configs.push_back(configuration(app, one));
+    configs.push_back(configuration(one));
   }
   evaluation::Timing timing;
   const recording::SensorLog log = read_log(options, timing);
@@ -108,9 +108,9 @@ int compare(const CLI::App& app, const apps::ReplayOptions& options) {
   return 0;
 }
 
-int replay_log(const CLI::App& app, const apps::ReplayOptions& options) {
-  if (!options.compared.empty()) return compare(app, options);
-  const config::FusionConfig config = configuration(app, options);
+int replay_log(const apps::ReplayOptions& options) {
+  if (!options.compared.empty()) return compare(options);
+  const config::FusionConfig config = configuration(options);
   std::optional<evaluation::SavedState> start;
   if (options.load_state) start = evaluation::load_state(*options.load_state);
   evaluation::Timing timing;
@@ -146,5 +146,5 @@ int main(int argc, char** argv) {
   apps::ReplayOptions options;
   apps::Program app("replay");
   apps::add_replay_options(app, options);
-  return sonopose::apps::run(app, argc, argv, [&] { return replay_log(app, options); });
+  return sonopose::apps::run(app, argc, argv, [&] { return replay_log(options); });
 }

@@ -2,7 +2,6 @@
 // samples of ROS 2 drivers.
 
 #include "ros2/relay/log.hpp"
-#include "support/options_file.hpp"
 #include "support/ros2_command_line.hpp"
 
 #include <exception>

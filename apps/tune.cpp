@@ -95,9 +95,9 @@ std::string origin_comment(const apps::ConfigOptions& options) {
   return text.empty() ? "" : "# To use together with" + text + "\n";
 }
 
-int tune(const CLI::App& app, const Options& options) {
+int tune(const Options& options) {
   apps::listen_for_interrupt();
-  const config::FusionConfig config = apps::configuration(app, options.config);
+  const config::FusionConfig config = apps::configuration(options.config);
   const settings::Settings start = config.for_beacon(options.beacon);
   std::vector<evaluation::Variable> variables;
   for (const std::string& text : options.vary) variables.push_back(evaluation::variable_of(text));
@@ -140,6 +140,6 @@ int main(int argc, char** argv) {
   add_options(app, options);
   return apps::run(app, argc, argv, [&] {
     if (app.count("--beacon") > 0) options.cases.beacon = options.beacon;
-    return tune(app, options);
+    return tune(options);
   });
 }

@@ -39,7 +39,6 @@ void apply(const Given& given, web::WebOptions& options) {
   auto& server = options.server;
   if (!given.listen.empty()) server.endpoint = web::http::parse_endpoint(given.listen);
   server.token = given.token;
-  if (!server.token.empty()) web::http::check_token(server.token);
   for (std::string& origin : server.origins) origin = web::http::parse_origin(origin);
   // The token controls access: its holder may look, and change settings if that is allowed.
   if (server.token.empty() && !is_loopback(server.endpoint)) server.token = web::http::random_token();
@@ -68,13 +67,16 @@ int main(int argc, char** argv) {
   apps::add_log_option(app, log_level);
   add_max_beacons(app, "Show", options.max_beacons);
   app.add_option("--listen", given.listen, "Where to serve the page")
+      ->check(apps::readable_by(web::http::parse_endpoint))
       ->type_name("ADDRESS:PORT")
       ->default_str(text_of(options.server.endpoint));
   app.add_option("--token", given.token,
                  "Secret in the page's URL; if other machines can connect, a random token is generated")
+      ->check(apps::readable_by(web::http::check_token))
       ->type_name("TEXT");
   app.add_option("--allow-origin", options.server.origins,
                  "A page elsewhere that may use Foxglove's protocol; file:// for local ones")
+      ->check(apps::readable_by(web::http::parse_origin))
       ->type_name("URL");
   app.add_flag("--allow-changes", options.allows_changes,
                "The page may change settings and reset estimators");

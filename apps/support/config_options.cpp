@@ -70,7 +70,7 @@ void assign_everywhere(ConfigOptions& options, BeaconAddress beacon, const std::
   options.assignments.push_back(fmt::format("beacon.{}.{}={}", beacon, key, value));
 }
 
-config::FusionConfig configuration(const CLI::App& /*app*/, const ConfigOptions& options) {
+config::FusionConfig configuration(const ConfigOptions& options) {
   auto config = options.file ? config::FusionConfig::load(*options.file) : config::FusionConfig();
   for (const std::string& assignment : options.assignments) config.assign(assignment);
   config.check();

@@ -38,6 +38,6 @@ void add_beacon_option(CLI::App& app, std::optional<BeaconAddress>& beacon);
 void add_beacon_or_all_option(CLI::App& app, BeaconAddress& beacon);
 
 /// Reads the settings, with --set above --config, and logs their warnings. Throws config::ConfigError.
-config::FusionConfig configuration(const CLI::App& app, const ConfigOptions& options);
+config::FusionConfig configuration(const ConfigOptions& options);
 
 }  // namespace sonopose::apps

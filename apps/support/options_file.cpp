@@ -24,13 +24,6 @@ namespace toml = files::toml;
 constexpr const char* file_option = "--config";
 constexpr const char* print_option = "--print-config";
 
-bool is_key(const CLI::Option& option) {
-  constexpr std::array others{"--help", "--help-all",      "--version", file_option,
-                              "--set",  "--help-settings", print_option};
-  if (option.get_lnames().empty() || option.get_group().empty()) return false;
-  return std::ranges::none_of(others, [&](const char* name) { return option.check_name(name); });
-}
-
 /// Returns the file of the last --config; empty if there is none.
 std::string file_in(const std::vector<std::string>& arguments) {
   const std::string joined = std::string(file_option) + "=";
@@ -40,6 +33,10 @@ std::string file_in(const std::vector<std::string>& arguments) {
     if (arguments[i] == file_option && i + 1 < arguments.size()) file = arguments[i + 1];
   }
   return file;
+}
+
+bool is_flag(const CLI::Option& option) {
+  return option.get_items_expected_max() == 0;
 }
 
 /// Returns the key of an option; empty if it is not one of the program.
@@ -56,20 +53,11 @@ std::vector<std::string> texts_of(const toml::Value& value) {
   return {toml::text_of(value)};
 }
 
-/// Returns the arguments for an option; none for a flag that is false.
-std::vector<std::string> written(const CLI::Option& option, const std::string& name,
-                                 const toml::Value& value) {
-  const bool* const flag = std::get_if<bool>(&value);
-  if (flag != nullptr && option.get_items_expected_max() == 0) {
-    return *flag ? std::vector{name} : std::vector<std::string>{};
-  }
-  std::vector<std::string> arguments;
-  const bool is_row = option.get_items_expected_min() > 1;  // as --floor-plan-area
-  if (is_row) arguments.push_back(name);
-  for (const std::string& text : texts_of(value)) {
-    arguments.push_back(is_row ? text : fmt::format("{}={}", name, text));
-  }
-  return arguments;
+/// Returns the values for an option; none for a flag that is false, as if it were not given.
+std::vector<std::string> values_for(const CLI::Option& option, const toml::Value& value) {
+  const bool* const truth = std::get_if<bool>(&value);
+  if (is_flag(option) && truth != nullptr && !*truth) return {};
+  return texts_of(value);
 }
 
 [[noreturn]] void refuse_key(const CLI::App& app, const std::string& origin, const std::string& key) {
@@ -90,18 +78,21 @@ FileOption option_of(const CLI::App& app, const std::string& file, const toml::L
   if (std::holds_alternative<toml::OtherValue>(leaf.value)) {
     throw config::ConfigError(origin + ": neither a number, true or false, a text, nor an array of those");
   }
-  return {origin, name, written(*option, name, leaf.value)};
+  if (is_flag(*option) && !std::holds_alternative<bool>(leaf.value)) {
+    throw config::ConfigError(origin + ": must be true or false");
+  }
+  return {origin, name, values_for(*option, leaf.value)};
 }
 
 /// Returns a value as TOML: numbers and truth values as they are, other texts in quotes.
 std::string literal(const CLI::Option& option, const std::string& text) {
   double number = 0;
-  const bool is_flag = option.get_items_expected_max() == 0 && (text == "true" || text == "false");
+  const bool is_truth = is_flag(option) && (text == "true" || text == "false");
   const bool is_number = !text.empty() && text.find_first_not_of("-0123456789.") == std::string::npos &&
                          text.back() != '.' && text.front() != '.' &&
                          (text.size() == 1 || text.front() != '0' || text[1] == '.') &&
                          CLI::detail::lexical_cast(text, number);
-  return is_flag || is_number ? text : toml::quoted(text);
+  return is_truth || is_number ? text : toml::quoted(text);
 }
 
 std::string value_text(const CLI::Option& option) {
@@ -149,6 +140,13 @@ void add_options_file(CLI::App& app, const std::string& group) {
       ->group(group);
 }
 
+bool is_key(const CLI::Option& option) {
+  constexpr std::array others{"--help", "--help-all",      "--version",  file_option,
+                              "--set",  "--help-settings", print_option, "--check-config"};
+  if (option.get_lnames().empty() || option.get_group().empty()) return false;
+  return std::ranges::none_of(others, [&](const char* name) { return option.check_name(name); });
+}
+
 bool is_given(const CLI::Option& option, const std::vector<std::string>& arguments) {
   return std::ranges::any_of(arguments, [&](const std::string& argument) {
     const std::string name = argument.substr(0, argument.find('='));
@@ -181,12 +179,16 @@ std::vector<FileOption> file_options(const CLI::App& app, const std::vector<std:
   return list;
 }
 
-std::vector<std::string> arguments_of(const std::vector<FileOption>& options) {
-  std::vector<std::string> arguments;
-  for (const FileOption& option : options) {
-    arguments.insert(arguments.end(), option.arguments.begin(), option.arguments.end());
-  }
-  return arguments;
+void give(CLI::Option& option, const std::vector<std::string>& values) {
+  if (values.empty()) return;
+  constexpr std::array truths{"true", "false", "yes", "no", "on", "off"};  // of YAML
+  const auto is_truth = [&](const std::string& text) {
+    return std::ranges::find(truths, CLI::detail::to_lower(text)) != truths.end();
+  };
+  if (is_flag(option) && !std::ranges::all_of(values, is_truth))
+    throw CLI::ValidationError(option.get_name(), "must be true or false");
+  option.clear();
+  for (const std::string& value : values) option.add_result(value);
 }
 
 std::string options_toml(const CLI::App& app) {

@@ -74,7 +74,7 @@ void add_replay_options(CLI::App& app, ReplayOptions& options) {
       ->excludes(smooth);
 }
 
-config::FusionConfig configuration(const CLI::App& app, const ReplayOptions& options) {
+config::FusionConfig configuration(const ReplayOptions& options) {
   if (options.save_state && options.engine == ReplayEngine::strapdown) {
     throw config::ConfigError("--save-state: strapdown integration has no engine whose state can be saved");
   }
@@ -83,7 +83,7 @@ config::FusionConfig configuration(const CLI::App& app, const ReplayOptions& opt
     config.assignments.emplace_back(*options.engine == ReplayEngine::kalman ? "fusion.engine=kalman"
                                                                             : "fusion.engine=documented");
   }
-  return configuration(app, config);
+  return configuration(config);
 }
 
 void require_result(const ReplayOptions& options, const evaluation::RunResult& result) {

@@ -34,7 +34,7 @@ struct ReplayOptions {
 void add_replay_options(CLI::App& app, ReplayOptions& options);
 
 /// Reads the configuration, with --engine instead of fusion.engine. Throws config::ConfigError.
-config::FusionConfig configuration(const CLI::App& app, const ReplayOptions& options);
+config::FusionConfig configuration(const ReplayOptions& options);
 
 /// Throws std::runtime_error with the cause if the run used no fix, unless it is strapdown integration, or if
 /// it has truth and no score. A run that ends early needs neither.

@@ -23,25 +23,24 @@ std::string option_name(const std::string& parameter) {
   return name;
 }
 
-/// True if ROS 2 has another argument for this option, or if it only prints something.
-bool is_no_parameter(const std::string& option) {
-  constexpr std::array others{"--help",  "--help-all", "--version", "--name",        "--namespace",
-                              "--remap", "--enclave",  "--config",  "--print-config"};
-  return std::find(others.begin(), others.end(), option) != others.end();
+/// True unless ROS 2 has another argument for this option.
+bool is_parameter(const CLI::Option& option) {
+  constexpr std::array others{"--name", "--namespace", "--remap", "--enclave"};
+  return is_key(option) &&
+         std::ranges::none_of(others, [&](const char* name) { return option.check_name(name); });
 }
 
 /// Returns the option of a parameter; null if there is none.
 CLI::Option* option_of(Ros2Program& program, const Parameter& parameter) {
-  const std::string name = option_name(parameter.name);
-  return is_no_parameter(name) ? nullptr : program.app.get_option_no_throw(name);
+  CLI::Option* const option = program.app.get_option_no_throw(option_name(parameter.name));
+  return option != nullptr && is_parameter(*option) ? option : nullptr;
 }
 
-/// Gives an option its values, which are no words of a command line: they may be empty, or begin with a dash.
+/// Gives an option its values, in place of those of a file.
 void assign(CLI::Option& option, const Parameter& parameter) {
   if (parameter.values.empty()) return;  // an empty list
-  option.clear();                        // what a file gives
   try {
-    for (const std::string& value : parameter.values) option.add_result(value);
+    give(option, parameter.values);
     option.run_callback();
   } catch (const CLI::ParseError& error) {
     throw std::invalid_argument(fmt::format("{}: {}", parameter.origin, error.what()));
@@ -130,8 +129,8 @@ std::vector<ros2::relay::StartupSetting> apply_parameters(const Arguments& argum
 ros2::relay::OptionParameters option_parameters(const Ros2Program& program) {
   ros2::relay::OptionParameters parameters;
   for (const CLI::Option* option : program.app.get_options()) {
+    if (!is_parameter(*option)) continue;
     std::string name = option->get_single_name();
-    if (is_no_parameter("--" + name)) continue;
     std::replace(name.begin(), name.end(), '-', '_');
     const bool is_flag = option->get_items_expected_max() == 0;
     if (option->count() == 0) {

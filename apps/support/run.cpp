@@ -97,11 +97,18 @@ std::vector<std::string> with_joined_values(const CLI::App& app, const std::vect
   return joined;
 }
 
+/// True if a text has this name of an option, not only as a part of a longer name.
+bool names(const std::string& text, const std::string& option) {
+  const std::size_t end = text.find(option) + option.size();
+  return end >= option.size() &&
+         (end >= text.size() || std::string_view(" :,").find(text[end]) != std::string_view::npos);
+}
+
 /// Returns where a mistake is, if it is in a file.
-std::string origin_of(const CLI::ParseError& error, const std::vector<FileOption>& options) {
+std::string origin_of(const std::exception& error, const std::vector<FileOption>& options) {
   const std::string text = error.what();
-  const auto found = std::ranges::find_if(
-      options, [&](const FileOption& option) { return text.starts_with(option.name + ":"); });
+  const auto found =
+      std::ranges::find_if(options, [&](const FileOption& option) { return names(text, option.name); });
   return found == options.end() ? "" : found->origin + ": ";
 }
 
@@ -231,14 +238,20 @@ CLI::Validator number_between(double min, double max) {
           "[" + range + "]"};
 }
 
-CLI::Validator natural_number() {
-  return CLI::Range(std::uint64_t{0}, std::uint64_t{1'000'000'000});
+CLI::Validator readable_by(std::function<void(const std::string&)> read) {
+  return {[read = std::move(read)](const std::string& text) {
+            try {
+              read(text);
+            } catch (const std::invalid_argument& error) {
+              return std::string(error.what());
+            }
+            return std::string();
+          },
+          ""};
 }
 
-void parse(CLI::App& app, std::vector<std::string> arguments, const std::vector<std::string>& more) {
-  arguments.insert(arguments.end(), more.begin(), more.end());
-  std::reverse(arguments.begin(), arguments.end());  // CLI11 takes arguments in reverse order
-  app.parse(std::move(arguments));
+CLI::Validator natural_number() {
+  return CLI::Range(std::uint64_t{0}, std::uint64_t{1'000'000'000});
 }
 
 void serve(const std::function<void()>& node) {
@@ -272,7 +285,10 @@ int run(CLI::App& app, const std::vector<std::string>& arguments, const std::fun
   std::vector<FileOption> of_file;
   try {
     of_file = file_options(app, arguments);
-    parse(app, with_joined_values(app, arguments), arguments_of(of_file));
+    for (const FileOption& each : of_file) give(*app.get_option(each.name), each.values);
+    std::vector<std::string> words = with_joined_values(app, arguments);
+    std::reverse(words.begin(), words.end());  // CLI11 takes arguments in reverse order
+    app.parse(std::move(words));
     for (const CLI::App* each : {&std::as_const(app), &command_of(app)}) refuse_empty_paths(*each);
   } catch (const Printed& asked) {
     return print_requested(asked.what());
@@ -281,9 +297,10 @@ int run(CLI::App& app, const std::vector<std::string>& arguments, const std::fun
     app.exit(asked, text);
     return print_requested(text.str());
   } catch (const CLI::ParseError& error) {
-    logging::failure(fmt::format("{}{}\nRun {} --help for more information.", origin_of(error, of_file),
-                                 mistake_in(app, error), app.get_name()));
-    return error.get_exit_code();
+    const std::string origin = app.remaining(true).empty() ? origin_of(error, of_file) : "";
+    logging::failure(fmt::format("{}{}\nRun {} --help for more information.", origin, mistake_in(app, error),
+                                 app.get_name()));
+    return origin.empty() ? error.get_exit_code() : wrong_configuration;
   } catch (const config::ConfigError& error) {
     logging::failure(error.what());
     return wrong_configuration;
@@ -297,8 +314,11 @@ int run(CLI::App& app, const std::vector<std::string>& arguments, const std::fun
     logging::failure(error.what());
     return wrong_configuration;
   } catch (const std::exception& error) {
-    logging::failure(reason_of(error));
-    return 1;
+    const bool is_mistake = dynamic_cast<const std::invalid_argument*>(&error) != nullptr ||
+                            dynamic_cast<const CLI::ParseError*>(&error) != nullptr;
+    const std::string origin = is_mistake ? origin_of(error, of_file) : "";
+    logging::failure(origin + reason_of(error));
+    return origin.empty() ? 1 : wrong_configuration;
   }
 }
 

@@ -33,6 +33,9 @@ public:
 /// Accepts a number in this range. Unlike CLI::Range, refuses texts that are not numbers, such as nan.
 CLI::Validator number_between(double min, double max = std::numeric_limits<double>::max());
 
+/// Accepts a text that `read` reads without std::invalid_argument.
+CLI::Validator readable_by(std::function<void(const std::string&)> read);
+
 /// Accepts an integer from 0 to 10⁹, such as a seed. Without a limit, CLI11 reads -1 as the largest number.
 CLI::Validator natural_number();
 
@@ -42,17 +45,15 @@ inline constexpr int wrong_configuration = 78;
 
 /// Parses the command line, with the options of a file (options_file.hpp), and runs `body`. Returns the exit
 /// code: 0 for success, help and a stop by signal; CLI11's own numbers for errors of the command line;
-/// `wrong_configuration` for config::ConfigError. Returns 1 for any exception, even on another thread,
-/// and for a failed output. The reason goes to stderr. For an unknown option or command, it names the nearest
-/// known one. Arguments of ROS 2 (`--ros-args … --`) are not used; parameters among them cause a warning.
+/// `wrong_configuration` for config::ConfigError and for a wrong option of a file. Returns 1 for any
+/// exception, even on another thread, and for a failed output. The reason goes to stderr. For an unknown
+/// option or command, it names the nearest known one. Arguments of ROS 2 (`--ros-args … --`) are not used;
+/// parameters among them cause a warning.
 int run(CLI::App& app, int argc, char** argv, const std::function<int()>& body);
 /// The same for arguments without the name of the program.
 int run(CLI::App& app, const std::vector<std::string>& arguments, const std::function<int()>& body);
 
 /// Runs a node that other programs depend on. Throws the exception that ended it, with advice to restart.
 void serve(const std::function<void()>& node);
-
-/// Parses arguments, followed by those of another source. Throws CLI::ParseError.
-void parse(CLI::App& app, std::vector<std::string> arguments, const std::vector<std::string>& more = {});
 
 }  // namespace sonopose::apps

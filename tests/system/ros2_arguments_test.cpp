@@ -101,6 +101,7 @@ TEST_CASE("The relay refuses invalid ROS 2 arguments and parameters, and names t
   };
   check_refused({"-p", "tf"}, {"-p tf: it must be NAME:=VALUE"});
   check_refused({"-p", "tf:=sideways"}, {"--tf", "'sideways'", "map_base, map_odom, off"});
+  check_refused({"-p", "use_sim_time:=5"}, {"-p use_sim_time:=5", "must be true or false"});
   check_refused({"-p", "documented.trust.n_min:=-1"},
                 {"-p documented.trust.n_min:=-1", "documented.trust.n_min"});
   check_refused({"-r", "__node:=a/b"}, {"--remap: remap rule '__node:=a/b'"});

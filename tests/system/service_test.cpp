@@ -53,18 +53,57 @@ SCENARIO("every option is a key of the file of --config") {
       THEN("a wrong value is named with file, line, value and limit") {
         write_text(file.drop_ins / "50-domain.toml", "domain = 4711\n");
         const Result wrong = run(program, {"--config", path}, neutral);
-        CHECK(wrong.code != 0);
+        CHECK(wrong.code == wrong_configuration);
         CHECK_THAT(wrong.error, Contains("50-domain.toml:1: domain") && Contains("4711") && Contains("232"));
+      }
+      THEN("an empty text is a value, and does not take the next option for one") {
+        write_text(file.drop_ins / "50-domain.toml", "log-level = \"debug\"\npartition = \"\"\ndomain = 9\n");
+        const Result used = run(program, {"--config", path, "--print-config"}, neutral);
+        CAPTURE(used.error);
+        REQUIRE(used.code == 0);
+        CHECK_THAT(used.output, Contains("\npartition = \"\"\n") && Contains("\ndomain = 9\n") &&
+                                    Contains("\nlog-level = \"debug\"\n"));
       }
     }
   }
 }
 
 SCENARIO("options of the fusion are in the table [program] of its settings") {
-  const ConfigFile file("[program]\naddresses = \"seven\"\n[admission]\nmin_quality_percent = 60\n");
-  const Result wrong = run(SONOPOSE_TEST_FUSION, {"--config", file.path.string()}, neutral);
-  CHECK(wrong.code != 0);
-  CHECK_THAT(wrong.error, Contains("seven"));
+  struct Mistake {
+    const char* line;
+    const char* reason;
+  };
+  const auto mistake = GENERATE(values<Mistake>({
+      {"addresses = \"seven\"", "seven"},
+      {"partition = \"hall-*\"", "single partition"},
+      {"realtime = 1000", "1000"},
+      {"lossless = 5", "true or false"},
+      {"warm-up = 5", "--standby-strength"},
+      {"standby-strength = 5\nlossless = true", "excludes"},
+      {"check-config = true", "no such option"},
+      {"print-completions = true", "no such option"},
+  }));
+  GIVEN(std::string("the wrong line ") + mistake.line) {
+    const ConfigFile file(std::string("[program]\n") + mistake.line +
+                          "\n[admission]\nmin_quality_percent = 60\n");
+    THEN("the fusion does not start, the check finds the same, and no service manager tries again") {
+      for (const test::Arguments& more : {test::Arguments{}, test::Arguments{"--check-config"}}) {
+        test::Arguments arguments{"--config", file.path.string()};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const Result wrong = run(SONOPOSE_TEST_FUSION, arguments, neutral);
+        CHECK(wrong.code == wrong_configuration);
+        CHECK_THAT(wrong.error, Contains(file.path.string() + ":") && Contains(mistake.reason));
+      }
+    }
+  }
+}
+
+SCENARIO("a flag of a file that is false is as one that is not given") {
+  const ConfigFile file("[program]\nlossless = false\nstandby-strength = 5\n");
+  const Result checked =
+      run(SONOPOSE_TEST_FUSION, {"--config", file.path.string(), "--check-config"}, neutral);
+  CAPTURE(checked.error);
+  CHECK(checked.code == 0);
 }
 
 SCENARIO("a fusion reports to the service manager, and reads its settings again") {
