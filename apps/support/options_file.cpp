@@ -35,8 +35,18 @@ std::string file_in(const std::vector<std::string>& arguments) {
   return file;
 }
 
-bool is_flag(const CLI::Option& option) {
+/// True for an option without a value, or with one that may be absent, as --realtime.
+bool may_stand_alone(const CLI::Option& option) {
   return option.get_items_expected_max() == 0;
+}
+
+/// Returns the value of such an option that stands alone.
+std::string value_alone(const CLI::Option& option) {
+  return option.get_flag_value(option.get_lnames().front(), "");
+}
+
+bool is_flag(const CLI::Option& option) {
+  return may_stand_alone(option) && value_alone(option) == "true";
 }
 
 /// Returns the key of an option; empty if it is not one of the program.
@@ -56,8 +66,8 @@ std::vector<std::string> texts_of(const toml::Value& value) {
 /// Returns the values for an option; none for a flag that is false, as if it were not given.
 std::vector<std::string> values_for(const CLI::Option& option, const toml::Value& value) {
   const bool* const truth = std::get_if<bool>(&value);
-  if (is_flag(option) && truth != nullptr && !*truth) return {};
-  return texts_of(value);
+  if (truth == nullptr || !may_stand_alone(option)) return texts_of(value);
+  return *truth ? std::vector{value_alone(option)} : std::vector<std::string>{};
 }
 
 [[noreturn]] void refuse_key(const CLI::App& app, const std::string& origin, const std::string& key) {
@@ -185,8 +195,9 @@ void give(CLI::Option& option, const std::vector<std::string>& values) {
   const auto is_truth = [&](const std::string& text) {
     return std::ranges::find(truths, CLI::detail::to_lower(text)) != truths.end();
   };
-  if (is_flag(option) && !std::ranges::all_of(values, is_truth))
+  if (is_flag(option) && !std::ranges::all_of(values, is_truth)) {
     throw CLI::ValidationError(option.get_name(), "must be true or false");
+  }
   option.clear();
   for (const std::string& value : values) option.add_result(value);
 }

@@ -99,7 +99,7 @@ SCENARIO("options of the fusion are in the table [program] of its settings") {
 }
 
 SCENARIO("a flag of a file that is false is as one that is not given") {
-  const ConfigFile file("[program]\nlossless = false\nstandby-strength = 5\n");
+  const ConfigFile file("[program]\nlossless = false\nstandby-strength = 5\nrealtime = 50\n");
   const Result checked =
       run(SONOPOSE_TEST_FUSION, {"--config", file.path.string(), "--check-config"}, neutral);
   CAPTURE(checked.error);
