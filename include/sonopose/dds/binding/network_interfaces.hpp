@@ -29,7 +29,7 @@ struct NetworkInterface {
 /// Returns the interfaces of this machine.
 std::vector<NetworkInterface> network_interfaces();
 
-/// Returns the least metric of the default routes of each interface. `table`: the text of /proc/net/route.
+/// Returns the least metric of the default routes of each interface. `table`: the text of /proc/self/net/route.
 std::map<std::string, std::uint32_t> default_routes(std::string_view table);
 
 /// The interfaces of a domain.

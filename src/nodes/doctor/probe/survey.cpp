@@ -128,7 +128,7 @@ std::set<std::uint32_t> domains_with_ports() {
   constexpr std::uint32_t port_base = 7400;
   constexpr std::uint32_t domain_gain = 250;
   std::set<std::uint32_t> ids;
-  for (const char* const table : {"/proc/net/udp", "/proc/net/udp6"}) {
+  for (const char* const table : {"/proc/self/net/udp", "/proc/self/net/udp6"}) {
     std::ifstream stream(table);
     std::string line;
     std::getline(stream, line);  // column titles

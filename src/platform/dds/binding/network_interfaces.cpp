@@ -136,7 +136,8 @@ std::vector<NetworkInterface> network_interfaces() {
   if (::getifaddrs(&list) != 0) return {};
   const std::unique_ptr<ifaddrs, void (*)(ifaddrs*)> owner(list, ::freeifaddrs);
   std::ostringstream table;
-  table << std::ifstream("/proc/net/route").rdbuf();
+  // ProcSubset=pid of a unit hides /proc/net.
+  table << std::ifstream("/proc/self/net/route").rdbuf();
   const auto routes = default_routes(table.str());
   std::vector<NetworkInterface> found;
   for (const ifaddrs* each = list; each != nullptr; each = each->ifa_next) {
