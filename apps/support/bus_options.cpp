@@ -3,6 +3,7 @@
 #include "choice.hpp"
 #include "clocks/clocks.hpp"
 #include "logging/log.hpp"
+#include "process/service.hpp"
 #include <sonopose/dds/binding/domain.hpp>
 #include <sonopose/dds/binding/network_interfaces.hpp>
 #include <sonopose/samples/samples.hpp>
@@ -63,10 +64,17 @@ bool wait_for_network(const dds::DomainOptions& domain, const process::StopSigna
   std::string missing;
   dds::NetworkChoice choice = dds::choose_network(domain);
   for (; !choice.is_ready; choice = dds::choose_network(domain)) {
-    if (missing != choice.text) logging::warning("waiting for the network: " + choice.text);
+    // Otherwise the service manager would end the start, or the process.
+    process::report_ready();
+    process::report_progress(clocks::steady_now());
+    if (missing != choice.text) {
+      process::report_status("waiting for the network: " + choice.text);
+      logging::warning("waiting for the network: " + choice.text);
+    }
     missing = choice.text;
     if (stop.wait_until(clocks::steady_now() + period_ns)) return false;
   }
+  if (!missing.empty()) process::report_status("network: " + choice.text);
   const bool is_default = domain.network == dds::Network::loopback && domain.interfaces.empty();
   logging::write(is_default ? logging::Level::debug : logging::Level::info, "network: " + choice.text);
   return true;

@@ -30,8 +30,8 @@ inline constexpr const char* bus_group = "Bus";
 void add_bus_options(CLI::App& app, BusOptions& options);
 
 /// Waits until the network is there: with `--network lan` any interface besides loopback, with --interface
-/// the named ones. Logs what is missing, then the interfaces and why they are used. Returns false if the stop
-/// came first.
+/// the named ones. Meanwhile, it reports to the service manager. Logs what is missing, then the interfaces
+/// and why they are used. Returns false if the stop came first.
 bool wait_for_network(const dds::DomainOptions& domain, const process::StopSignal& stop);
 
 /// Adds --max-beacons. `verb` says what the program does with beacons: "Serve".

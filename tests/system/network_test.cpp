@@ -1,5 +1,6 @@
 // The network of the programs, in a network namespace with interfaces of its own.
 
+#include "support/notify_socket.hpp"
 #include "support/process.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -10,6 +11,7 @@
 namespace sonopose::test::network_test {
 
 using Catch::Contains;
+using Catch::StartsWith;
 
 /// Runs a shell script in a network namespace whose interfaces are all down.
 Result in_namespace(const std::string& script) {
@@ -52,6 +54,22 @@ SCENARIO("a program on the lan waits for the network, and takes the one with the
                    Contains("no network interface is up, only lo (127.0.0.1)") && Contains("specific_force"));
         CHECK_THAT(result.error,
                    Contains("network: wlan0 (192.0.2.5), it has the default route; not docker0"));
+      }
+    }
+  }
+  GIVEN("a service manager with a watchdog, and a bridge that starts with loopback alone") {
+    NotifySocket manager(folder / "notify");
+    WHEN("it waits") {
+      const Result result =
+          in_namespace("ip link set lo up; NOTIFY_SOCKET=" + (folder / "notify").string() +
+                       " WATCHDOG_USEC=1500000 " SONOPOSE_TEST_BRIDGE " --network lan --source sim 2> " +
+                       log + " & bridge=$!; until grep -q 'waiting for the network' " + log +
+                       "; do kill -0 $bridge; sleep 0.1; done; kill $bridge; wait");
+      THEN("the manager neither ends its start nor the process, and knows why it does not serve") {
+        CAPTURE(result.output, result.error);
+        CHECK(manager.next(0) == "READY=1");
+        CHECK(manager.next(0) == "WATCHDOG=1");
+        CHECK_THAT(manager.next(0), StartsWith("STATUS=waiting for the network: "));
       }
     }
   }

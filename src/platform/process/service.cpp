@@ -89,6 +89,10 @@ void report_ready() noexcept {
   if (!is_ready.exchange(true)) manager().send("READY=1");
 }
 
+void report_status(const std::string& status) noexcept {
+  manager().send("STATUS=" + status);
+}
+
 void report_reloading() noexcept {
   manager().send("RELOADING=1");
 }

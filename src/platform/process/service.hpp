@@ -12,6 +12,9 @@ namespace sonopose::process {
 /// Tells the service manager, once, that the program serves.
 void report_ready() noexcept;
 
+/// Tells it what the program does, in a line.
+void report_status(const std::string& status) noexcept;
+
 /// Tells it that the settings are read again, and then that they have been, with a line of status.
 void report_reloading() noexcept;
 void report_reloaded(const std::string& status) noexcept;

@@ -23,12 +23,14 @@ SCENARIO("the service manager learns that the program serves and goes on") {
     WHEN("the program reports twice that it serves, and progress at 5.000, 5.001 and 5.200 s") {
       report_ready();
       report_ready();
+      report_status("waiting");
       const SteadyTime start{5'000'000'000};
       const SteadyTime next = report_progress_by(start);
       report_progress(start + 1'000'000);
       report_progress(start + 200'000'000);
       THEN("it is ready once, and its progress is passed on at most eight times in a period") {
         CHECK(manager.next(0) == "READY=1");
+        CHECK(manager.next(0) == "STATUS=waiting");
         CHECK(manager.next(0) == "WATCHDOG=1");
         CHECK(manager.next(0) == "WATCHDOG=1");
         CHECK(manager.next(0).empty());
