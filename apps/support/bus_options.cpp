@@ -75,6 +75,12 @@ bool wait_for_network(const dds::DomainOptions& domain, const process::StopSigna
     if (stop.wait_until(clocks::steady_now() + period_ns)) return false;
   }
   if (!missing.empty()) process::report_status("network: " + choice.text);
+  const bool is_loopback_alone = domain.network == dds::Network::ros_subnet && domain.interfaces.empty() &&
+                                 choice.interfaces.size() == 1;
+  if (is_loopback_alone) {
+    logging::warning("network: " + choice.text + "; other machines are found only after a restart");
+    return true;
+  }
   const bool is_default = domain.network == dds::Network::loopback && domain.interfaces.empty();
   logging::write(is_default ? logging::Level::debug : logging::Level::info, "network: " + choice.text);
   return true;

@@ -51,7 +51,8 @@ SCENARIO("a program on the lan waits for the network, and takes the one with the
         CAPTURE(result.output, result.error);
         CHECK(result.code == 0);
         CHECK_THAT(result.output,
-                   Contains("no network interface is up, only lo (127.0.0.1)") && Contains("specific_force"));
+                   Contains("no network interface is up with an IPv4 address, only lo (127.0.0.1)") &&
+                       Contains("specific_force"));
         CHECK_THAT(result.error,
                    Contains("network: wlan0 (192.0.2.5), it has the default route; not docker0"));
       }
@@ -88,12 +89,25 @@ SCENARIO("a program on the lan waits for the network, and takes the one with the
     }
   }
   GIVEN("loopback alone") {
+    WHEN("the relay starts with the range of ROS 2's default") {
+      const Result result = in_namespace(
+          "ip link set lo up; unset ROS_AUTOMATIC_DISCOVERY_RANGE ROS_LOCALHOST_ONLY "
+          "ROS_STATIC_PEERS; " SONOPOSE_TEST_ROS2 " 2> " +
+          log + " & relay=$!; until grep -q 'network: ' " + log +
+          "; do kill -0 $relay; sleep 0.1; done; kill $relay; wait; cat " + log);
+      THEN("it serves this machine, and warns that it finds no other") {
+        CAPTURE(result.output, result.error);
+        CHECK_THAT(result.output,
+                   Contains("only lo (127.0.0.1); other machines are found only after a restart"));
+      }
+    }
     WHEN("the doctor looks at the lan") {
       const Result result =
           in_namespace("ip link set lo up; " SONOPOSE_TEST_DOCTOR " --network lan --duration 0.5 || true");
       THEN("it says that the network is missing, without waiting for it") {
         CAPTURE(result.output, result.error);
-        CHECK_THAT(result.output, Contains("no network interface is up, only lo"));
+        CHECK_THAT(result.output, Contains("no network interface is up with an IPv4 address, only lo") &&
+                                      !Contains("this machine only") && !Contains("--network lan on both"));
       }
     }
   }

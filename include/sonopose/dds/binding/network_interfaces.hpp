@@ -29,19 +29,21 @@ struct NetworkInterface {
 /// Returns the interfaces of this machine.
 std::vector<NetworkInterface> network_interfaces();
 
-/// Returns the least metric of the default routes of each interface. `table`: the text of /proc/self/net/route.
+/// Returns the least metric of the default routes of each interface. `table`: the text of
+/// /proc/self/net/route.
 std::map<std::string, std::uint32_t> default_routes(std::string_view table);
 
 /// The interfaces of a domain.
 struct NetworkChoice {
   std::vector<NetworkInterface> interfaces;  ///< empty: CYCLONEDDS_URI decides, or none is there yet
-  bool is_ready = true;                      ///< false: an interface is missing, as long as `text` says
-  std::string text;  ///< "wlan0 (192.0.2.5): it has the default route", or what is missing
+  bool is_ready = true;  ///< false: an interface is missing or has no carrier, as `text` says
+  std::string text;      ///< "wlan0 (192.0.2.5): it has the default route", or what is missing
 };
 
 /// Chooses among `available`. `Network::lan` uses the interface with the default route, else the most likely
-/// one: with a carrier, no bridge, with multicast, with an address that is not link-local. A bridge without a
-/// carrier is never chosen. Throws std::invalid_argument if the options and CYCLONEDDS_URI list interfaces.
+/// one: with a carrier, no bridge, with multicast, with an address that is not link-local. It is not ready
+/// without a carrier; a bridge without one is never chosen. For ROS 2, loopback is ready too, unless
+/// interfaces are named. Throws std::invalid_argument if the options and CYCLONEDDS_URI list interfaces.
 NetworkChoice choose_network(const DomainOptions& options, const UserNetwork& user,
                              const std::vector<NetworkInterface>& available);
 /// The same for this machine, and the CYCLONEDDS_URI of this process.

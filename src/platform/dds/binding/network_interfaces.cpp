@@ -29,10 +29,15 @@ bool is_bridge(const std::string& name) {
   return std::filesystem::exists("/sys/class/net/" + name + "/bridge", no_sysfs);
 }
 
+/// True if the interface has a default route that leads somewhere.
+bool has_route(const NetworkInterface& each) {
+  return each.carrier && each.default_route_metric.has_value();
+}
+
 /// Orders interfaces: the most likely way to other machines comes first. Equal ones keep their order.
 auto rank_of(const NetworkInterface& each) {
   constexpr std::uint64_t no_route = std::uint64_t{1} << 32U;
-  const std::uint64_t metric = each.default_route_metric ? *each.default_route_metric : no_route;
+  const std::uint64_t metric = has_route(each) ? *each.default_route_metric : no_route;
   return std::tuple(metric, !each.carrier, each.bridge, !each.multicast,
                     each.address.starts_with("169.254."));
 }
@@ -42,8 +47,8 @@ std::string reason_for(const std::vector<NetworkInterface>& ranked) {
   if (ranked.size() == 1) return "no other is up";
   const NetworkInterface& best = ranked[0];
   const NetworkInterface& next = ranked[1];
-  if (best.default_route_metric) {
-    if (!next.default_route_metric) return "it has the default route";
+  if (has_route(best)) {
+    if (!has_route(next)) return "it has the default route";
     return *next.default_route_metric == *best.default_route_metric
                ? "the first one with a default route"
                : "its default route has the least metric";
@@ -62,11 +67,16 @@ NetworkChoice choose_lan(const std::vector<NetworkInterface>& available) {
   if (ranked.empty()) {
     return {.interfaces = {},
             .is_ready = false,
-            .text = "no network interface is up" +
+            .text = "no network interface is up with an IPv4 address" +
                     (available.empty() ? std::string() : ", only " + list_of(available))};
   }
   std::stable_sort(ranked.begin(), ranked.end(),
                    [](const auto& a, const auto& b) { return rank_of(a) < rank_of(b); });
+  if (!ranked.front().carrier) {
+    return {.interfaces = {ranked.front()},
+            .is_ready = false,
+            .text = text_of(ranked.front()) + ", which has no carrier"};
+  }
   NetworkChoice choice{.interfaces = {ranked.front()},
                        .is_ready = true,
                        .text = text_of(ranked.front()) + ", " + reason_for(ranked)};
@@ -86,7 +96,10 @@ NetworkChoice choose_named(const std::vector<std::string>& names,
       const std::string up = available.empty() ? "none is" : "up: " + list_of(available);
       return {.interfaces = {},
               .is_ready = false,
-              .text = std::string("--interface ").append(name).append(" is not up; ").append(up)};
+              .text = std::string("--interface ")
+                          .append(name)
+                          .append(" is not up with an IPv4 address; ")
+                          .append(up)};
     }
     const bool is_new =
         std::find(choice.interfaces.begin(), choice.interfaces.end(), *found) == choice.interfaces.end();
@@ -96,7 +109,7 @@ NetworkChoice choose_named(const std::vector<std::string>& names,
   return choice;
 }
 
-/// Adds loopback in front of the interfaces for ROS 2, which may be missing.
+/// Adds loopback in front of the interfaces for ROS 2. If they are missing, loopback is enough.
 NetworkChoice with_loopback(NetworkChoice chosen, const std::vector<NetworkInterface>& available) {
   const auto found = std::find_if(available.begin(), available.end(),
                                   [](const NetworkInterface& each) { return each.loopback; });

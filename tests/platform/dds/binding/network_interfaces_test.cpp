@@ -53,7 +53,9 @@ TEST_CASE("Without a default route, lan uses the most likely interface") {
   unplugged.carrier = false;
   const NetworkInterface second{.name = "eth1", .address = "10.0.1.2"};
   CHECK(names_of(choice(Network::lan, {lo, unplugged, second})) == Names{"eth1"});
-  CHECK(names_of(choice(Network::lan, {lo, unplugged})) == Names{"eth0"});
+  unplugged.default_route_metric = 100;
+  CHECK(names_of(choice(Network::lan, {lo, unplugged, second})) == Names{"eth1"});
+  CHECK(names_of(choice(Network::lan, {lo, unplugged, wlan0})) == Names{"wlan0"});
   CHECK(names_of(choice(Network::lan, {lo, eth0, second})) == Names{"eth0"});
   const NetworkInterface link_local{.name = "usb0", .address = "169.254.3.4"};
   CHECK(names_of(choice(Network::lan, {lo, link_local, eth0})) == Names{"eth0"});
@@ -64,10 +66,19 @@ TEST_CASE("lan is not ready with loopback and a bridge without a member: the net
     const auto chosen = choice(Network::lan, available);
     CHECK_FALSE(chosen.is_ready);
     CHECK(chosen.interfaces.empty());
-    CHECK_THAT(chosen.text, Contains("no network interface is up"));
+    CHECK_THAT(chosen.text, Contains("no network interface is up with an IPv4 address"));
   }
   CHECK_THAT(choice(Network::lan, {lo, idle_docker0}).text,
              Contains("only lo (127.0.0.1), docker0 (172.17.0.1)"));
+}
+
+TEST_CASE("lan is not ready without a carrier, unless the interface is named") {
+  NetworkInterface unplugged = eth0;
+  unplugged.carrier = false;
+  const auto chosen = choice(Network::lan, {lo, unplugged});
+  CHECK_FALSE(chosen.is_ready);
+  CHECK(chosen.text == "eth0 (10.0.0.2), which has no carrier");
+  CHECK(choice(Network::lan, {lo, unplugged}, {"eth0"}).is_ready);
 }
 
 TEST_CASE("Named interfaces replace those of the network, by name or address") {
@@ -75,7 +86,8 @@ TEST_CASE("Named interfaces replace those of the network, by name or address") {
   CHECK(names_of(choice(Network::lan, {lo, wlan0}, {"lo", "192.0.2.5", "wlan0"})) == Names{"lo", "wlan0"});
   const auto missing = choice(Network::lan, {lo, eth0}, {"eth0", "wlan0"});
   CHECK_FALSE(missing.is_ready);
-  CHECK(missing.text == "--interface wlan0 is not up; up: lo (127.0.0.1), eth0 (10.0.0.2)");
+  CHECK(missing.text ==
+        "--interface wlan0 is not up with an IPv4 address; up: lo (127.0.0.1), eth0 (10.0.0.2)");
 }
 
 TEST_CASE("For ROS 2, loopback is always used, and is enough") {
@@ -84,6 +96,9 @@ TEST_CASE("For ROS 2, loopback is always used, and is enough") {
     CHECK(names_of(choice(network, {lo, docker0, wlan0}, {"docker0"})) == Names{"lo", "docker0"});
     CHECK(names_of(choice(network, {lo})) == Names{"lo"});
     CHECK(choice(network, {lo}).is_ready);
+    CHECK(choice(network, {lo}).text ==
+          "no network interface is up with an IPv4 address, only lo (127.0.0.1)");
+    CHECK(choice(network, {lo}, {"lo"}).text == "lo (127.0.0.1), by --interface");
   }
 }
 
