@@ -201,9 +201,10 @@ void search_loopback(const process::StopSignal& stop, rules::BusObservation& bus
 void search_other_domains(const dds::DomainOptions& here, const process::StopSignal& stop,
                           rules::BusObservation& bus, TimeNs max_duration_ns) {
   const SteadyTime end = clocks::steady_now() + max_duration_ns;
+  search_loopback(stop, bus);
+  if (bus.is_network_missing) return;
   std::deque<std::uint32_t> ids = domains_to_visit(here);
   bus.searched_other_domains = true;
-  search_loopback(stop, bus);
   TimeNs longest_visit_ns = 0;
   while (!ids.empty() && !stop.requested()) {
     const SteadyTime began = clocks::steady_now();

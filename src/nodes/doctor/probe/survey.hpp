@@ -31,7 +31,8 @@ std::vector<rules::EndpointObservation> others_of(const std::vector<dds::FoundEn
 rules::BusObservation bus_of(const dds::DomainOptions& options);
 
 /// Joins the other domains of the same network, several at a time, as long as `max_duration_ns` allows. On
-/// loopback, visits those whose UDP ports are in use on this machine; otherwise all. Writes to `bus` the
+/// loopback, visits those whose UDP ports are in use on this machine; otherwise all. If the network
+/// is missing, visits loopback only. Writes to `bus` the
 /// domains with processes of this system, and the number that could not be visited.
 void search_other_domains(const dds::DomainOptions& here, const process::StopSignal& stop,
                           rules::BusObservation& bus, TimeNs max_duration_ns = 12'000'000'000);

@@ -43,6 +43,7 @@ void check_network(const BusObservation& bus, Findings& findings) {
     findings.push_back(
         {Severity::error, "bus", bus.interfaces_in_use,
          "connect it; processes with --network lan or --interface wait for it at their start"});
+    return;
   }
   findings.push_back(
       {Severity::ok,
@@ -110,7 +111,7 @@ std::string remedy(const BusObservation& bus, bool DomainObservation::*missing, 
 
 void check_processes(const Observations& observations, Findings& findings) {
   const BusObservation& bus = observations.bus;
-  const std::string lan = !bus.loopback_only ? ""
+  const std::string lan = !bus.loopback_only || bus.is_network_missing ? ""
                           : bus.interfaces.empty()
                               ? "; to reach other machines, use --network lan on both sides"
                               : "; other machines are not reachable, because CYCLONEDDS_URI selects loopback";

@@ -62,7 +62,7 @@ struct BusObservation {
   std::uint32_t domain_id = 0;
   bool loopback_only = true;        ///< no other machine can be discovered
   std::string interfaces_in_use;    ///< and why: "lo (127.0.0.1)", "eth0 (10.0.0.2), no other is up"
-  bool is_network_missing = false;  ///< no such interface is up
+  bool is_network_missing = false;  ///< none is up, or none has a carrier
   std::vector<InterfaceObservation> interfaces;
   bool has_peers = false;  ///< CYCLONEDDS_URI names peers
   bool searched_other_domains = false;

@@ -50,8 +50,14 @@ TEST_CASE("A system on loopback beside an empty network is named") {
 TEST_CASE("A missing network is an error with the interfaces there are") {
   Observations observations = healthy();
   observations.bus.is_network_missing = true;
-  observations.bus.interfaces_in_use = "no network interface is up, only lo (127.0.0.1)";
-  CHECK(found(diagnose(observations), "no network interface is up, only lo").severity == Severity::error);
+  observations.bus.interfaces_in_use = "no network interface is up with an IPv4 address, only lo (127.0.0.1)";
+  observations.bus.loopback_only = true;
+  observations.writers.clear();
+  const auto findings = diagnose(observations);
+  CHECK(found(findings, "no network interface is up with an IPv4 address, only lo").severity ==
+        Severity::error);
+  CHECK(found(findings, "domain 5, this machine only").what.empty());
+  CHECK_THAT(found(findings, "no sonopose process").remedy, !Contains("--network lan"));
 }
 
 TEST_CASE("Processes of other systems are ignored") {
