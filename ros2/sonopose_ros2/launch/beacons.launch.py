@@ -1,6 +1,6 @@
 """Starts sonopose: the bridge, the fusion and the relay, which is the node /sonopose.
 
-ros2 launch sonopose_ros2 beacons.launch.py source:=serial device:=/dev/ttyACM0
+ros2 launch sonopose_ros2 beacons.launch.py source:=serial device:=/dev/serial/by-id/NAME
 """
 
 from launch import LaunchDescription
@@ -30,7 +30,9 @@ def generate_launch_description():
     return LaunchDescription(
         [
             DeclareLaunchArgument("source", default_value="sim", description="sim, or serial: a beacon on USB"),
-            DeclareLaunchArgument("device", default_value="/dev/ttyACM0", description="The beacon's serial line"),
+            DeclareLaunchArgument(  # required with serial: the name of a port depends on the order of plugging in
+                "device", condition=IfCondition(from_line), description="The beacon's port: /dev/serial/by-id/…"
+            ),
             DeclareLaunchArgument("params", default_value=defaults, description="Parameter file of the relay"),
             DeclareLaunchArgument("tf", default_value="map_base", description="map_base, map_odom or off"),
             DeclareLaunchArgument("namespace", default_value="", description="Namespace of the node"),
