@@ -38,6 +38,19 @@ void ForeignMounts::Listener::on_data_available(dds::DataReader<ros2::TFMessage>
   mounts_.wake_();
 }
 
+void ForeignMounts::forget_gone() {
+  std::vector<dds::InstanceHandle> gone;
+  {
+    const threads::Lock lock(mutex_);
+    for (const auto& [publisher, transforms] : transforms_) gone.push_back(publisher);
+  }
+  if (gone.empty()) return;
+  const auto matched = reader_.matched_publications();
+  std::erase_if(gone, [&matched](const auto& each) { return std::ranges::count(matched, each) > 0; });
+  const threads::Lock lock(mutex_);
+  for (const dds::InstanceHandle publisher : gone) transforms_.erase(publisher);
+}
+
 std::set<dds::InstanceHandle> ForeignMounts::robot_publishers() const {
   std::set<std::string> relays{discovery_.own_key()};
   for (const dds::FoundParticipant& participant : discovery_.participants()) {

@@ -26,6 +26,9 @@ public:
   /// dds::Error.
   ForeignMounts(ros2::Node& node, Log& log, std::function<void()> wake);
 
+  /// Makes room for new publishers. Main thread only.
+  void forget_gone();
+
   /// Gives a beacon the mount that another node publishes for its frames, and logs it. Returns true if it is
   /// another one than before. Main thread only.
   bool assign_to(BeaconPublishers& publishers);

@@ -262,6 +262,7 @@ void Relay::Impl::publish_mounts() {
 /// Gives way to another node that publishes a mount.
 void Relay::Impl::take_over_mounts() {
   if (!foreign_mounts_) return;
+  foreign_mounts_->forget_gone();
   bool changed = false;
   for_each_beacon([&](BeaconPublishers& publishers) { changed |= foreign_mounts_->assign_to(publishers); });
   if (changed) publish_mounts();
