@@ -28,7 +28,7 @@ std::optional<ReceivedImu> imu_sample(const Imu& imu, BeaconAddress address, Tim
 /// orientation is not used. A stamp after `received_ns`, of a clock slightly ahead, means no delay. Empty for
 /// a non-finite position or an invalid stamp.
 std::optional<UltrasonicFix> fix(const PointStamped& point, BeaconAddress address, TimeNs received_ns);
-/// Overload with the covariance of the position. It is unknown without a positive variance, and if it is
+/// Overload with the covariance of the position. It is unknown if all variances are zero, and if it is
 /// unusable (covariance_fault). A variance above `max_fix_std_m` means that this axis alone is unknown. Each
 /// standard deviation is at least `min_fix_std_m`.
 std::optional<UltrasonicFix> fix(const PoseWithCovarianceStamped& pose, BeaconAddress address,
@@ -39,10 +39,11 @@ struct CovarianceFault {
   int row = 0;
   int column = 0;
   double value_m2 = 0;
-  const char* reason = "";  ///< "not finite", "above …", "not symmetric", "not positive definite"
+  const char* reason = "";  ///< "not finite", "negative", "above …", "not symmetric", …
 };
 
-/// Examines the position's covariance. Empty if it is usable, or if no variance is positive.
+/// Examines the position's covariance. Empty if it is usable, also with an unknown axis, or if all variances
+/// are zero.
 std::optional<CovarianceFault> covariance_fault(const PoseWithCovarianceStamped& pose);
 
 /// Greatest standard deviation of a fix that says anything: drivers state more where they know nothing.

@@ -85,13 +85,20 @@ std::optional<CovarianceFault> fault_in(const Eigen::Matrix3d& stated) {
                          "not positive definite"};
 }
 
+/// Returns the position's covariance, with its unknown axes limited unless all are unknown. Empty if all
+/// variances are zero.
+std::optional<Eigen::Matrix3d> stated_covariance(const PoseWithCovarianceStamped& pose) {
+  const Eigen::Matrix3d stated = position_part(pose);
+  if (stated.diagonal().isZero(0)) return std::nullopt;
+  Eigen::Matrix3d limited = stated;
+  return limit_unknown_axes(limited) < 3 ? limited : stated;
+}
+
 /// Returns empty if the sender does not know it.
 std::optional<Covariance<3>> position_covariance(const PoseWithCovarianceStamped& pose) {
-  Eigen::Matrix3d stated = position_part(pose);
-  if (!(stated.diagonal().maxCoeff() > 0) || limit_unknown_axes(stated) == 3 || fault_in(stated)) {
-    return std::nullopt;
-  }
-  return Covariance<3>::from_matrix(bounded(stated));
+  const auto stated = stated_covariance(pose);
+  if (!stated || fault_in(*stated)) return std::nullopt;
+  return Covariance<3>::from_matrix(bounded(*stated));
 }
 
 Vector3d vector_of(const Vector3& vector) {
@@ -106,8 +113,8 @@ bool is_absent(const double* covariance) {
 }  // namespace
 
 std::optional<CovarianceFault> covariance_fault(const PoseWithCovarianceStamped& pose) {
-  const Eigen::Matrix3d stated = position_part(pose);
-  return stated.isZero(0) ? std::nullopt : fault_in(stated);
+  const auto stated = stated_covariance(pose);
+  return stated ? fault_in(*stated) : std::nullopt;
 }
 
 std::optional<ReceivedImu> imu_sample(const Imu& imu, BeaconAddress address, TimeNs received_ns) {
