@@ -119,13 +119,16 @@ void InputMonitor::on_notice(Notice notice, const std::function<std::string()>& 
 std::string InputMonitor::text_of(Notice notice, const std::string& detail) const {
   switch (notice) {
     case Notice::no_angular_velocity:
-      return "has messages without an angular velocity (its covariance[0] is -1): they are joined with those "
-             "of "
-             "the gyroscope, or not used";
+      return fmt::format(
+          "has messages without an angular velocity ({}): they are joined with those of the gyroscope, or "
+          "not "
+          "used",
+          detail);
     case Notice::no_specific_force:
-      return "has messages without a linear acceleration (its covariance[0] is -1): they are "
-             "joined "
-             "with those of the accelerometer, or not used";
+      return fmt::format(
+          "has messages without a linear acceleration ({}): they are joined with those of the accelerometer, "
+          "or not used",
+          detail);
     case Notice::joined:
       return "has the angular velocity of samples whose linear acceleration is interpolated to its times";
     case Notice::second_imu:

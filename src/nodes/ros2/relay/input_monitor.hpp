@@ -57,7 +57,7 @@ public:
     repeats      ///< positions come again
   };
 
-  /// Adds a line about a notice, the first time. `detail`: the value and its fault, or the other topic.
+  /// Adds a line about a notice, the first time. `detail`: the cause, or the other topic.
   void on_notice(Notice notice, const std::function<std::string()>& detail, Lines& lines);
 
   /// Adds lines for the start of a silence, with its probable cause, for its end, and, at most once per

@@ -248,13 +248,15 @@ private:
     auto received = ros2::imu_sample(message, input.address, received_ns);
     if (!received) return false;
     // Of two topics, one whose other values are exactly zero is that of one sensor that does not say so.
-    if (beacon.has_two_imus && received->has_angular_velocity && received->has_specific_force) {
+    const bool is_unmarked = received->has_angular_velocity && received->has_specific_force;
+    if (beacon.has_two_imus && is_unmarked) {
       received->has_specific_force = !received->sample.specific_force_body_mps2.isZero(0);
       received->has_angular_velocity = !received->sample.angular_velocity_body_radps.isZero(0);
     }
     using Notice = InputMonitor::Notice;
-    if (!received->has_angular_velocity) input.monitor.on_notice(Notice::no_angular_velocity, {}, lines_);
-    if (!received->has_specific_force) input.monitor.on_notice(Notice::no_specific_force, {}, lines_);
+    const auto cause = [is_unmarked] { return is_unmarked ? "it is zero" : "its covariance[0] is -1"; };
+    if (!received->has_angular_velocity) input.monitor.on_notice(Notice::no_angular_velocity, cause, lines_);
+    if (!received->has_specific_force) input.monitor.on_notice(Notice::no_specific_force, cause, lines_);
     const bool is_complete = received->has_angular_velocity && received->has_specific_force;
     if (is_complete && beacon.complete == nullptr) beacon.complete = &input;
     if (beacon.complete != nullptr && beacon.complete != &input) {
@@ -360,7 +362,9 @@ private:
       if (beacon.status.frames == 0) continue;
       beacon.status.time_ns = clocks::host_now();
       beacon.status.clock_offset_s = beacon.offset.value_s();
-      sink.on(beacon.status);
+      BeaconStatus status = beacon.status;
+      status.samples_rejected += beacon.joiner.dropped();
+      sink.on(status);
     }
   }
 

@@ -25,7 +25,8 @@ struct InputTimeouts {
 };
 
 /// Topics of ROS 2 as beacons. In a beacon's BeaconStatus, `frames` counts messages, and `samples_rejected`
-/// counts messages with a non-finite value or an invalid stamp. `clock_offset_s` is the age of samples when
+/// counts messages with a non-finite value or an invalid stamp, and those of a gyroscope without a specific
+/// force near them. `clock_offset_s` is the age of samples when
 /// they are processed: of the IMU if the beacon has one, else of the fixes. It is the minimum of the last
 /// second, which is closest to the offset of the clocks.
 class Source : public publication::Source {

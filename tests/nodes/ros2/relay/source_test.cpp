@@ -448,20 +448,30 @@ SCENARIO("an IMU may come as two sensors, and a part without data is not used") 
 }
 
 SCENARIO("an unusable covariance is named with its value") {
-  GIVEN("a driver that states a variance of 1e308") {
+  GIVEN("a driver of fixes") {
     Rig rig({{Kind::fix, "/tag", 7}});
     auto fixes = rig.driver<ros2::PoseWithCovarianceStamped>("/tag");
     rig.run();
     auto pose = ros2::position_as_pose({1, 2, 3}, ros2::Covariance3::Identity(), clocks::host_now(), {});
-    pose.pose.covariance[0] = 1e308;
-    fixes.write(pose);
-    THEN("its fix is used as if this axis were unknown") {
-      REQUIRE(wait_until([&] { return rig.sink.count() == 1; }));
-      const auto covariance = rig.sink.fixes().front().covariance_world_m2;
-      REQUIRE(covariance);
-      CHECK(covariance->std_dev(0) == Approx(ros2::max_fix_std_m));
-      CHECK(covariance->std_dev(1) == Approx(1));
-      CHECK(rig.logs("beacon 7: /tag has an unusable covariance, which counts as unknown: 1e+308 m² (x, x)"));
+    WHEN("it states a variance of 1e308") {
+      pose.pose.covariance[0] = 1e308;
+      fixes.write(pose);
+      THEN("its fix is used as if this axis were unknown") {
+        REQUIRE(wait_until([&] { return rig.sink.count() == 1; }));
+        const auto covariance = rig.sink.fixes().front().covariance_world_m2;
+        REQUIRE(covariance);
+        CHECK(covariance->std_dev(0) == Approx(ros2::max_fix_std_m));
+        CHECK(covariance->std_dev(1) == Approx(1));
+      }
+    }
+    WHEN("it states a negative variance") {
+      pose.pose.covariance[0] = -1;
+      fixes.write(pose);
+      THEN("its fix is used without a covariance") {
+        REQUIRE(wait_until([&] { return rig.sink.count() == 1; }));
+        CHECK_FALSE(rig.sink.fixes().front().covariance_world_m2);
+        CHECK(rig.logs("beacon 7: /tag has an unusable covariance, which counts as unknown: -1 m² (x, x)"));
+      }
     }
   }
 }
