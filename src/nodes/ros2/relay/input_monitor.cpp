@@ -15,10 +15,6 @@ constexpr TimeNs loss_report_period_ns = 1'000'000'000;
 /// Bounds log lines about a sender that uses a new frame for each message.
 constexpr std::size_t max_unexpected_frames = 8;
 
-bool is_imu(const Input& input) {
-  return input.kind == Input::Kind::imu;
-}
-
 /// Removes a leading slash, which old tf2 versions accept and ignore.
 std::string_view without_slash(std::string_view frame) {
   if (frame.starts_with('/')) frame.remove_prefix(1);
@@ -29,7 +25,7 @@ std::string_view without_slash(std::string_view frame) {
 
 InputMonitor::InputMonitor(Input input, std::string map_frame, TimeNs timeout_ns, SteadyTime now)
     : input_(std::move(input)), timeout_ns_(timeout_ns), latest_(now) {
-  if (!is_imu(input_)) expected_frame_ = std::move(map_frame);
+  if (input_.kind == Input::Kind::fix) expected_frame_ = std::move(map_frame);
 }
 
 void InputMonitor::on_sample(std::string_view frame, SteadyTime now, Lines& lines) {
@@ -81,8 +77,7 @@ void InputMonitor::check_losses(const InputEndpoints& endpoints, SteadyTime now,
   lines.push_back({[this, lost = endpoints.samples_lost - reported_lost_] {
     return fmt::format(
         "beacon {}: {} from ROS 2 lost: messages arrived on {} faster than they were processed",
-        input_.address, is_imu(input_) ? count_text(lost, "IMU sample") : count_text(lost, "fix", "fixes"),
-        input_.topic);
+        input_.address, lost_text(lost), input_.topic);
   }});
   reported_lost_ = endpoints.samples_lost;
   reported_lost_at_ = now;
@@ -94,17 +89,38 @@ void InputMonitor::log_unexpected_frame(std::string_view frame, Lines& lines) {
     return;
   unexpected_frames_.emplace_back(frame);
   lines.push_back({[this, found = std::string(frame), expected = *expected_frame_] {
-    return is_imu(input_) ? fmt::format(
-                                "beacon {}: the frame of {} on {} has changed from '{}' to '{}': the same "
-                                "axes are assumed",
-                                input_.address, samples_text(), input_.topic, expected, found)
-                          : fmt::format("beacon {}: {} on {} are in frame '{}': they are used as if in '{}'",
-                                        input_.address, samples_text(), input_.topic, found, expected);
+    return input_.kind != Input::Kind::fix
+               ? fmt::format(
+                     "beacon {}: the frame of {} on {} has changed from '{}' to '{}': the same "
+                     "axes are assumed",
+                     input_.address, samples_text(), input_.topic, expected, found)
+               : fmt::format("beacon {}: {} on {} are in frame '{}': they are used as if in '{}'",
+                             input_.address, samples_text(), input_.topic, found, expected);
   }});
 }
 
 const char* InputMonitor::samples_text() const {
-  return is_imu(input_) ? "IMU samples" : "fixes";
+  switch (input_.kind) {
+    case Input::Kind::imu:
+      return "IMU samples";
+    case Input::Kind::fix:
+      return "fixes";
+    case Input::Kind::twist:
+      return "velocities";
+  }
+  return "";
+}
+
+std::string InputMonitor::lost_text(std::uint64_t count) const {
+  switch (input_.kind) {
+    case Input::Kind::imu:
+      return count_text(count, "IMU sample");
+    case Input::Kind::fix:
+      return count_text(count, "fix", "fixes");
+    case Input::Kind::twist:
+      return count_text(count, "velocity", "velocities");
+  }
+  return {};
 }
 
 void InputMonitor::on_notice(Notice notice, const std::function<std::string()>& detail, Lines& lines) {
@@ -137,6 +153,9 @@ std::string InputMonitor::text_of(Notice notice, const std::string& detail) cons
       return fmt::format("has an unusable covariance, which counts as unknown: {}", detail);
     case Notice::repeats:
       return "repeats its last position: each one is used once";
+    case Notice::no_twist:
+      return "has velocities that are not used: a value or stamp is invalid, no axis is measured, or not all "
+             "three are and the mount is oblique";
   }
   return {};
 }
@@ -156,9 +175,16 @@ std::string InputMonitor::cause(const InputEndpoints& endpoints, bool is_partial
     return fmt::format("the QoS of {} of {} does not match",
                        count_text(endpoints.publishers_incompatible, "publisher"), input_.topic);
   }
-  return fmt::format("there is no publisher of {} on {}",
-                     is_imu(input_) ? "sensor_msgs/Imu" : "PointStamped or PoseWithCovarianceStamped",
-                     input_.topic);
+  switch (input_.kind) {
+    case Input::Kind::imu:
+      return fmt::format("there is no publisher of sensor_msgs/Imu on {}", input_.topic);
+    case Input::Kind::fix:
+      return fmt::format("there is no publisher of PointStamped or PoseWithCovarianceStamped on {}",
+                         input_.topic);
+    case Input::Kind::twist:
+      return fmt::format("there is no publisher of its type on {}", input_.topic);
+  }
+  return {};
 }
 
 void SmallestOffset::add(double offset_s, SteadyTime now) {

@@ -44,7 +44,7 @@ public:
   static constexpr TimeNs first_sample_ns = 2'000'000'000;
 
   /// Takes a valid sample with the frame of its header. Adds a line for each new frame other than the map
-  /// (fixes) or the frame of the first sample (IMU).
+  /// (fixes) or the frame of the first sample (others).
   void on_sample(std::string_view frame, SteadyTime now, Lines& lines);
 
   /// What a driver sends otherwise than expected.
@@ -54,7 +54,8 @@ public:
     joined,      ///< samples of accelerometer and gyroscope are joined
     second_imu,  ///< another topic of this beacon has complete samples
     covariance,  ///< a covariance is unusable
-    repeats      ///< positions come again
+    repeats,     ///< positions come again
+    no_twist     ///< velocities are unusable
   };
 
   /// Adds a line about a notice, the first time. `detail`: the cause, or the other topic.
@@ -75,6 +76,7 @@ private:
   void check_losses(const InputEndpoints& endpoints, SteadyTime now, Lines& lines);
   void log_unexpected_frame(std::string_view frame, Lines& lines);
   [[nodiscard]] const char* samples_text() const;
+  [[nodiscard]] std::string lost_text(std::uint64_t count) const;
   /// Describes the cause of a silence. Reads constants only, as the above.
   [[nodiscard]] std::string cause(const InputEndpoints& endpoints, bool is_partial) const;
   [[nodiscard]] std::string text_of(Notice notice, const std::string& detail) const;

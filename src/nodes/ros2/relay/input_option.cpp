@@ -75,10 +75,10 @@ std::optional<FixType> fix_type_named(std::string_view dds_type_name) {
   return std::nullopt;
 }
 
-Input Input::parse(Kind kind, std::string_view text) {
+TopicOfBeacon parse_topic(std::string_view option, std::string_view text, std::string_view example) {
   const std::size_t equals = text.rfind('=');
   const auto fail = [&](const std::string& why) {
-    throw std::invalid_argument(fmt::format("{} {}: {}; example: /imu/data=7", option_name(kind), text, why));
+    throw std::invalid_argument(fmt::format("{} {}: {}; example: {}", option, text, why, example));
   };
   if (equals == std::string_view::npos || equals == 0) fail("expected TOPIC=ADDRESS");
   const std::string_view number = text.substr(equals + 1);
@@ -87,15 +87,18 @@ Input Input::parse(Kind kind, std::string_view text) {
   if (error != std::errc() || rest != number.data() + number.size() || address >= all_beacons) {
     fail(fmt::format("'{}' is not an address from 0 to {}", number, all_beacons - 1));
   }
-  Input input{.kind = kind,
-              .topic = std::string(text.substr(0, equals)),
-              .address = static_cast<BeaconAddress>(address)};
+  return {.topic = std::string(text.substr(0, equals)), .address = static_cast<BeaconAddress>(address)};
+}
+
+Input Input::parse(Kind kind, std::string_view text) {
+  TopicOfBeacon of = parse_topic(option_name(kind), text, "/imu/data=7");
+  Input input{.kind = kind, .topic = std::move(of.topic), .address = of.address};
   const std::size_t colon = input.topic.find(':');
   if (kind == Kind::fix && colon != std::string::npos) {
     input.fix_type = parse_fix_type(std::string_view(input.topic).substr(colon + 1));
     if (!input.fix_type) {
-      fail(fmt::format("'{}' is not PointStamped or PoseWithCovarianceStamped",
-                       input.topic.substr(colon + 1)));
+      throw std::invalid_argument(fmt::format("{} {}: '{}' is not PointStamped or PoseWithCovarianceStamped",
+                                              option_name(kind), text, input.topic.substr(colon + 1)));
     }
     input.topic.resize(colon);
   }

@@ -17,7 +17,7 @@ enum class FixType : std::uint8_t { point, pose };
 
 /// One input topic, and the address of its beacon.
 struct Input {
-  enum class Kind : std::uint8_t { imu, fix };
+  enum class Kind : std::uint8_t { imu, fix, twist };
   Kind kind = Kind::imu;
   std::string topic;
   BeaconAddress address = 0;
@@ -27,6 +27,15 @@ struct Input {
   /// Parses "/imu/data=7", or for a fix also "/tag/pose:PointStamped=7". Throws std::invalid_argument.
   static Input parse(Kind kind, std::string_view text);
 };
+
+/// A topic, with its type if one is given, and the address of its beacon.
+struct TopicOfBeacon {
+  std::string topic;
+  BeaconAddress address = 0;
+};
+
+/// Parses "/imu/data=7". Throws std::invalid_argument with the option, the fault and the example.
+TopicOfBeacon parse_topic(std::string_view option, std::string_view text, std::string_view example);
 
 /// Text as on the command line: "--imu-in /imu/data=7".
 std::string text_of(const Input& input);

@@ -347,7 +347,12 @@ void Relay::Impl::bridge_while(const std::function<void()>& serve, std::atomic<b
       },
       [this] { return clock_.now_ns(); });
   if (!options_.twist_inputs.empty()) {
-    source_->use(std::make_unique<TwistInputs>(node_, options_.twist_inputs, options_.output.mount));
+    const auto mount = [this](BeaconAddress address) {  // another node's, once taken over
+      const auto publishers = beacons_.find(address);
+      return (publishers ? publishers->mount() : std::nullopt).value_or(options_.output.mount);
+    };
+    source_->use(
+        std::make_unique<TwistInputs>(node_, options_.twist_inputs, mount, timeout_ns(topics::twist)));
   }
   publication::SensorPublisher bridge({.domain = options_.domain,
                                        .qos_file = options_.qos_file,

@@ -2,10 +2,9 @@
 
 #include "clocks/clocks.hpp"
 #include "logging/log.hpp"
-#include "process/endpoint_counters.hpp"
 #include "ros2/relay/fix_repeats.hpp"
 #include "ros2/relay/imu_joiner.hpp"
-#include "ros2/relay/input_monitor.hpp"
+#include "ros2/relay/input_reader.hpp"
 #include "ros2/relay/stamp_clock.hpp"
 #include "threads/mutex.hpp"
 #include <sonopose/dds/binding/discovery.hpp>
@@ -27,11 +26,6 @@
 namespace sonopose::ros2::relay {
 namespace {
 
-/// Statuses for the listener. The wait set handles data availability, and matches are polled.
-constexpr dds::StatusMask counted_statuses = dds::StatusMask::requested_incompatible_qos() |
-                                             dds::StatusMask::sample_lost() |
-                                             dds::StatusMask::sample_rejected();
-
 /// One input topic.
 struct InputState {
   InputState(const Input& input, const InputTimeouts& timeouts, const std::string& map_frame)
@@ -41,11 +35,6 @@ struct InputState {
         imu_meaning(input.imu_meaning),
         monitor(input, ros2::for_beacon(map_frame, input.address), is_imu ? timeouts.imu_ns : timeouts.fix_ns,
                 clocks::steady_now()) {}
-
-  [[nodiscard]] std::uint64_t samples_lost() const noexcept {
-    return endpoints.samples_lost.load(std::memory_order_relaxed) +
-           endpoints.samples_rejected.load(std::memory_order_relaxed);
-  }
 
   Input option;                       ///< type set by update_readers(), on its thread only
   std::set<std::string> other_types;  ///< other types of publishers that were logged; likewise
@@ -58,17 +47,11 @@ struct InputState {
 
 /// The reader of an input.
 template <class T>
-struct Stream {
+struct Stream : InputReader<T> {
   Stream(ros2::Node& node, const std::string& topic, InputState& state)
-      : input(state),
-        listener(state.endpoints),
-        reader(node.make_reader<T>(topic, "ros2::Input", &listener, counted_statuses)),
-        has_data(reader) {}
+      : InputReader<T>(node, topic, state.endpoints), input(state) {}
 
   InputState& input;
-  process::CountingReaderListener<T> listener;
-  dds::DataReader<T> reader;
-  dds::ReadCondition has_data;
 };
 
 std::string text_of(const ros2::CovarianceFault& fault) {
@@ -123,6 +106,7 @@ public:
           on_writer(writer.type_name, *input);
         }
       }
+      if (twists_) twists_->check_type(writer, log_);
     }
     const bool all_subscribed = std::all_of(inputs_.begin(), inputs_.end(), [](const auto& input) {
       return input->is_imu || input->option.fix_type;
@@ -150,9 +134,9 @@ public:
   }
 
   std::uint64_t samples_lost(BeaconAddress address) const noexcept override {
-    std::uint64_t lost = 0;
+    std::uint64_t lost = twists_ ? twists_->samples_lost(address) : 0;
     for (const auto& input : inputs_) {
-      if (input->address == address) lost += input->samples_lost();
+      if (input->address == address) lost += relay::samples_lost(input->endpoints);
     }
     return lost;
   }
@@ -313,9 +297,7 @@ private:
           const auto beacon = beacons_.find(address);
           return beacon != beacons_.end() ? beacon->second.stamp_clock.at(now_()) : now_();
         },
-        [this](const std::string& line) {
-          lines_.push_back({[line] { return line; }, logging::Level::warning});
-        });
+        lines_);
   }
 
   /// Time of ROS 2, later than the previous one: the stamp of messages without a stamp.
@@ -330,6 +312,7 @@ private:
     if (now >= check_due_) {
       check_due_ = now + period_ns;
       for (const auto& input : inputs_) input->monitor.update(endpoints_of(*input), now, lines_);
+      if (twists_) twists_->update(now, lines_);
     }
     if (lines_.empty()) return;
     const threads::Lock lock(mutex_);
@@ -350,7 +333,7 @@ private:
         endpoints.publishers += stream.reader.subscription_matched_status().current_count;
     });
     endpoints.publishers_incompatible = input.endpoints.incompatible_qos.load(std::memory_order_relaxed);
-    endpoints.samples_lost = input.samples_lost();
+    endpoints.samples_lost = relay::samples_lost(input.endpoints);
     return endpoints;
   }
 

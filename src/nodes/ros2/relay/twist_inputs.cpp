@@ -1,34 +1,40 @@
 #include "ros2/relay/twist_inputs.hpp"
 
+#include "clocks/clocks.hpp"
 #include "ros2/relay/input_option.hpp"
+#include "ros2/relay/input_reader.hpp"
 #include <sonopose/ros2/messages/idl_types.hpp>
+#include <sonopose/ros2/messages/names.hpp>
 #include <sonopose/ros2/messages/twist_input.hpp>
 
 #include <fmt/format.h>
 
+#include <set>
 #include <stdexcept>
 #include <utility>
 
 namespace sonopose::ros2::relay {
+namespace {
+
+/// Frame of the velocities.
+const char* frame_of(const ros2::Odometry& odometry) {
+  return odometry.child_frame_id;
+}
+template <class Twist>
+const char* frame_of(const Twist& twist) {
+  return twist.header.frame_id;
+}
+
+}  // namespace
 
 TwistInput TwistInput::parse_odometry(std::string_view text) {
-  try {
-    Input input = Input::parse(Input::Kind::imu, text);
-    return {.type = Type::odometry, .topic = std::move(input.topic), .address = input.address};
-  } catch (const std::invalid_argument&) {
-    throw std::invalid_argument(fmt::format("--odom-in {}: expected TOPIC=ADDRESS; example: /odom=7", text));
-  }
+  TopicOfBeacon of = parse_topic("--odom-in", text, "/odom=7");
+  return {.type = Type::odometry, .topic = std::move(of.topic), .address = of.address};
 }
 
 TwistInput TwistInput::parse_twist(std::string_view text) {
-  TwistInput input;
-  try {
-    input = parse_odometry(text);
-  } catch (const std::invalid_argument&) {
-    throw std::invalid_argument(
-        fmt::format("--twist-in {}: expected TOPIC[:TYPE]=ADDRESS; example: /wheel/twist=7", text));
-  }
-  input.type = Type::twist_with_covariance;
+  TopicOfBeacon of = parse_topic("--twist-in", text, "/wheel/twist=7 or /wheel/twist:TwistStamped=7");
+  TwistInput input{.type = Type::twist_with_covariance, .topic = std::move(of.topic), .address = of.address};
   const std::size_t colon = input.topic.find(':');
   if (colon == std::string::npos) return input;
   const std::string type = input.topic.substr(colon + 1);
@@ -56,57 +62,94 @@ void check(const std::vector<TwistInput>& inputs) {
 
 class TwistInputs::Topic {
 public:
-  Topic() = default;
+  Topic(const TwistInput& input, std::string dds_name, std::string type, TimeNs timeout_ns)
+      : input_(input),
+        dds_name_(std::move(dds_name)),
+        type_(std::move(type)),
+        monitor_({.kind = Input::Kind::twist, .topic = input.topic, .address = input.address}, {}, timeout_ns,
+                 clocks::steady_now()) {}
   Topic(const Topic&) = delete;
   Topic& operator=(const Topic&) = delete;
   virtual ~Topic() = default;
   virtual void attach_to(dds::WaitSet& waitset) = 0;
-  virtual void take(publication::SampleSink& sink, const Reception& reception, const Log& log) = 0;
+  virtual void take(publication::SampleSink& sink, const Reception& reception, const MountSource& mount,
+                    InputMonitor::Lines& lines) = 0;
+
+  void update(SteadyTime now, InputMonitor::Lines& lines) {
+    monitor_.update({.publishers = publishers(),
+                     .publishers_incompatible = counters_.incompatible_qos.load(std::memory_order_relaxed),
+                     .samples_lost = relay::samples_lost(counters_)},
+                    now, lines);
+  }
+
+  void check_type(const dds::FoundEndpoint& writer, const Log& log) {
+    const std::string& type = writer.type_name;
+    if (writer.topic_name != dds_name_ || type == type_ || !other_types_.insert(type).second) return;
+    log(logging::Level::warning,
+        fmt::format("beacon {}: a publisher of {} is ignored, because its type is {}, not {}", input_.address,
+                    input_.topic, ros2::type_name_in_ros(type), ros2::type_name_in_ros(type_)));
+  }
+
+  [[nodiscard]] std::uint64_t samples_lost(BeaconAddress address) const noexcept {
+    return input_.address == address ? relay::samples_lost(counters_) : 0;
+  }
+
+protected:
+  [[nodiscard]] virtual std::uint64_t publishers() = 0;
+
+  const TwistInput input_;
+  const std::string dds_name_;
+  const std::string type_;
+  std::set<std::string> other_types_;  ///< used by check_type() only
+  process::EndpointCounters counters_;
+  InputMonitor monitor_;
 };
 
 template <class T>
 class TwistInputs::TopicOf final : public Topic {
 public:
-  TopicOf(ros2::Node& node, TwistInput input, const ros2::Mount& mount)
-      : input_(std::move(input)),
-        mount_(mount),
-        reader_(node.make_reader<T>(input_.topic, "ros2::Input", nullptr, dds::StatusMask::none())),
-        has_data_(reader_) {}
+  TopicOf(ros2::Node& node, const TwistInput& input, TimeNs timeout_ns)
+      : Topic(input, ros2::name_in_dds(node.names().topic(input.topic)),
+              dds::TopicTraits<T>::descriptor().m_typename, timeout_ns),
+        reader_(node, input.topic, counters_) {}
 
-  void attach_to(dds::WaitSet& waitset) override { waitset += has_data_; }
+  void attach_to(dds::WaitSet& waitset) override { waitset += reader_.has_data; }
 
-  void take(publication::SampleSink& sink, const Reception& reception, const Log& log) override {
-    reader_.try_take_each([&](const T& message, const dds::SampleInfo&) {
-      if (const auto twist = ros2::twist_sample(message, input_.address, mount_, reception(input_.address))) {
+  void take(publication::SampleSink& sink, const Reception& reception, const MountSource& mount,
+            InputMonitor::Lines& lines) override {
+    reader_.reader.try_take_each([&](const T& message, const dds::SampleInfo&) {
+      const BeaconAddress address = input_.address;
+      if (const auto twist = ros2::twist_sample(message, address, mount(address), reception(address))) {
+        monitor_.on_sample(frame_of(message), clocks::steady_now(), lines);
         sink.on(*twist);
-      } else if (!std::exchange(has_logged_, true)) {
-        log(
-            fmt::format("beacon {}: velocities on {} are not used: a value or stamp is invalid, no axis is "
-                        "measured, or not all three are and the mount is oblique",
-                        input_.address, input_.topic));
+      } else {
+        monitor_.on_notice(InputMonitor::Notice::no_twist, {}, lines);
       }
     });
   }
 
 private:
-  TwistInput input_;
-  ros2::Mount mount_;
-  bool has_logged_ = false;
-  dds::DataReader<T> reader_;
-  dds::ReadCondition has_data_;
+  [[nodiscard]] std::uint64_t publishers() override {
+    return reader_.reader.subscription_matched_status().current_count;
+  }
+
+  InputReader<T> reader_;
 };
 
-TwistInputs::TwistInputs(ros2::Node& node, const std::vector<TwistInput>& inputs, const ros2::Mount& mount) {
+TwistInputs::TwistInputs(ros2::Node& node, const std::vector<TwistInput>& inputs, MountSource mount,
+                         TimeNs timeout_ns)
+    : mount_(std::move(mount)) {
   for (const TwistInput& input : inputs) {
     switch (input.type) {
       case TwistInput::Type::odometry:
-        topics_.push_back(std::make_unique<TopicOf<ros2::Odometry>>(node, input, mount));
+        topics_.push_back(std::make_unique<TopicOf<ros2::Odometry>>(node, input, timeout_ns));
         break;
       case TwistInput::Type::twist_with_covariance:
-        topics_.push_back(std::make_unique<TopicOf<ros2::TwistWithCovarianceStamped>>(node, input, mount));
+        topics_.push_back(
+            std::make_unique<TopicOf<ros2::TwistWithCovarianceStamped>>(node, input, timeout_ns));
         break;
       case TwistInput::Type::twist:
-        topics_.push_back(std::make_unique<TopicOf<ros2::TwistStamped>>(node, input, mount));
+        topics_.push_back(std::make_unique<TopicOf<ros2::TwistStamped>>(node, input, timeout_ns));
         break;
     }
   }
@@ -118,8 +161,23 @@ void TwistInputs::attach_to(dds::WaitSet& waitset) {
   for (const auto& topic : topics_) topic->attach_to(waitset);
 }
 
-void TwistInputs::take(publication::SampleSink& sink, const Reception& reception, const Log& log) {
-  for (const auto& topic : topics_) topic->take(sink, reception, log);
+void TwistInputs::take(publication::SampleSink& sink, const Reception& reception,
+                       InputMonitor::Lines& lines) {
+  for (const auto& topic : topics_) topic->take(sink, reception, mount_, lines);
+}
+
+void TwistInputs::update(SteadyTime now, InputMonitor::Lines& lines) {
+  for (const auto& topic : topics_) topic->update(now, lines);
+}
+
+void TwistInputs::check_type(const dds::FoundEndpoint& writer, const Log& log) {
+  for (const auto& topic : topics_) topic->check_type(writer, log);
+}
+
+std::uint64_t TwistInputs::samples_lost(BeaconAddress address) const noexcept {
+  std::uint64_t lost = 0;
+  for (const auto& topic : topics_) lost += topic->samples_lost(address);
+  return lost;
 }
 
 }  // namespace sonopose::ros2::relay
