@@ -49,6 +49,10 @@ NetworkChoice choose_network(const DomainOptions& options, const UserNetwork& us
 /// The same for this machine, and the CYCLONEDDS_URI of this process.
 NetworkChoice choose_network(const DomainOptions& options);
 
+/// The configuration of a domain on the chosen network; see domain.hpp.
+std::string domain_configuration(std::uint32_t domain_id, const DomainOptions& options,
+                                 const std::string& user_uri, const NetworkChoice& network);
+
 /// Lists interfaces: "lo (127.0.0.1), eth0 (192.0.2.5)".
 std::string list_of(const std::vector<NetworkInterface>& interfaces);
 

@@ -105,7 +105,7 @@ dds_entity_t create_domain(std::uint32_t id, const DomainOptions& options) {
   }
   if (!uri.empty()) about += ", CYCLONEDDS_URI=" + uri;
   LoggedErrors logged;
-  const dds_entity_t domain = dds_create_domain(id, domain_configuration(id, options, uri).c_str());
+  const dds_entity_t domain = dds_create_domain(id, domain_configuration(id, options, uri, network).c_str());
   std::string reason = logged.text();
   if (reason.empty()) return check("dds_create_domain", about, domain);
   if (domain >= 0) {

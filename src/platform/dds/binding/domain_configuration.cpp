@@ -52,8 +52,8 @@ void look_for_lists(const pugi::xml_node& parent, std::uint32_t domain_id, UserN
       found.without_multicast = same(node.child_value(), "false");
     }
     if (same(node.name(), "Transport") || same(node.name(), "UseIPv6")) {
-      found.other_transport = !same(node.child_value(), "udp") && !same(node.child_value(), "false") &&
-                              !same(node.child_value(), "default");
+      found.other_transport |= !same(node.child_value(), "udp") && !same(node.child_value(), "false") &&
+                               !same(node.child_value(), "default");
     }
     if (same(node.name(), "Peers")) found.peers = true;
     if (same(node.name(), "Enable") && same(parent.name(), "SharedMemory")) {
@@ -128,7 +128,8 @@ std::string lease(const DomainOptions& options) {
   return "<LeaseDuration>" + std::to_string(options.lease->count()) + " s</LeaseDuration>";
 }
 
-std::string defaults(std::uint32_t domain_id, const DomainOptions& options, const UserNetwork& user) {
+std::string defaults(std::uint32_t domain_id, const DomainOptions& options, const UserNetwork& user,
+                     const NetworkChoice& network) {
   const std::string discovery = "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>" +
                                 std::to_string(max_participant_index(domain_id)) +
                                 "</MaxAutoParticipantIndex>" + lease(options) + peers(options, user);
@@ -151,9 +152,8 @@ std::string defaults(std::uint32_t domain_id, const DomainOptions& options, cons
         "<Watermarks><WhcHigh>1 GB</WhcHigh><WhcHighInit>1 GB</WhcHighInit>"
         "<WhcAdaptive>false</WhcAdaptive></Watermarks>";
   }
-  return fragment("<General>" +
-                  general(choose_network(options, user, network_interfaces()), options.network) +
-                  "</General><Discovery>" + discovery + "</Discovery><Internal>" + internal + "</Internal>");
+  return fragment("<General>" + general(network, options.network) + "</General><Discovery>" + discovery +
+                  "</Discovery><Internal>" + internal + "</Internal>");
 }
 
 }  // namespace
@@ -179,7 +179,13 @@ UserNetwork network_named_by(const std::string& uri, std::uint32_t domain_id) {
 std::string domain_configuration(std::uint32_t domain_id, const DomainOptions& options,
                                  const std::string& user_uri) {
   const UserNetwork user = network_named_by(user_uri, domain_id);
-  std::string configuration = defaults(domain_id, options, user);
+  return domain_configuration(domain_id, options, user_uri,
+                              choose_network(options, user, network_interfaces()));
+}
+
+std::string domain_configuration(std::uint32_t domain_id, const DomainOptions& options,
+                                 const std::string& user_uri, const NetworkChoice& network) {
+  std::string configuration = defaults(domain_id, options, network_named_by(user_uri, domain_id), network);
   if (!user_uri.empty()) configuration += "," + user_uri;
   return configuration + "," +
          fragment("<Internal><MultipleReceiveThreads>false</MultipleReceiveThreads></Internal>");

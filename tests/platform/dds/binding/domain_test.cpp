@@ -218,6 +218,8 @@ TEST_CASE("The network settings of CYCLONEDDS_URI are read as Cyclone DDS reads 
   CHECK(network_named_by(in_domain("", "<Discovery><Peers/></Discovery>"), 5).peers);
   CHECK(network_named_by("", 5).interfaces.empty());
   CHECK_FALSE(network_named_by("nonsense", 5).without_multicast);
+  const std::string ipv6 = "<General><Transport>udp6</Transport><UseIPv6>default</UseIPv6></General>";
+  CHECK(network_named_by(in_domain("", ipv6), 5).other_transport);
   std::string deep;
   for (int i = 0; i < 200'000; ++i) deep += "<a>";  // would overflow the stack without a limit
   CHECK_FALSE(network_named_by(deep, 5).peers);
