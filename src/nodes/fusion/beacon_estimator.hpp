@@ -4,6 +4,7 @@
 
 #include "estimation/digest.hpp"
 #include "fusion/settings_timeline.hpp"
+#include "fusion/twist_use.hpp"
 #include "presence/beacon_presence.hpp"
 #include "presence/silence.hpp"
 #include "transitions/fix_refusals.hpp"
@@ -102,6 +103,11 @@ public:
   /// A message about refused fixes (transitions::FixRefusals), if there is news. Call it once a second.
   std::optional<std::string> fix_refusals(SteadyTime now) { return refusals_.update(now); }
 
+  /// A message about velocities, if there is news. Call it about once a second.
+  std::optional<std::string> twist_use() {
+    return twist_use_.update(estimator_.counters(), estimator_.settings().engine.engine);
+  }
+
   /// The gap that events wait for; empty if none wait, and unless lossless.
   [[nodiscard]] std::optional<collation::LosslessCollator::Gap> gap() const;
 
@@ -122,6 +128,7 @@ private:
   std::uint64_t bridge_ = 0;  ///< sender of the latest IMU sample
   std::optional<SteadyTime> bridge_lost_at_;
   transitions::FixRefusals refusals_;
+  TwistUse twist_use_;
   estimation::Digest poses_;
   transitions::TransitionDetector detector_;
   transitions::TransitionQueue transitions_;

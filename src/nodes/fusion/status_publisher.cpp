@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <optional>
 #include <string>
 #include <utility>
@@ -36,7 +37,7 @@ void StatusPublisher::publish_all(std::uint64_t unwritten) {
   for (const BeaconAddress address : addresses) {
     publish_status(address, unwritten);
     publish_estimate(address);
-    log_fix_refusals(address);
+    log_input_use(address);
   }
   log_losses(unwritten, false);
   log_overload();
@@ -77,10 +78,14 @@ void StatusPublisher::publish_estimate(BeaconAddress address) {
   if (estimate_writer_.try_write(topics::to_idl(*estimate)) < 0) ++unwritten_;
 }
 
-void StatusPublisher::log_fix_refusals(BeaconAddress address) {
-  const auto text =
-      read(address, [](BeaconEstimator& estimator) { return estimator.fix_refusals(clocks::steady_now()); });
-  if (text) logging::warning(fmt::format("beacon {}: {}", address, *text));
+void StatusPublisher::log_input_use(BeaconAddress address) {
+  const auto texts = read(address, [](BeaconEstimator& estimator) {
+    return std::array{estimator.fix_refusals(clocks::steady_now()), estimator.twist_use()};
+  });
+  if (!texts) return;
+  for (const auto& text : *texts) {
+    if (text) logging::warning(fmt::format("beacon {}: {}", address, *text));
+  }
 }
 
 void StatusPublisher::log_gaps(bool waited_for_consumer) {

@@ -47,7 +47,7 @@ public:
 private:
   [[nodiscard]] auto read(BeaconAddress address, const auto& read_from) const;
   void publish_estimate(BeaconAddress address);
-  void log_fix_refusals(BeaconAddress address);
+  void log_input_use(BeaconAddress address);
   void log_overload();
 
   std::uint64_t fusion_id_;

@@ -1,0 +1,62 @@
+#include "fusion/twist_use.hpp"
+
+#include <catch2/catch.hpp>
+
+namespace twist_use_test {
+
+using namespace sonopose;
+using Catch::Matchers::Contains;
+using fusion::TwistUse;
+using settings::EngineKind;
+
+SCENARIO("the user learns what becomes of velocities") {
+  TwistUse use;
+  EstimatorCounters counted;
+  GIVEN("an engine that uses none") {
+    const auto count_messages = [&](EngineKind engine, const char* cause) {
+      int messages = 0;
+      for (int i = 0; i < 3 * TwistUse::max_unused_updates; ++i) {
+        counted.twists_unused += 50;
+        if (const auto text = use.update(counted, engine)) {
+          CHECK_THAT(*text, Contains(cause));
+          ++messages;
+        }
+      }
+      return messages;
+    };
+    THEN("this is said once, with the cause") {
+      CHECK(count_messages(EngineKind::documented, "the documented engine uses none") == 1);
+    }
+    THEN("the cause of the other engine is another one") {
+      CHECK(count_messages(EngineKind::kalman, "kalman.twist.enabled") == 1);
+    }
+  }
+  GIVEN("no velocities, or some that wait for the first fix") {
+    THEN("nothing is said") {
+      for (int i = 0; i < 100; ++i) CHECK_FALSE(use.update(counted, EngineKind::documented));
+      counted.twists_unused += 50;
+      CHECK_FALSE(use.update(counted, EngineKind::kalman));
+      counted.twists_used += 50;
+      CHECK_FALSE(use.update(counted, EngineKind::kalman));
+    }
+  }
+  GIVEN("wheels that slip for a time") {
+    counted.twists_used = 48;
+    counted.twists_rejected = 2;
+    CHECK_FALSE(use.update(counted, EngineKind::kalman));
+    counted.twists_used += 10;
+    counted.twists_rejected += 40;
+    const auto begin = use.update(counted, EngineKind::kalman);
+    counted.twists_rejected += 50;
+    CHECK_FALSE(use.update(counted, EngineKind::kalman));
+    counted.twists_used += 50;
+    const auto end = use.update(counted, EngineKind::kalman);
+    THEN("its beginning and its end are said") {
+      REQUIRE(begin);
+      CHECK_THAT(*begin, Contains("as when wheels slip: 40 of the last 50 are rejected"));
+      CHECK(end == "velocities agree with the estimate again");
+    }
+  }
+}
+
+}  // namespace twist_use_test
