@@ -64,7 +64,7 @@ class TwistInputs::Topic {
 public:
   Topic(const TwistInput& input, std::string dds_name, std::string type, TimeNs timeout_ns)
       : input_(input),
-        dds_name_(std::move(dds_name)),
+        topic_name_(std::move(dds_name)),
         type_(std::move(type)),
         monitor_({.kind = Input::Kind::twist, .topic = input.topic, .address = input.address}, {}, timeout_ns,
                  clocks::steady_now()) {}
@@ -84,7 +84,7 @@ public:
 
   void check_type(const dds::FoundEndpoint& writer, const Log& log) {
     const std::string& type = writer.type_name;
-    if (writer.topic_name != dds_name_ || type == type_ || !other_types_.insert(type).second) return;
+    if (writer.topic_name != topic_name_ || type == type_ || !other_types_.insert(type).second) return;
     log(logging::Level::warning,
         fmt::format("beacon {}: a publisher of {} is ignored, because its type is {}, not {}", input_.address,
                     input_.topic, ros2::type_name_in_ros(type), ros2::type_name_in_ros(type_)));
@@ -98,7 +98,7 @@ protected:
   [[nodiscard]] virtual std::uint64_t publishers() = 0;
 
   const TwistInput input_;
-  const std::string dds_name_;
+  const std::string topic_name_;
   const std::string type_;
   std::set<std::string> other_types_;  ///< used by check_type() only
   process::EndpointCounters counters_;
