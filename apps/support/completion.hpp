@@ -1,5 +1,5 @@
 #pragma once
-// What the shells complete, from the declarations of the options.
+// Completions for shells, from the declarations of the options.
 
 #include <CLI/CLI.hpp>
 

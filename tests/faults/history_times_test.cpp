@@ -198,7 +198,7 @@ SCENARIO("a pose is marked if its stamp is old, wherever it was delayed") {
   CHECK(std::any_of(violations.begin(), violations.end(), is_named));
 }
 
-SCENARIO("the clock of a bridge tells no ages for four seconds after a step") {
+SCENARIO("the clock of a bridge gives no ages for four seconds after a step") {
   History history = undisturbed();
   history.episodes.push_back(
       {{.fault = Fault::clock_step, .target = Role::bridge, .amount_ns = -500 * ms}, {at(7), at(7)}});

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// What the process tells the service manager that started it, such as systemd for a unit with Type=notify.
+/// Messages of the process to the service manager that started it, such as systemd for a unit with Type=notify.
 /// Without one, nothing. Source: sd_notify(3), sd_watchdog_enabled(3).
 
 #include <sonopose/samples/time.hpp>

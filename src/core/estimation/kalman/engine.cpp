@@ -259,7 +259,7 @@ void Engine::correct(const PairHeading& heading) noexcept {
 
 TwistMeasurement Engine::measurement_in(const TwistSample& twist) const {
   static constexpr double min_std_mps = 0.005;
-  constexpr double max_std_mps = 1000.0;  // tells nothing
+  constexpr double max_std_mps = 1000.0;  // no information
   const settings::TwistSettings& settings = settings_.twist;
   TwistMeasurement measured{.time_ns = measured_at(twist), .stamp_ns = stamp_or_none(twist.emission_time_ns)};
   for (int axis = 0; axis < 3; ++axis) {

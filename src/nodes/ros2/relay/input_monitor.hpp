@@ -47,7 +47,7 @@ public:
   /// (fixes) or the frame of the first sample (others).
   void on_sample(std::string_view frame, SteadyTime now, Lines& lines);
 
-  /// What a driver sends otherwise than expected.
+  /// Deviation of a driver from what is expected.
   enum class Notice : std::uint8_t {
     no_angular_velocity,
     no_specific_force,

@@ -65,7 +65,7 @@ SCENARIO("a measured velocity") {
     Filter filter;
     filter.velocity_world_mps = {0.02, 0.03, -0.01};
     filter.covariance = 1e-2 * StateCovariance::Identity();
-    THEN("it tells nothing about the attitude") {
+    THEN("it shows nothing of the attitude") {
       const auto innovation = filter.velocity_innovation(0, 0.02, 1e-3, Vector3d::Zero(), false, 0.0);
       CHECK(innovation.column.segment<3>(at_attitude).isZero());
     }
