@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// Messages of the process to the service manager that started it, such as systemd for a unit with Type=notify.
-/// Without one, nothing. Source: sd_notify(3), sd_watchdog_enabled(3).
+/// Messages of the process to the service manager that started it, such as systemd for a unit with
+/// Type=notify. Without one, nothing. Source: sd_notify(3), sd_watchdog_enabled(3).
 
 #include <sonopose/samples/time.hpp>
 
