@@ -79,6 +79,19 @@ std::optional<Vector3d> gyro_turn_rad(const std::vector<Reading>& imu, TimeNs be
   return turn_rad;
 }
 
+/// Fastest mean rate about this axis over a second.
+double fastest_second_radps(const std::vector<Reading>& imu, const Vector3d& axis) {
+  constexpr TimeNs second_ns = 1'000'000'000;
+  double fastest_radps = 0;
+  if (imu.empty()) return fastest_radps;
+  for (TimeNs begin_ns = imu.front().time_ns; begin_ns + second_ns <= imu.back().time_ns;
+       begin_ns += second_ns) {
+    const auto turn_rad = gyro_turn_rad(imu, begin_ns, begin_ns + second_ns);
+    if (turn_rad) fastest_radps = std::max(fastest_radps, std::abs(axis.dot(*turn_rad)));
+  }
+  return fastest_radps;
+}
+
 }  // namespace
 
 TurnGain turn_gain_of(Window window) {
@@ -94,7 +107,10 @@ TurnGain turn_gain_of(Window window) {
     const auto by_gyro_rad =
         end ? gyro_turn_rad(window.imu, course[begin].time_ns, course[*end].time_ns) : std::nullopt;
     if (by_gyro_rad) {
-      gains.emplace_back(*by_gyro_rad / (course[*end].direction_rad - course[begin].direction_rad));
+      const double turn_rad = course[*end].direction_rad - course[begin].direction_rad;
+      gains.emplace_back(*by_gyro_rad / turn_rad);
+      const double length_s = seconds_between(course[begin].time_ns, course[*end].time_ns);
+      all.compared_radps = std::max(all.compared_radps, std::abs(turn_rad) / length_s);
     }
     begin = end.value_or(begin + 1);
   }
@@ -109,6 +125,7 @@ TurnGain turn_gain_of(Window window) {
   Vector3d force_mps2 = Vector3d::Zero();
   for (const Reading& reading : window.imu) force_mps2 += reading.force_body_mps2;
   const Vector3d axis = median.dot(force_mps2) < 0 ? -median.normalized() : median.normalized();
+  all.gyro_radps = fastest_second_radps(window.imu, force_mps2.normalized());
   all.gain = quantile_along(axis, 0.5);
   all.spread = quantile_along(axis, 0.75) - quantile_along(axis, 0.25);
   return all;
@@ -129,7 +146,10 @@ TurnFault turn_fault_of(const TurnGain& turn) {
   if (!turn.by_heading) return TurnFault::none;
   if (size > degrees_gain) return TurnFault::degrees;
   if (turn.turns <= min_turns) return TurnFault::none;
-  if (size < dead_gain) return TurnFault::dead;
+  if (size < dead_gain) {
+    // An axis that senses turns at other times is not dead: its clock is another.
+    return turn.gyro_radps < dead_gain * turn.compared_radps ? TurnFault::dead : TurnFault::none;
+  }
   return size > wrong_scale || size < 1.0 / wrong_scale ? TurnFault::scale : TurnFault::none;
 }
 

@@ -15,8 +15,10 @@ struct TurnGain {
   std::size_t turns = 0;  ///< compared turns, of at least 30° in 2 s
   /// Median: 1 if the gyroscope is right. Its sign is that of the turn about the mean specific force.
   double gain = 0;
-  double spread = 0;        ///< interquartile range
-  bool by_heading = false;  ///< false: by the direction of travel of the fixes, which not every body faces
+  double spread = 0;          ///< interquartile range
+  bool by_heading = false;    ///< false: by the direction of travel of the fixes, which not every body faces
+  double compared_radps = 0;  ///< mean rate of the fastest compared turn, by heading
+  double gyro_radps = 0;      ///< fastest mean rate over a second, about the mean specific force, at any time
 };
 
 TurnGain turn_gain_of(Window window);

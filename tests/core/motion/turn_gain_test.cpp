@@ -4,6 +4,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <utility>
@@ -64,6 +65,33 @@ SCENARIO("headings that jump are no turns") {
     }
     THEN("its gyroscope is not dead") {
       CHECK(turn_fault_of(turn_gain_of(window)) == TurnFault::none);
+    }
+  }
+}
+
+SCENARIO("a gyroscope whose clock is another is not dead") {
+  GIVEN("turns of a second, five seconds apart, with headings that are two seconds late") {
+    Window window;
+    for (int i = 0; i < 3000; ++i) {
+      const TimeNs time_ns = 10'000'000LL * i;
+      const double rate_radps = i % 500 < 100 ? 1.5 : 0;
+      window.imu.push_back({time_ns, {0, 0, rate_radps}, {0, 0, standard_gravity_mps2}});
+      const int late = std::max(0, i - 200);
+      const int turns_before = late / 500;
+      const double heading_rad = 1.5 * (turns_before + std::min(1.0, 0.01 * (late % 500)));
+      if (i % 10 == 0) window.headings.push_back({time_ns, geometry::wrap_angle(heading_rad)});
+    }
+    THEN("no axis is blamed") {
+      const TurnGain turn = turn_gain_of(window);
+      CHECK(turn.turns >= 5);
+      CHECK(std::abs(turn.gain) < 0.1);
+      CHECK(turn_fault_of(turn) == TurnFault::none);
+    }
+    WHEN("the gyroscope senses none of them") {
+      for (Reading& reading : window.imu) reading.rate_body_radps.setZero();
+      THEN("it is dead") {
+        CHECK(turn_fault_of(turn_gain_of(window)) == TurnFault::dead);
+      }
     }
   }
 }
