@@ -143,4 +143,9 @@ bool has_rates_in_degrees(const ImuSummary& imu) {
          imu.turned_deviation_mps2 > 2.0 * imu.unturned_deviation_mps2;
 }
 
+bool has_rates_in_millidegrees(const ImuSummary& imu) {
+  constexpr double max_range_degps = 4000.0;
+  return imu.fast_rate_radps > max_range_degps;
+}
+
 }  // namespace sonopose::motion

@@ -46,4 +46,7 @@ ForceUnit force_unit_of(const ImuSummary& imu);
 /// gravity to where the accelerometer does not see it.
 bool has_rates_in_degrees(const ImuSummary& imu);
 
+/// True if rates in deg/s would be faster than any gyroscope's range: they are in mdeg/s.
+bool has_rates_in_millidegrees(const ImuSummary& imu);
+
 }  // namespace sonopose::motion

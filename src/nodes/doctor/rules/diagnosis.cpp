@@ -25,6 +25,8 @@ std::vector<const EndpointObservation*> on_topic(const std::vector<EndpointObser
 
 namespace {
 
+constexpr double max_frozen_share = 0.1;  ///< of the time, for the installation to be judged
+
 /// Leaves out repetitions: a standby has two writers of poses, each of which may be wrong.
 Findings without_repetitions(const Findings& findings) {
   std::set<std::pair<std::string, std::string>> known;
@@ -49,7 +51,9 @@ std::vector<Finding> diagnose(const Observations& observations) {
     const auto cause = [&] {
       if (beacon.bridges.size() > 1) return Cause::installation;  // two bridges mix their samples
       if (!is_mount_right) return Cause::installation;  // what is fitted with its readings is wrong too
-      check_installation(beacon, findings);
+      // Repeated positions do not fit any installation.
+      const bool is_frozen = beacon.status_counts.share_of(status_frozen_track) > max_frozen_share;
+      if (!is_frozen) check_installation(beacon, findings);
       if (findings.size() > before) return Cause::installation;
       // A wrong mount, delay or sign makes right fixes look wrong, and the fusion doubts them.
       check_tracks(beacon, findings);

@@ -63,9 +63,9 @@ bool check_direction(const BeaconObservation& beacon, std::string_view when, con
 }
 
 /// The settings that scale all axes of a sensor.
-std::string scaled_by(std::string_view sensor, double factor) {
-  return fmt::format("calibration.{0}.sensitivity_x, sensitivity_y and sensitivity_z to {1:.4g}", sensor,
-                     factor);
+std::string scaled_by(std::string_view sensor, double factor, std::string_view to_or_by) {
+  return fmt::format("calibration.{}.sensitivity_x, sensitivity_y and sensitivity_z {} {:.4g}", sensor,
+                     to_or_by, factor);
 }
 
 /// Reports units that contradict the readings. Returns false if it did.
@@ -83,7 +83,7 @@ bool check_units(const BeaconObservation& beacon, Findings& findings) {
       break;
     case motion::ForceUnit::g:
       report_force("it seems to be in g",
-                   "publish m/s², or set " + scaled_by("accelerometer", standard_gravity_mps2));
+                   "publish m/s², or set " + scaled_by("accelerometer", standard_gravity_mps2, "to"));
       break;
     case motion::ForceUnit::mg:
       report_force("it seems to be in mg or cm/s²", "publish m/s²");
@@ -98,11 +98,14 @@ bool check_units(const BeaconObservation& beacon, Findings& findings) {
   }
   if (motion::has_rates_in_degrees(imu) ||
       motion::turn_fault_of(beacon.turn_gain) == motion::TurnFault::degrees) {
+    const bool is_thousandth = motion::has_rates_in_millidegrees(imu);
+    std::string remedy = "publish rad/s";
+    if (!is_thousandth) remedy += ", or set " + scaled_by("gyroscope", geometry::radians_per_degree, "to");
     findings.push_back({Severity::error, name_of(beacon),
                         fmt::format("its gyroscope exceeds {:.3g} rad/s in every twentieth sample, which is "
-                                    "too fast or contradicts gravity or headings: it seems to be in deg/s",
-                                    imu.fast_rate_radps),
-                        "publish rad/s, or set " + scaled_by("gyroscope", geometry::radians_per_degree)});
+                                    "too fast or contradicts gravity or headings: it seems to be in {}",
+                                    imu.fast_rate_radps, is_thousandth ? "mdeg/s" : "deg/s"),
+                        std::move(remedy)});
   }
   return findings.size() == before;
 }
@@ -127,8 +130,9 @@ bool check_axes(const BeaconObservation& beacon, Findings& findings) {
       report_turns(Severity::error, "the vertical axis is dead", remedy);
       break;
     case motion::TurnFault::scale:
-      report_turns(Severity::warning, "its scale is wrong, or its range too small",
-                   fmt::format("increase the range, or multiply {}", scaled_by("gyroscope", 1.0 / gain)));
+      report_turns(
+          Severity::warning, "its scale is wrong, or its range too small",
+          fmt::format("increase the range, or multiply {}", scaled_by("gyroscope", 1.0 / gain, "by")));
       break;
     case motion::TurnFault::none:
     case motion::TurnFault::wrong_sign:  // check_installation reports it

@@ -69,6 +69,15 @@ SCENARIO("wrong axes and units of an IMU are found in motion, and nothing else i
                 "calibration.gyroscope.sensitivity_x, sensitivity_y and sensitivity_z to 0.01745");
         }
       }
+      WHEN("the rates are in mdeg/s") {
+        THEN("the unit is named, and no factor, since it is below the limits of the setting") {
+          check(problems_with(scenario,
+                              [](ImuSample& imu) {
+                                imu.angular_velocity_body_radps *= 1e3 / geometry::radians_per_degree;
+                              }),
+                "seems to be in mdeg/s", "publish rad/s");
+        }
+      }
       WHEN("gravity was removed") {
         THEN("that is named") {
           check(problems_with(
