@@ -133,8 +133,10 @@ std::string save(const std::vector<EffectiveSettings>& changed, const std::files
                      "# Saved by sonopose-settings: what differs from the defaults, and each beacon's own. "
                      "For --config of the fusion.\n" +
                          config.given_toml());
-  return fmt::format("{}: {} from the defaults or are a beacon's own", file.string(),
-                     text::count_text(config.given(), "setting that differs", "settings that differ"));
+  return fmt::format(
+      "{}: {}", file.string(),
+      text::count_text(config.given(), "setting that differs from the defaults or is a beacon's own",
+                       "settings that differ from the defaults or are a beacon's own"));
 }
 
 std::string save_drop_in(const std::vector<EffectiveSettings>& changed, const std::filesystem::path& base) {
