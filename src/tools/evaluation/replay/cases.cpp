@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <variant>
 
 namespace sonopose::evaluation {
 
@@ -31,7 +32,10 @@ Case simulated_case(const sim::Scenario& scenario, std::uint64_t seed) {
 Case recorded_case(const std::vector<std::filesystem::path>& recording, std::optional<BeaconAddress> beacon) {
   if (bus_log::is_log_folder(recording.front())) beacon.reset();
   sonopose::recording::SensorLog log = bus_log::read_sensor_log(recording, beacon);
-  if (log.events.empty()) throw files::IoError(bus_log::name_of(recording) + ": has no samples");
+  if (std::ranges::none_of(log.events,
+                           [](const Event& event) { return std::holds_alternative<ImuSample>(event); })) {
+    throw files::IoError(bus_log::name_of(recording) + ": has no IMU sample: there is nothing to fuse");
+  }
   Case test_case;
   test_case.name = bus_log::name_of(recording);
   test_case.events = std::move(log.events);
