@@ -1,9 +1,9 @@
 // sonopose-attitude: runs an attitude filter over logs and scores it against the truth.
 
+#include "bus_log/sensor_log.hpp"
 #include "evaluation/replay/attitude_run.hpp"
 #include "evaluation/report/trajectory_file.hpp"
 #include "logging/log.hpp"
-#include "recording/attitude_log.hpp"
 #include "support/config_options.hpp"
 #include "support/progress.hpp"
 #include "support/run.hpp"
@@ -25,6 +25,7 @@ struct Options {
   std::vector<Path> logs;
   apps::ConfigOptions config;
   BeaconAddress beacon = recording::default_log_address;
+  std::optional<BeaconAddress> address;  ///< --beacon, if it is given
   std::optional<std::string> filter;
   std::optional<std::string> magnetometer;
   std::optional<Path> out;
@@ -34,9 +35,10 @@ struct Options {
 void add_options(CLI::App& app, Options& options) {
   std::vector<std::string> filters;
   for (const std::string_view name : choices_of(attitude::FilterKind{})) filters.emplace_back(name);
-  app.add_option("LOG", options.logs, "Log folders with imu.csv; the score uses truth.csv and movement.csv")
+  app.add_option("LOG", options.logs,
+                 "Log folders, MCAP files or folders of them; the score uses the truth and movement.csv")
       ->required()
-      ->type_name("DIR");
+      ->type_name("PATH");
   app.add_option("--filter", options.filter, "Attitude filter; overrides the settings")
       ->check(CLI::IsMember(filters));
   app.add_option("--magnetometer", options.magnetometer,
@@ -68,13 +70,12 @@ void check_names(const std::vector<Path>& logs) {
 
 evaluation::AttitudeResult run_log(const Path& folder, const Options& options,
                                    const settings::Settings& settings, apps::Progress& progress) {
-  const recording::AttitudeLog log = recording::read_attitude_log(folder, options.beacon);
-  for (const std::string& warning : log.warnings) logging::warning(warning);
+  const recording::AttitudeLog log = bus_log::read_attitude_log(folder, options.address);
   const bool has_field = std::any_of(log.imu.begin(), log.imu.end(), [](const ImuSample& imu) {
     return imu.magnetic_field_body_t.has_value();
   });
   if (settings.attitude.selection.magnetometer && !has_field) {
-    throw files::IoError((folder / "imu.csv").string() +
+    throw files::IoError(bus_log::imu_source(folder).string() +
                          ": no magnetometer data, but the magnetometer is on");
   }
   std::optional<evaluation::TrajectoryFile> trajectory;
@@ -122,7 +123,10 @@ int run_logs(const Options& options) {
     throw;
   }
   print_results();
-  return 0;
+  const bool are_used = std::all_of(results.begin(), results.end(), [](const auto& result) {
+    return 2 * result.rejected <= result.samples;  // the score says how many are rejected
+  });
+  return are_used ? 0 : 1;
 }
 
 }  // namespace
@@ -131,5 +135,8 @@ int main(int argc, char** argv) {
   Options options;
   apps::Program app("attitude");
   add_options(app, options);
-  return sonopose::apps::run(app, argc, argv, [&] { return run_logs(options); });
+  return sonopose::apps::run(app, argc, argv, [&] {
+    if (app.count("--beacon") > 0) options.address = options.beacon;
+    return run_logs(options);
+  });
 }

@@ -215,6 +215,14 @@ void log_warnings(const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) logging::warning(warning);
 }
 
+std::vector<ImuSample> imu_of(const recording::SensorLog& log) {
+  std::vector<ImuSample> samples;
+  for (const Event& event : log.events) {
+    if (const auto* imu = std::get_if<ImuSample>(&event)) samples.push_back(*imu);
+  }
+  return samples;
+}
+
 }  // namespace
 
 std::filesystem::path imu_source(const std::filesystem::path& log) {
@@ -242,11 +250,20 @@ std::vector<ImuSample> read_imu_log(const std::filesystem::path& log, std::optio
     log_warnings(read.warnings);
     return std::move(read.imu);
   }
-  std::vector<ImuSample> samples;
-  for (const Event& event : read_sensor_log(log, address).events) {
-    if (const auto* imu = std::get_if<ImuSample>(&event)) samples.push_back(*imu);
+  return imu_of(read_sensor_log(log, address));
+}
+
+recording::AttitudeLog read_attitude_log(const std::filesystem::path& log,
+                                         std::optional<BeaconAddress> address) {
+  if (is_log_folder(log)) {
+    recording::AttitudeLog read = recording::read_attitude_log(log, address);
+    log_warnings(read.warnings);
+    return read;
   }
-  return samples;
+  recording::SensorLog read = read_sensor_log(log, address);
+  recording::AttitudeLog attitude{.imu = imu_of(read), .truth = std::move(read.truth), .movements = {}};
+  if (attitude.imu.empty()) throw files::IoError(log.string() + ": no IMU sample");
+  return attitude;
 }
 
 }  // namespace sonopose::bus_log

@@ -2,6 +2,7 @@
 /// \file
 /// Reads the inputs of the fusion from any recording: a sensor-log folder, or MCAP files of the bus.
 
+#include "recording/attitude_log.hpp"
 #include "recording/log_folder.hpp"
 
 #include <filesystem>
@@ -30,5 +31,9 @@ std::filesystem::path imu_source(const std::filesystem::path& log);
 
 std::vector<ImuSample> read_imu_log(const std::filesystem::path& log,
                                     std::optional<BeaconAddress> address = {});
+
+/// Samples and truth for an attitude filter, without movements if it is no log folder.
+recording::AttitudeLog read_attitude_log(const std::filesystem::path& log,
+                                         std::optional<BeaconAddress> address = {});
 
 }  // namespace sonopose::bus_log

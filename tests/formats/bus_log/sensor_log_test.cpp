@@ -57,6 +57,8 @@ SCENARIO("a recording of the bus is an input like a log folder") {
     }
     THEN("its IMU samples are found alone") {
       const auto imu = bus_log::read_imu_log(file);
+      CHECK(bus_log::read_attitude_log(file).imu == imu);
+      CHECK(bus_log::read_attitude_log(file).truth.size() == simulated.truth.size());
       CHECK(imu.size() > 5000);
       CHECK(imu.front() == std::get<ImuSample>(simulated.events.front()));
     }
