@@ -92,7 +92,8 @@ int import(const Options& options) {
   files::ColumnNames names = names_of(options.columns);
   const recording::Tables tables = read(options, names);
   for (const std::string& text : tables.log.warnings) logging::warning(text);
-  for (const std::string& text : recording::input_findings(options.out.string(), tables.log.events, &names)) {
+  for (const std::string& text :
+       recording::input_findings(options.out.string(), tables.log.events, &names, tables.log.truth)) {
     logging::warning(text);
   }
   const recording::PartFolder folder(options.out);

@@ -238,7 +238,7 @@ recording::SensorLog read_sensor_log(const Paths& paths, std::optional<BeaconAdd
   auto read = is_in_mcap(paths)      ? FileLog(recording_files(paths), address).read()
               : is_log_folder(first) ? recording::read_sensor_log(first, address)
                                      : read_dashboard_log(first, address);
-  std::ranges::move(recording::input_findings(name_of(paths), read.events),
+  std::ranges::move(recording::input_findings(name_of(paths), read.events, nullptr, read.truth),
                     std::back_inserter(read.warnings));
   log_warnings(read.warnings);
   return read;

@@ -2,6 +2,7 @@
 
 #include "motion/imu_summary.hpp"
 #include "motion/turn_gain.hpp"
+#include <sonopose/geometry/rotation.hpp>
 
 #include <fmt/format.h>
 
@@ -33,9 +34,11 @@ std::string seconds_text(double seconds) {
 
 template <class Sample>
 std::vector<std::string> findings_of(const std::string& name, const std::vector<Sample>& samples,
+                                     const std::vector<TruthSample>& truths,
                                      const files::ColumnNames* names = nullptr) {
   InputCheck check(names);
   for (const Sample& sample : samples) check.add(sample);
+  for (const TruthSample& truth : truths) check.add(truth);
   std::vector<std::string> texts = check.findings();
   for (std::string& text : texts) text.insert(0, name + ": ");
   return texts;
@@ -66,6 +69,10 @@ void InputCheck::add(const PairHeading& heading) {
 
 void InputCheck::add(const TwistSample& twist) {
   twists_.push_back(twist.emission_time_ns);
+}
+
+void InputCheck::add(const TruthSample& truth) {
+  truths_.push_back(truth.time_ns);
 }
 
 void InputCheck::add(const Event& event) {
@@ -196,11 +203,22 @@ std::vector<std::string> InputCheck::units_of_readings() const {
         : fault == motion::TurnFault::dead     ? "is its vertical axis dead?"
                                                : "is its scale wrong, or its range too small?"));
   }
+  constexpr double fast_turn_radps = 0.5;
+  constexpr double max_angle_in_radians = 6.3;  // read as degrees
+  if (!window_.headings.empty() && turn.gyro_radps > fast_turn_radps &&
+      std::ranges::all_of(window_.headings, [](const motion::Direction& heading) {
+        return std::abs(heading.heading_world_rad) < max_angle_in_radians * geometry::radians_per_degree;
+      })) {
+    texts.push_back("all headings are below 6.3 deg although the gyroscope turns; are they in rad? " +
+                    how_to_name("rad", Table::positions, {"heading"}));
+  }
   if (motion::has_rates_in_degrees(imu) || fault == motion::TurnFault::degrees) {
+    const char* const unit = motion::has_rates_in_millidegrees(imu) ? "mdeg s^-1" : "deg s^-1";
     texts.push_back(
         fmt::format("the gyroscope exceeds {:.3g} rad/s in every twentieth sample, which is too fast or "
-                    "contradicts gravity or headings; is it in deg/s? {}",
-                    imu.fast_rate_radps, how_to_name("deg s^-1", Table::imu, {"w_x", "w_y", "w_z"})));
+                    "contradicts gravity or headings; is it in {}? {}",
+                    imu.fast_rate_radps, motion::has_rates_in_millidegrees(imu) ? "mdeg/s" : "deg/s",
+                    how_to_name(unit, Table::imu, {"w_x", "w_y", "w_z"})));
   }
   return texts;
 }
@@ -273,6 +291,7 @@ std::vector<std::string> InputCheck::findings() const {
   add_if(unit_of_time("headings", headings_, Table::positions, 0.05, 500.0));
   add_if(overlap("fixes", fixes_));
   add_if(overlap("headings", headings_));
+  add_if(overlap("true poses", truths_));
   add_if(age("fixes", fix_ages_ns_));
   add_if(age("headings", heading_ages_ns_));
   add_if(order("IMU samples", imu_));
@@ -286,12 +305,13 @@ std::vector<std::string> InputCheck::findings() const {
 }
 
 std::vector<std::string> input_findings(const std::string& name, const std::vector<Event>& events,
-                                        const files::ColumnNames* names) {
-  return findings_of(name, events, names);
+                                        const files::ColumnNames* names,
+                                        const std::vector<TruthSample>& truths) {
+  return findings_of(name, events, truths, names);
 }
 
 std::vector<std::string> input_findings(const std::string& name, const std::vector<ImuSample>& imu) {
-  return findings_of(name, imu);
+  return findings_of(name, imu, {});
 }
 
 }  // namespace sonopose::recording

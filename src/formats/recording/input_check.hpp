@@ -26,6 +26,7 @@ public:
   void add(const UltrasonicFix& fix);
   void add(const PairHeading& heading);
   void add(const TwistSample& twist);
+  void add(const TruthSample& truth);
   void add(const Event& event);
 
   /// One sentence for each finding, the gravest first.
@@ -53,6 +54,7 @@ private:
   Stamps fixes_;
   Stamps headings_;
   Stamps twists_;
+  Stamps truths_;
   std::vector<Vector3d> positions_world_m_;
   std::vector<double> qualities_percent_;
   std::vector<TimeNs> fix_ages_ns_;  ///< durations from emission to reception
@@ -62,7 +64,8 @@ private:
 
 /// Findings about a recording, each after its name.
 std::vector<std::string> input_findings(const std::string& name, const std::vector<Event>& events,
-                                        const files::ColumnNames* names = nullptr);
+                                        const files::ColumnNames* names = nullptr,
+                                        const std::vector<TruthSample>& truths = {});
 std::vector<std::string> input_findings(const std::string& name, const std::vector<ImuSample>& imu);
 
 }  // namespace sonopose::recording

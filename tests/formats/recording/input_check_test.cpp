@@ -207,6 +207,30 @@ SCENARIO("positions that are not in metres are found") {
   }
 }
 
+SCENARIO("headings in radians are found") {
+  std::vector<Event> events = standing();
+  for (Event& event : events) {
+    if (auto* imu = std::get_if<ImuSample>(&event)) imu->angular_velocity_body_radps.z() = 1.0;
+  }
+  const auto findings_with = [&](double unit_rad) {
+    std::vector<Event> all = events;
+    for (int i = 0; i < 80; ++i) {
+      PairHeading heading;
+      heading.emission_time_ns = start_ns + i * 120'000'000LL;
+      heading.received_time_ns = heading.emission_time_ns + 70'000'000;
+      const double turned_rad = std::remainder(0.12 * i, 2 * std::numbers::pi);
+      heading.heading_world_rad = unit_rad * turned_rad;
+      heading.valid = true;
+      all.emplace_back(heading);
+    }
+    return input_findings("log", all);
+  };
+  CHECK(findings_with(1.0).empty());
+  const auto findings = findings_with(std::numbers::pi / 180.0);
+  REQUIRE(findings.size() == 1);
+  CHECK_THAT(findings[0], Contains("are they in rad?") && Contains("heading [rad]"));
+}
+
 SCENARIO("a quality that is a share is found") {
   const auto findings_with = [](double good, double poor) {
     return with_fixes(
@@ -229,6 +253,19 @@ SCENARIO("findings about imported tables propose an option of the import") {
   const auto findings = input_findings("log", events, &names);
   REQUIRE(findings.size() == 1);
   CHECK_THAT(findings[0], Contains("--column \"a_x [g]=Acc 1\" --column \"a_y [g]=Acc 2\""));
+}
+
+SCENARIO("a truth in another unit of time, or of another clock, is found") {
+  const std::vector<Event> events = standing();
+  std::vector<TruthSample> truths(100);
+  const TimeNs first_ns = available_at_ns(events.front());
+  for (std::size_t i = 0; i < truths.size(); ++i)
+    truths[i].time_ns = first_ns + 100'000'000 * static_cast<TimeNs>(i);
+  CHECK(input_findings("log", events, nullptr, truths).empty());
+  for (TruthSample& truth : truths) truth.time_ns /= 1000;
+  const auto findings = input_findings("log", events, nullptr, truths);
+  REQUIRE(findings.size() == 1);
+  CHECK_THAT(findings[0], Contains("most true poses are before the IMU samples"));
 }
 
 SCENARIO("the order of the stamps is checked") {
