@@ -1,11 +1,9 @@
-/// Drivers' topics as a source of a bridge. The drivers use a separate participant in this process.
+/// Drivers' topics as a source of a bridge: streams, clocks, lines of the log and readers.
 
 #include "ros2/relay/source.hpp"
 
-#include "bridge/collecting_sink.hpp"
 #include "clocks/clocks.hpp"
-#include "support/test_domain.hpp"
-#include "support/wait_until.hpp"
+#include "ros2/relay/source_rig.hpp"
 #include <sonopose/dds/binding/discovery.hpp>
 #include <sonopose/ros2/messages/input.hpp>
 #include <sonopose/ros2/messages/messages.hpp>
@@ -13,160 +11,15 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
-#include <cstdlib>
 #include <limits>
-#include <mutex>
 #include <string>
-#include <thread>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 namespace source_test {
 
-using namespace sonopose;
-using ros2::relay::Input;
-using test::wait_until;
-using Kind = Input::Kind;
-
-constexpr TimeNs second_ns = 1'000'000'000;
-
-/// A sink that is readable while the source runs.
-class SharedSink final : public publication::SampleSink {
-public:
-  void on(const Event& event) override {
-    const std::lock_guard lock(mutex_);
-    kept_.on(event);
-  }
-  void on(const TruthSample& /*truth*/) override {}
-  void on(const LineStatus& /*status*/) override {}
-  void on(const BeaconStatus& status) override {
-    const std::lock_guard lock(mutex_);
-    kept_.on(status);
-  }
-  void tick() override {}
-
-  [[nodiscard]] std::vector<ImuSample> imu_samples() const {
-    const std::lock_guard lock(mutex_);
-    return kept_.of_kind<ImuSample>();
-  }
-  [[nodiscard]] std::vector<UltrasonicFix> fixes() const {
-    const std::lock_guard lock(mutex_);
-    return kept_.of_kind<UltrasonicFix>();
-  }
-  [[nodiscard]] std::vector<BeaconStatus> statuses() const {
-    const std::lock_guard lock(mutex_);
-    return kept_.statuses;
-  }
-  [[nodiscard]] std::size_t count() const {
-    const std::lock_guard lock(mutex_);
-    return kept_.events.size();
-  }
-
-private:
-  mutable std::mutex mutex_;
-  test::CollectingSink kept_;
-};
-
-/// A source with inputs, and the drivers' participant.
-class Rig {
-public:
-  explicit Rig(const std::vector<Input>& inputs, const std::string& map_frame = "map")
-      : environment_(::unsetenv("CYCLONEDDS_URI")),
-        participant_(dds::make_participant({.domain_id = domain_.id()})),
-        drivers_(dds::make_participant({.domain_id = domain_.id()})),
-        node_(participant_, qos_, ros2::NameResolver({}), ros2::Distro::jazzy),
-        source(
-            ros2::relay::make_source(node_, inputs, {second_ns, second_ns}, map_frame,
-                                     [this](logging::Level, const std::string& line) { add_line(line); })) {}
-  Rig(const Rig&) = delete;
-  Rig& operator=(const Rig&) = delete;
-  ~Rig() {
-    stop_.request();
-    if (running_.joinable()) running_.join();
-  }
-
-  void run() {
-    running_ = std::thread([this] { source->run(sink, stop_); });
-  }
-
-  /// Makes a driver's writer and, if `matches`, waits for its reader.
-  template <class T>
-  dds::DataWriter<T> driver(const std::string& topic, dds::Qos qos = {}, bool matches = true) {
-    dds::DataWriter<T> writer(drivers_, dds::Topic<T>(drivers_, ros2::name_in_dds(topic)), qos);
-    if (matches) {
-      REQUIRE(wait_until([&] {
-        source->update_readers();
-        return writer.publication_matched_status().current_count > 0;
-      }));
-    }
-    return writer;
-  }
-
-  [[nodiscard]] const dds::DomainParticipant& drivers() const { return drivers_; }
-
-  [[nodiscard]] bool has_logged(const std::string& text) const {
-    const std::lock_guard lock(mutex_);
-    return std::any_of(lines_.begin(), lines_.end(),
-                       [&](const auto& line) { return line.find(text) != std::string::npos; });
-  }
-  [[nodiscard]] bool logs(const std::string& text) const {
-    return wait_until([&] {
-      source->log_changes();
-      return has_logged(text);
-    });
-  }
-
-  /// Number of logged lines about frames, and of those that were not logged.
-  [[nodiscard]] std::pair<std::size_t, std::size_t> lines_and_missing() const {
-    const std::lock_guard lock(mutex_);
-    std::size_t logged = 0;
-    std::size_t missing = 0;
-    for (const std::string& line : lines_) {
-      if (line.find("are in frame") != std::string::npos) ++logged;
-      if (line.find("were not logged") != std::string::npos) missing += std::stoul(line);
-    }
-    return {logged, missing};
-  }
-
-  /// Returns true if the thread that forwards samples has logged a line.
-  [[nodiscard]] bool has_logged_on_path() const {
-    const std::lock_guard lock(mutex_);
-    return line_on_running_thread_;
-  }
-
-private:
-  void add_line(const std::string& line) {
-    const std::lock_guard lock(mutex_);
-    if (std::this_thread::get_id() == running_.get_id()) line_on_running_thread_ = true;
-    lines_.push_back(line);
-  }
-
-  int environment_;  // first, because the environment may set CYCLONEDDS_URI
-  test::TestDomain domain_;
-  dds::qos::Provider qos_;
-  dds::DomainParticipant participant_;
-  dds::DomainParticipant drivers_;
-  ros2::Node node_;
-  process::StopSignal stop_;
-  mutable std::mutex mutex_;
-  std::vector<std::string> lines_;
-  bool line_on_running_thread_ = false;
-  std::thread running_;
-
-public:
-  SharedSink sink;
-  std::unique_ptr<ros2::relay::Source> source;
-};
-
-ros2::Imu imu_at(TimeNs stamp_ns) {
-  static const ros2::FrameNames frames;
-  return ros2::raw_imu({}, stamp_ns, frames, {});
-}
-
-ros2::PointStamped fix_at(TimeNs stamp_ns, const ros2::FrameNames& frames) {
-  return ros2::position_as_point({1, 2, 3}, stamp_ns, frames);
-}
+using namespace source_rig;
 
 SCENARIO("a stalled input queues messages, and logs losses") {
   GIVEN("a source that does not run while an IMU writes 1500 samples without a stamp") {
@@ -378,100 +231,6 @@ SCENARIO("a topic of fixes has one reader, of the type of its publisher") {
     const Rig rig({Input::parse(Kind::fix, "/tag:geometry_msgs/msg/PointStamped=7")});
     THEN("it has a reader before any publisher") {
       CHECK(wait_until([&] { return reader_types(rig, "/tag") == std::vector{point_type}; }));
-    }
-  }
-}
-
-/// A message of one sensor of an IMU, as REP-145 marks it.
-ros2::Imu sensor_at(TimeNs stamp_ns, const Vector3d& rate_radps, const Vector3d& force_mps2,
-                    bool is_gyroscope) {
-  ros2::Imu imu = imu_at(stamp_ns);
-  if (is_gyroscope) {
-    imu.angular_velocity = {rate_radps.x(), rate_radps.y(), rate_radps.z()};
-    imu.linear_acceleration_covariance[0] = -1;
-  } else {
-    imu.linear_acceleration = {force_mps2.x(), force_mps2.y(), force_mps2.z()};
-    imu.angular_velocity_covariance[0] = -1;
-  }
-  return imu;
-}
-
-SCENARIO("an IMU may come as two sensors, and a part without data is not used") {
-  const Vector3d rate(0.1, 0.2, 0.3);
-  const Vector3d force(0, 0, 9.81);
-  const TimeNs begin_ns = clocks::host_now();
-  GIVEN("the accelerometer and the gyroscope on two topics") {
-    Rig rig({{Kind::imu, "/accel", 7}, {Kind::imu, "/gyro", 7}});
-    auto accel = rig.driver<ros2::Imu>("/accel");
-    auto gyro = rig.driver<ros2::Imu>("/gyro");
-    rig.run();
-    WHEN("both send") {
-      for (int i = 0; i < 5; ++i) {
-        accel.write(sensor_at(begin_ns + i * second_ns / 100, rate, force, false));
-        gyro.write(sensor_at(begin_ns + i * second_ns / 100, rate, force, true));
-      }
-      THEN("their samples are complete, and the log says so") {
-        REQUIRE(wait_until([&] { return !rig.sink.imu_samples().empty(); }));
-        CHECK(rig.sink.imu_samples().front().angular_velocity_body_radps == rate);
-        CHECK(rig.sink.imu_samples().front().specific_force_body_mps2.isApprox(force));
-        CHECK(rig.logs("beacon 7: /gyro has the angular velocity of samples"));
-      }
-    }
-  }
-  GIVEN("an IMU without a gyroscope") {
-    Rig rig({{Kind::imu, "/imu", 7}});
-    auto imu = rig.driver<ros2::Imu>("/imu");
-    rig.run();
-    imu.write(sensor_at(begin_ns, rate, force, false));
-    THEN("its samples are not used, for a reason") {
-      CHECK(rig.logs("beacon 7: /imu has messages without an angular velocity"));
-      CHECK(rig.logs("no IMU samples from ROS 2 yet: the messages on /imu have only one of"));
-      CHECK(rig.sink.count() == 0);
-    }
-  }
-  GIVEN("two topics with complete samples") {
-    Rig rig({{Kind::imu, "/a", 7}, {Kind::imu, "/b", 7}});
-    auto first = rig.driver<ros2::Imu>("/a");
-    auto second = rig.driver<ros2::Imu>("/b");
-    rig.run();
-    ros2::Imu complete = sensor_at(begin_ns, rate, force, false);
-    complete.angular_velocity_covariance[0] = 0;
-    complete.angular_velocity.x = 1;
-    first.write(complete);
-    REQUIRE(wait_until([&] { return rig.sink.count() == 1; }));
-    second.write(complete);
-    THEN("the second one is not mixed with the first") {
-      CHECK(rig.logs("beacon 7: /b is not used: the samples of /a are complete"));
-      CHECK(rig.sink.count() == 1);
-    }
-  }
-}
-
-SCENARIO("an unusable covariance is named with its value") {
-  GIVEN("a driver of fixes") {
-    Rig rig({{Kind::fix, "/tag", 7}});
-    auto fixes = rig.driver<ros2::PoseWithCovarianceStamped>("/tag");
-    rig.run();
-    auto pose = ros2::position_as_pose({1, 2, 3}, ros2::Covariance3::Identity(), clocks::host_now(), {});
-    WHEN("it states a variance of 1e308") {
-      pose.pose.covariance[0] = 1e308;
-      fixes.write(pose);
-      THEN("its fix is used as if this axis were unknown") {
-        REQUIRE(wait_until([&] { return rig.sink.count() == 1; }));
-        const auto covariance = rig.sink.fixes().front().covariance_world_m2;
-        REQUIRE(covariance);
-        CHECK(covariance->std_dev(0) == Approx(ros2::max_fix_std_m));
-        CHECK(covariance->std_dev(1) == Approx(1));
-      }
-    }
-    WHEN("it states a negative variance") {
-      pose.pose.covariance[0] = -1;
-      fixes.write(pose);
-      THEN("its fix is used without a covariance") {
-        REQUIRE(wait_until([&] { return rig.sink.count() == 1; }));
-        CHECK_FALSE(rig.sink.fixes().front().covariance_world_m2);
-        CHECK(rig.logs("beacon 7: /tag has an unusable covariance, which counts as unknown: -1 m² (x, x)"));
-      }
     }
   }
 }

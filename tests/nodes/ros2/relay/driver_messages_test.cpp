@@ -1,0 +1,105 @@
+/// Messages of drivers that have only a part of the data, or that state an unusable covariance.
+
+#include "clocks/clocks.hpp"
+#include "ros2/relay/source_rig.hpp"
+#include <sonopose/ros2/messages/input.hpp>
+
+namespace driver_messages_test {
+
+using namespace source_rig;
+
+/// A message of one sensor of an IMU, as REP-145 marks it.
+ros2::Imu sensor_at(TimeNs stamp_ns, const Vector3d& rate_radps, const Vector3d& force_mps2,
+                    bool is_gyroscope) {
+  ros2::Imu imu = imu_at(stamp_ns);
+  if (is_gyroscope) {
+    imu.angular_velocity = {rate_radps.x(), rate_radps.y(), rate_radps.z()};
+    imu.linear_acceleration_covariance[0] = -1;
+  } else {
+    imu.linear_acceleration = {force_mps2.x(), force_mps2.y(), force_mps2.z()};
+    imu.angular_velocity_covariance[0] = -1;
+  }
+  return imu;
+}
+
+SCENARIO("an IMU may come as two sensors, and a part without data is not used") {
+  const Vector3d rate(0.1, 0.2, 0.3);
+  const Vector3d force(0, 0, 9.81);
+  const TimeNs begin_ns = clocks::host_now();
+  GIVEN("the accelerometer and the gyroscope on two topics") {
+    Rig rig({{Kind::imu, "/accel", 7}, {Kind::imu, "/gyro", 7}});
+    auto accel = rig.driver<ros2::Imu>("/accel");
+    auto gyro = rig.driver<ros2::Imu>("/gyro");
+    rig.run();
+    WHEN("both send") {
+      for (int i = 0; i < 5; ++i) {
+        accel.write(sensor_at(begin_ns + i * second_ns / 100, rate, force, false));
+        gyro.write(sensor_at(begin_ns + i * second_ns / 100, rate, force, true));
+      }
+      THEN("their samples are complete, and the log says so") {
+        REQUIRE(wait_until([&] { return !rig.sink.imu_samples().empty(); }));
+        CHECK(rig.sink.imu_samples().front().angular_velocity_body_radps == rate);
+        CHECK(rig.sink.imu_samples().front().specific_force_body_mps2.isApprox(force));
+        CHECK(rig.logs("beacon 7: /gyro has the angular velocity of samples"));
+      }
+    }
+  }
+  GIVEN("an IMU without a gyroscope") {
+    Rig rig({{Kind::imu, "/imu", 7}});
+    auto imu = rig.driver<ros2::Imu>("/imu");
+    rig.run();
+    imu.write(sensor_at(begin_ns, rate, force, false));
+    THEN("its samples are not used, for a reason") {
+      CHECK(rig.logs("beacon 7: /imu has messages without an angular velocity"));
+      CHECK(rig.logs("no IMU samples from ROS 2 yet: the messages on /imu have only one of"));
+      CHECK(rig.sink.count() == 0);
+    }
+  }
+  GIVEN("two topics with complete samples") {
+    Rig rig({{Kind::imu, "/a", 7}, {Kind::imu, "/b", 7}});
+    auto first = rig.driver<ros2::Imu>("/a");
+    auto second = rig.driver<ros2::Imu>("/b");
+    rig.run();
+    ros2::Imu complete = sensor_at(begin_ns, rate, force, false);
+    complete.angular_velocity_covariance[0] = 0;
+    complete.angular_velocity.x = 1;
+    first.write(complete);
+    REQUIRE(wait_until([&] { return rig.sink.count() == 1; }));
+    second.write(complete);
+    THEN("the second one is not mixed with the first") {
+      CHECK(rig.logs("beacon 7: /b is not used: the samples of /a are complete"));
+      CHECK(rig.sink.count() == 1);
+    }
+  }
+}
+
+SCENARIO("an unusable covariance is named with its value") {
+  GIVEN("a driver of fixes") {
+    Rig rig({{Kind::fix, "/tag", 7}});
+    auto fixes = rig.driver<ros2::PoseWithCovarianceStamped>("/tag");
+    rig.run();
+    auto pose = ros2::position_as_pose({1, 2, 3}, ros2::Covariance3::Identity(), clocks::host_now(), {});
+    WHEN("it states a variance of 1e308") {
+      pose.pose.covariance[0] = 1e308;
+      fixes.write(pose);
+      THEN("its fix is used as if this axis were unknown") {
+        REQUIRE(wait_until([&] { return rig.sink.count() == 1; }));
+        const auto covariance = rig.sink.fixes().front().covariance_world_m2;
+        REQUIRE(covariance);
+        CHECK(covariance->std_dev(0) == Approx(ros2::max_fix_std_m));
+        CHECK(covariance->std_dev(1) == Approx(1));
+      }
+    }
+    WHEN("it states a negative variance") {
+      pose.pose.covariance[0] = -1;
+      fixes.write(pose);
+      THEN("its fix is used without a covariance") {
+        REQUIRE(wait_until([&] { return rig.sink.count() == 1; }));
+        CHECK_FALSE(rig.sink.fixes().front().covariance_world_m2);
+        CHECK(rig.logs("beacon 7: /tag has an unusable covariance, which counts as unknown: -1 m² (x, x)"));
+      }
+    }
+  }
+}
+
+}  // namespace driver_messages_test
