@@ -62,7 +62,7 @@ TEST_CASE("A busy writer does not keep the samples of beacons that are gone") {
     WARN("skipped: the sanitizer's memory is not measured");
     return;
   }
-  REQUIRE(with_beacons_mb > 1);  // nothing was acknowledged without a pause
+  REQUIRE(with_beacons_mb > 0.3);  // nothing was acknowledged without a pause
   const auto give_up = std::chrono::steady_clock::now() + test_timeout;
   while (allocated_mb() - before_mb > 0.25 * with_beacons_mb && std::chrono::steady_clock::now() < give_up) {
     stay_busy();
