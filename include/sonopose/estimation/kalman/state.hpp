@@ -61,6 +61,7 @@ struct FixGate {
   TimeNs used_ns = 0;   ///< measurement time of the last fix used; 0: none
   int since_start = 0;  ///< number of fixes used, up to proven_fixes
   int rejected_in_row = 0;
+  int misfits_in_row = 0;                        ///< fixes in a row that fit badly, used or not
   double trust = 1;                              ///< share of recent fixes that were used
   double quality_percent = -1;                   ///< quality of the last fix used; negative: unknown
   Vector3d rejected_world_m = Vector3d::Zero();  ///< latest rejected fix
@@ -151,6 +152,7 @@ void for_each_field(IsFieldsOf<FixGate> auto& fixes, const auto& visit) {
   visit("used_ns", fixes.used_ns);
   visit("since_start", fixes.since_start);
   visit("rejected_in_row", fixes.rejected_in_row);
+  visit("misfits_in_row", fixes.misfits_in_row);
   visit("trust", fixes.trust);
   visit("quality_percent", fixes.quality_percent);
   visit("rejected_world_m", fixes.rejected_world_m);

@@ -72,6 +72,21 @@ void learn_noise(State& state, const JudgedFix& judged) {
       (after.covariance_m2 - judged.covariance_m2).diagonal(), stands_still(state, min_rest_fixes));
 }
 
+/// Raises the noise after several consecutive fixes that fit badly and form no track. Otherwise it would stay
+/// small: most fixes are then rejected, and after a rejection a used one says little about the noise.
+void learn_from_scatter(State& state, const JudgedFix& judged, const Innovation& innovation) {
+  constexpr int min_scattered_fixes = 6;
+  constexpr double max_m = 2.0;  // four times the largest noise that is learned
+  FixGate& gate = state.fixes;
+  gate.misfits_in_row = innovation.squared_norm > chi2_huber_threshold ? gate.misfits_in_row + 1 : 0;
+  const Hypothesis* const other = find_other_track(state);
+  const bool is_track = other != nullptr && other->explained >= min_track_fixes;
+  if (state.phase != Phase::tracking || judged.fix.has_covariance ||
+      gate.misfits_in_row < min_scattered_fixes || is_track || innovation.value_world_m.norm() > max_m)
+    return;
+  state.noise.add_rejected_fix(judged.fix.quality_percent, innovation.value_world_m);
+}
+
 /// Ends the comparison of the hypotheses, because the fixes returned to the best one.
 void end_comparison(State& state) {
   const double evidence = state.bank.best().evidence;
@@ -128,6 +143,7 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
       judge_rejected(state, judged, outcome);
     }
   }
+  learn_from_scatter(state, judged, innovation);
   update_distrustful_models(state, std::max(outcome.innovation.squared_norm,
                                             state.imu_fault.mean_innovation_chi2) > chi2_explain_threshold);
   return outcome;
@@ -135,10 +151,13 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
 
 }  // namespace
 
-/// Covariance of the source, or the learned one.
+/// Covariance of the source, or the learned one. Coordinates that repeat may be those of an earlier place.
 Matrix3d covariance_of(const State& state, const FixMeasurement& fix) {
-  if (fix.has_covariance) return fix.covariance_world_m2;
-  Matrix3d covariance_m2 = state.noise.fix_covariance_m2(fix.quality_percent);
+  const Vector3d moved_m =
+      state.frozen_track.repeats > 0 ? state.frozen_track.moved_world_m : Vector3d::Zero().eval();
+  const Matrix3d repeated_m2 = moved_m * moved_m.transpose();
+  if (fix.has_covariance) return fix.covariance_world_m2 + repeated_m2;
+  Matrix3d covariance_m2 = state.noise.fix_covariance_m2(fix.quality_percent) + repeated_m2;
   // Residuals say nothing about the noise while the filter follows the fixes alone.
   if (state.phase == Phase::tracking && is_distrustful(state.bank.best().imu)) {
     covariance_m2.diagonal() = covariance_m2.diagonal().cwiseMax(state.noise.scatter.noise_m2());

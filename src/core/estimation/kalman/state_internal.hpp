@@ -20,6 +20,7 @@ inline constexpr double heading_chi2_reject_threshold =
 inline constexpr double wrong_fix_likelihood = -4.5;       // logarithm; the fix lies anywhere within metres
 inline constexpr TimeNs max_heading_age_ns = 500'000'000;  // age at which a start may still use a heading
 inline constexpr int min_rejected_in_row = 3;              // fewer may be outliers
+inline constexpr int min_track_fixes = 3;                  // number of fixes that make a track
 inline constexpr int min_rest_fixes = 2;  // enough to distinguish a rest from a smooth cruise
 
 constexpr double square(double x) {

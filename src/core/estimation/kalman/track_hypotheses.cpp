@@ -10,7 +10,6 @@ namespace sonopose::estimation::kalman {
 namespace {
 
 constexpr TimeNs converging_ns = 500'000'000;  // after a jump
-constexpr int min_track_fixes = 3;             // number of fixes that make a track
 
 /// True if the other track explained the fixes alone for long enough.
 bool is_confirmed(const State& state, const Hypothesis& other, TimeNs now_ns) {
@@ -60,19 +59,6 @@ void begin_other_track(State& state, const JudgedFix& judged) {
   if (again) inflate(f, {.velocity_mps = 0.3});
 }
 
-/// Raises the noise after several consecutive rejected fixes that form no track. Otherwise it would stay
-/// small: most fixes are then rejected, and after a rejection a used one says little about the noise.
-void learn_from_scatter(State& state, const JudgedFix& judged, const Innovation& innovation,
-                        const Hypothesis& other) {
-  constexpr int min_scattered_fixes = 6;
-  constexpr double max_m = 2.0;  // four times the largest noise that is learned
-  if (state.phase != Phase::tracking || judged.fix.has_covariance ||
-      state.fixes.rejected_in_row < min_scattered_fixes || other.explained >= min_track_fixes ||
-      innovation.value_world_m.norm() > max_m)
-    return;
-  state.noise.add_rejected_fix(judged.fix.quality_percent, innovation.value_world_m);
-}
-
 /// Corrects the other track by a fix that it explains. A fix that it does not explain starts it, or counts as
 /// a miss.
 bool other_track_explains(State& state, const JudgedFix& judged, FixOutcome& outcome) {
@@ -85,7 +71,6 @@ bool other_track_explains(State& state, const JudgedFix& judged, FixOutcome& out
   if (!(innovation.squared_norm <= chi2_reject_threshold)) {
     // A track that many fixes support survives a short spike.
     const int max_misses = 3 + std::min(other->explained / 2, 9);
-    learn_from_scatter(state, judged, outcome.innovation, *other);
     if (++other->missed_in_row >= max_misses) begin_other_track(state, judged);
     return false;
   }
@@ -189,6 +174,7 @@ void note_jump(State& state, TimeNs fix_ns) {
   state.converging_until_ns = std::max(state.imu.time_ns, fix_ns) + converging_ns;
   state.fixes.used_ns = fix_ns;
   state.fixes.rejected_in_row = 0;
+  state.fixes.misfits_in_row = 0;
   state.imu_fault.forget_innovations();
 }
 
