@@ -5,6 +5,8 @@
 #include <sonopose/samples/field_fault.hpp>
 #include <sonopose/samples/samples.hpp>
 
+#include <optional>
+
 namespace sonopose::estimation::kalman {
 
 inline constexpr double max_heading_interval_s = 10.0;  ///< upper limit of a counted interval
@@ -16,11 +18,16 @@ struct HeadingGate {
   TimeNs rejected_since_ns = 0;  ///< time of the first heading in the current run of rejected ones; 0: none
   TimeNs rejected_ns = 0;        ///< time of the last rejected heading
   int rejected_in_row = 0;
-  TimeNs seen_ns = 0;     ///< time of the last heading, used or not
-  double interval_s = 0;  ///< usual interval between headings, up to max_heading_interval_s
+  TimeNs seen_ns = 0;      ///< time of the last heading, used or not
+  double interval_s = 0;   ///< usual interval between headings, up to max_heading_interval_s
+  double offset_rad = 0;   ///< mean difference of headings from the yaw of ImuModel::wrong_headings
+  int offset_samples = 0;  ///< number of headings in this mean, up to eight
 
   /// Registers a heading, used or not.
   void add(TimeNs time_ns);
+  /// Deviation of this difference from the mean of the earlier ones, which it joins; it starts a new mean if
+  /// it is further off than `max_rad`.
+  std::optional<double> add_offset(double difference_rad, double max_rad);
   /// Registers a rejected heading. Returns true if headings have been rejected for so long that they must be
   /// believed.
   bool reject(TimeNs time_ns);
@@ -40,6 +47,8 @@ void for_each_field(IsFieldsOf<HeadingGate> auto& gate, const auto& visit) {
   visit("rejected_in_row", gate.rejected_in_row);
   visit("seen_ns", gate.seen_ns);
   visit("interval_s", gate.interval_s);
+  visit("offset_rad", gate.offset_rad);
+  visit("offset_samples", gate.offset_samples);
 }
 
 }  // namespace sonopose::estimation::kalman

@@ -18,14 +18,15 @@ enum class ImuModel : std::uint8_t {
   rough_gyro,
   rough,            ///< vibration also shakes the accelerometer
   other_clock,      ///< IMU stamps are from another clock than those of fixes and headings
+  wrong_headings,   ///< headings are wrong: its yaw follows from the motion alone
   distrusts_gyro,   ///< hardly trusts the gyroscope
   distrusts_accel,  ///< hardly trusts the accelerometer
   distrusts_imu,    ///< hardly trusts either: follows the fixes alone
   jumped            ///< its attitude or bias has jumped; trusts it again from then on
 };
 
-constexpr std::array<std::string_view, 8> choices_of(ImuModel /*model*/) {
-  return {"quiet",          "rough_gyro",      "rough",         "other_clock",
+constexpr std::array<std::string_view, 9> choices_of(ImuModel /*model*/) {
+  return {"quiet",          "rough_gyro",      "rough",         "other_clock", "wrong_headings",
           "distrusts_gyro", "distrusts_accel", "distrusts_imu", "jumped"};
 }
 

@@ -10,6 +10,8 @@ namespace {
 
 constexpr double heading_chi2_huber_threshold = 6.6;  // χ², 1 degree of freedom: 1 % is above
 
+constexpr double wrong_heading_likelihood = -4.8;  // logarithm; a heading that is anywhere
+
 /// Factor by which the variance of a heading grows with its innovation.
 double scale_of(const Filter::HeadingInnovation& innovation) {
   return std::max(1.0, squared_norm(innovation) / heading_chi2_huber_threshold);
@@ -24,9 +26,22 @@ double log_likelihood(const Filter::HeadingInnovation& innovation) {
 /// turns it by a limited angle.
 double evidence_of(const Filter::HeadingInnovation& innovation) {
   constexpr double turned_std_rad = radians(20.0);
-  constexpr double wrong_heading_likelihood = -4.8;  // a heading that is anywhere
   const double turned = 3.0 - 0.5 * square(innovation.value_rad / turned_std_rad);
   return std::max({log_likelihood(innovation), turned, wrong_heading_likelihood});
+}
+
+/// Evidence of a heading for the hypothesis that headings are wrong: they then keep a constant offset.
+double evidence_of_offset(State& state, const Filter::HeadingInnovation& innovation) {
+  const double max_rad = std::sqrt(heading_chi2_reject_threshold * innovation.variance_rad2);
+  const auto deviation = state.headings.add_offset(innovation.value_rad, max_rad);
+  if (!deviation) return wrong_heading_likelihood;
+  return log_likelihood({.value_rad = *deviation, .variance_rad2 = innovation.variance_rad2});
+}
+
+/// True if the motion alone shows the yaw.
+bool motion_shows_yaw(const Hypothesis& hypothesis) {
+  constexpr double max_std_rad = radians(5.0);
+  return hypothesis.filter.yaw_variance_rad2() < square(max_std_rad);
 }
 
 /// Keeps a heading for a start, turned to the time of the latest sample.
@@ -67,8 +82,18 @@ HeadingOutcome judge(State& state, const settings::Settings& settings, const Hea
   const bool rejected = squared_norm(innovation) > heading_chi2_reject_threshold;
   update_distrustful_models(state, squared_norm(innovation) > chi2_explain_threshold);
   state.imu_fault.shifted.evidence += evidence_of(innovation);
+  Hypothesis* without_headings = state.bank.find(ImuModel::wrong_headings);
+  if (without_headings == nullptr && !is_distrustful(state.bank.best().imu)) {
+    without_headings = &state.bank.spawn(state.bank.best());
+    set_imu_model(*without_headings, ImuModel::wrong_headings);
+    state.headings.offset_samples = 0;
+  }
   for (Hypothesis& each : state.bank) {
     const auto own = heading_innovation(state, each.filter, settings, heading);
+    if (&each == without_headings) {
+      each.evidence += evidence_of_offset(state, own);
+      continue;
+    }
     if (own.observable) each.evidence += evidence_of(own);
     const bool explains = squared_norm(own) <= heading_chi2_reject_threshold;
     if (!explains && each.track == Track::followed) each.explained_in_row = 0;
@@ -82,7 +107,8 @@ HeadingOutcome judge(State& state, const settings::Settings& settings, const Hea
     keep_heading(state, settings, heading);
     return outcome;
   }
-  if (rejected && !state.headings.reject(heading.time_ns)) {
+  const bool may_be_believed = without_headings == nullptr || !motion_shows_yaw(*without_headings);
+  if (rejected && !(state.headings.reject(heading.time_ns) && may_be_believed)) {
     judge_turned_map(state, settings, heading, innovation.value_rad);
     return outcome;
   }
@@ -95,6 +121,7 @@ HeadingOutcome judge(State& state, const settings::Settings& settings, const Hea
   state.headings.accept();
   keep_heading(state, settings, heading);
   for (Hypothesis& each : state.bank) {
+    if (&each == without_headings) continue;
     if (rejected) each.filter.add_yaw_variance(outcome.added_variance_rad2);
     const auto own = heading_innovation(state, each.filter, settings, heading);
     correct_by_heading(state, each.filter, settings, heading, scale_of(own) * variance);
@@ -156,6 +183,19 @@ void HeadingGate::add(TimeNs time_ns) {
     interval_s += (interval_s > 0.0 ? smoothing_factor : 1.0) * (last_s - interval_s);
   }
   seen_ns = time_ns;
+}
+
+std::optional<double> HeadingGate::add_offset(double difference_rad, double max_rad) {
+  constexpr int max_offset_samples = 8;
+  const double deviation_rad = geometry::wrap_angle(difference_rad - offset_rad);
+  if (offset_samples == 0 || std::abs(deviation_rad) > max_rad) {
+    offset_rad = difference_rad;
+    offset_samples = 1;
+    return std::nullopt;
+  }
+  offset_samples = std::min(offset_samples + 1, max_offset_samples);
+  offset_rad = geometry::wrap_angle(offset_rad + deviation_rad / offset_samples);
+  return deviation_rad;
 }
 
 bool HeadingGate::reject(TimeNs time_ns) {

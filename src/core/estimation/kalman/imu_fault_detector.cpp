@@ -16,7 +16,11 @@ void restart(Hypothesis& hypothesis, const Hypothesis& best, const ImuFaultDetec
   constexpr double restart_penalty = 2.0;
   const ImuModel model = hypothesis.imu;
   hypothesis = best;
-  set_imu_model(hypothesis, model);
+  if (model == ImuModel::wrong_headings) {
+    hypothesis.imu = model;  // its yaw was that of the best until now
+  } else {
+    set_imu_model(hypothesis, model);
+  }
   hypothesis.score -= restart_penalty;
   hypothesis.missed_in_row = hypothesis.explained_in_row = 0;
   if (!is_distrustful(best.imu) || is_distrustful(model)) return;
@@ -38,6 +42,13 @@ bool trusts_imu_again(const Hypothesis& hypothesis, const State& state) {
 bool has_other_clock(const Filter& filter) {
   constexpr double sigmas = 6.0;
   return square(filter.delay_error_s) > square(sigmas) * filter.delay_variance_s2;
+}
+
+/// True if the yaw of a filter without headings certainly differs from theirs.
+bool contradicts_headings(const State& state, const Filter& filter) {
+  constexpr double sigmas = 5.0;
+  return square(state.headings.offset_rad) >
+         square(sigmas) * (filter.yaw_variance_rad2() + state.noise.heading_rad2.variance);
 }
 
 /// Continues with this distrustful model. One that jumped is trusted at once.
@@ -87,6 +98,7 @@ void choose_model(State& state) {
     const bool best_is_distrustful = is_distrustful(bank.best().imu);
     if (is_distrustful(each.imu) && !best_is_distrustful) continue;
     if (each.imu == ImuModel::other_clock && !has_other_clock(each.filter)) continue;
+    if (each.imu == ImuModel::wrong_headings && !contradicts_headings(state, each.filter)) continue;
     const double score_margin = each.imu > bank.best().imu ? noisier_score_margin : quieter_score_margin;
     const bool is_better = best_is_distrustful && !is_distrustful(each.imu)
                                ? trusts_imu_again(each, state)
@@ -157,6 +169,8 @@ bool switch_to_distrustful_model(State& state) {
   double max_evidence = state.imu_fault.shifted.evidence;
   if (const Hypothesis* const other = find_other_track(state))
     max_evidence = std::max(max_evidence, other->evidence);
+  if (const Hypothesis* const without_headings = state.bank.find(ImuModel::wrong_headings))
+    max_evidence = std::max(max_evidence, without_headings->evidence);
   if (!(chosen->evidence >
         std::max(state.bank.best().evidence + min_evidence_margin, max_evidence + min_margin_over_tracks)))
     return false;
