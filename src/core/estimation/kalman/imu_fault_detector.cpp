@@ -88,8 +88,9 @@ void adopt_distrustful_model(State& state, Hypothesis& chosen) {
 
 void choose_model(State& state) {
   constexpr double noisier_score_margin = 1.0;
-  constexpr double quieter_score_margin = 3.0;  // too much trust in an IMU costs more than too little
-  constexpr double max_score_deficit = 8.0;     // the noise may change at any time
+  constexpr double quieter_score_margin = 3.0;   // too much trust in an IMU costs more than too little
+  constexpr double headings_score_margin = 8.0;  // most headings are right
+  constexpr double max_score_deficit = 8.0;      // the noise may change at any time
   constexpr int restart_after_misses = 6;
   HypothesisBank& bank = state.bank;
   for (Hypothesis& each : bank) {
@@ -99,7 +100,9 @@ void choose_model(State& state) {
     if (is_distrustful(each.imu) && !best_is_distrustful) continue;
     if (each.imu == ImuModel::other_clock && !has_other_clock(each.filter)) continue;
     if (each.imu == ImuModel::wrong_headings && !contradicts_headings(state, each.filter)) continue;
-    const double score_margin = each.imu > bank.best().imu ? noisier_score_margin : quieter_score_margin;
+    const double score_margin = each.imu == ImuModel::wrong_headings ? headings_score_margin
+                                : each.imu > bank.best().imu         ? noisier_score_margin
+                                                                     : quieter_score_margin;
     const bool is_better = best_is_distrustful && !is_distrustful(each.imu)
                                ? trusts_imu_again(each, state)
                                : each.score > bank.best().score + score_margin;

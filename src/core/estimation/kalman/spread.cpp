@@ -12,7 +12,8 @@ namespace sonopose::estimation::kalman {
 bool State::is_ambiguous() const {
   if (phase != Phase::tracking) return phase == Phase::searching_yaw;
   if (is_distrustful(bank.best().imu)) return false;
-  return imu_fault.mean_innovation_chi2 > chi2_explain_threshold ||
+  return bank.best().imu == ImuModel::other_clock ||
+         imu_fault.mean_innovation_chi2 > chi2_explain_threshold ||
          std::any_of(bank.begin(), bank.end(), [](const Hypothesis& each) {
            return each.track == Track::followed && is_distrustful(each.imu);
          });
@@ -55,6 +56,10 @@ Spread State::spread() const {
   spread.velocity_m2ps2 /= weights;
   if (!searches_yaw && imu_fault.mean_innovation_chi2 > chi2_explain_threshold) {
     spread.position_m2 += imu_fault.mean_innovation_world_m * imu_fault.mean_innovation_world_m.transpose();
+  }
+  if (bank.best().imu == ImuModel::other_clock) {  // either clock may be right
+    const Vector3d by_m = filter().delay_error_s * filter().tracked_velocity_world_mps();
+    spread.position_m2 += by_m * by_m.transpose();
   }
   return spread;
 }
