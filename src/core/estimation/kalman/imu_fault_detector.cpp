@@ -172,11 +172,11 @@ bool switch_to_distrustful_model(State& state) {
   double max_evidence = state.imu_fault.shifted.evidence;
   if (const Hypothesis* const other = find_other_track(state))
     max_evidence = std::max(max_evidence, other->evidence);
-  if (const Hypothesis* const without_headings = state.bank.find(ImuModel::wrong_headings))
-    max_evidence = std::max(max_evidence, without_headings->evidence);
   if (!(chosen->evidence >
         std::max(state.bank.best().evidence + min_evidence_margin, max_evidence + min_margin_over_tracks)))
     return false;
+  const Hypothesis* const without_headings = state.bank.find(ImuModel::wrong_headings);
+  if (without_headings != nullptr && without_headings->evidence > chosen->evidence) return false;
   adopt_distrustful_model(state, *chosen);
   return true;
 }
