@@ -8,12 +8,26 @@
 #include <numbers>
 
 namespace sonopose::estimation::kalman {
+namespace {
+
+/// Distance of the best filter from the one that trusts the IMU most, if it is another: either the IMU errs,
+/// or the fixes do for a while. Both follow the fixes, and so they disagree by less than the error.
+Vector3d disagreement_world_m(const HypothesisBank& bank) {
+  constexpr double error_ratio = 2.0;
+  for (const Hypothesis& each : bank) {
+    if (each.track != Track::followed || each.imu != ImuModel::quiet) continue;
+    return error_ratio *
+           (each.filter.tracked_position_world_m() - bank.best().filter.tracked_position_world_m());
+  }
+  return Vector3d::Zero();
+}
+
+}  // namespace
 
 bool State::is_ambiguous() const {
   if (phase != Phase::tracking) return phase == Phase::searching_yaw;
   if (is_distrustful(bank.best().imu)) return false;
-  return bank.best().imu == ImuModel::other_clock ||
-         imu_fault.mean_innovation_chi2 > chi2_explain_threshold ||
+  return bank.best().imu != ImuModel::quiet || imu_fault.mean_innovation_chi2 > chi2_explain_threshold ||
          std::any_of(bank.begin(), bank.end(), [](const Hypothesis& each) {
            return each.track == Track::followed && is_distrustful(each.imu);
          });
@@ -56,6 +70,10 @@ Spread State::spread() const {
   spread.velocity_m2ps2 /= weights;
   if (!searches_yaw && imu_fault.mean_innovation_chi2 > chi2_explain_threshold) {
     spread.position_m2 += imu_fault.mean_innovation_world_m * imu_fault.mean_innovation_world_m.transpose();
+  }
+  if (!searches_yaw) {
+    const Vector3d by_m = disagreement_world_m(bank);
+    spread.position_m2 += by_m * by_m.transpose();
   }
   if (bank.best().imu == ImuModel::other_clock) {  // either clock may be right
     const Vector3d by_m = filter().delay_error_s * filter().tracked_velocity_world_mps();
