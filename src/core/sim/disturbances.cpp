@@ -117,6 +117,8 @@ void check(const Disturbances& disturbances) {
   for (const HeadingError& error : disturbances.heading_errors) {
     require(std::isfinite(error.peak_rad), "heading_errors.peak_rad", error.peak_rad);
   }
+  check_spans("fix_faults", disturbances.fix_faults);
+  for (const FixFault& fault : disturbances.fix_faults) check_time("fix_faults.noise_m", fault.noise_m);
   if (const auto& drift = disturbances.gyro_drift) {
     check_time("gyro_drift.begin_s", drift->begin_s);
     check_time("gyro_drift.duration_s", drift->duration_s);
@@ -227,7 +229,8 @@ double heading_error_rad(const Disturbances& disturbances, double time_s) {
   double error_rad = 0;
   for (const HeadingError& error : disturbances.heading_errors) {
     if (!holds(error, time_s)) continue;
-    const double rise = std::sin(std::numbers::pi * (time_s - error.begin_s) / error.duration_s);
+    const double rise =
+        error.is_step ? 1.0 : std::sin(std::numbers::pi * (time_s - error.begin_s) / error.duration_s);
     error_rad += error.peak_rad * rise * rise;
   }
   return error_rad;
@@ -238,6 +241,19 @@ Vector3d gyro_drift_body_radps(const Disturbances& disturbances, double time_s) 
   if (!drift || time_s <= drift->begin_s) return Vector3d::Zero();
   if (time_s >= drift->begin_s + drift->duration_s) return drift->by_body_radps;
   return (time_s - drift->begin_s) / drift->duration_s * drift->by_body_radps;
+}
+
+Vector3d draw_fault_noise_world_m(const Disturbances& disturbances, double time_s, Random& random) {
+  Vector3d noise_m = Vector3d::Zero();
+  for (const FixFault& fault : disturbances.fix_faults) {
+    if (holds(fault, time_s) && fault.noise_m > 0.0) noise_m += fault.noise_m * random.normal_vector();
+  }
+  return noise_m;
+}
+
+bool repeats_position(const Disturbances& disturbances, double time_s) {
+  return std::any_of(disturbances.fix_faults.begin(), disturbances.fix_faults.end(),
+                     [time_s](const FixFault& fault) { return fault.repeats && holds(fault, time_s); });
 }
 
 const PoorFixes* draw_poor_fix(const Disturbances& disturbances, Random& random) {

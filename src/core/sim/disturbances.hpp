@@ -64,6 +64,15 @@ struct HeadingError {
   double begin_s = 0;
   double duration_s = 0;
   double peak_rad = 0;
+  bool is_step = false;  ///< true: it is `peak_rad` all the time, as when the beacons of the pair are swapped
+};
+
+/// Fixes that are worse than usual in [begin, begin + duration).
+struct FixFault {
+  double begin_s = 0;
+  double duration_s = 0;
+  double noise_m = 0;    ///< standard deviation of additional white noise, per axis
+  bool repeats = false;  ///< true: the last position before it is sent again and again
 };
 
 /// Linear growth of the gyroscope's bias over [begin, begin + duration), as when an IMU warms up.
@@ -135,6 +144,7 @@ struct Disturbances {
   std::vector<ImuFault> imu_faults{};
   std::optional<BiasField> bias_field{};
   std::optional<MisplacedBeacon> misplaced_beacon{};
+  std::vector<FixFault> fix_faults{};
   std::vector<PoorFixes> poor_fixes{};  ///< for disjoint sets of fixes: the shares add up
   PacketFaults imu_packets{};
   PacketFaults position_packets{};  ///< one packet contains the fix and the heading
@@ -167,6 +177,12 @@ double heading_error_rad(const Disturbances& disturbances, double time_s);
 
 /// Growth of the gyroscope's bias until this time.
 Vector3d gyro_drift_body_radps(const Disturbances& disturbances, double time_s);
+
+/// Noise of the fix by the faults at this time. Draws only while one has noise.
+Vector3d draw_fault_noise_world_m(const Disturbances& disturbances, double time_s, Random& random);
+
+/// True if a fault repeats the last position at this time.
+bool repeats_position(const Disturbances& disturbances, double time_s);
 
 /// Kind of the next fix if it is a poor one, otherwise null. Always draws one number.
 const PoorFixes* draw_poor_fix(const Disturbances& disturbances, Random& random);

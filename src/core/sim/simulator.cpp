@@ -21,7 +21,8 @@ enum Stream : std::uint64_t {
   poor_fix_stream = 7,
   variation_stream = 8,
   imu_fault_stream = 9,
-  wheel_stream = 10
+  wheel_stream = 10,
+  fix_fault_stream = 11
 };
 
 Random stream_of(const Run& run, Stream stream) {
@@ -68,6 +69,7 @@ Simulator::Simulator(const Scenario& scenario, const SensorSettings& sensors, co
       position_packets_{scenario_.disturbances.position_packets, stream_of(run, position_packet_stream)},
       wheels_{sensors, stream_of(run, wheel_stream)},
       poor_fixes_{stream_of(run, poor_fix_stream)},
+      fix_faults_{stream_of(run, fix_fault_stream)},
       imu_faults_{stream_of(run, imu_fault_stream)},
       fix_phase_{stream_of(run, phase_stream).uniform()},
       start_yaw_rad_{scenario_.random_start_yaw
@@ -200,7 +202,10 @@ UltrasonicFix Simulator::measure_fix(const Motion& motion, double time_s) {
     default_world_m = kind->default_world_m;
   }
   UltrasonicFix fix = ultrasonic_.measure_fix(motion, condition);
+  offset_world_m += draw_fault_noise_world_m(scenario_.disturbances, time_s, fix_faults_);
   fix.position_world_m = default_world_m.value_or(fix.position_world_m + offset_world_m);
+  if (repeats_position(scenario_.disturbances, time_s)) fix.position_world_m = last_position_world_m_;
+  last_position_world_m_ = fix.position_world_m;
   return fix;
 }
 

@@ -76,6 +76,7 @@ private:
   PacketChannel position_packets_;
   WheelModel wheels_;
   Random poor_fixes_;
+  Random fix_faults_;
   Random imu_faults_;
   double fix_phase_;
   double start_yaw_rad_;
@@ -83,6 +84,7 @@ private:
   std::uint64_t emission_count_ = 0;
   std::uint64_t wheel_count_ = 0;
   std::uint64_t sequence_ = 0;
+  Vector3d last_position_world_m_ = Vector3d::Zero();  ///< of a fix
   std::vector<LateImu> late_imu_;
   std::deque<Step> arrived_imu_;  ///< arrived, not yet returned
   std::deque<Event> under_way_;   ///< emitted, not yet received; in order of receipt

@@ -226,6 +226,34 @@ void vary_bias_field(Scenario& scenario, Random& random) {
       .phase_rad = random.uniform_in({-std::numbers::pi, std::numbers::pi})};
 }
 
+/// Draws a mount that is off, or a pair that is swapped for some seconds now and then.
+void vary_wrong_headings(Scenario& scenario, Random& random) {
+  scenario.path = draw_path(random);
+  auto& errors = scenario.disturbances.heading_errors;
+  if (random.uniform() < 0.5) {
+    const double off_rad = random.uniform_in({8.0, 25.0}) * per_deg;
+    errors = {{0.0, without_end_s, random.uniform() < 0.5 ? -off_rad : off_rad, true}};
+    return;
+  }
+  for (double time_s = random.uniform_in({8.0, 15.0}); time_s < scenario.duration_s;) {
+    const double swapped_s = random.uniform_in({1.0, 6.0});
+    errors.push_back({time_s, swapped_s, std::numbers::pi, true});
+    time_s += swapped_s + random.uniform_in({4.0, 15.0});
+  }
+}
+
+/// Draws times in which the fixes scatter, or repeat.
+void vary_bad_reception(Scenario& scenario, Random& random) {
+  scenario.path = draw_path(random);
+  for (double time_s = random.uniform_in({7.0, 12.0}); time_s < scenario.duration_s;) {
+    const bool repeats = random.uniform() < 0.5;
+    const double bad_s = random.uniform_in(repeats ? Range{0.5, 4.0} : Range{2.0, 10.0});
+    const double noise_m = repeats ? 0.0 : random.uniform_in({0.1, 0.4});
+    scenario.disturbances.fix_faults.push_back({time_s, bad_s, noise_m, repeats});
+    time_s += bad_s + random.uniform_in({3.0, 10.0});
+  }
+}
+
 /// Draws a single beacon with sparse fixes in a hall, and an IMU that falls silent.
 void vary_silent_hall(Scenario& scenario, Random& random) {
   scenario = [&] {
@@ -310,6 +338,14 @@ std::vector<Scenario> make_violations() {
        .summary = "moves while the error of the fixes varies with the place by up to 0.3 m",
        .path = walk_path,
        .vary = vary_bias_field},
+      {.name = "wrong_headings",
+       .summary = "moves while the pair's heading is off by 8 to 25 degrees, or swapped for some seconds",
+       .path = walk_path,
+       .vary = vary_wrong_headings},
+      {.name = "bad_reception",
+       .summary = "moves while the fixes scatter by 0.1 to 0.4 m for some seconds, or repeat",
+       .path = walk_path,
+       .vary = vary_bad_reception},
       {.name = "silent_hall",
        .summary = "drives a hall with a single beacon, sparse fixes and an IMU that is silent for seconds",
        .path = forklift_path,

@@ -19,6 +19,9 @@ Case simulated_case(const sim::Scenario& scenario, std::uint64_t seed) {
   for (const sim::OutlierBurst& track : drawn.disturbances.outlier_bursts) {
     without_good_fixes.push_back({track.begin_s, track.duration_s});
   }
+  for (const sim::FixFault& fault : drawn.disturbances.fix_faults) {
+    if (fault.repeats) without_good_fixes.push_back({fault.begin_s, fault.duration_s});
+  }
   return {.name = std::string(drawn.name),
           .events = std::move(recording.events),
           .truth = std::move(recording.truth),

@@ -34,7 +34,9 @@ const std::vector<Bar> bars{{"accel_bias_steps", 0.04},
                             {"imu_scale", 0.03, 3.0},
                             {"noisy_imu", 0.06, 3.0},
                             {"coarse_fixes", 0.05},
-                            {"gyro_saturation", 0.08, 40.0}};
+                            {"gyro_saturation", 0.08, 40.0},
+                            {"wrong_headings", 0.03, 4.0},
+                            {"bad_reception", 0.20}};
 
 TEST_CASE("a violated model costs the Kalman engine little", "[accuracy]") {
   for (const Bar& bar : bars) {
