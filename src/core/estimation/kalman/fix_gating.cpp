@@ -81,7 +81,7 @@ void learn_from_scatter(State& state, const JudgedFix& judged, const Innovation&
   gate.misfits_in_row = innovation.squared_norm > chi2_huber_threshold ? gate.misfits_in_row + 1 : 0;
   const Hypothesis* const other = find_other_track(state);
   const bool is_track = other != nullptr && other->explained >= min_track_fixes;
-  if (state.phase != Phase::tracking || judged.fix.has_covariance ||
+  if (state.phase != Phase::tracking || judged.fix.has_covariance || gate.since_start < proven_fixes ||
       gate.misfits_in_row < min_scattered_fixes || is_track || innovation.value_world_m.norm() > max_m)
     return;
   state.noise.add_rejected_fix(judged.fix.quality_percent, innovation.value_world_m);

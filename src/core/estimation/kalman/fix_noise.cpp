@@ -16,9 +16,9 @@ constexpr double prior_fixes = 0.5;
 constexpr double prior_vertical_fixes = 0.05;
 constexpr double initial_vertical_m2 =
     0.12 * 0.12;  // if all beacons are equally high, the height is uncertain
-// Standard deviations of 4.6°, 0.17° and 20°.
+// Standard deviations of 2.3°, 0.17° and 20°.
 constexpr VarianceLimits heading_limits_rad2{
-    .initial = 0.08 * 0.08, .min = 0.003 * 0.003, .max = 0.35 * 0.35, .memory_samples = 60};
+    .initial = 0.04 * 0.04, .min = 0.003 * 0.003, .max = 0.35 * 0.35, .memory_samples = 60};
 constexpr double prior_headings = 3;
 
 std::size_t bin_of(double quality_percent) {

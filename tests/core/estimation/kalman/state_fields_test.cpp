@@ -61,7 +61,7 @@ SCENARIO("an impossible state is refused by the field at fault") {
       CHECK(fault_after([](Snapshot&) {}) == "none");
     }
     THEN("no index or count may point outside of its array") {
-      CHECK(fault_after([](Snapshot& s) { s.history.base.bank.best_index = closed_model_count; }) ==
+      CHECK(fault_after([](Snapshot& s) { s.history.base.bank.best_index = s.history.base.bank.size(); }) ==
             "best_index");
       CHECK(fault_after([](Snapshot& s) { s.history.base.bank.best_index = -1; }) == "best_index");
       CHECK(fault_after([](Snapshot& s) {
@@ -75,7 +75,9 @@ SCENARIO("an impossible state is refused by the field at fault") {
             }) == "fixes");
     }
     THEN("there is one hypothesis of each trusting model, and at most one of each other track") {
-      CHECK(fault_after([](Snapshot& s) { s.history.base.bank.hypotheses.pop_back(); }) == "hypotheses");
+      CHECK(fault_after([](Snapshot& s) {
+              s.history.base.bank.remove(s.history.base.bank.find(ImuModel::rough));
+            }) == "hypotheses");
       CHECK(fault_after([](Snapshot& s) { s.history.base.bank[3].imu = ImuModel::quiet; }) == "hypotheses");
       const auto add = [](Snapshot& s, Track track) {
         s.history.base.bank.spawn(s.history.base.bank.best()).track = track;
@@ -96,7 +98,7 @@ SCENARIO("an impossible state is refused by the field at fault") {
             }) == "hypotheses");
       CHECK(fault_after([&](Snapshot& s) {
               add(s, Track::other);
-              s.history.base.bank.best_index = closed_model_count;
+              s.history.base.bank.best_index = s.history.base.bank.size() - 1;
             }) == "best_index");
     }
     THEN("no count or time may overflow") {

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -152,6 +153,63 @@ SCENARIO("clocks of IMU and fixes that differ are found, and the offset is taken
     }
     THEN("the position is as good as with one clock") {
       CHECK(largest_error_m(moments, 20.0) < 0.1);
+    }
+    THEN("the covariance covers the way in the offset, because the IMU's clock may be the wrong one") {
+      const Moment& last = moments.back();
+      const double way_m = std::abs(error_s) * last.pose.velocity_world_mps.norm();
+      CHECK(position_std_m(last.pose).norm() > 0.8 * way_m);
+    }
+  }
+}
+
+SCENARIO("a pair that is swapped for some seconds turns nothing") {
+  const std::string motion = GENERATE("walk", "kart", "drone", "spin");
+  GIVEN("the scenario " + motion + " with headings that are opposite for 2 and for 6 s") {
+    const auto moments = moments_of(motion, 7081, [](sim::Scenario& scenario) {
+      scenario.disturbances.heading_errors = {{12.0, 2.0, std::numbers::pi, true},
+                                              {20.0, 6.0, std::numbers::pi, true}};
+    });
+    THEN("yaw and position are as before, and the IMU is not blamed") {
+      for (const Moment& moment : moments) {
+        if (moment.time_s < 6.0) continue;
+        REQUIRE(std::abs(moment.yaw_error_rad) < 3.0 * geometry::radians_per_degree);
+      }
+      CHECK(largest_error_m(moments, 6.0) < 0.08);
+      CHECK(std::isinf(first_s(moments, status_imu_inconsistent)));
+    }
+  }
+}
+
+SCENARIO("a mount that is off by 20 degrees is overruled by the motion") {
+  const std::uint64_t seed = GENERATE(7091U, 7092U);
+  GIVEN("a walk whose headings are all 20 degrees too large, seed " << seed) {
+    const auto moments = moments_of("walk", seed, [](sim::Scenario& scenario) {
+      scenario.disturbances.heading_errors = {
+          {0.0, without_end_s, 20.0 * geometry::radians_per_degree, true}};
+    });
+    THEN("yaw is right after 15 s of motion") {
+      for (const Moment& moment : moments) {
+        if (moment.time_s > 15.0)
+          REQUIRE(std::abs(moment.yaw_error_rad) < 6.0 * geometry::radians_per_degree);
+      }
+    }
+  }
+}
+
+SCENARIO("fixes that scatter for some seconds, or repeat, cost decimetres at most") {
+  const std::uint64_t seed = GENERATE(7101U, 7102U, 7103U);
+  const bool repeats = GENERATE(false, true);
+  GIVEN("a walk whose fixes " << (repeats ? "repeat for 2 s" : "scatter by 0.3 m for 8 s") << ", seed "
+                              << seed) {
+    const auto moments = moments_of("walk", seed, [&](sim::Scenario& scenario) {
+      scenario.disturbances.fix_faults = {{.begin_s = 15.0,
+                                           .duration_s = repeats ? 2.0 : 8.0,
+                                           .noise_m = repeats ? 0.0 : 0.3,
+                                           .repeats = repeats}};
+    });
+    THEN("the position stays within decimetres, and is right at once when they are") {
+      CHECK(largest_error_m(moments, 6.0) < 0.5);
+      CHECK(largest_error_m(moments, 25.0) < 0.08);
     }
   }
 }
