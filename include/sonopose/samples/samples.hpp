@@ -62,10 +62,11 @@ struct ImuSample {
 enum UltrasonicFlag : std::uint32_t {
   ultrasonic_flag_user_button_1 = 1U << 0U,
   ultrasonic_flag_user_button_2 = 1U << 1U,
-  ultrasonic_flag_other_hedge = 1U << 2U,       ///< the data belong to another mobile beacon
-  ultrasonic_flag_out_of_geofence = 1U << 3U,   ///< the beacon is outside its geofence
-  ultrasonic_flag_pair_centre = 1U << 4U,       ///< the coordinates are the centre of a beacon pair
-  ultrasonic_flag_second_resolution = 1U << 5U  ///< stamped in 1/64 s by old firmware
+  ultrasonic_flag_other_hedge = 1U << 2U,        ///< the data belong to another mobile beacon
+  ultrasonic_flag_out_of_geofence = 1U << 3U,    ///< the beacon is outside its geofence
+  ultrasonic_flag_pair_centre = 1U << 4U,        ///< the coordinates are the centre of a beacon pair
+  ultrasonic_flag_second_resolution = 1U << 5U,  ///< stamped in 1/64 s by old firmware
+  ultrasonic_flag_set_pose = 1U << 6U            ///< the user's word: the estimate starts again here
 };
 
 /// One position from the ultrasonic system. A position that it flags as not available never becomes a fix.
@@ -79,11 +80,19 @@ struct UltrasonicFix {
   std::optional<double> quality_percent;             ///< 0…100; empty if the hardware does not report it
   std::optional<double> measured_delay_s;            ///< emission → receipt, if the hardware measured it
   std::uint32_t flags = 0;                           ///< bits of UltrasonicFlag
+  Vector3d point_body_m = Vector3d::Zero();          ///< located point, seen from the tracked one
 
   bool operator==(const UltrasonicFix&) const = default;
 };
 
-/// Direction of the axis of two paired beacons in the map, before any mount offset.
+/// Bits of `PairHeading::flags`.
+enum HeadingFlag : std::uint32_t {
+  heading_flag_of_body = 1U << 0U,  ///< direction of the body's x axis: no mount offset applies
+  heading_flag_set_pose =
+      1U << 1U  ///< the user's word, with a fix with ultrasonic_flag_set_pose just after it
+};
+
+/// Direction of the axis of two paired beacons in the map, before any mount offset, or of the body.
 struct PairHeading {
   BeaconAddress address = 0;
   std::uint64_t sequence = 0;
@@ -91,6 +100,8 @@ struct PairHeading {
   TimeNs received_time_ns = 0;
   double heading_world_rad = 0;  ///< counter-clockwise from world +X
   bool valid = false;            ///< false: the hardware reports that the orientation is unknown
+  double std_rad = -1;           ///< one standard deviation; negative: unknown
+  std::uint32_t flags = 0;       ///< bits of HeadingFlag
 
   bool operator==(const PairHeading&) const = default;
 };

@@ -94,10 +94,13 @@ struct FusionStatus {
   std::uint64_t fixes_rejected = 0;
   std::uint64_t fixes_late = 0;  ///< rejected fixes with fix_too_late
   std::uint64_t headings = 0;
-  std::uint64_t events_lost = 0;        ///< gaps in the event sequence that were never filled
-  std::uint64_t events_duplicated = 0;  ///< events with a repeated sequence number, or too late
-  std::uint64_t samples_invalid = 0;    ///< not finite, impossible, out of order, or too late
-  std::uint64_t imu_gaps = 0;           ///< gaps too long to integrate over
+  std::uint64_t velocities_used = 0;
+  std::uint64_t velocities_rejected = 0;  ///< contradict the estimate, as when wheels slip
+  std::uint64_t velocities_unused = 0;    ///< as the engine or its settings demand, or before the first fix
+  std::uint64_t events_lost = 0;          ///< gaps in the event sequence that were never filled
+  std::uint64_t events_duplicated = 0;    ///< events with a repeated sequence number, or too late
+  std::uint64_t samples_invalid = 0;      ///< not finite, impossible, out of order, or too late
+  std::uint64_t imu_gaps = 0;             ///< gaps too long to integrate over
   std::uint32_t reset_counter = 0;
   std::uint64_t imu_deadlines_missed = 0;  ///< deadline periods without a sample, since the first one
   std::uint64_t fix_deadlines_missed = 0;

@@ -114,6 +114,9 @@ FusionStatus BeaconEstimator::status() const {
   status.fixes_used = counted.fixes_used;
   status.fixes_rejected = counted.fixes_rejected;
   status.headings = counted.headings;
+  status.velocities_used = counted.twists_used;
+  status.velocities_rejected = counted.twists_rejected;
+  status.velocities_unused = counted.twists_unused;
   status.events_lost = order.lost;
   status.events_duplicated = order.duplicated;
   status.samples_invalid = counted.samples_invalid;

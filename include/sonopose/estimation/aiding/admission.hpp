@@ -53,6 +53,10 @@ inline constexpr double future_tolerance_s = 0.3;
                                                 const UltrasonicFix& fix, TimeNs measured_ns,
                                                 double ahead_s = future_tolerance_s);
 
+/// Position of a fix. Coordinates that the user leaves unknown in a pose (standard deviations of 50 m and
+/// more) are those of `estimated_world_m`, the estimate of the same point.
+[[nodiscard]] Vector3d completed_position(const UltrasonicFix& fix, const Vector3d& estimated_world_m);
+
 /// Like `fix_rejection_flags`, for fixes in the order of their measurement. Records an admitted one.
 [[nodiscard]] std::uint32_t rejection_flags(const AdmissionSettings& settings, AdmissionState& state,
                                             TimeNs now_ns, const UltrasonicFix& fix, TimeNs measured_ns);

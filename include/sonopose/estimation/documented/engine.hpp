@@ -68,6 +68,7 @@ private:
   [[nodiscard]] Vector3d world_acceleration(const ImuSample& imu) const;
 
   std::uint32_t reject(const UltrasonicFix& fix);
+  [[nodiscard]] UltrasonicFix of_tracked_point(const UltrasonicFix& fix) const;
   bool is_default_position(const UltrasonicFix& fix);
   void move_to(const TimedFix& fix, FixReport& report);
   void reset_position(const TimedFix& fix, FixReport& report);

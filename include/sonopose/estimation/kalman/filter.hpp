@@ -154,12 +154,15 @@ public:
   /// Propagates the covariance over all steps since the last call: P ← Φ P Φᵀ + Q.
   void propagate(const ProcessNoise& noise);
 
-  /// Innovation of a position of the tracked point, measured `ahead_s` after the latest step.
+  /// Innovation of a position of the tracked point, or of `point_body_m` seen from it, measured `ahead_s`
+  /// after the latest step.
   [[nodiscard]] Innovation fix_innovation(const Vector3d& position_world_m, const Matrix3d& fix_covariance_m2,
-                                          double ahead_s) const;
+                                          double ahead_s,
+                                          const Vector3d& point_body_m = Vector3d::Zero()) const;
 
   /// Jacobian H of a fix measured `ahead_s` after the latest step.
-  [[nodiscard]] FixJacobian fix_jacobian(double ahead_s) const;
+  [[nodiscard]] FixJacobian fix_jacobian(double ahead_s,
+                                         const Vector3d& point_body_m = Vector3d::Zero()) const;
 
   /// Corrects the state by a fix with this innovation, which `fix_innovation` must have returned for the
   /// current state. `more_covariance_m2` is added to the covariance of the fix.

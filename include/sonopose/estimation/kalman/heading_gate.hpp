@@ -14,6 +14,7 @@ inline constexpr double max_heading_interval_s = 10.0;  ///< upper limit of a co
 struct HeadingGate {
   TimeNs used_ns = 0;            ///< time of the last heading used
   double heading_world_rad = 0;  ///< that heading, turned to the latest IMU sample while it is current
+  double std_rad = 0;            ///< its own standard deviation; 0: unknown
   bool is_current = false;       ///< true if it is recent and no IMU gap followed: a start may use it
   TimeNs rejected_since_ns = 0;  ///< time of the first heading in the current run of rejected ones; 0: none
   TimeNs rejected_ns = 0;        ///< time of the last rejected heading
@@ -41,6 +42,7 @@ struct HeadingGate {
 void for_each_field(IsFieldsOf<HeadingGate> auto& gate, const auto& visit) {
   visit("used_ns", gate.used_ns);
   visit("heading_world_rad", gate.heading_world_rad);
+  visit("std_rad", gate.std_rad);
   visit("is_current", gate.is_current);
   visit("rejected_since_ns", gate.rejected_since_ns);
   visit("rejected_ns", gate.rejected_ns);

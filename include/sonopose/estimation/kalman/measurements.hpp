@@ -15,6 +15,8 @@ struct FixMeasurement {
   double quality_percent = -1;  ///< negative: unknown
   bool has_covariance = false;
   Matrix3d covariance_world_m2 = Matrix3d::Zero();  ///< covariance, if the source knows it
+  Vector3d point_body_m = Vector3d::Zero();         ///< located point, seen from the tracked one
+  bool restarts = false;                            ///< the user's word: the estimate starts here
 
   bool operator==(const FixMeasurement&) const = default;
 };
@@ -23,6 +25,8 @@ struct HeadingMeasurement {
   TimeNs time_ns = 0;
   TimeNs stamp_ns = 0;
   double heading_world_rad = 0;
+  double std_rad = -1;    ///< negative: as learned
+  bool restarts = false;  ///< the user's word, for the fix that follows
 
   bool operator==(const HeadingMeasurement&) const = default;
 };
@@ -67,12 +71,16 @@ void for_each_field(IsFieldsOf<FixMeasurement> auto& fix, const auto& visit) {
   visit("quality_percent", fix.quality_percent);
   visit("has_covariance", fix.has_covariance);
   visit("covariance_world_m2", fix.covariance_world_m2);
+  visit("point_body_m", fix.point_body_m);
+  visit("restarts", fix.restarts);
 }
 
 void for_each_field(IsFieldsOf<HeadingMeasurement> auto& heading, const auto& visit) {
   visit("time_ns", heading.time_ns);
   visit("stamp_ns", heading.stamp_ns);
   visit("heading_world_rad", heading.heading_world_rad);
+  visit("std_rad", heading.std_rad);
+  visit("restarts", heading.restarts);
 }
 
 }  // namespace sonopose::estimation::kalman

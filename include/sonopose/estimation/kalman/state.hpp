@@ -66,6 +66,7 @@ struct FixGate {
   double quality_percent = -1;                   ///< quality of the last fix used; negative: unknown
   Vector3d rejected_world_m = Vector3d::Zero();  ///< latest rejected fix
   TimeNs rejected_ns = 0;                        ///< time of that fix
+  Vector3d point_body_m = Vector3d::Zero();      ///< located point of the latest fix
 
   bool operator==(const FixGate&) const = default;
 };
@@ -157,6 +158,7 @@ void for_each_field(IsFieldsOf<FixGate> auto& fixes, const auto& visit) {
   visit("quality_percent", fixes.quality_percent);
   visit("rejected_world_m", fixes.rejected_world_m);
   visit("rejected_ns", fixes.rejected_ns);
+  visit("point_body_m", fixes.point_body_m);
 }
 
 void for_each_field(IsFieldsOf<State> auto& state, const auto& visit) {

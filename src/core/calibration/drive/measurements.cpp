@@ -29,10 +29,11 @@ Measurements measurements_of(std::span<const Event> events, const settings::Sett
       if (!imu.angular_velocity_body_radps.allFinite() || !imu.specific_force_body_mps2.allFinite()) continue;
       log.imu.push_back(estimation::kalman::as_measurement(imu));
     } else if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
-      if (!fix->position_world_m.allFinite()) continue;
+      if (!fix->position_world_m.allFinite() || (fix->flags & ultrasonic_flag_set_pose) != 0) continue;
       log.fixes.push_back({fix->emission_time_ns, fix->position_world_m, fix->sequence});
     } else if (const auto* heading = std::get_if<PairHeading>(&event);
-               heading != nullptr && heading->valid && std::isfinite(heading->heading_world_rad)) {
+               heading != nullptr && heading->valid && (heading->flags & heading_flag_of_body) == 0 &&
+               std::isfinite(heading->heading_world_rad)) {
       log.headings.push_back({heading->emission_time_ns, heading->heading_world_rad, heading->sequence});
     }
   }

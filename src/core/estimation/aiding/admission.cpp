@@ -70,11 +70,25 @@ bool admits(const AdmissionSettings& settings, TimeNs now_ns, const TwistSample&
 
 std::uint32_t fix_rejection_flags(const AdmissionSettings& settings, TimeNs now_ns, const UltrasonicFix& fix,
                                   TimeNs measured_ns, double ahead_s) {
-  if (!within(fix.position_world_m, settings.max_position_m)) return fix_invalid;
+  if (!within(fix.position_world_m, settings.max_position_m) ||
+      !within(fix.point_body_m, settings.max_position_m)) {
+    return fix_invalid;
+  }
   if (is_too_late(settings, now_ns, measured_ns, fix.received_time_ns)) return fix_too_late;
   if (!is_recent(settings, now_ns, measured_ns, fix.received_time_ns, ahead_s)) return fix_invalid;
   const bool poor = fix.quality_percent && !(*fix.quality_percent >= settings.min_quality_percent);
   return poor ? std::uint32_t{fix_low_quality} : 0U;
+}
+
+Vector3d completed_position(const UltrasonicFix& fix, const Vector3d& estimated_world_m) {
+  constexpr double unknown_std_m = 50.0;
+  if ((fix.flags & ultrasonic_flag_set_pose) == 0 || !fix.covariance_world_m2) return fix.position_world_m;
+  Vector3d position_world_m = fix.position_world_m;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (fix.covariance_world_m2->std_dev(axis) >= unknown_std_m)
+      position_world_m[axis] = estimated_world_m[axis];
+  }
+  return position_world_m;
 }
 
 std::uint32_t rejection_flags(const AdmissionSettings& settings, AdmissionState& state, TimeNs now_ns,

@@ -1,7 +1,9 @@
 // Steps of the engine at a fix, in the order of the document; numbers are its items.
 
+#include <sonopose/estimation/aiding/admission.hpp>
 #include <sonopose/estimation/aiding/delay.hpp>
 #include <sonopose/estimation/documented/engine.hpp>
+#include <sonopose/geometry/rotation.hpp>
 #include <sonopose/samples/outputs.hpp>
 
 #include <cstdint>
@@ -9,15 +11,17 @@
 
 namespace sonopose::estimation::documented {
 
-FixReport Engine::correct(const UltrasonicFix& fix) noexcept {
+FixReport Engine::correct(const UltrasonicFix& measured) noexcept {
   finish_pending_work();
-  FixReport report = report_on(fix, state_.body.time_ns);
+  FixReport report = report_on(measured, state_.body.time_ns);
   report.trust = state_.trust.trust;
-  report.flags = reject(fix);  // 12
+  report.flags = reject(measured);  // 12
   if (report.flags != 0) {
     ++counters_.fixes_rejected;
     return report;
   }
+  UltrasonicFix fix = of_tracked_point(measured);
+  fix.position_world_m = aiding::admission::completed_position(fix, state_.body.position_world_m);
   startup::update(state_.startup, fix);
   TimedFix timed = delay::extrapolated(settings_.delay, state_.body, fix);  // 6
   report.shifted_position_world_m = timed.shifted_position_world_m;
@@ -43,12 +47,31 @@ std::uint32_t Engine::reject(const UltrasonicFix& fix) {
       aiding::admission::rejection_flags(settings_.admission, state_.admission, state_.body.time_ns, fix,
                                          aiding::measured_at(settings_.delay, fix));
   if (flags != 0) return flags;
-  if (is_default_position(fix)) return fix_outlier;
+  if ((fix.flags & ultrasonic_flag_set_pose) != 0) {
+    state_.outage.init_phase = InitPhase::no_position;
+    return 0;
+  }
+  // Two tags that rest return to their positions too.
+  if (fix.point_body_m.isZero(0.0) && is_default_position(fix)) return fix_outlier;
   const bool was_frozen = state_.frozen.frozen;
   if (frozen::update(settings_.frozen, state_.frozen, state_.body, fix)) return fix_frozen;
   // Repeated fixes before the detection have distorted the pose: this one initialises it.
   if (was_frozen) state_.outage.init_phase = InitPhase::no_position;
   return 0;
+}
+
+/// Moves a fix from its point of the body to the tracked one.
+UltrasonicFix Engine::of_tracked_point(const UltrasonicFix& fix) const {
+  if (fix.point_body_m.isZero(0.0)) return fix;
+  const Quaterniond q_now = state_.filter.orientation();
+  const double yaw_now_rad = heading::yaw_by_pair(settings_.heading, q_now);
+  const double yaw_then_rad =
+      state_.body.yaw_at(aiding::measured_at(settings_.delay, fix)).value_or(yaw_now_rad);
+  UltrasonicFix moved = fix;
+  moved.position_world_m -=
+      geometry::rotation_about_z(yaw_then_rad - yaw_now_rad) * (q_now * fix.point_body_m);
+  moved.point_body_m.setZero();
+  return moved;
 }
 
 /// Detects a position that the source reports when it has none. A pose that is there at the detection has

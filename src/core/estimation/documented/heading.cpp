@@ -47,7 +47,9 @@ void set_target(const HeadingSettings& settings, HeadingState& state, Kinematics
                 attitude::AnyFilter& filter, const PairHeading& heading, TimeNs measured_ns) {
   const Quaterniond q_body_to_world = filter.orientation();
   if (!heading.valid || !body.started() || !has_heading(axis_world(settings, q_body_to_world))) return;
-  const double yaw_measured_rad = heading.heading_world_rad - mount_rad(settings);
+  const bool of_body = (heading.flags & heading_flag_of_body) != 0;
+  const double yaw_measured_rad = heading.heading_world_rad - (of_body ? 0.0 : mount_rad(settings));
+  if ((heading.flags & heading_flag_set_pose) != 0) state.known = false;
   const double yaw_then_rad = body.yaw_at(measured_ns).value_or(yaw_by_pair(settings, q_body_to_world));
   const double error_rad = geometry::wrap_angle(yaw_measured_rad - yaw_then_rad);
   if (!state.known) turn(body, filter, error_rad);

@@ -30,12 +30,12 @@ StateColumns Filter::fix_columns(double ahead_s) const {
          covariance.middleCols<3>(at_lever_arm) * rotation.transpose();
 }
 
-FixJacobian Filter::fix_jacobian(double ahead_s) const {
+FixJacobian Filter::fix_jacobian(double ahead_s, const Vector3d& point_body_m) const {
   const Matrix3d rotation = q_body_to_world.toRotationMatrix();
   FixJacobian jacobian = FixJacobian::Zero();
   jacobian.middleCols<3>(at_position).setIdentity();
   jacobian.middleCols<3>(at_velocity) = ahead_s * Matrix3d::Identity();
-  jacobian.middleCols<3>(at_attitude) = rotation * geometry::cross_matrix(lever_arm_body_m);
+  jacobian.middleCols<3>(at_attitude) = rotation * geometry::cross_matrix(lever_arm_body_m - point_body_m);
   jacobian.middleCols<3>(at_lever_arm) = -rotation;
   return jacobian;
 }
@@ -64,7 +64,12 @@ Vector3d Filter::fix_delay_column(const Quaterniond& q_then, double ahead_s) con
 }
 
 Innovation Filter::fix_innovation(const Vector3d& fix_world_m, const Matrix3d& fix_covariance_m2,
-                                  double ahead_s) const {
+                                  double ahead_s, const Vector3d& point_body_m) const {
+  if (!point_body_m.isZero(0.0)) {
+    Filter at_point = *this;
+    at_point.lever_arm_body_m -= point_body_m;
+    return at_point.fix_innovation(fix_world_m, fix_covariance_m2, ahead_s);
+  }
   Innovation innovation;
   ahead_s -= delay_error_s;
   const Quaterniond q_then =

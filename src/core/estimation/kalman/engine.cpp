@@ -210,7 +210,13 @@ FixMeasurement Engine::measurement_in(const UltrasonicFix& fix) const {
   FixMeasurement measured{.time_ns = measured_at(fix),
                           .stamp_ns = stamp_or_none(fix.emission_time_ns),
                           .position_world_m = fix.position_world_m,
-                          .quality_percent = fix.quality_percent.value_or(-1.0)};
+                          .quality_percent = fix.quality_percent.value_or(-1.0),
+                          .point_body_m = fix.point_body_m,
+                          .restarts = (fix.flags & ultrasonic_flag_set_pose) != 0};
+  if (measured.restarts && state().phase != Phase::waiting) {
+    measured.position_world_m = aiding::admission::completed_position(
+        fix, last_position_world_m_ + state().filter().q_body_to_world * fix.point_body_m);
+  }
   if (fix.covariance_world_m2 && is_usable(*fix.covariance_world_m2)) {
     measured.has_covariance = true;
     constexpr double min_m2 = 1e-8;  // 0.1 mm: smaller numbers would no longer be positive
@@ -220,9 +226,15 @@ FixMeasurement Engine::measurement_in(const UltrasonicFix& fix) const {
 }
 
 HeadingMeasurement Engine::measurement_in(const PairHeading& heading) const {
+  constexpr double min_std_rad = 0.17 * geometry::radians_per_degree;  // as that which is learned
+  const bool of_body = (heading.flags & heading_flag_of_body) != 0;
   return {.time_ns = measured_at(heading),
           .stamp_ns = stamp_or_none(heading.emission_time_ns),
-          .heading_world_rad = heading.heading_world_rad};
+          .heading_world_rad =
+              heading.heading_world_rad +
+              (of_body ? settings_.heading.mount_offset_deg * geometry::radians_per_degree : 0.0),
+          .std_rad = heading.std_rad >= 0.0 ? std::max(heading.std_rad, min_std_rad) : -1.0,
+          .restarts = (heading.flags & heading_flag_set_pose) != 0};
 }
 
 template <class Sample>

@@ -65,8 +65,8 @@ void learn_noise(State& state, const JudgedFix& judged) {
   if (judged.fix.has_covariance || is_distrustful(state.bank.best().imu)) return;
   const Innovation& before = judged.innovation_of(state.bank, state.bank.best());
   state.noise.correlation.add(before.value_world_m, before.covariance_m2);
-  const Innovation after =
-      state.filter().fix_innovation(judged.fix.position_world_m, judged.covariance_m2, judged.ahead_s);
+  const Innovation after = state.filter().fix_innovation(judged.fix.position_world_m, judged.covariance_m2,
+                                                         judged.ahead_s, judged.fix.point_body_m);
   state.noise.add_fix(
       judged.fix.quality_percent, std::sqrt(state.noise.correlation.white_share()) * after.value_world_m,
       (after.covariance_m2 - judged.covariance_m2).diagonal(), stands_still(state, min_rest_fixes));
@@ -102,8 +102,8 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
                    .ahead_s = seconds_between(state.time_ns, fix.time_ns),
                    .innovations = {}};
   for (int i = 0; i < state.bank.size(); ++i) {
-    judged.innovations[static_cast<std::size_t>(i)] =
-        state.bank[i].filter.fix_innovation(fix.position_world_m, judged.covariance_m2, judged.ahead_s);
+    judged.innovations[static_cast<std::size_t>(i)] = state.bank[i].filter.fix_innovation(
+        fix.position_world_m, judged.covariance_m2, judged.ahead_s, fix.point_body_m);
   }
   const int judge = state.phase == Phase::searching_yaw ? nearest_start(state.bank, judged.innovations)
                                                         : state.bank.best_index;
@@ -172,7 +172,7 @@ void note_used(State& state, const FixMeasurement& fix) {
   gate.used_ns = fix.time_ns;
   gate.quality_percent = fix.quality_percent;
   state.last_zero_velocity_ns = std::max(state.last_zero_velocity_ns, fix.time_ns);
-  rest::add_fix(state.rest, fix.time_ns, fix.position_world_m);
+  rest::add_fix(state.rest, fix.time_ns, tracked_at(fix, state.filter()));
   if (Hypothesis* const former = state.bank.find(Track::former)) former->explained_in_row = 0;
   // The other track lives on rejected fixes alone.
   constexpr TimeNs idle_ns = 1'500'000'000;
@@ -186,24 +186,28 @@ FixOutcome State::on_fix(const settings::Settings& settings, const FixMeasuremen
   propagate();
   predict_if_silent(*this, settings, fix.time_ns);
   const bool has_started = phase != Phase::waiting;
-  if (default_position.add(fix.time_ns, fix.position_world_m)) {
+  // Several tags show neither a default nor a frozen position, nor the scatter of one.
+  const bool is_same_tag = !fix.restarts && fix.point_body_m == fixes.point_body_m;
+  if (!fix.restarts) fixes.point_body_m = fix.point_body_m;
+  if (is_same_tag && default_position.add(fix.time_ns, fix.position_world_m)) {
     // The estimate may have started at the default position.
     constexpr double near_m = 0.5;
     const bool is_there =
-        has_started && (filter().tracked_position_world_m() - fix.position_world_m).norm() < near_m;
+        has_started && (filter().tracked_position_world_m() - tracked_at(fix, filter())).norm() < near_m;
     if (fixes.since_start < proven_fixes && is_there) restart_pending = true;
     outcome.flags = fix_outlier;
     return outcome;
   }
-  noise.scatter.add(fix.time_ns, fix.position_world_m);
-  if (frozen_track.add(settings.frozen, imu.time_ns, fix.position_world_m,
+  if (is_same_tag) noise.scatter.add(fix.time_ns, fix.position_world_m);
+  if (is_same_tag &&
+      frozen_track.add(settings.frozen, imu.time_ns, fix.position_world_m,
                        has_started ? filter().tracked_velocity_world_mps() : Vector3d::Zero())) {
     bank.remove(Track::other);
     bank.remove(Track::turned);
     outcome.flags = fix_frozen;
     return outcome;
   }
-  if (!has_started || restart_pending) {
+  if (!has_started || restart_pending || fix.restarts) {
     const Vector3d before_m = has_started ? filter().tracked_position_world_m() : Vector3d::Zero();
     outcome = {.covariance_world_m2 = covariance_of(*this, fix),
                .weight = 1.0,

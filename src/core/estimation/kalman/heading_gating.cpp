@@ -51,13 +51,14 @@ void keep_heading(State& state, const settings::Settings& settings, const Headin
   state.headings.used_ns = heading.time_ns;
   state.headings.heading_world_rad =
       heading.heading_world_rad - (in_motion ? since_sample_s * yaw_rate_radps(state) : 0.0);
+  state.headings.std_rad = std::max(heading.std_rad, 0.0);
   state.headings.is_current = true;
 }
 
 /// Scores and corrects each start by a heading, and removes those that it contradicts.
 HeadingOutcome score_starts(State& state, const settings::Settings& settings,
                             const HeadingMeasurement& heading) {
-  const double variance = state.noise.heading_rad2.variance;
+  const double variance = variance_of(state, heading);
   HeadingOutcome outcome{.variance_rad2 = variance};
   for (Hypothesis& each : state.bank) {
     const auto innovation = heading_innovation(state, each.filter, settings, heading);
@@ -75,7 +76,7 @@ HeadingOutcome score_starts(State& state, const settings::Settings& settings,
 
 /// Uses or rejects a heading while tracking.
 HeadingOutcome judge(State& state, const settings::Settings& settings, const HeadingMeasurement& heading) {
-  const double variance = state.noise.heading_rad2.variance;
+  const double variance = variance_of(state, heading);
   HeadingOutcome outcome{.variance_rad2 = variance};
   const auto innovation = heading_innovation(state, state.filter(), settings, heading);
   if (!innovation.observable) return outcome;
@@ -126,6 +127,7 @@ HeadingOutcome judge(State& state, const settings::Settings& settings, const Hea
     const auto own = heading_innovation(state, each.filter, settings, heading);
     correct_by_heading(state, each.filter, settings, heading, scale_of(own) * variance);
   }
+  if (heading.std_rad >= 0.0) return outcome;
   const auto after = heading_innovation(state, state.filter(), settings, heading);
   state.noise.add_heading(after.value_rad, after.variance_rad2 - variance,
                           stands_still(state, min_rest_fixes));
@@ -134,11 +136,15 @@ HeadingOutcome judge(State& state, const settings::Settings& settings, const Hea
 
 }  // namespace
 
+double variance_of(const State& state, const HeadingMeasurement& heading) {
+  return heading.std_rad >= 0.0 ? square(heading.std_rad) : state.noise.heading_rad2.variance;
+}
+
 Filter::HeadingInnovation heading_innovation(const State& state, const Filter& filter,
                                              const settings::Settings& settings,
                                              const HeadingMeasurement& heading) {
   return filter.heading_innovation(heading.heading_world_rad, radians(settings.heading.mount_offset_deg),
-                                   state.noise.heading_rad2.variance,
+                                   variance_of(state, heading),
                                    seconds_between(state.time_ns, heading.time_ns));
 }
 
@@ -151,6 +157,7 @@ void correct_by_heading(const State& state, Filter& filter, const settings::Sett
 HeadingOutcome State::on_heading(const settings::Settings& settings, const HeadingMeasurement& heading) {
   headings.add(heading.time_ns);
   rest::add_heading(rest, heading.time_ns, heading.heading_world_rad);
+  if (heading.restarts && phase != Phase::waiting) restart_pending = true;
   if (phase == Phase::waiting || frozen_track.frozen || restart_pending) {
     keep_heading(*this, settings, heading);
     return {};

@@ -74,6 +74,10 @@ struct JudgedFix {
 };
 
 [[nodiscard]] Matrix3d covariance_of(const State& state, const FixMeasurement& fix);
+/// Position of the tracked point at a fix, by the attitude of this filter.
+[[nodiscard]] inline Vector3d tracked_at(const FixMeasurement& fix, const Filter& filter) {
+  return fix.position_world_m - filter.q_body_to_world * fix.point_body_m;
+}
 [[nodiscard]] bool stands_still(const State& state, int min_fixes);
 /// Rate of the body about the vertical.
 [[nodiscard]] double yaw_rate_radps(const State& state);
@@ -88,6 +92,8 @@ void prune_starts(State& state);
 void search_yaw_again(State& state);
 
 // Headings.
+/// Variance of the source, or the learned one.
+[[nodiscard]] double variance_of(const State& state, const HeadingMeasurement& heading);
 [[nodiscard]] Filter::HeadingInnovation heading_innovation(const State& state, const Filter& filter,
                                                            const settings::Settings& settings,
                                                            const HeadingMeasurement& heading);

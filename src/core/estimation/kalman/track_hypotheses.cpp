@@ -52,7 +52,7 @@ void begin_other_track(State& state, const JudgedFix& judged) {
   other.missed_in_row = other.headings = 0;
   other.began_ns = other.explained_ns = judged.fix.time_ns;
   Filter& f = other.filter;
-  f.position_world_m = judged.fix.position_world_m + f.q_body_to_world * f.lever_arm_body_m;
+  f.position_world_m = tracked_at(judged.fix, f) + f.q_body_to_world * f.lever_arm_body_m;
   f.decorrelate(at_position, 2.0 * judged.covariance_m2.diagonal());
   // The motion of the best filter did not explain the fixes. They may have drifted away before they returned;
   // its velocity is then that of the drift.
@@ -108,7 +108,7 @@ bool resume_former_track(State& state, const JudgedFix& judged) {
   constexpr double clear_sigmas = 10.0;
   const double std_m = std::sqrt(innovation.covariance_m2.diagonal().maxCoeff());
   const double sigmas =
-      (judged.fix.position_world_m - state.filter().tracked_position_world_m()).norm() / std_m;
+      (tracked_at(judged.fix, state.filter()) - state.filter().tracked_position_world_m()).norm() / std_m;
   if (!(innovation.squared_norm <= chi2_reject_threshold) || sigmas < min_sigmas) {
     former->explained_in_row = 0;
     return false;
@@ -132,7 +132,7 @@ Hypothesis* find_other_track(State& state) {
 
 void judge_rejected(State& state, const JudgedFix& judged, FixOutcome& outcome) {
   outcome.flags = fix_outlier;
-  state.fixes.rejected_world_m = judged.fix.position_world_m;
+  state.fixes.rejected_world_m = tracked_at(judged.fix, state.filter());
   state.fixes.rejected_ns = judged.fix.time_ns;
   if (!resume_former_track(state, judged)) {
     if (!other_track_explains(state, judged, outcome)) return;
@@ -186,7 +186,7 @@ void judge_turned_map(State& state, const settings::Settings& settings, const He
   constexpr double oldest_fix_s = 0.2;  // time over which the velocity moves it
   Hypothesis* const other = find_other_track(state);
   if (other == nullptr) return;
-  const double variance = state.noise.heading_rad2.variance;
+  const double variance = variance_of(state, heading);
   if (other->track == Track::turned) {
     const auto innovation = heading_innovation(state, other->filter, settings, heading);
     if (!innovation.observable) return;

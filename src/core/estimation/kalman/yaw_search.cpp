@@ -93,12 +93,17 @@ void start_at(State& state, const FixMeasurement& fix, const settings::Settings&
   start.position_world_m = fix.position_world_m + start.q_body_to_world * start.lever_arm_body_m;
   start.angular_velocity_body_radps = state.imu.rate_body_radps;
   search(state, start, up_body, yaw_rad, has_heading ? 1 : start_count);
+  const double heading_std_rad = std::max(radians(4.0), state.headings.std_rad);
   for (Hypothesis& each : state.bank) {
-    each.filter.add_yaw_variance(square(has_heading ? radians(4.0) : radians(15.0)));
+    each.filter.position_world_m -= each.filter.q_body_to_world * fix.point_body_m;
+    each.filter.add_yaw_variance(square(has_heading ? heading_std_rad : radians(15.0)));
   }
   state.restart_pending = false;
   state.last_zero_velocity_ns = fix.time_ns;
-  state.fixes = {.used_ns = fix.time_ns, .since_start = 1, .quality_percent = fix.quality_percent};
+  state.fixes = {.used_ns = fix.time_ns,
+                 .since_start = 1,
+                 .quality_percent = fix.quality_percent,
+                 .point_body_m = state.fixes.point_body_m};
   state.headings.accept();
   if (!has_heading) return;
   state.phase = Phase::tracking;

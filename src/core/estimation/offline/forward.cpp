@@ -87,7 +87,8 @@ ForwardState Forward::start(const Segment& segment) {
   filter.accel_bias_body_mps2 = segment.settled.accel_bias_body_mps2;
   filter.lever_arm_body_m = segment.settled.lever_arm_body_m;
   const auto fix = std::find_if(segment.fixes.begin(), segment.fixes.end(), is_used);
-  filter.position_world_m = fix->measured.position_world_m + filter.q_body_to_world * filter.lever_arm_body_m;
+  filter.position_world_m = fix->measured.position_world_m +
+                            filter.q_body_to_world * (filter.lever_arm_body_m - fix->measured.point_body_m);
   auto variances = filter.covariance.diagonal();
   variances.segment<3>(kalman::at_position).setConstant(square(unknown_position_std_m));
   variances.segment<3>(kalman::at_velocity).setConstant(square(unknown_velocity_std_mps));
@@ -177,14 +178,16 @@ void Forward::use(ForwardState& state, const JudgedFix& fix, std::vector<Operati
   Filter& filter = state.filter;
   if (fix.track_change) change_track(filter, *fix.track_change);
   const double ahead_s = seconds_between(state.time_ns, fix.measured.time_ns);
-  const kalman::Innovation innovation = filter.fix_innovation(
-      fix.measured.position_world_m, square(noise_.fix_scale) * fix.covariance_world_m2, ahead_s);
+  const kalman::Innovation innovation =
+      filter.fix_innovation(fix.measured.position_world_m, square(noise_.fix_scale) * fix.covariance_world_m2,
+                            ahead_s, fix.measured.point_body_m);
   constexpr double max_squared_norm = 16.0;  // a stray fix must not decide on the noise
   state.log_likelihood -=
       0.5 * (std::min(innovation.squared_norm, max_squared_norm) + innovation.log_determinant);
   if (operations != nullptr) {
-    operations->emplace_back(correction_of(filter.fix_jacobian(ahead_s), innovation.columns,
-                                           innovation.covariance_m2, innovation.value_world_m));
+    operations->emplace_back(correction_of(filter.fix_jacobian(ahead_s, fix.measured.point_body_m),
+                                           innovation.columns, innovation.covariance_m2,
+                                           innovation.value_world_m));
   }
   filter.correct_fix(innovation);
 }

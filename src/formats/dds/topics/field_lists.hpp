@@ -42,7 +42,8 @@ struct Pairs<UltrasonicFix> {
                                    field(&N::covariance_world_m2, &I::covariance, &I::covariance_valid),
                                    non_negative(&N::quality_percent, &I::quality),
                                    field(&N::measured_delay_s, &I::measured_delay, &I::measured_delay_valid),
-                                   field(&N::flags, &I::flags)};
+                                   field(&N::flags, &I::flags),
+                                   field(&N::point_body_m, &I::point)};
 };
 
 template <>
@@ -54,7 +55,9 @@ struct Pairs<PairHeading> {
                                    field(&N::emission_time_ns, &I::emission_time),
                                    field(&N::received_time_ns, &I::received_time),
                                    field(&N::heading_world_rad, &I::heading),
-                                   field(&N::valid, &I::valid)};
+                                   field(&N::valid, &I::valid),
+                                   field(&N::std_rad, &I::heading_std),
+                                   field(&N::flags, &I::flags)};
 };
 
 template <>
@@ -207,6 +210,9 @@ struct Pairs<FusionStatus> {
                                    field(&N::fixes_rejected, &I::fixes_rejected),
                                    field(&N::fixes_late, &I::fixes_late),
                                    field(&N::headings, &I::headings),
+                                   field(&N::velocities_used, &I::velocities_used),
+                                   field(&N::velocities_rejected, &I::velocities_rejected),
+                                   field(&N::velocities_unused, &I::velocities_unused),
                                    field(&N::events_lost, &I::events_lost),
                                    field(&N::events_duplicated, &I::events_duplicated),
                                    field(&N::samples_invalid, &I::samples_invalid),

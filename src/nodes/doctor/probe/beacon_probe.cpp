@@ -103,7 +103,7 @@ void BeaconProbe::on(const ImuSample& imu, const Arrival& arrival, std::uint64_t
 }
 
 void BeaconProbe::on(const UltrasonicFix& fix, const Arrival& arrival) {
-  sequences_.add(arrival.time_ns, fix.sequence);
+  if (fix.sequence != unnumbered) sequences_.add(arrival.time_ns, fix.sequence);
   if (!in_window()) return;
   fix_.count(arrival);
   pair_losses_.on_fix(arrival.time_ns);
@@ -113,11 +113,12 @@ void BeaconProbe::on(const UltrasonicFix& fix, const Arrival& arrival) {
 }
 
 void BeaconProbe::on(const PairHeading& heading, const Arrival& arrival) {
-  sequences_.add(arrival.time_ns, heading.sequence);
+  if (heading.sequence != unnumbered) sequences_.add(arrival.time_ns, heading.sequence);
   if (!in_window()) return;
   heading_.count(arrival);
   if (!heading.valid) return;
   ++valid_headings_;
+  if ((heading.flags & heading_flag_of_body) != 0U) return;  // says nothing about a pair or its mount
   pair_losses_.on_heading(arrival.time_ns);
   headings_.add(arrival.time_ns, heading);
 }

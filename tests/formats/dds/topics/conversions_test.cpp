@@ -31,7 +31,8 @@ TEST_CASE("Every field of every native type survives the conversion to IDL and b
   SECTION("ultrasonic fix") {
     UltrasonicFix sample;
     fill.all(sample.address, sample.sequence, sample.emission_time_ns, sample.received_time_ns,
-             sample.position_world_m, sample.covariance_world_m2, sample.measured_delay_s, sample.flags);
+             sample.position_world_m, sample.covariance_world_m2, sample.measured_delay_s, sample.flags,
+             sample.point_body_m);
     sample.quality_percent = 87.5;  // a float on the wire
     CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
     sample.covariance_world_m2.reset();
@@ -44,7 +45,7 @@ TEST_CASE("Every field of every native type survives the conversion to IDL and b
   SECTION("pair heading") {
     PairHeading sample;
     fill.all(sample.address, sample.sequence, sample.emission_time_ns, sample.received_time_ns,
-             sample.heading_world_rad, sample.valid);
+             sample.heading_world_rad, sample.valid, sample.std_rad, sample.flags);
     CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
   }
   SECTION("twist") {
@@ -134,7 +135,8 @@ TEST_CASE("Every field of every native type survives the conversion to IDL and b
     FusionStatus sample;
     fill.all(sample.address, sample.fusion_id, sample.time_ns, sample.strength, sample.imu_silent,
              sample.overloaded, sample.imu_samples, sample.fixes_used, sample.fixes_down_weighted,
-             sample.fixes_rejected, sample.fixes_late, sample.headings, sample.events_lost,
+             sample.fixes_rejected, sample.fixes_late, sample.headings, sample.velocities_used,
+             sample.velocities_rejected, sample.velocities_unused, sample.events_lost,
              sample.events_duplicated, sample.samples_invalid, sample.imu_gaps, sample.reset_counter,
              sample.imu_deadlines_missed, sample.fix_deadlines_missed, sample.heading_deadlines_missed,
              sample.bridge_losses, sample.poses_late, sample.poses_skipped, sample.pose_deadlines_missed,

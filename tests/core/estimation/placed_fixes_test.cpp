@@ -1,0 +1,189 @@
+/// Fixes of several tags, headings of the body with their own noise, and poses that the user sets.
+
+#include "sim/scenario.hpp"
+#include "sim/simulator.hpp"
+#include <sonopose/estimation/any_estimator.hpp>
+#include <sonopose/geometry/rotation.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace placed_fixes_test {
+
+using namespace sonopose;
+using estimation::AnyEstimator;
+using settings::EngineKind;
+
+settings::Settings settings_of(EngineKind engine) {
+  settings::Settings settings;
+  settings.engine.engine = engine;
+  return settings;
+}
+
+sim::Recording record(const char* scenario, double duration_s) {
+  return sim::record(sim::find_scenario(scenario), {.seed = 5, .duration_s = duration_s});
+}
+
+const TruthSample& truth_at(const sim::Recording& recording, TimeNs time_ns) {
+  const auto after = std::ranges::lower_bound(recording.truth, time_ns, {}, &TruthSample::time_ns);
+  return after == recording.truth.end() ? recording.truth.back() : *after;
+}
+
+double yaw_error_deg(const FusedPose& pose, const TruthSample& truth) {
+  return std::abs(geometry::wrap_angle(geometry::yaw_of(pose.q_body_to_world) -
+                                       geometry::yaw_of(truth.q_body_to_world))) /
+         geometry::radians_per_degree;
+}
+
+double error_m(const FusedPose& pose, const TruthSample& truth) {
+  return (pose.position_world_m - truth.position_world_m).norm();
+}
+
+/// Calls `on_pose(pose, seconds since the start)`.
+void run(AnyEstimator& engine, const sim::Recording& recording, const auto& on_event, const auto& on_pose) {
+  for (const Event& event : recording.events) {
+    Event changed = event;
+    if (!on_event(changed)) continue;
+    const auto result = estimation::process(engine, changed);
+    if (const auto* pose = std::get_if<FusedPose>(&result))
+      on_pose(*pose, seconds_between(recording.truth.front().time_ns, pose->time_ns));
+  }
+}
+
+SCENARIO("two tags on one body show its yaw before it moves") {
+  GIVEN("a walk with tags half a metre left and right of the IMU, without headings") {
+    const sim::Recording walk = record("walk", 30.0);
+    const auto engine_kind = GENERATE(EngineKind::kalman, EngineKind::documented);
+    AnyEstimator engine(settings_of(engine_kind));
+    int fixes = 0;
+    double worst_m = 0;
+    double yaw_at_rest_deg = 180;
+    bool yaw_is_known_at_rest = false;
+    run(
+        engine, walk,
+        [&](Event& event) {
+          if (std::holds_alternative<PairHeading>(event)) return false;
+          if (auto* const fix = std::get_if<UltrasonicFix>(&event)) {
+            fix->point_body_m = {0, ++fixes % 2 == 0 ? 0.5 : -0.5, 0.1};
+            fix->position_world_m +=
+                truth_at(walk, fix->emission_time_ns).q_body_to_world * fix->point_body_m;
+          }
+          return true;
+        },
+        [&](const FusedPose& pose, double time_s) {
+          const TruthSample& truth = truth_at(walk, pose.time_ns);
+          if (time_s < 2.5 && truth.velocity_world_mps.norm() < 0.01) {
+            yaw_at_rest_deg = yaw_error_deg(pose, truth);
+            yaw_is_known_at_rest = (pose.status & status_heading_unknown) == 0;
+          }
+          if (time_s > 8) worst_m = std::max(worst_m, error_m(pose, truth));
+        });
+    THEN("the Kalman engine knows the yaw at rest, and neither engine takes one tag for the other") {
+      CHECK(engine.counters().fixes_rejected <= 10);
+      CHECK(worst_m < (engine_kind == EngineKind::kalman ? 0.1 : 0.3));
+      if (engine_kind == EngineKind::kalman) {
+        CHECK(yaw_is_known_at_rest);
+        CHECK(yaw_at_rest_deg < 5.0);
+      }
+    }
+  }
+}
+
+SCENARIO("a heading of the body has a noise of its own and no mount offset") {
+  GIVEN("a walk with headings of the body, and a pair that is mounted at 90°") {
+    const sim::Recording walk = record("walk", 12.0);
+    const auto engine_kind = GENERATE(EngineKind::kalman, EngineKind::documented);
+    settings::Settings settings = settings_of(engine_kind);
+    settings.heading.mount_offset_deg = 90;
+    const auto last_pose = [&](double std_deg) {
+      AnyEstimator engine(settings);
+      FusedPose last;
+      run(
+          engine, walk,
+          [&](Event& event) {
+            if (auto* const heading = std::get_if<PairHeading>(&event)) {
+              heading->flags = heading_flag_of_body;
+              heading->std_rad = std_deg * geometry::radians_per_degree;
+              heading->heading_world_rad =
+                  geometry::yaw_of(truth_at(walk, heading->emission_time_ns).q_body_to_world);
+            }
+            return true;
+          },
+          [&](const FusedPose& pose, double time_s) {
+            if (time_s < 3.0) last = pose;  // it rests: motion shows nothing
+          });
+      return last;
+    };
+    const FusedPose certain = last_pose(1.0);
+    const FusedPose uncertain = last_pose(30.0);
+    THEN("the yaw is that of the heading") {
+      CHECK(yaw_error_deg(certain, truth_at(walk, certain.time_ns)) < 3.0);
+    }
+    THEN("the Kalman engine's own deviation follows that of the headings") {
+      if (engine_kind == EngineKind::kalman) {
+        CHECK(yaw_std_rad(certain) < 2.0 * geometry::radians_per_degree);
+        CHECK(yaw_std_rad(uncertain) > 4.0 * geometry::radians_per_degree);
+      }
+    }
+  }
+}
+
+SCENARIO("the estimate starts again at a pose that the user sets") {
+  GIVEN("a walk whose fixes and headings end after 15 s") {
+    const sim::Recording walk = record("walk", 25.0);
+    const auto engine_kind = GENERATE(EngineKind::kalman, EngineKind::documented);
+    AnyEstimator engine(settings_of(engine_kind));
+    FusedPose last;
+    run(
+        engine, walk,
+        [&](const Event& event) {
+          return std::holds_alternative<ImuSample>(event) ||
+                 seconds_between(walk.truth.front().time_ns, available_at_ns(event)) < 15.0;
+        },
+        [&](const FusedPose& pose, double /*time_s*/) { last = pose; });
+    const TruthSample& truth = truth_at(walk, last.time_ns);
+    const std::uint32_t resets = last.reset_counter;
+    const Vector3d bias_radps = last.gyro_bias_body_radps;
+    WHEN("a pose 20 m away and turned by 120° is set, of a point 0.3 m ahead of the IMU") {
+      constexpr double yaw_rad = 2.0;
+      PairHeading heading{.address = last.address,
+                          .emission_time_ns = last.time_ns - 1'000'000,
+                          .received_time_ns = last.time_ns - 1'000'000,
+                          .heading_world_rad = yaw_rad,
+                          .valid = true,
+                          .std_rad = 0.1,
+                          .flags = heading_flag_of_body | heading_flag_set_pose};
+      UltrasonicFix fix;
+      fix.address = last.address;
+      fix.emission_time_ns = fix.received_time_ns = last.time_ns;
+      fix.measured_delay_s = 0;
+      fix.flags = ultrasonic_flag_set_pose;
+      fix.position_world_m = truth.position_world_m + Vector3d(20, 0, 0);
+      fix.covariance_world_m2 = Covariance<3>::from_matrix(0.01 * Eigen::Matrix3d::Identity());
+      fix.point_body_m = {0.3, 0, 0};
+      engine.correct(heading);
+      const FixReport report = engine.correct(fix);
+      ImuSample next;
+      for (const Event& event : walk.events) {
+        if (const auto* imu = std::get_if<ImuSample>(&event)) next = *imu;
+      }
+      next.sensor_time_ns = last.time_ns + 10'000'000;
+      const auto pose = engine.predict(next);
+      THEN("the next pose is there, with the biases that were learned and without a reset") {
+        CHECK((report.flags & fix_used) != 0);
+        REQUIRE(pose);
+        const Vector3d expected_m =
+            fix.position_world_m - Vector3d(0.3 * std::cos(yaw_rad), 0.3 * std::sin(yaw_rad), 0);
+        CHECK((pose->position_world_m - expected_m).norm() < 0.15);
+        CHECK(std::abs(geometry::wrap_angle(geometry::yaw_of(pose->q_body_to_world) - yaw_rad)) < 0.1);
+        CHECK(pose->reset_counter == resets);
+        CHECK((pose->gyro_bias_body_radps - bias_radps).norm() < 1e-6);
+      }
+    }
+  }
+}
+
+}  // namespace placed_fixes_test
