@@ -31,7 +31,7 @@ int serve(const ros2::arguments::Arguments& arguments, apps::Ros2Program& progra
   const auto level = apps::log_level(arguments, options.names.node(), program);
   const logging::Session log(ros2::relay::process_level(level));
   options.rosout = arguments.rosout;
-  if (!options.inputs.empty() || !options.twist_inputs.empty()) apps::check_publisher(program.bus);
+  if (!options.inputs.empty() || !options.aiding_inputs.empty()) apps::check_publisher(program.bus);
   process::StopSignal stop;
   stop.listen_to_signals();
   if (!apps::wait_for_network(options.domain, stop)) return 0;

@@ -1,12 +1,16 @@
 // Conversion and validation of the command line. Each error names its option.
 
+#include "files/toml/toml_leaves.hpp"
 #include "logging/log.hpp"
 #include "ros2_options.hpp"
 #include <sonopose/ros2/messages/beacon_topics.hpp>
 
 #include <fmt/format.h>
 
+#include <array>
 #include <stdexcept>
+#include <utility>
+#include <variant>
 
 namespace sonopose::apps {
 namespace {
@@ -73,6 +77,64 @@ std::optional<ros2::Distro> select_distro(const Ros2Options& options, const ros2
   return found.distro;
 }
 
+/// Reads the wheels of a differential drive. Throws files::IoError with file, line and key.
+ros2::Wheels read_wheels(const std::string& file) {
+  ros2::Wheels wheels;
+  for (const files::toml::Leaf& leaf : files::toml::read_leaves(file)) {
+    const auto fail = [&](const std::string& why) {
+      throw files::IoError(fmt::format("{}:{}: {} {}", file, leaf.line, leaf.key, why));
+    };
+    const bool is_joints = leaf.key == "left_joints" || leaf.key == "right_joints";
+    if (is_joints) {
+      const auto* words = std::get_if<files::toml::Words>(&leaf.value);
+      if (words == nullptr || words->empty()) fail("must be a list of joints, as [\"left_wheel_joint\"]");
+      (leaf.key == "left_joints" ? wheels.left_joints : wheels.right_joints) = *words;
+    } else if (leaf.key == "radius_m" || leaf.key == "track_m") {
+      const auto* whole = std::get_if<std::int64_t>(&leaf.value);
+      const auto* real = std::get_if<double>(&leaf.value);
+      const double value_m = real != nullptr ? *real : whole != nullptr ? static_cast<double>(*whole) : -1.0;
+      if (!(value_m > 0.0 && value_m <= 100.0)) fail("must be a number above 0 and up to 100 m");
+      (leaf.key == "radius_m" ? wheels.radius_m : wheels.track_m) = value_m;
+    } else {
+      fail("is unknown; keys are left_joints, right_joints, radius_m, track_m");
+    }
+  }
+  const char* const missing = wheels.left_joints.empty()    ? "left_joints"
+                              : wheels.right_joints.empty() ? "right_joints"
+                              : wheels.radius_m == 0.0      ? "radius_m"
+                              : wheels.track_m == 0.0       ? "track_m"
+                                                            : nullptr;
+  if (missing != nullptr) throw files::IoError(fmt::format("{}: {} is missing", file, missing));
+  return wheels;
+}
+
+void add_aiding_inputs(const Ros2Options& options, ros2::relay::RelayOptions& relay) {
+  using ros2::relay::AidingInput;
+  using Kind = AidingInput::Kind;
+  const std::array<std::pair<Kind, const std::vector<std::string>*>, 6> given{
+      {{Kind::odometry, &options.odom_in},
+       {Kind::twist, &options.twist_in},
+       {Kind::wheels, &options.wheel_in},
+       {Kind::heading, &options.heading_in},
+       {Kind::pose, &options.pose_in},
+       {Kind::set_pose, &options.set_pose_in}}};
+  if (options.wheels.has_value() == options.wheel_in.empty()) {
+    throw std::invalid_argument("--wheel-in and --wheels need each other");
+  }
+  for (const auto& [kind, texts] : given) {
+    for (const std::string& text : *texts) relay.aiding_inputs.push_back(AidingInput::parse(kind, text));
+  }
+  for (AidingInput& input : relay.aiding_inputs) {
+    if (input.kind == Kind::wheels) input.wheels = read_wheels(*options.wheels);
+  }
+  check(relay.aiding_inputs);
+  if (!relay.output.mount_from_tf) return;
+  for (const AidingInput& input : relay.aiding_inputs) {
+    throw std::invalid_argument(fmt::format("{} needs the mount at the start: --mount, not --mount-from-tf",
+                                            option_name(input.kind)));
+  }
+}
+
 }  // namespace
 
 ros2::NodeName node_name(const Ros2Options& options) {
@@ -91,7 +153,7 @@ ros2::relay::RelayOptions relay_options(const Ros2Options& options, const ros2::
                                   .max_beacons = options.max_beacons,
                                   .output = options.output,
                                   .inputs = {},
-                                  .twist_inputs = {},
+                                  .aiding_inputs = {},
                                   .services = options.services,
                                   .startup_settings = {}};
   relay.output.mount = with_option("--mount", [&] { return ros2::mount_at(options.mount); });
@@ -105,14 +167,7 @@ ros2::relay::RelayOptions relay_options(const Ros2Options& options, const ros2::
   for (auto& input : relay.inputs) input.imu_meaning = options.imu_meaning.value_or(input.imu_meaning);
   for (const auto& text : options.fix_in) relay.inputs.push_back(ros2::relay::Input::parse(Kind::fix, text));
   check(relay.inputs);
-  using ros2::relay::TwistInput;
-  for (const auto& text : options.odom_in) relay.twist_inputs.push_back(TwistInput::parse_odometry(text));
-  for (const auto& text : options.twist_in) relay.twist_inputs.push_back(TwistInput::parse_twist(text));
-  check(relay.twist_inputs);
-  if (!relay.twist_inputs.empty() && relay.output.mount_from_tf) {
-    throw std::invalid_argument(
-        "--odom-in and --twist-in need the mount at the start: --mount, not --mount-from-tf");
-  }
+  add_aiding_inputs(options, relay);
   relay.use_sim_time = options.use_sim_time;
   if (options.imu_meaning && options.imu_in.empty()) {
     throw std::invalid_argument("--imu-meaning only works with --imu-in");

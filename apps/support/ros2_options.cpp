@@ -131,6 +131,33 @@ void add_message_options(CLI::App& app, Ros2Options& options) {
             "Standard deviation of roll and pitch, deg");
 }
 
+void add_aiding_options(CLI::App& app, Ros2Options& options) {
+  const auto add = [&](const char* name, std::vector<std::string>& values, bool has_types, const char* what) {
+    app.add_option(name, values, what)
+        ->type_name(has_types ? "TOPIC[:TYPE]=ADDRESS" : "TOPIC=ADDRESS")
+        ->group("From ROS 2");
+  };
+  add("--odom-in", options.odom_in, false,
+      "Use the twist of nav_msgs/Odometry (wheels) as velocities of a beacon: /odom=7");
+  add("--twist-in", options.twist_in, true,
+      "Use TwistWithCovarianceStamped, or TwistStamped, likewise: /wheel/twist:TwistStamped=7");
+  add("--wheel-in", options.wheel_in, false,
+      "Use the wheel speeds of sensor_msgs/JointState likewise, with --wheels: /joint_states=7");
+  app.add_option("--wheels", options.wheels,
+                 "File with the joints of a differential drive, radius_m and track_m, for --wheel-in")
+      ->type_name("FILE")
+      ->group("From ROS 2");
+  add("--heading-in", options.heading_in, true,
+      "Use the orientation of sensor_msgs/Imu, PoseWithCovarianceStamped, or Float64 (degrees) as headings "
+      "of "
+      "a beacon: /compass=7, /yaw:Float64=7");
+  add("--pose-in", options.pose_in, true,
+      "Use PoseWithCovarianceStamped, PoseStamped or Odometry as fixes and headings of a beacon: "
+      "/vision/odom:Odometry=7");
+  add("--set-pose-in", options.set_pose_in, false,
+      "Start the estimate of a beacon again at each PoseWithCovarianceStamped, as of RViz: /initialpose=7");
+}
+
 void add_input_options(CLI::App& app, Ros2Options& options) {
   const char* const group = "From ROS 2";
   app.add_option("--imu-in", options.imu_in,
@@ -145,17 +172,11 @@ void add_input_options(CLI::App& app, Ros2Options& options) {
   app.add_option(
          "--fix-in", options.fix_in,
          "Use PointStamped or PoseWithCovarianceStamped as the fixes of a beacon: /tag/pose=7; the type is "
-         "that of the topic's first publisher, or TYPE")
-      ->type_name("TOPIC[:TYPE]=ADDRESS")
+         "that of the topic's first publisher, or TYPE. PLACE is the tag's on the robot, a frame of tf or "
+         "x,y,z (m): several tags of one beacon need it")
+      ->type_name("TOPIC[:TYPE]=ADDRESS[@PLACE]")
       ->group(group);
-  app.add_option("--odom-in", options.odom_in,
-                 "Use the twist of nav_msgs/Odometry (wheels) as velocities of a beacon: /odom=7")
-      ->type_name("TOPIC=ADDRESS")
-      ->group(group);
-  app.add_option("--twist-in", options.twist_in,
-                 "Use TwistWithCovarianceStamped, or TwistStamped, likewise: /wheel/twist:TwistStamped=7")
-      ->type_name("TOPIC[:TYPE]=ADDRESS")
-      ->group(group);
+  add_aiding_options(app, options);
 }
 
 /// Describes a different default: other programs use loopback, the relay the network of the ROS 2 nodes.

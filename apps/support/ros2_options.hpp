@@ -26,6 +26,11 @@ struct Ros2Options {
   std::vector<std::string> fix_in;
   std::vector<std::string> odom_in;
   std::vector<std::string> twist_in;
+  std::vector<std::string> wheel_in;
+  std::optional<std::string> wheels;
+  std::vector<std::string> heading_in;
+  std::vector<std::string> pose_in;
+  std::vector<std::string> set_pose_in;
   std::optional<ImuMeaning> imu_meaning;
   bool use_sim_time = false;
   ros2::relay::ServicesMode services = ros2::relay::ServicesMode::automatic;

@@ -10,6 +10,7 @@
 #include <sonopose/idl/ros2/rmw_dds_common_humble.h>
 #include <sonopose/idl/ros2/rosgraph_msgs.h>
 #include <sonopose/idl/ros2/sensor_msgs.h>
+#include <sonopose/idl/ros2/std_msgs.h>
 #include <sonopose/idl/ros2/tf2_msgs.h>
 
 namespace sonopose::ros2 {
@@ -28,6 +29,8 @@ using TwistStamped = geometry_msgs_msg_dds__TwistStamped_;
 using TwistWithCovarianceStamped = geometry_msgs_msg_dds__TwistWithCovarianceStamped_;
 using TransformStamped = geometry_msgs_msg_dds__TransformStamped_;
 using Imu = sensor_msgs_msg_dds__Imu_;
+using Float64 = std_msgs_msg_dds__Float64_;
+using JointState = sensor_msgs_msg_dds__JointState_;
 using MagneticField = sensor_msgs_msg_dds__MagneticField_;
 using Odometry = nav_msgs_msg_dds__Odometry_;
 using Path = nav_msgs_msg_dds__Path_;
@@ -79,6 +82,21 @@ struct TopicTraits<ros2::Imu> {
 template <>
 struct TopicTraits<ros2::MagneticField> {
   static const dds_topic_descriptor_t& descriptor() { return sensor_msgs_msg_dds__MagneticField__desc; }
+};
+
+template <>
+struct TopicTraits<ros2::Float64> {
+  static const dds_topic_descriptor_t& descriptor() { return std_msgs_msg_dds__Float64__desc; }
+};
+
+template <>
+struct TopicTraits<ros2::JointState> {
+  static const dds_topic_descriptor_t& descriptor() { return sensor_msgs_msg_dds__JointState__desc; }
+};
+
+template <>
+struct TopicTraits<ros2::PoseStamped> {
+  static const dds_topic_descriptor_t& descriptor() { return geometry_msgs_msg_dds__PoseStamped__desc; }
 };
 
 template <>

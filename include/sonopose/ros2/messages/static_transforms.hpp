@@ -28,11 +28,16 @@ public:
   /// Pose of `child` in `parent`, over any number of frames in between; empty if they are not connected.
   std::optional<Transform> find(const std::string& parent, const std::string& child) const;
 
+  /// Pose of `frame` in another one of the same tree, in whatever direction; empty if they are not connected.
+  std::optional<Transform> between(const std::string& in, const std::string& frame) const;
+
 private:
   struct Edge {
     std::string parent;
     Transform child_in_parent;
   };
+  std::string root_of(std::string frame) const;
+
   std::map<std::string, Edge> edges_;  ///< edges by child frame
 };
 

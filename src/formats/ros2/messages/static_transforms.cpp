@@ -47,4 +47,22 @@ std::optional<Transform> StaticTransforms::find(const std::string& parent, const
   return found;
 }
 
+/// The frame without a parent above this one.
+std::string StaticTransforms::root_of(std::string frame) const {
+  auto edge = edges_.find(frame);
+  for (std::size_t steps = 0; edge != edges_.end() && steps < edges_.size(); ++steps) {
+    frame = edge->second.parent;
+    edge = edges_.find(frame);
+  }
+  return frame;
+}
+
+std::optional<Transform> StaticTransforms::between(const std::string& in, const std::string& frame) const {
+  const std::string root = root_of(in);
+  const auto in_root = find(root, in);
+  const auto frame_in_root = find(root, frame);
+  if (!in_root || !frame_in_root) return std::nullopt;
+  return inverse_of(*in_root) * *frame_in_root;
+}
+
 }  // namespace sonopose::ros2

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 namespace sonopose::ros2 {
 namespace {
@@ -73,6 +75,20 @@ std::optional<TwistSample> sample_of(const Header& header, const BaseTwist& base
   return twist;
 }
 
+/// Mean speed of joints; NaN unless the message has all of them.
+double mean_speed_radps(const JointState& state, const std::vector<std::string>& joints) {
+  double sum_radps = 0;
+  for (const std::string& joint : joints) {
+    std::uint32_t i = 0;
+    while (i < state.name._length && joint != state.name._buffer[i]) ++i;
+    if (i >= std::min(state.name._length, state.velocity._length)) {
+      return std::numeric_limits<double>::quiet_NaN();
+    }
+    sum_radps += state.velocity._buffer[i];
+  }
+  return sum_radps / static_cast<double>(joints.size());
+}
+
 }  // namespace
 
 std::optional<TwistSample> twist_sample(const Odometry& odometry, BeaconAddress address, const Mount& mount,
@@ -88,6 +104,17 @@ std::optional<TwistSample> twist_sample(const TwistWithCovarianceStamped& twist,
 std::optional<TwistSample> twist_sample(const TwistStamped& twist, BeaconAddress address, const Mount& mount,
                                         TimeNs received_ns) {
   return sample_of(twist.header, base_twist(twist.twist), address, mount, received_ns);
+}
+
+std::optional<TwistSample> twist_sample(const JointState& joints, const Wheels& wheels, BeaconAddress address,
+                                        const Mount& mount, TimeNs received_ns) {
+  const double left_mps = wheels.radius_m * mean_speed_radps(joints, wheels.left_joints);
+  const double right_mps = wheels.radius_m * mean_speed_radps(joints, wheels.right_joints);
+  BaseTwist base;
+  base.velocity_mps.x() = 0.5 * (left_mps + right_mps);
+  base.angular_velocity_radps.z() = (right_mps - left_mps) / wheels.track_m;
+  base.is_measured = {true, false, false};
+  return sample_of(joints.header, base, address, mount, received_ns);
 }
 
 }  // namespace sonopose::ros2

@@ -107,6 +107,10 @@ const char* InputMonitor::samples_text() const {
       return "fixes";
     case Input::Kind::twist:
       return "velocities";
+    case Input::Kind::heading:
+      return "headings";
+    case Input::Kind::pose:
+      return "poses";
   }
   return "";
 }
@@ -119,6 +123,10 @@ std::string InputMonitor::lost_text(std::uint64_t count) const {
       return count_text(count, "fix", "fixes");
     case Input::Kind::twist:
       return count_text(count, "velocity", "velocities");
+    case Input::Kind::heading:
+      return count_text(count, "heading");
+    case Input::Kind::pose:
+      return count_text(count, "pose");
   }
   return {};
 }
@@ -130,6 +138,15 @@ void InputMonitor::on_notice(Notice notice, const std::function<std::string()>& 
                                         text_of(notice, text));
                    },
                    notice == Notice::joined ? logging::Level::info : logging::Level::warning});
+}
+
+void InputMonitor::on_unused(const std::string& why, Lines& lines) {
+  constexpr std::size_t max_reasons = 8;
+  if (unused_.size() == max_reasons || !unused_.insert(why).second) return;
+  lines.push_back({[this, why] {
+    return fmt::format("beacon {}: {} has {} that are not used as they are: {}", input_.address, input_.topic,
+                       samples_text(), why);
+  }});
 }
 
 std::string InputMonitor::text_of(Notice notice, const std::string& detail) const {
@@ -153,9 +170,6 @@ std::string InputMonitor::text_of(Notice notice, const std::string& detail) cons
       return fmt::format("has an unusable covariance, which counts as unknown: {}", detail);
     case Notice::repeats:
       return "repeats its last position: each one is used once";
-    case Notice::no_twist:
-      return "has velocities that are not used: a value or stamp is invalid, no axis is measured, or not all "
-             "three are and the mount is oblique";
   }
   return {};
 }
@@ -182,6 +196,8 @@ std::string InputMonitor::cause(const InputEndpoints& endpoints, bool is_partial
       return fmt::format("there is no publisher of PointStamped or PoseWithCovarianceStamped on {}",
                          input_.topic);
     case Input::Kind::twist:
+    case Input::Kind::heading:
+    case Input::Kind::pose:
       return fmt::format("there is no publisher of its type on {}", input_.topic);
   }
   return {};

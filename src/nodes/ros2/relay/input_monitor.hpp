@@ -54,12 +54,14 @@ public:
     joined,      ///< samples of accelerometer and gyroscope are joined
     second_imu,  ///< another topic of this beacon has complete samples
     covariance,  ///< a covariance is unusable
-    repeats,     ///< positions come again
-    no_twist     ///< velocities are unusable
+    repeats      ///< positions come again
   };
 
   /// Adds a line about a notice, the first time. `detail`: the cause, or the other topic.
   void on_notice(Notice notice, const std::function<std::string()>& detail, Lines& lines);
+
+  /// Adds a line about what is not used, once for each of the first few reasons.
+  void on_unused(const std::string& why, Lines& lines);
 
   /// Adds lines for the start of a silence, with its probable cause, for its end, and, at most once per
   /// second, for losses. Call it many times per second.
@@ -92,6 +94,7 @@ private:
   std::optional<std::string> expected_frame_;
   std::vector<std::string> unexpected_frames_;
   std::set<Notice> noticed_;
+  std::set<std::string> unused_;
 };
 
 /// Minimum of host time − sender's time (s) over the last second. It excludes the varying part of the

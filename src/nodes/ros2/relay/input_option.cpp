@@ -6,6 +6,7 @@
 
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -42,12 +43,50 @@ std::optional<FixType> parse_fix_type(std::string_view text) {
   return std::nullopt;
 }
 
+/// Parses "0.2,0,0.5". Empty for anything else.
+std::optional<Vector3d> parse_place(std::string_view text) {
+  constexpr double max_m = 1000;
+  Vector3d place_m;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto [rest, error] = std::from_chars(at, end, place_m[axis]);
+    if (error != std::errc() || !(std::abs(place_m[axis]) <= max_m)) return std::nullopt;
+    at = rest;
+    if (axis < 2 && (at == end || *at++ != ',')) return std::nullopt;
+  }
+  return at == end ? std::optional(place_m) : std::nullopt;
+}
+
+/// Removes "@tag_link" from "/tag/pose=7@tag_link" and stores it.
+std::string_view take_place(std::string_view text, Input& input) {
+  const std::size_t equals = text.rfind('=');
+  const std::size_t at = equals == std::string_view::npos ? equals : text.find('@', equals);
+  if (at == std::string_view::npos) return text;
+  const std::string_view place = text.substr(at + 1);
+  input.tag_base_m = parse_place(place);
+  if (!input.tag_base_m) input.tag_frame = place;
+  if (place.empty() || (!input.tag_base_m && place.find(',') != std::string_view::npos)) {
+    throw std::invalid_argument(
+        fmt::format("{} {}: '{}' is neither a frame nor a place x,y,z on the base within 1000 m",
+                    option_name(input.kind), text, place));
+  }
+  return text.substr(0, at);
+}
+
+bool has_place(const Input& input) {
+  return input.tag_base_m || !input.tag_frame.empty();
+}
+
 void check_pair(const Input& one, const Input& other) {
   if (one.kind != other.kind || one.address != other.address) return;
   if (one.kind == Input::Kind::imu && one.topic != other.topic) return;  // accelerometer and gyroscope
-  throw std::invalid_argument(fmt::format("{} and {}: beacon {} can have only one source of {}", text_of(one),
-                                          text_of(other), one.address,
-                                          one.kind == Input::Kind::imu ? "IMU samples" : "fixes"));
+  if (one.kind == Input::Kind::fix && one.topic != other.topic && (has_place(one) || has_place(other)))
+    return;
+  throw std::invalid_argument(fmt::format(
+      "{} and {}: beacon {} can have only one source of {}", text_of(one), text_of(other), one.address,
+      one.kind == Input::Kind::imu ? "IMU samples"
+                                   : "fixes, unless its tags have places: /tag/pose=7@tag_link"));
 }
 
 }  // namespace
@@ -91,8 +130,12 @@ TopicOfBeacon parse_topic(std::string_view option, std::string_view text, std::s
 }
 
 Input Input::parse(Kind kind, std::string_view text) {
+  Input input;
+  input.kind = kind;
+  if (kind == Kind::fix) text = take_place(text, input);
   TopicOfBeacon of = parse_topic(option_name(kind), text, "/imu/data=7");
-  Input input{.kind = kind, .topic = std::move(of.topic), .address = of.address};
+  input.topic = std::move(of.topic);
+  input.address = of.address;
   const std::size_t colon = input.topic.find(':');
   if (kind == Kind::fix && colon != std::string::npos) {
     input.fix_type = parse_fix_type(std::string_view(input.topic).substr(colon + 1));

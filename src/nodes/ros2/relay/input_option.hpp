@@ -17,14 +17,18 @@ enum class FixType : std::uint8_t { point, pose };
 
 /// One input topic, and the address of its beacon.
 struct Input {
-  enum class Kind : std::uint8_t { imu, fix, twist };
+  enum class Kind : std::uint8_t { imu, fix, twist, heading, pose };
   Kind kind = Kind::imu;
   std::string topic;
   BeaconAddress address = 0;
   ImuMeaning imu_meaning = ImuMeaning::unknown;  ///< not defined by sensor_msgs/Imu
   std::optional<FixType> fix_type = {};          ///< empty: type of the topic's first publisher
+  std::string tag_frame = {};                    ///< frame of the located point; empty: `tag_base_m`
+  std::optional<Vector3d> tag_base_m = {};       ///< its place on the base; empty: it is the tracked point
 
-  /// Parses "/imu/data=7", or for a fix also "/tag/pose:PointStamped=7". Throws std::invalid_argument.
+  /// Parses "/imu/data=7", or for a fix also "/tag/pose:PointStamped=7", "/tag/pose=7@tag_link" with the
+  /// frame of the tag and "/tag/pose=7@0.2,0,0.5" with its place on the base (m). Throws
+  /// std::invalid_argument.
   static Input parse(Kind kind, std::string_view text);
 };
 
@@ -46,8 +50,9 @@ std::string message_type_of(const Input& input);
 /// Type of fixes with this DDS name; empty for any other type.
 std::optional<FixType> fix_type_named(std::string_view dds_type_name);
 
-/// Throws std::invalid_argument for two topics of fixes of one beacon, whose samples would be mixed. A beacon
-/// may have two topics of IMU samples, one of its accelerometer and one of its gyroscope.
+/// Throws std::invalid_argument for two topics of fixes of one beacon, unless their tags have places of their
+/// own: only one may be at the tracked point. A beacon may have two topics of IMU samples, one of its
+/// accelerometer and one of its gyroscope.
 void check(const std::vector<Input>& inputs);
 
 }  // namespace sonopose::ros2::relay

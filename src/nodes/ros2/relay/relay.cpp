@@ -94,6 +94,7 @@ private:
   void publish_mounts();
   void take_over_mounts();
   void serve(const process::StopSignal& stop, const std::atomic<bool>& failed);
+  InputFrames input_frames();
   void bridge_while(const std::function<void()>& serve, std::atomic<bool>& failed);
   void serve_parameters(const std::stop_token& end, const process::StopSignal& stop);
 
@@ -133,6 +134,7 @@ private:
   dds::DataReader<ros2::TFMessage> tf_reader_;
   std::unique_ptr<MountFinder> mount_finder_;      ///< null if the mount is known
   std::unique_ptr<ForeignMounts> foreign_mounts_;  ///< null unless this node publishes the mount
+  std::unique_ptr<FixedFrames> fixed_frames_;      ///< null unless an input needs it
   std::optional<NativeReceiver> receiver_;
 };
 
@@ -325,7 +327,7 @@ void Relay::Impl::run(const process::StopSignal& stop) {
   log_.info("relaying as " + ros2::full_name(options_.names.node()));
   const std::jthread parameters([&](const std::stop_token& end) { serve_parameters(end, stop); });
   std::atomic<bool> failed = false;
-  if (options_.inputs.empty() && options_.twist_inputs.empty()) {
+  if (options_.inputs.empty() && options_.aiding_inputs.empty()) {
     serve(stop, failed);
   } else {
     bridge_while([&] { serve(stop, failed); }, failed);
@@ -333,6 +335,36 @@ void Relay::Impl::run(const process::StopSignal& stop) {
   log_transitions();
   if (source_) source_->log_changes();
   transition_log_.finish();
+}
+
+InputFrames Relay::Impl::input_frames() {
+  const bool needs_tf =
+      std::ranges::any_of(options_.inputs, [](const Input& input) { return !input.tag_frame.empty(); }) ||
+      std::ranges::any_of(options_.aiding_inputs,
+                          [](const AidingInput& input) { return !is_velocity(input.kind); });
+  if (needs_tf && !fixed_frames_) fixed_frames_ = std::make_unique<FixedFrames>(node_);
+  const auto find_in = [this](std::string ros2::FrameNames::*parent) {
+    return [this, parent](BeaconAddress address, const std::string& frame) -> std::optional<ros2::Transform> {
+      const std::string in = ros2::for_beacon(options_.output.frames, address).*parent;
+      const std::string name = frame.starts_with('/') ? frame.substr(1) : frame;
+      if (name.empty() || name == in) return ros2::Transform{};
+      return fixed_frames_ ? fixed_frames_->find(in, name) : std::nullopt;
+    };
+  };
+  return {.mount =
+              [this](BeaconAddress address) {  // another node's, once taken over
+                const auto publishers = beacons_.find(address);
+                return (publishers ? publishers->mount() : std::nullopt).value_or(options_.output.mount);
+              },
+          .in_map = find_in(&ros2::FrameNames::map),
+          .in_base = [this, find = find_in(&ros2::FrameNames::base)](
+                         BeaconAddress address, const std::string& frame) -> std::optional<ros2::Transform> {
+            if (frame != ros2::for_beacon(options_.output.frames, address).imu) return find(address, frame);
+            const auto publishers = beacons_.find(address);
+            const auto mount =
+                (publishers ? publishers->mount() : std::nullopt).value_or(options_.output.mount);
+            return ros2::Transform{mount.imu_in_base_m, mount.q_imu_to_base};
+          }};
 }
 
 /// Runs a bridge for the inputs on a separate thread while `serve` runs. Rethrows an exception of the bridge.
@@ -346,13 +378,10 @@ void Relay::Impl::bridge_while(const std::function<void()>& serve, std::atomic<b
         log_.write({level, line});
       },
       [this] { return clock_.now_ns(); });
-  if (!options_.twist_inputs.empty()) {
-    const auto mount = [this](BeaconAddress address) {  // another node's, once taken over
-      const auto publishers = beacons_.find(address);
-      return (publishers ? publishers->mount() : std::nullopt).value_or(options_.output.mount);
-    };
-    source_->use(
-        std::make_unique<TwistInputs>(node_, options_.twist_inputs, mount, timeout_ns(topics::twist)));
+  source_->use(input_frames());
+  if (!options_.aiding_inputs.empty()) {
+    source_->use(std::make_unique<AidingInputs>(node_, options_.aiding_inputs, input_frames(),
+                                                timeout_ns(topics::twist)));
   }
   publication::SensorPublisher bridge({.domain = options_.domain,
                                        .qos_file = options_.qos_file,

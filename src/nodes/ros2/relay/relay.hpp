@@ -77,7 +77,7 @@ struct RelayOptions {
   std::size_t max_beacons = presence::BeaconAdmission::default_max_beacons;  ///< most beacons at a time
   Output output;
   std::vector<Input> inputs;
-  std::vector<TwistInput> twist_inputs;
+  std::vector<AidingInput> aiding_inputs;
   bool use_sim_time = false;  ///< takes the time of ROS 2 from /clock
   ServicesMode services = ServicesMode::automatic;
   std::vector<StartupSetting> startup_settings;  ///< sent when a fusion appears and no other is known

@@ -12,6 +12,7 @@
 #include <sonopose/ros2/messages/frames.hpp>
 #include <sonopose/ros2/messages/input.hpp>
 #include <sonopose/ros2/messages/names.hpp>
+#include <sonopose/ros2/messages/pose_input.hpp>
 #include <sonopose/ros2/messages/time.hpp>
 #include <sonopose/text/count_text.hpp>
 
@@ -41,6 +42,7 @@ struct InputState {
   BeaconAddress address;
   bool is_imu;
   ImuMeaning imu_meaning;
+  FixRepeats repeats;  ///< of a topic of fixes
   process::EndpointCounters endpoints;
   InputMonitor monitor;
 };
@@ -80,7 +82,8 @@ public:
     }
   }
 
-  void use(std::unique_ptr<TwistInputs> twists) override { twists_ = std::move(twists); }
+  void use(std::unique_ptr<AidingInputs> aiding) override { aiding_ = std::move(aiding); }
+  void use(InputFrames frames) override { frames_ = std::move(frames); }
 
   void log_changes() override {
     InputMonitor::Lines lines;
@@ -106,7 +109,7 @@ public:
           on_writer(writer.type_name, *input);
         }
       }
-      if (twists_) twists_->check_type(writer, log_);
+      if (aiding_) aiding_->check_type(writer, log_);
     }
     const bool all_subscribed = std::all_of(inputs_.begin(), inputs_.end(), [](const auto& input) {
       return input->is_imu || input->option.fix_type;
@@ -117,7 +120,7 @@ public:
 
   void run(publication::SampleSink& sink, const process::StopSignal& stop) override {
     constexpr std::chrono::milliseconds poll_period{100};
-    if (twists_) twists_->attach_to(waitset_);
+    if (aiding_) aiding_->attach_to(waitset_);
     while (!stop.requested()) {
       waitset_.wait(poll_period);
       add_new_streams();
@@ -126,7 +129,7 @@ public:
         entry.second.joiner.update(clocks::steady_now(), ready_);
         pass_ready(entry.second, sink);
       }
-      take_twists(sink);
+      take_aiding(sink);
       check_inputs();
       publish_statuses(sink);
       sink.tick();
@@ -134,7 +137,7 @@ public:
   }
 
   std::uint64_t samples_lost(BeaconAddress address) const noexcept override {
-    std::uint64_t lost = twists_ ? twists_->samples_lost(address) : 0;
+    std::uint64_t lost = aiding_ ? aiding_->samples_lost(address) : 0;
     for (const auto& input : inputs_) {
       if (input->address == address) lost += relay::samples_lost(input->endpoints);
     }
@@ -155,7 +158,6 @@ private:
     InputState* complete = nullptr;   ///< input with complete IMU samples
     InputState* gyroscope = nullptr;  ///< input with angular velocities alone
     bool has_two_imus = false;
-    FixRepeats repeats;
     SmallestOffset offset;  ///< IMU samples, or fixes without an IMU
   };
 
@@ -264,8 +266,15 @@ private:
   template <class Position>
   bool process(const Position& message, InputState& input, Beacon& beacon, TimeNs received_ns,
                publication::SampleSink& sink) {
-    const auto fix = ros2::fix(message, input.address, beacon.stamp_clock.at(received_ns));
+    auto fix = ros2::fix(message, input.address, beacon.stamp_clock.at(received_ns));
     if (!fix) return false;
+    const auto point_body_m = tag_in_body(input.option);
+    if (!point_body_m) {
+      input.monitor.on_unused(
+          fmt::format("/tf_static does not connect '{}' with the base", input.option.tag_frame), lines_);
+      return false;
+    }
+    fix->point_body_m = *point_body_m;
     const SteadyTime now = clocks::steady_now();
     if (!beacon.has_imu) beacon.offset.add(seconds_between(fix->emission_time_ns, received_ns), now);
     input.monitor.on_sample(message.header.frame_id, now, lines_);
@@ -274,10 +283,22 @@ private:
       input.monitor.on_notice(
           Notice::covariance, [&fault] { return text_of(*fault); }, lines_);
     }
-    const bool is_new = beacon.repeats.is_new(*fix);
+    const bool is_new = input.repeats.is_new(*fix);
     if (!is_new) input.monitor.on_notice(Notice::repeats, {}, lines_);
     if (is_new) sink.on(*fix);
     return true;
+  }
+
+  /// Place of the tag of a topic of fixes; empty if tf does not know its frame.
+  std::optional<Vector3d> tag_in_body(const Input& option) const {
+    if (!option.tag_base_m && option.tag_frame.empty()) return Vector3d(Vector3d::Zero());
+    std::optional<Vector3d> in_base_m = option.tag_base_m;
+    if (!in_base_m) {
+      const auto transform = frames_.in_base(option.address, option.tag_frame);
+      if (!transform) return std::nullopt;
+      in_base_m = transform->translation_m;
+    }
+    return ros2::point_in_body(*in_base_m, frames_.mount(option.address));
   }
 
   /// Passes on the samples that are complete.
@@ -289,9 +310,9 @@ private:
     ready_.clear();
   }
 
-  void take_twists(publication::SampleSink& sink) {
-    if (!twists_) return;
-    twists_->take(
+  void take_aiding(publication::SampleSink& sink) {
+    if (!aiding_) return;
+    aiding_->take(
         sink,
         [this](BeaconAddress address) {
           const auto beacon = beacons_.find(address);
@@ -312,7 +333,7 @@ private:
     if (now >= check_due_) {
       check_due_ = now + period_ns;
       for (const auto& input : inputs_) input->monitor.update(endpoints_of(*input), now, lines_);
-      if (twists_) twists_->update(now, lines_);
+      if (aiding_) aiding_->update(now, lines_);
     }
     if (lines_.empty()) return;
     const threads::Lock lock(mutex_);
@@ -347,6 +368,7 @@ private:
       beacon.status.clock_offset_s = beacon.offset.value_s();
       BeaconStatus status = beacon.status;
       status.samples_rejected += beacon.joiner.dropped();
+      if (aiding_) status.samples_rejected += aiding_->unused(address);
       sink.on(status);
     }
   }
@@ -363,7 +385,8 @@ private:
   std::uint64_t lines_dropped_ SONOPOSE_GUARDED_BY(mutex_) = 0;  ///< dropped since the last log_changes()
   AllStreams streams_;                                           ///< used by run() only
   dds::WaitSet waitset_;
-  std::unique_ptr<TwistInputs> twists_;  ///< null: none
+  std::unique_ptr<AidingInputs> aiding_;  ///< null: none
+  InputFrames frames_;
   std::map<BeaconAddress, Beacon> beacons_;
   std::vector<ImuSample> ready_;  ///< used by run() only
   ros2::RisingStamp reception_;

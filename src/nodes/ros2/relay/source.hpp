@@ -5,8 +5,8 @@
 #include "clocks/clocks.hpp"
 #include "logging/log.hpp"
 #include "publication/source.hpp"
+#include "ros2/relay/aiding_inputs.hpp"
 #include "ros2/relay/input_option.hpp"
-#include "ros2/relay/twist_inputs.hpp"
 #include <sonopose/ros2/node/node.hpp>
 
 #include <cstdint>
@@ -40,8 +40,11 @@ public:
   /// which further calls do nothing. Throws dds::Error.
   virtual SteadyTime update_readers() = 0;
 
-  /// Passes on these velocities too. Call it before run().
-  virtual void use(std::unique_ptr<TwistInputs> twists) = 0;
+  /// Passes on these velocities, headings and poses too. Call it before run().
+  virtual void use(std::unique_ptr<AidingInputs> aiding) = 0;
+
+  /// Finds the places of tags in these frames. Call it before run() if a topic of fixes has a place.
+  virtual void use(InputFrames frames) = 0;
 
   /// Formats and logs the changes that run() has found. Call it about once a second, and at the end, on the
   /// thread of update_readers(): the thread of run() passes samples on.

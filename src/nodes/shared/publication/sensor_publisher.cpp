@@ -40,6 +40,15 @@ dds::DomainOptions domain_options(const PublisherOptions& options) {
   return domain;
 }
 
+/// True for a sample that may be of the beacon of another bridge.
+bool is_aiding(const Event& event) {
+  const auto* const heading = std::get_if<PairHeading>(&event);
+  const auto* const fix = std::get_if<UltrasonicFix>(&event);
+  return std::holds_alternative<TwistSample>(event) ||
+         (heading != nullptr && (heading->flags & heading_flag_of_body) != 0) ||
+         (fix != nullptr && (fix->flags & ultrasonic_flag_set_pose) != 0);
+}
+
 }  // namespace
 
 class SensorPublisher::Publisher final : public SampleSink {
@@ -98,6 +107,7 @@ private:
         : imu(writers.imu()), fix(writers.fix()), heading(writers.heading()) {}
 
     std::uint64_t next_sequence = 1;
+    bool is_own = false;  ///< numbered here, not by another bridge
     Stream imu;
     Stream fix;
     Stream heading;
@@ -105,6 +115,7 @@ private:
   };
 
   Beacon& beacon_of(BeaconAddress address);
+  void own(Beacon& beacon);
   void publish(ImuSample imu, Beacon& beacon);
   void publish(const UltrasonicFix& fix, Beacon& beacon);
   void publish(const PairHeading& heading, Beacon& beacon);
@@ -167,11 +178,11 @@ SensorPublisher::Publisher::~Publisher() {
 void SensorPublisher::Publisher::on(const Event& event) {
   Beacon& beacon = beacon_of(address_of(event));
   Event numbered = event;
-  // Velocities alone are of a beacon that another bridge numbers.
-  const bool is_numbered = beacon.next_sequence > 1 || !std::holds_alternative<TwistSample>(event);
+  // Aiding alone is of a beacon that another bridge numbers.
+  if (!is_aiding(event)) own(beacon);
   std::visit(
-      [&beacon, is_numbered](auto& sample) {
-        if (!is_numbered) return;
+      [&beacon](auto& sample) {
+        if (!beacon.is_own) return;
         if (sample.sequence == unnumbered) sample.sequence = beacon.next_sequence;
         beacon.next_sequence = sample.sequence + 1;
       },
@@ -181,7 +192,7 @@ void SensorPublisher::Publisher::on(const Event& event) {
 }
 
 void SensorPublisher::Publisher::on(const TruthSample& truth) {
-  beacon_of(truth.address);
+  own(beacon_of(truth.address));
   writers_.write(truth);
   if (recording_) recording_->push(truth);
 }
@@ -198,9 +209,14 @@ SensorPublisher::Publisher::Beacon& SensorPublisher::Publisher::beacon_of(Beacon
   if (const auto known = next_sequences_.find(address); known != next_sequences_.end()) {
     beacon.next_sequence = known->second;
   }
-  others_.watch(address);
   log({.address = address, .kind = transitions::Kind::found}, clocks::steady_now());
   return beacon;
+}
+
+/// Begins to number a beacon and to publish its status.
+void SensorPublisher::Publisher::own(Beacon& beacon) {
+  if (std::exchange(beacon.is_own, true)) return;
+  others_.watch(beacon.status.address);
 }
 
 /// Ends a beacon but keeps its numbering for its return: a fusion that still knows the beacon would take
@@ -247,7 +263,9 @@ void SensorPublisher::Publisher::Stream::count_sample() {
 // Statuses
 
 void SensorPublisher::Publisher::on(const BeaconStatus& status) {
-  beacon_of(status.address).status = status;
+  Beacon& beacon = beacon_of(status.address);
+  own(beacon);
+  beacon.status = status;
 }
 
 void SensorPublisher::Publisher::on(const LineStatus& status) {
@@ -277,6 +295,7 @@ void SensorPublisher::Publisher::publish_statuses(SteadyTime now) {
   constexpr TimeNs period_ns = 1'000'000'000;
   others_.update(writers_.status().instance_handle());
   for (auto& [address, beacon] : beacons_) {
+    if (!beacon.is_own) continue;
     publish_status(beacon, now);
     log_silence(address, transitions::Kind::imu_silent, beacon.imu, now);
     log_silence(address, transitions::Kind::fixes_silent, beacon.fix, now);

@@ -1,53 +1,78 @@
-/// Velocities from ROS 2: options, and messages on the way to samples.
+/// Velocities, headings and poses from ROS 2: options, and messages on the way to samples.
 
-#include "ros2/relay/twist_inputs.hpp"
+#include "ros2/relay/aiding_inputs.hpp"
 
 #include "bridge/collecting_sink.hpp"
 #include "clocks/clocks.hpp"
 #include "support/test_domain.hpp"
 #include "support/wait_until.hpp"
+#include <sonopose/geometry/rotation.hpp>
 #include <sonopose/ros2/messages/idl_types.hpp>
 
 #include <catch2/catch.hpp>
 
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
-namespace twist_inputs_test {
+namespace aiding_inputs_test {
 
 using namespace sonopose;
 using Catch::Matchers::Contains;
+using ros2::relay::AidingInput;
 using ros2::relay::InputMonitor;
-using ros2::relay::TwistInput;
+using Kind = AidingInput::Kind;
 
 constexpr TimeNs second_ns = 1'000'000'000;
 
 SCENARIO("options of velocities") {
   GIVEN("topics with addresses") {
     THEN("they are parsed") {
-      const auto odometry = TwistInput::parse_odometry("/odom=7");
-      CHECK(odometry.type == TwistInput::Type::odometry);
+      const auto odometry = AidingInput::parse(Kind::odometry, "/odom=7");
+      CHECK(odometry.type == AidingInput::Type::odometry);
       CHECK(odometry.topic == "/odom");
       CHECK(odometry.address == 7);
-      CHECK(TwistInput::parse_twist("/wheel=7").type == TwistInput::Type::twist_with_covariance);
-      const auto stamped = TwistInput::parse_twist("/wheel:TwistStamped=8");
-      CHECK(stamped.type == TwistInput::Type::twist);
+      CHECK(AidingInput::parse(Kind::twist, "/wheel=7").type == AidingInput::Type::twist_with_covariance);
+      const auto stamped = AidingInput::parse(Kind::twist, "/wheel:TwistStamped=8");
+      CHECK(stamped.type == AidingInput::Type::twist);
       CHECK(stamped.topic == "/wheel");
       CHECK(stamped.address == 8);
     }
   }
   GIVEN("mistakes") {
     THEN("they are named") {
-      CHECK_THROWS_WITH(TwistInput::parse_odometry("/odom"),
+      CHECK_THROWS_WITH(AidingInput::parse(Kind::odometry, "/odom"),
                         Contains("--odom-in /odom: expected TOPIC=ADDRESS"));
-      CHECK_THROWS_WITH(TwistInput::parse_odometry("/odom=70000"),
+      CHECK_THROWS_WITH(AidingInput::parse(Kind::odometry, "/odom=70000"),
                         Contains("--odom-in /odom=70000: '70000' is not an address from 0 to 65534"));
-      CHECK_THROWS_WITH(TwistInput::parse_twist("/wheel:Twist=7"), Contains("'Twist' is not"));
-      CHECK_THROWS_WITH(ros2::relay::check(std::vector{TwistInput::parse_odometry("/odom=7"),
-                                                       TwistInput::parse_twist("/wheel=7")}),
-                        Contains("only one source of velocities, not /odom and /wheel"));
+      CHECK_THROWS_WITH(AidingInput::parse(Kind::twist, "/wheel:Twist=7"), Contains("'Twist' is not"));
+      CHECK_THROWS_WITH(
+          ros2::relay::check(std::vector{AidingInput::parse(Kind::odometry, "/odom=7"),
+                                         AidingInput::parse(Kind::twist, "/wheel=7")}),
+          Contains("--odom-in /odom and --twist-in /wheel: beacon 7 can have only one source of velocities"));
+      CHECK_THROWS_WITH(
+          AidingInput::parse(Kind::heading, "/yaw:Float32=7"),
+          Contains(
+              "--heading-in /yaw:Float32=7: 'Float32' is not Imu or PoseWithCovarianceStamped or Float64"));
+      CHECK_NOTHROW(ros2::relay::check(std::vector{AidingInput::parse(Kind::set_pose, "/initialpose=7"),
+                                                   AidingInput::parse(Kind::set_pose, "/set_pose=7"),
+                                                   AidingInput::parse(Kind::heading, "/compass=7"),
+                                                   AidingInput::parse(Kind::pose, "/vision=7")}));
     }
   }
+}
+
+/// Frames without tf: map, base, and a sensor turned left by 90° on the base.
+ros2::relay::InputFrames frames(const ros2::Mount& mount) {
+  const auto find = [](BeaconAddress, const std::string& frame) -> std::optional<ros2::Transform> {
+    if (frame.empty() || frame == "map") return ros2::Transform{};
+    if (frame != "sensor") return std::nullopt;
+    return ros2::Transform{{0.2, 0, 0}, geometry::rotation_about_z(0.5 * std::numbers::pi)};
+  };
+  return {.mount = [&mount](BeaconAddress) { return mount; }, .in_map = find, .in_base = find};
 }
 
 SCENARIO("velocities of drivers become samples") {
@@ -58,9 +83,10 @@ SCENARIO("velocities of drivers become samples") {
     const auto drivers = dds::make_participant({.domain_id = domain.id()});
     ros2::Node node(participant, qos, ros2::NameResolver({}), ros2::Distro::jazzy);
     ros2::Mount mount;
-    ros2::relay::TwistInputs inputs(
-        node, {TwistInput::parse_odometry("/odom=7"), TwistInput::parse_twist("/wheel:TwistStamped=8")},
-        [&mount](BeaconAddress) { return mount; }, second_ns);
+    ros2::relay::AidingInputs inputs(node,
+                                     {AidingInput::parse(Kind::odometry, "/odom=7"),
+                                      AidingInput::parse(Kind::twist, "/wheel:TwistStamped=8")},
+                                     frames(mount), second_ns);
     dds::DataWriter<ros2::Odometry> odometry(drivers, dds::Topic<ros2::Odometry>(drivers, "rt/odom"));
     dds::DataWriter<ros2::TwistStamped> wheel(drivers, dds::Topic<ros2::TwistStamped>(drivers, "rt/wheel"));
     REQUIRE(test::wait_until([&] {
@@ -152,4 +178,194 @@ SCENARIO("velocities of drivers become samples") {
   }
 }
 
-}  // namespace twist_inputs_test
+/// Inputs with a driver of type T on "/topic".
+template <class T>
+struct Rig {
+  explicit Rig(Kind kind, const std::string& text)
+      : inputs(node, {AidingInput::parse(kind, text)}, frames(mount), second_ns),
+        driver(drivers, dds::Topic<T>(drivers, "rt/topic")) {
+    REQUIRE(test::wait_until([&] { return driver.publication_matched_status().current_count > 0; }));
+  }
+
+  /// Writes messages and takes until `count` are used or refused.
+  void pass(const T& message, std::size_t count) {
+    driver.write(message);
+    REQUIRE(test::wait_until([&] {
+      inputs.take(
+          sink, [](BeaconAddress) { return TimeNs{5'000'000'000}; }, lines);
+      return sink.events.size() + inputs.unused(7) == count;
+    }));
+  }
+
+  test::TestDomain domain;
+  dds::qos::Provider qos;
+  dds::DomainParticipant participant = dds::make_participant({.domain_id = domain.id()});
+  dds::DomainParticipant drivers = dds::make_participant({.domain_id = domain.id()});
+  ros2::Node node{participant, qos, ros2::NameResolver({}), ros2::Distro::jazzy};
+  ros2::Mount mount;
+  ros2::relay::AidingInputs inputs;
+  dds::DataWriter<T> driver;
+  test::CollectingSink sink;
+  InputMonitor::Lines lines;
+};
+
+SCENARIO("headings of drivers become samples") {
+  std::string frame = "sensor";
+  GIVEN("an IMU that is turned left by 90° on the base and points to the map's y") {
+    Rig<ros2::Imu> rig(Kind::heading, "/topic=7");
+    ros2::Imu message{};
+    message.header.frame_id = frame.data();
+    message.orientation = {.x = 0, .y = 0, .z = std::sqrt(0.5), .w = std::sqrt(0.5)};
+    message.orientation_covariance[8] = 0.01;
+    WHEN("it sends its orientation") {
+      rig.pass(message, 1);
+      THEN("the body points to x, with the deviation of the message and no mount offset") {
+        const auto headings = rig.sink.of_kind<PairHeading>();
+        REQUIRE(headings.size() == 1);
+        CHECK(headings.front().address == 7);
+        CHECK(headings.front().valid);
+        CHECK(headings.front().heading_world_rad == Approx(0).margin(1e-9));
+        CHECK(headings.front().std_rad == Approx(0.1));
+        CHECK(headings.front().flags == heading_flag_of_body);
+        CHECK(headings.front().emission_time_ns == 5'000'000'000);
+        CHECK(rig.lines.empty());
+      }
+    }
+    WHEN("it says twice that it has none") {
+      message.orientation_covariance[0] = -1;
+      rig.pass(message, 1);
+      rig.pass(message, 2);
+      THEN("nothing is used, each message is counted, and the reason is said once") {
+        CHECK(rig.sink.events.empty());
+        CHECK(rig.inputs.unused(7) == 2);
+        REQUIRE(rig.lines.size() == 1);
+        CHECK_THAT(rig.lines.front().text(),
+                   Contains("beacon 7: /topic has headings that are not used as they are: they have no "
+                            "orientation: orientation_covariance[0] is -1"));
+      }
+    }
+    WHEN("its frame is unknown to tf") {
+      std::string other = "nowhere";
+      message.header.frame_id = other.data();
+      rig.pass(message, 1);
+      THEN("it is not used, with the frame in the reason") {
+        CHECK(rig.inputs.unused(7) == 1);
+        CHECK_THAT(rig.lines.front().text(), Contains("'nowhere' with the base"));
+      }
+    }
+    WHEN("the variance of its yaw is negative") {
+      message.orientation_covariance[8] = -0.5;
+      rig.pass(message, 1);
+      THEN("its deviation is unknown, which is said") {
+        CHECK(rig.sink.of_kind<PairHeading>().front().std_rad < 0);
+        CHECK_THAT(rig.lines.front().text(), Contains("the variance of yaw is not positive"));
+      }
+    }
+  }
+  GIVEN("a yaw in degrees") {
+    Rig<ros2::Float64> rig(Kind::heading, "/topic:Float64=7");
+    rig.pass({.data = -60}, 1);
+    THEN("it is counter-clockwise from the map's x") {
+      CHECK(rig.sink.of_kind<PairHeading>().front().heading_world_rad == Approx(-std::numbers::pi / 3));
+      CHECK(rig.sink.of_kind<PairHeading>().front().std_rad < 0);
+    }
+  }
+}
+
+SCENARIO("poses of drivers become fixes and headings") {
+  std::string map = "map";
+  GIVEN("odometry of a sensor on the base, with the IMU behind") {
+    Rig<ros2::Odometry> rig(Kind::pose, "/topic:Odometry=7");
+    rig.mount.imu_in_base_m = {-0.1, 0, 0};
+    std::string sensor = "sensor";
+    ros2::Odometry message{};
+    message.header.frame_id = map.data();
+    message.child_frame_id = sensor.data();
+    message.pose.pose.position = {.x = 1, .y = 2, .z = 3};
+    message.pose.pose.orientation.w = 1;
+    for (const int i : {0, 7, 14, 21, 28, 35}) message.pose.covariance[i] = 0.04;
+    rig.pass(message, 2);
+    THEN("the fix is that of the sensor's place, and the body points right of it") {
+      const UltrasonicFix fix = rig.sink.of_kind<UltrasonicFix>().front();
+      CHECK(fix.position_world_m == Vector3d(1, 2, 3));
+      CHECK(fix.point_body_m.isApprox(Vector3d(0.3, 0, 0)));
+      REQUIRE(fix.covariance_world_m2);
+      CHECK(fix.covariance_world_m2->std_dev(0) == Approx(0.2));
+      const PairHeading heading = rig.sink.of_kind<PairHeading>().front();
+      CHECK(heading.heading_world_rad == Approx(-0.5 * std::numbers::pi));
+      CHECK(heading.std_rad == Approx(0.2));
+    }
+  }
+  GIVEN("a pose that the user sets in RViz") {
+    Rig<ros2::PoseWithCovarianceStamped> rig(Kind::set_pose, "/topic=7");
+    ros2::PoseWithCovarianceStamped message{};
+    message.header.frame_id = map.data();
+    message.header.stamp = {1, 0};
+    message.pose.pose.position = {.x = 4, .y = 5, .z = 0};
+    message.pose.pose.orientation.w = 1;
+    message.pose.covariance[0] = message.pose.covariance[7] = 0.25;
+    message.pose.covariance[35] = 0.0685;
+    WHEN("it comes") {
+      rig.pass(message, 2);
+      THEN("the heading comes first, both are marked and of now, and the height is unknown") {
+        REQUIRE(rig.sink.events.size() == 2);
+        const auto heading = std::get<PairHeading>(rig.sink.events.front());
+        const auto fix = std::get<UltrasonicFix>(rig.sink.events.back());
+        CHECK(heading.flags == (heading_flag_of_body | heading_flag_set_pose));
+        CHECK(heading.std_rad == Approx(std::sqrt(0.0685)));
+        CHECK(heading.emission_time_ns < fix.emission_time_ns);
+        CHECK((fix.flags & ultrasonic_flag_set_pose) != 0);
+        CHECK(fix.emission_time_ns == 5'000'000'000);
+        CHECK(fix.covariance_world_m2->std_dev(0) == Approx(0.5));
+        CHECK(fix.covariance_world_m2->std_dev(2) >= 50);
+        REQUIRE(rig.lines.size() == 1);
+        CHECK_THAT(rig.lines.front().text(), Contains("beacon 7: /topic sets the pose to (4.000, 5.000) m"));
+      }
+    }
+    WHEN("its covariance is absurd") {
+      message.pose.covariance[0] = -4;
+      rig.pass(message, 1);
+      THEN("it is refused with the value") {
+        CHECK(rig.sink.events.empty());
+        CHECK_THAT(rig.lines.front().text(),
+                   Contains("the pose of /topic is refused") && Contains("-4") && Contains("negative"));
+      }
+    }
+    WHEN("its position is not finite") {
+      message.pose.pose.position.x = std::nan("");
+      rig.pass(message, 1);
+      THEN("it is refused") {
+        CHECK_THAT(rig.lines.front().text(), Contains("refused: a position or stamp is invalid"));
+      }
+    }
+  }
+}
+
+SCENARIO("speeds of wheels become velocities") {
+  GIVEN("a differential drive, with wheels of 0.1 m and 0.5 m between them") {
+    const ros2::Wheels wheels{
+        .left_joints = {"left"}, .right_joints = {"right"}, .radius_m = 0.1, .track_m = 0.5};
+    std::string left = "left";
+    std::string arm = "arm";
+    std::string right = "right";
+    std::array<char*, 3> names{left.data(), arm.data(), right.data()};
+    std::array speeds{10.0, 3.0, 20.0};
+    ros2::JointState message{};
+    message.name._length = message.velocity._length = 3;
+    message.name._buffer = names.data();
+    message.velocity._buffer = speeds.data();
+    THEN("the base drives at the mean and turns by the difference") {
+      const auto twist = ros2::twist_sample(message, wheels, 7, {}, second_ns);
+      REQUIRE(twist);
+      CHECK(twist->velocity_body_mps.x() == Approx(1.5));
+      CHECK(twist->angular_velocity_body_radps.z() == Approx(2.0));
+      CHECK((twist->axes & (twist_velocity_x | twist_velocity_y | twist_velocity_z)) == twist_velocity_x);
+    }
+    THEN("a message without one of the joints is not used") {
+      message.name._length = 2;
+      CHECK_FALSE(ros2::twist_sample(message, wheels, 7, {}, second_ns));
+    }
+  }
+}
+
+}  // namespace aiding_inputs_test

@@ -1,0 +1,55 @@
+#pragma once
+/// \file
+/// ROS 2 topics of velocities, headings and poses, and the beacons that they belong to.
+
+#include <sonopose/ros2/messages/twist_input.hpp>
+#include <sonopose/samples/samples.hpp>
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sonopose::ros2::relay {
+
+/// One topic, and the address of its beacon.
+struct AidingInput {
+  enum class Kind : std::uint8_t {
+    odometry,  ///< velocities, of --odom-in
+    twist,
+    wheels,
+    heading,
+    pose,     ///< fixes and headings
+    set_pose  ///< poses at which the estimate starts again
+  };
+  enum class Type : std::uint8_t {
+    odometry,
+    twist_with_covariance,
+    twist,
+    joints,
+    imu,
+    pose_with_covariance,
+    pose,
+    degrees
+  };
+  Kind kind = Kind::odometry;
+  Type type = Type::odometry;
+  std::string topic;
+  BeaconAddress address = 0;
+  ros2::Wheels wheels = {};  ///< of Kind::wheels
+
+  /// Parses "/odom=7" or, with one of the types of its kind, "/wheel/twist:TwistStamped=7". Throws
+  /// std::invalid_argument.
+  static AidingInput parse(Kind kind, std::string_view text);
+};
+
+[[nodiscard]] bool is_velocity(AidingInput::Kind kind);
+
+/// Name of the option of a kind: "--odom-in".
+[[nodiscard]] const char* option_name(AidingInput::Kind kind);
+
+/// Throws std::invalid_argument for two topics of one beacon whose errors would be taken for independent: two
+/// of velocities, of headings or of poses.
+void check(const std::vector<AidingInput>& inputs);
+
+}  // namespace sonopose::ros2::relay

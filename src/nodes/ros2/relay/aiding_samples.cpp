@@ -1,0 +1,167 @@
+#include "ros2/relay/aiding_samples.hpp"
+
+#include <sonopose/geometry/rotation.hpp>
+#include <sonopose/ros2/messages/input.hpp>
+#include <sonopose/ros2/messages/pose_input.hpp>
+
+#include <fmt/format.h>
+
+namespace sonopose::ros2::relay {
+namespace {
+
+using Kind = AidingInput::Kind;
+
+AidingSamples of_twist(std::string_view frame, std::optional<TwistSample> twist) {
+  AidingSamples samples{.frame = frame, .twist = std::move(twist)};
+  if (!samples.twist) {
+    samples.unused =
+        "a value or stamp is invalid, no axis is measured, or not all three are and the mount is oblique";
+  }
+  return samples;
+}
+
+/// Frames of a pose; empty with the reason if tf does not connect them.
+std::optional<ros2::PoseFrames> frames_of(const InputFrames& frames, BeaconAddress address,
+                                          const std::string& stated, const std::string& measured,
+                                          std::string& unused) {
+  const auto stated_in_map = frames.in_map(address, stated);
+  if (!stated_in_map) {
+    unused = fmt::format("/tf_static does not connect their frame '{}' with the map", stated);
+    return std::nullopt;
+  }
+  const auto measured_in_base = frames.in_base(address, measured);
+  if (!measured_in_base) {
+    unused = fmt::format("/tf_static does not connect their frame '{}' with the base", measured);
+    return std::nullopt;
+  }
+  return ros2::PoseFrames{
+      .stated_in_map = *stated_in_map, .measured_in_base = *measured_in_base, .mount = frames.mount(address)};
+}
+
+/// Marks a pose as the user's word, from now on. The heading comes first, so that the estimate starts with
+/// it.
+void set_pose(AidingSamples& samples, const ros2::PoseWithCovarianceStamped& message, TimeNs received_ns) {
+  constexpr TimeNs earlier_ns = 1'000'000;
+  constexpr int at_z = 2;
+  if (!samples.fix) {
+    samples = {.unused = samples.unused.empty() ? "a value or stamp is invalid" : samples.unused};
+    return;
+  }
+  if (const auto fault = ros2::covariance_fault(message)) {
+    samples = {.unused = fmt::format("its covariance has {:g} m² in row {}, column {}: {}", fault->value_m2,
+                                     fault->row + 1, fault->column + 1, fault->reason)};
+    return;
+  }
+  if (!samples.heading) {
+    samples = {.unused = samples.unused};
+    return;
+  }
+  UltrasonicFix& fix = *samples.fix;
+  fix.flags |= ultrasonic_flag_set_pose;
+  if (fix.covariance_world_m2 &&
+      message.pose.covariance[at_z * 7] == 0) {  // as a map on a screen has no height
+    Eigen::Matrix3d covariance_m2 = fix.covariance_world_m2->matrix();
+    covariance_m2.row(at_z).setZero();
+    covariance_m2.col(at_z).setZero();
+    covariance_m2(at_z, at_z) = ros2::max_fix_std_m * ros2::max_fix_std_m;
+    fix.covariance_world_m2 = Covariance<3>::from_matrix(covariance_m2);
+  }
+  samples.heading->flags |= heading_flag_set_pose;
+  fix.emission_time_ns = fix.received_time_ns = received_ns;
+  fix.measured_delay_s = 0;
+  samples.heading->emission_time_ns = samples.heading->received_time_ns = received_ns - earlier_ns;
+}
+
+AidingSamples of_pose(const ros2::PoseWithCovarianceStamped& message, const std::string& stated,
+                      const std::string& measured, const AidingInput& input, const InputFrames& frames,
+                      TimeNs received_ns) {
+  AidingSamples samples;
+  const auto placed = frames_of(frames, input.address, stated, measured, samples.unused);
+  if (!placed) return samples;
+  const auto received = ros2::heading(message, *placed, input.address, received_ns);
+  samples.heading = received.heading;
+  if (received.fault != nullptr) {
+    samples.unused = received.heading ? fmt::format("their covariance counts as unknown: {}", received.fault)
+                                      : fmt::format("headings: {}", received.fault);
+  }
+  if (input.kind == Kind::heading) return samples;
+  samples.fix = ros2::fix(message, *placed, input.address, received_ns);
+  if (!samples.fix) samples.heading.reset();
+  if (!samples.fix && samples.unused.empty()) samples.unused = "a position or stamp is invalid";
+  if (input.kind == Kind::set_pose) set_pose(samples, message, received_ns);
+  return samples;
+}
+
+}  // namespace
+
+AidingSamples samples_of(const ros2::Odometry& message, const AidingInput& input, const InputFrames& frames,
+                         TimeNs received_ns) {
+  if (!is_velocity(input.kind)) {
+    return of_pose(ros2::as_pose(message), message.header.frame_id, message.child_frame_id, input, frames,
+                   received_ns);
+  }
+  return of_twist(message.child_frame_id,
+                  ros2::twist_sample(message, input.address, frames.mount(input.address), received_ns));
+}
+
+AidingSamples samples_of(const ros2::TwistWithCovarianceStamped& message, const AidingInput& input,
+                         const InputFrames& frames, TimeNs received_ns) {
+  return of_twist(message.header.frame_id,
+                  ros2::twist_sample(message, input.address, frames.mount(input.address), received_ns));
+}
+
+AidingSamples samples_of(const ros2::TwistStamped& message, const AidingInput& input,
+                         const InputFrames& frames, TimeNs received_ns) {
+  return of_twist(message.header.frame_id,
+                  ros2::twist_sample(message, input.address, frames.mount(input.address), received_ns));
+}
+
+AidingSamples samples_of(const ros2::JointState& message, const AidingInput& input, const InputFrames& frames,
+                         TimeNs received_ns) {
+  auto samples = of_twist(
+      {}, ros2::twist_sample(message, input.wheels, input.address, frames.mount(input.address), received_ns));
+  if (!samples.twist) {
+    samples.unused =
+        "they lack the velocity of a joint of --wheels, or it is not finite, or the mount is oblique";
+  }
+  return samples;
+}
+
+AidingSamples samples_of(const ros2::Imu& message, const AidingInput& input, const InputFrames& frames,
+                         TimeNs received_ns) {
+  const auto pose = ros2::as_pose(message);
+  if (!pose) return {.unused = "they have no orientation: orientation_covariance[0] is -1"};
+  return of_pose(*pose, {}, message.header.frame_id, input, frames, received_ns);
+}
+
+AidingSamples samples_of(const ros2::PoseWithCovarianceStamped& message, const AidingInput& input,
+                         const InputFrames& frames, TimeNs received_ns) {
+  return of_pose(message, message.header.frame_id, {}, input, frames, received_ns);
+}
+
+AidingSamples samples_of(const ros2::PoseStamped& message, const AidingInput& input,
+                         const InputFrames& frames, TimeNs received_ns) {
+  return of_pose(ros2::as_pose(message), message.header.frame_id, {}, input, frames, received_ns);
+}
+
+AidingSamples samples_of(const ros2::Float64& message, const AidingInput& input, const InputFrames& frames,
+                         TimeNs received_ns) {
+  return of_pose(ros2::as_pose(message), {}, {}, input, frames, received_ns);
+}
+
+InputMonitor::Line set_pose_line(const AidingInput& input, const AidingSamples& samples) {
+  if (!samples.fix) {
+    return {[address = input.address, topic = input.topic, why = samples.unused] {
+      return fmt::format("beacon {}: the pose of {} is refused: {}", address, topic, why);
+    }};
+  }
+  return {[address = input.address, topic = input.topic, at = samples.fix->position_world_m,
+           yaw_rad = samples.heading->heading_world_rad] {
+            return fmt::format(
+                "beacon {}: {} sets the pose to ({:.3f}, {:.3f}) m, with the IMU's x axis towards {:.1f}°",
+                address, topic, at.x(), at.y(), yaw_rad / geometry::radians_per_degree);
+          },
+          logging::Level::info};
+}
+
+}  // namespace sonopose::ros2::relay
