@@ -69,6 +69,10 @@ void InputCheck::add(const PairHeading& heading) {
 
 void InputCheck::add(const TwistSample& twist) {
   twists_.push_back(twist.emission_time_ns);
+  twist_ages_ns_.push_back(twist.received_time_ns - twist.emission_time_ns);
+  if ((twist.axes & twist_velocity_x) != 0 && twist.velocity_body_mps.allFinite()) {
+    speeds_mps_.emplace_back(twist.emission_time_ns, twist.velocity_body_mps.norm());
+  }
 }
 
 void InputCheck::add(const TruthSample& truth) {
@@ -280,6 +284,47 @@ std::optional<std::string> InputCheck::unit_of_quality() const {
                      how_to_name("1", Table::positions, {"quality"}));
 }
 
+/// Suspects another unit if measured speeds are a multiple of those that the fixes show over a second or
+/// more.
+std::optional<std::string> InputCheck::unit_of_velocities() const {
+  constexpr double min_span_s = 1.0;
+  constexpr double max_span_s = 4.0;
+  constexpr double min_m = 0.5;
+  constexpr double max_factor = 2.0;  // slip, curves and wrong radii
+  constexpr std::size_t min_count = 5;
+  constexpr std::array<std::pair<const char*, double>, 3> units{
+      {{"km h^-1", 3.6}, {"cm s^-1", 100}, {"mm s^-1", 1000}}};
+  std::vector<double> factors;
+  std::size_t last = 0;
+  auto next = speeds_mps_.begin();
+  for (std::size_t i = 1; i < fixes_.size(); ++i) {
+    const double span_s = seconds_between(fixes_[last], fixes_[i]);
+    if (span_s < min_span_s) continue;
+    double sum_mps = 0;
+    int count = 0;
+    for (; next != speeds_mps_.end() && next->first < fixes_[i]; ++next) {
+      if (next->first < fixes_[last]) continue;
+      sum_mps += next->second;
+      ++count;
+    }
+    const double moved_m = (positions_world_m_[i] - positions_world_m_[last]).norm();
+    if (span_s < max_span_s && moved_m > min_m && count > 0)
+      factors.push_back(sum_mps / count / (moved_m / span_s));
+    last = i;
+  }
+  if (factors.size() < min_count) return std::nullopt;
+  const double factor = quantile(factors, 0.5);
+  if (factor <= max_factor && factor * max_factor >= 1.0) return std::nullopt;
+  const std::string text =
+      fmt::format("the velocities are {:.3g} times the speed of the fixes (median)", factor);
+  for (const auto& [unit, of_unit] : units) {
+    if (factor < of_unit / 1.5 || factor > 1.5 * of_unit) continue;
+    return fmt::format("{}; are they in {}? {}", text, unit,
+                       how_to_name(unit, Table::positions, {"v_x", "v_y", "v_z"}));
+  }
+  return text + "; check their unit, and the radius of the wheels";
+}
+
 std::vector<std::string> InputCheck::findings() const {
   std::vector<std::string> texts;
   const auto add_if = [&texts](std::optional<std::string> text) {
@@ -289,11 +334,14 @@ std::vector<std::string> InputCheck::findings() const {
   add_if(unit_of_time("IMU samples", imu_, Table::imu, 2.0, 10'000.0));
   add_if(unit_of_time("fixes", fixes_, Table::positions, 0.05, 500.0));
   add_if(unit_of_time("headings", headings_, Table::positions, 0.05, 500.0));
+  add_if(unit_of_time("velocities", twists_, Table::positions, 0.05, 5000.0));
   add_if(overlap("fixes", fixes_));
   add_if(overlap("headings", headings_));
+  add_if(overlap("velocities", twists_));
   add_if(overlap("true poses", truths_));
   add_if(age("fixes", fix_ages_ns_));
   add_if(age("headings", heading_ages_ns_));
+  add_if(age("velocities", twist_ages_ns_));
   add_if(order("IMU samples", imu_));
   add_if(order("fixes", fixes_));
   add_if(order("headings", headings_));
@@ -301,6 +349,7 @@ std::vector<std::string> InputCheck::findings() const {
   for (std::string& text : units_of_readings()) texts.push_back(std::move(text));
   add_if(unit_of_positions());
   add_if(unit_of_quality());
+  add_if(unit_of_velocities());
   return texts;
 }
 

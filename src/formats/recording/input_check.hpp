@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace sonopose::recording {
@@ -48,6 +49,7 @@ private:
   [[nodiscard]] std::vector<std::string> units_of_readings() const;
   [[nodiscard]] std::optional<std::string> unit_of_positions() const;
   [[nodiscard]] std::optional<std::string> unit_of_quality() const;
+  [[nodiscard]] std::optional<std::string> unit_of_velocities() const;
 
   const files::ColumnNames* names_;
   Stamps imu_;
@@ -59,6 +61,8 @@ private:
   std::vector<double> qualities_percent_;
   std::vector<TimeNs> fix_ages_ns_;  ///< durations from emission to reception
   std::vector<TimeNs> heading_ages_ns_;
+  std::vector<TimeNs> twist_ages_ns_;
+  std::vector<std::pair<TimeNs, double>> speeds_mps_;  ///< measured, with their stamps
   motion::Window window_;
 };
 

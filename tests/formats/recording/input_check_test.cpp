@@ -299,4 +299,30 @@ SCENARIO("missing samples are a finding") {
   CHECK_THAT(findings[0], Contains("there is no IMU sample"));
 }
 
+SCENARIO("velocities in another unit are found by the fixes") {
+  GIVEN("a body that drives at 1 m/s, with velocities at 20 Hz") {
+    const auto factor = GENERATE(1.0, 3.6, 100.0, 1000.0, 8.0);
+    std::vector<Event> events = standing();
+    for (Event& event : events) {
+      auto* const fix = std::get_if<UltrasonicFix>(&event);
+      if (fix != nullptr) fix->position_world_m.x() = seconds_between(start_ns, fix->emission_time_ns);
+    }
+    for (int i = 0; i < 200; ++i) {
+      TwistSample twist;
+      twist.emission_time_ns = twist.received_time_ns = start_ns + i * 50'000'000LL;
+      twist.velocity_body_mps.x() = factor;
+      twist.axes = twist_velocity_x;
+      events.emplace_back(twist);
+    }
+    const auto findings = input_findings("log", events);
+    THEN("the unit is proposed, unless it is right or unknown") {
+      REQUIRE(findings.size() == (factor == 1.0 ? 0 : 1));
+      if (factor == 3.6) CHECK_THAT(findings[0], Contains("in km h^-1?") && Contains("v_x [km h^-1]"));
+      if (factor == 100.0) CHECK_THAT(findings[0], Contains("in cm s^-1?"));
+      if (factor == 1000.0) CHECK_THAT(findings[0], Contains("in mm s^-1?"));
+      if (factor == 8.0) CHECK_THAT(findings[0], Contains("check their unit"));
+    }
+  }
+}
+
 }  // namespace input_check_test
