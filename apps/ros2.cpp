@@ -5,6 +5,7 @@
 #include "support/ros2_command_line.hpp"
 
 #include <exception>
+#include <utility>
 
 namespace {
 
@@ -24,10 +25,12 @@ ros2::relay::RelayOptions relay_options(const apps::Ros2Program& program) {
 }
 
 int serve(const ros2::arguments::Arguments& arguments, apps::Ros2Program& program) {
-  const auto settings = apps::apply_parameters(arguments, program);
+  auto others = apps::apply_parameters(arguments, program);
   auto options = relay_options(program);
-  options.startup_settings = settings;
+  options.startup_settings = std::move(others.settings);
+  options.qos_overrides = std::move(others.qos_overrides);
   options.own_parameters = apps::option_parameters(program);
+  options.own_parameters.merge(others.given);
   const auto level = apps::log_level(arguments, options.names.node(), program);
   const logging::Session log(ros2::relay::process_level(level));
   options.rosout = arguments.rosout;

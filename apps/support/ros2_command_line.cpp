@@ -85,6 +85,16 @@ ros2::relay::StartupSetting setting_of(const Parameter& parameter) {
   return setting;
 }
 
+/// Returns false unless it is an override of QoS.
+bool add_override(const Parameter& parameter, ros2::QosOverrides& overrides) {
+  try {
+    return overrides.add(parameter.name,
+                         parameter.values.size() == 1 ? parameter.values.front() : std::string());
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(fmt::format("{}: {}: {}", parameter.origin, parameter.name, error.what()));
+  }
+}
+
 }  // namespace
 
 Ros2Program::Ros2Program() {
@@ -101,7 +111,7 @@ std::vector<std::string> own_arguments(const Arguments& arguments) {
   return own;
 }
 
-std::vector<ros2::relay::StartupSetting> apply_parameters(const Arguments& arguments, Ros2Program& program) {
+OtherParameters apply_parameters(const Arguments& arguments, Ros2Program& program) {
   const std::string node = ros2::full_name(node_name(program.ros2));
   std::vector<Parameter> selected;
   for (const Parameter& parameter : arguments.parameters) {
@@ -110,20 +120,22 @@ std::vector<ros2::relay::StartupSetting> apply_parameters(const Arguments& argum
     selected.push_back(parameter);
   }
   const auto own = own_arguments(arguments);
-  std::vector<ros2::relay::StartupSetting> settings;
+  OtherParameters others;
   for (const Parameter& parameter : selected) {
     if (parameter.name == "start_type_description_service") continue;  // of every node of Jazzy; we have none
     if (CLI::Option* const option = option_of(program, parameter)) {
       if (!is_given(*option, own)) assign(*option, parameter);
     } else if (ros2::relay::setting_named(parameter.name)) {
-      settings.push_back(setting_of(parameter));
+      others.settings.push_back(setting_of(parameter));
+    } else if (add_override(parameter, others.qos_overrides)) {
+      others.given[parameter.name] = scalar_of(parameter.values.front());
     } else {
       logging::warning(fmt::format("{}: {} is neither a setting nor an option of the relay; {}",
                                    parameter.origin, parameter.name,
                                    ros2::relay::why_unknown(parameter.name)));
     }
   }
-  return settings;
+  return others;
 }
 
 ros2::relay::OptionParameters option_parameters(const Ros2Program& program) {

@@ -24,11 +24,17 @@ struct Ros2Program {
 /// Returns the relay's own arguments, with the remap rules and the enclave of --ros-args as own options.
 std::vector<std::string> own_arguments(const ros2::arguments::Arguments& arguments);
 
+/// Parameters that are no options.
+struct OtherParameters {
+  std::vector<ros2::relay::StartupSetting> settings;  ///< of the fusion
+  ros2::QosOverrides qos_overrides;
+  ros2::relay::OptionParameters given;  ///< the overrides by their names
+};
+
 /// Gives the parameters to `program`, already parsed: to its options, unless the command line has them, and
-/// returns those that are settings of the fusion. Unknown parameters cause a warning on standard error.
-/// Throws std::invalid_argument with the origin of the parameter.
-std::vector<ros2::relay::StartupSetting> apply_parameters(const ros2::arguments::Arguments& arguments,
-                                                          Ros2Program& program);
+/// returns the others. Unknown parameters cause a warning on standard error. Throws std::invalid_argument
+/// with the origin of the parameter.
+OtherParameters apply_parameters(const ros2::arguments::Arguments& arguments, Ros2Program& program);
 
 /// Returns the options in use as parameters: those that are given or have a default.
 ros2::relay::OptionParameters option_parameters(const Ros2Program& program);

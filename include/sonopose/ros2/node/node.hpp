@@ -9,8 +9,10 @@
 #include <sonopose/dds/qos/provider.hpp>
 #include <sonopose/ros2/messages/idl_types.hpp>
 #include <sonopose/ros2/messages/names.hpp>
+#include <sonopose/ros2/node/qos_overrides.hpp>
 #include <sonopose/ros2/node/service.hpp>
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -39,7 +41,7 @@ class Node {
 public:
   /// `participant` and `qos` must outlive the node.
   Node(const dds::DomainParticipant& participant, const dds::qos::Provider& qos, NameResolver names,
-       Distro layout);
+       Distro layout, QosOverrides overrides = {});
   Node(const Node&) = delete;
   Node& operator=(const Node&) = delete;
   Node(Node&&) = delete;
@@ -115,8 +117,9 @@ private:
                                         const std::string& prefix,
                                         dds::DataWriterListener<T>* listener = nullptr) {
     const dds::Topic<T> topic(participant_, name, qos_.topic_qos(profile));
-    dds::DataWriter<T> writer(participant_, topic, with_type_hash<T>(qos_.datawriter_qos(profile), prefix),
-                              listener);
+    dds::Qos qos = with_type_hash<T>(qos_.datawriter_qos(profile), prefix);
+    overrides_.apply(name_without_prefix(name), QosOverrides::Endpoint::publisher, qos);
+    dds::DataWriter<T> writer(participant_, topic, qos, listener);
     add(writers_, writer);
     return writer;
   }
@@ -126,12 +129,17 @@ private:
                                         dds::DataReaderListener<T>* listener = nullptr,
                                         dds::StatusMask mask = dds::StatusMask::all()) {
     const dds::Topic<T> topic(participant_, name, qos_.topic_qos(profile));
-    dds::DataReader<T> reader(participant_, topic, with_type_hash<T>(qos_.datareader_qos(profile), prefix),
-                              listener, mask);
+    dds::Qos qos = with_type_hash<T>(qos_.datareader_qos(profile), prefix);
+    overrides_.apply(name_without_prefix(name), QosOverrides::Endpoint::subscription, qos);
+    dds::DataReader<T> reader(participant_, topic, qos, listener, mask);
     add(readers_, reader);
     return reader;
   }
 
+  /// "/odom" from "rt/odom". Names of services differ from those of all topics.
+  static std::string name_without_prefix(const std::string& name) {
+    return name.substr(std::min(name.size(), name.find('/')));
+  }
   template <class T>
   static dds::Qos with_type_hash(const dds::Qos& qos, const std::string& prefix = {}) {
     return add_type_hash(qos, dds::TopicTraits<T>::descriptor().m_typename, prefix);
@@ -151,6 +159,7 @@ private:
   const dds::qos::Provider& qos_;
   NameResolver names_;
   Distro layout_;
+  QosOverrides overrides_;
   Guids readers_;
   Guids writers_;
   bool changed_ = true;

@@ -74,8 +74,12 @@ dds::Qos participant_qos(const std::string& enclave) {
 }
 
 Node::Node(const dds::DomainParticipant& participant, const dds::qos::Provider& qos, NameResolver names,
-           Distro layout)
-    : participant_(participant), qos_(qos), names_(std::move(names)), layout_(layout) {
+           Distro layout, QosOverrides overrides)
+    : participant_(participant),
+      qos_(qos),
+      names_(std::move(names)),
+      layout_(layout),
+      overrides_(std::move(overrides)) {
   join_discovery();
 }
 

@@ -1,0 +1,65 @@
+#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/ros2/node/qos_overrides.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <stdexcept>
+
+namespace qos_overrides_test {
+
+using namespace sonopose;
+using ros2::QosOverrides;
+using Endpoint = QosOverrides::Endpoint;
+using Catch::Matchers::Contains;
+namespace policy = dds::policy;
+
+/// QoS of an endpoint that is reliable with a depth of 10.
+dds::Qos changed(const QosOverrides& overrides, const std::string& topic, Endpoint endpoint) {
+  dds::Qos qos;
+  qos << policy::Reliability::reliable() << policy::History::keep_last(10);
+  overrides.apply(topic, endpoint, qos);
+  return qos;
+}
+
+SCENARIO("parameters of ROS 2 change the QoS of one topic's publisher") {
+  GIVEN("overrides of /odom") {
+    QosOverrides overrides;
+    CHECK(overrides.add("qos_overrides./odom.publisher.reliability", "best_effort"));
+    CHECK(overrides.add("qos_overrides./odom.publisher.depth", "3"));
+    CHECK(overrides.add("qos_overrides./odom.publisher.durability", "transient_local"));
+    CHECK(overrides.add("qos_overrides./odom.publisher.deadline", "500000000"));
+    THEN("its publisher has them") {
+      const dds::Qos qos = changed(overrides, "/odom", Endpoint::publisher);
+      CHECK(qos.policy<policy::Reliability>()->kind == policy::ReliabilityKind::best_effort);
+      CHECK(qos.policy<policy::History>()->depth == 3);
+      CHECK(qos.policy<policy::History>()->kind == policy::HistoryKind::keep_last);
+      CHECK(qos.policy<policy::Durability>()->kind == policy::DurabilityKind::transient_local);
+      CHECK(dds::deadline_of(qos) == std::chrono::milliseconds(500));
+    }
+    THEN("its subscription and other topics do not") {
+      for (const auto& qos : {changed(overrides, "/odom", Endpoint::subscription),
+                              changed(overrides, "/pose", Endpoint::publisher)}) {
+        CHECK(qos.policy<policy::Reliability>()->kind == policy::ReliabilityKind::reliable);
+        CHECK(qos.policy<policy::History>()->depth == 10);
+      }
+    }
+  }
+  GIVEN("mistakes") {
+    QosOverrides overrides;
+    THEN("they are named with what is known") {
+      CHECK_FALSE(overrides.add("delay.processing_s", "0.07"));
+      CHECK_THROWS_WITH(overrides.add("qos_overrides./odom.publisher.reliability", "sure"),
+                        Contains("reliability is 'sure': it must be reliable, best_effort"));
+      CHECK_THROWS_WITH(overrides.add("qos_overrides./odom.publisher.depth", "0"),
+                        Contains("depth is '0': it must be a number from 1"));
+      CHECK_THROWS_WITH(overrides.add("qos_overrides./odom.publisher.colour", "red"),
+                        Contains("'colour' is not one of the policies"));
+      CHECK_THROWS_WITH(overrides.add("qos_overrides.odom.publisher.depth", "1"),
+                        Contains("'odom' is not the whole name of a topic"));
+      CHECK_THROWS_WITH(overrides.add("qos_overrides./odom.writer.depth", "1"),
+                        Contains("'writer' is neither publisher nor subscription"));
+    }
+  }
+}
+
+}  // namespace qos_overrides_test
