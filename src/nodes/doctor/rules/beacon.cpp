@@ -25,18 +25,20 @@ constexpr double large_jitter_s = 0.030;
 /// Limit above the latency on one host, and far above the error of synchronised clocks.
 constexpr double large_clock_difference_s = 0.050;
 
-/// The beacon's clock. The bridge maps its stamps, whatever it shows.
+/// The beacon's clock, unless its offset is one that a driver of ROS 2 must not have: its stamps are used as
+/// they are, and the relay warns. A bridge maps the stamps of other beacons, whatever their clock shows.
 std::string clock_text(const BeaconStatus& status) {
   constexpr double max_offset_s = 60;  // of a clock that is set
   constexpr double year_s = 365.25 * 86400;
   const double offset_s = status.clock_offset_s;
-  if (std::abs(offset_s) < max_offset_s) return fmt::format("clock offset {:.3f} s", offset_s);
+  if (std::abs(offset_s) < large_clock_difference_s) return fmt::format("clock offset {:.3f} s, ", offset_s);
+  if (std::abs(offset_s) < max_offset_s) return {};
   const double beacon_s = seconds_between(0, status.time_ns) - offset_s;
   if (beacon_s < year_s) {
-    return fmt::format("its clock is not set: it counts from its start, {} ago",
+    return fmt::format("its clock is not set: it counts from its start, {} ago, ",
                        text::duration_text(std::max(0.0, beacon_s)));
   }
-  return fmt::format("its clock is {} {}", text::duration_text(std::abs(offset_s)),
+  return fmt::format("its clock is {} {}, ", text::duration_text(std::abs(offset_s)),
                      offset_s > 0 ? "behind" : "ahead");
 }
 
@@ -56,7 +58,7 @@ public:
       text += fmt::format(", battery {:.2f} V", *beacon_.status->battery_v);
     }
     if (beacon_.status) {
-      text += fmt::format(", {}, jitter {:.1f} ms", clock_text(*beacon_.status),
+      text += fmt::format(", {}jitter {:.1f} ms", clock_text(*beacon_.status),
                           beacon_.status->clock_jitter_s * 1e3);
     }
     add(Severity::ok, text, "");

@@ -5,7 +5,7 @@
 #include "logging/log.hpp"
 #include "publication/source.hpp"
 #include "ros2/relay/aiding_input.hpp"
-#include "ros2/relay/fixed_frames.hpp"
+#include "ros2/relay/input_frames.hpp"
 #include "ros2/relay/input_monitor.hpp"
 #include <sonopose/dds/binding/discovery.hpp>
 #include <sonopose/dds/binding/waitset.hpp>

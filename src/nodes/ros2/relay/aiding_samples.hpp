@@ -3,7 +3,7 @@
 /// Samples that a message of velocities, of a heading or of a pose becomes.
 
 #include "ros2/relay/aiding_input.hpp"
-#include "ros2/relay/fixed_frames.hpp"
+#include "ros2/relay/input_frames.hpp"
 #include "ros2/relay/input_monitor.hpp"
 #include <sonopose/ros2/messages/idl_types.hpp>
 

@@ -6,21 +6,10 @@
 #include <sonopose/ros2/messages/static_transforms.hpp>
 #include <sonopose/ros2/node/node.hpp>
 
-#include <functional>
 #include <optional>
 #include <string>
 
 namespace sonopose::ros2::relay {
-
-/// Frames of the inputs of a beacon. Called on the thread that runs the source.
-struct InputFrames {
-  using Find = std::function<std::optional<ros2::Transform>(BeaconAddress address, const std::string& frame)>;
-
-  /// Current mount of the IMU on the base.
-  std::function<ros2::Mount(BeaconAddress address)> mount;
-  Find in_map;   ///< pose of a frame in the map; that of an empty name is the map
-  Find in_base;  ///< pose of a frame on the base; that of an empty name is the base
-};
 
 /// Collects the transforms of all publishers. Thread-safe.
 class FixedFrames {

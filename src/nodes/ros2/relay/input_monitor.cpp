@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace sonopose::ros2::relay {
 namespace {
@@ -168,6 +169,8 @@ std::string InputMonitor::text_of(Notice notice, const std::string& detail) cons
       return fmt::format("is not used: the samples of {} are complete", detail);
     case Notice::covariance:
       return fmt::format("has an unusable covariance, which counts as unknown: {}", detail);
+    case Notice::clocks:
+      return detail;
     case Notice::repeats:
       return "repeats its last position: each one is used once";
   }
@@ -201,6 +204,19 @@ std::string InputMonitor::cause(const InputEndpoints& endpoints, bool is_partial
       return fmt::format("there is no publisher of its type on {}", input_.topic);
   }
   return {};
+}
+
+std::string clocks_text(double older_s, const std::string& imu_topic) {
+  constexpr double max_correction_s = 0.5;  // of the setting
+  const bool is_old = older_s > 0;
+  std::string text = fmt::format(
+      "has stamps that are {:.3f} s {} than those of {}, each against its arrival{}: synchronise them",
+      std::abs(older_s), is_old ? "older" : "newer", imu_topic,
+      is_old ? "; unless this is the latency of the positions, their clocks differ"
+             : ", so their clocks differ");
+  if (std::abs(older_s) > max_correction_s) return text;
+  return text +
+         fmt::format(", or set delay.correction_s = {:.3f}{}", -older_s, is_old ? " plus that latency" : "");
 }
 
 void SmallestOffset::add(double offset_s, SteadyTime now) {

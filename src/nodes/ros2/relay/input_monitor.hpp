@@ -54,7 +54,8 @@ public:
     joined,      ///< samples of accelerometer and gyroscope are joined
     second_imu,  ///< another topic of this beacon has complete samples
     covariance,  ///< a covariance is unusable
-    repeats      ///< positions come again
+    repeats,     ///< positions come again
+    clocks       ///< its stamps and those of the IMU are of different clocks
   };
 
   /// Adds a line about a notice, the first time. `detail`: the cause, or the other topic.
@@ -96,6 +97,10 @@ private:
   std::set<Notice> noticed_;
   std::set<std::string> unused_;
 };
+
+/// Describes a topic of positions whose stamps are older than those of the IMU by this time (negative:
+/// newer), with the remedy.
+std::string clocks_text(double older_s, const std::string& imu_topic);
 
 /// Minimum of host time − sender's time (s) over the last second. It excludes the varying part of the
 /// transport delay.

@@ -94,7 +94,7 @@ private:
   void publish_mounts();
   void take_over_mounts();
   void serve(const process::StopSignal& stop, const std::atomic<bool>& failed);
-  InputFrames input_frames();
+  InputFrames frames_of_inputs();
   void bridge_while(const std::function<void()>& serve, std::atomic<bool>& failed);
   void serve_parameters(const std::stop_token& end, const process::StopSignal& stop);
 
@@ -150,7 +150,8 @@ Relay::Impl::Impl(const RelayOptions& options)
       admission_(options.addresses, options.max_beacons),
       participant_(options_.domain, ros2::participant_qos(options.enclave)),
       qos_(options.qos_file),
-      node_(participant_, qos_, options.names, options.distro.value_or(ros2::layout_without_others)),
+      node_(participant_, qos_, options.names, options.distro.value_or(ros2::layout_without_others),
+            options.qos_overrides),
       clock_(node_, options.use_sim_time),
       parameters_(node_, participant_,
                   {.domain = options_.domain,
@@ -337,34 +338,17 @@ void Relay::Impl::run(const process::StopSignal& stop) {
   transition_log_.finish();
 }
 
-InputFrames Relay::Impl::input_frames() {
+InputFrames Relay::Impl::frames_of_inputs() {
   const bool needs_tf =
       std::ranges::any_of(options_.inputs, [](const Input& input) { return !input.tag_frame.empty(); }) ||
       std::ranges::any_of(options_.aiding_inputs,
                           [](const AidingInput& input) { return !is_velocity(input.kind); });
   if (needs_tf && !fixed_frames_) fixed_frames_ = std::make_unique<FixedFrames>(node_);
-  const auto find_in = [this](std::string ros2::FrameNames::*parent) {
-    return [this, parent](BeaconAddress address, const std::string& frame) -> std::optional<ros2::Transform> {
-      const std::string in = ros2::for_beacon(options_.output.frames, address).*parent;
-      const std::string name = frame.starts_with('/') ? frame.substr(1) : frame;
-      if (name.empty() || name == in) return ros2::Transform{};
-      return fixed_frames_ ? fixed_frames_->find(in, name) : std::nullopt;
-    };
+  const auto mount = [this](BeaconAddress address) {  // another node's, once taken over
+    const auto publishers = beacons_.find(address);
+    return (publishers ? publishers->mount() : std::nullopt).value_or(options_.output.mount);
   };
-  return {.mount =
-              [this](BeaconAddress address) {  // another node's, once taken over
-                const auto publishers = beacons_.find(address);
-                return (publishers ? publishers->mount() : std::nullopt).value_or(options_.output.mount);
-              },
-          .in_map = find_in(&ros2::FrameNames::map),
-          .in_base = [this, find = find_in(&ros2::FrameNames::base)](
-                         BeaconAddress address, const std::string& frame) -> std::optional<ros2::Transform> {
-            if (frame != ros2::for_beacon(options_.output.frames, address).imu) return find(address, frame);
-            const auto publishers = beacons_.find(address);
-            const auto mount =
-                (publishers ? publishers->mount() : std::nullopt).value_or(options_.output.mount);
-            return ros2::Transform{mount.imu_in_base_m, mount.q_imu_to_base};
-          }};
+  return input_frames(options_.output.frames, mount, fixed_frames_.get());
 }
 
 /// Runs a bridge for the inputs on a separate thread while `serve` runs. Rethrows an exception of the bridge.
@@ -378,9 +362,9 @@ void Relay::Impl::bridge_while(const std::function<void()>& serve, std::atomic<b
         log_.write({level, line});
       },
       [this] { return clock_.now_ns(); });
-  source_->use(input_frames());
+  source_->use(frames_of_inputs());
   if (!options_.aiding_inputs.empty()) {
-    source_->use(std::make_unique<AidingInputs>(node_, options_.aiding_inputs, input_frames(),
+    source_->use(std::make_unique<AidingInputs>(node_, options_.aiding_inputs, frames_of_inputs(),
                                                 timeout_ns(topics::twist)));
   }
   publication::SensorPublisher bridge({.domain = options_.domain,

@@ -73,6 +73,7 @@ struct RelayOptions {
   ros2::NameResolver names;
   std::optional<ros2::Distro> distro;  ///< empty: that of the other ROS 2 processes
   std::string enclave = "/";
+  ros2::QosOverrides qos_overrides = {};
   presence::AddressSet addresses;
   std::size_t max_beacons = presence::BeaconAdmission::default_max_beacons;  ///< most beacons at a time
   Output output;

@@ -12,7 +12,6 @@
 #include <sonopose/ros2/messages/frames.hpp>
 #include <sonopose/ros2/messages/input.hpp>
 #include <sonopose/ros2/messages/names.hpp>
-#include <sonopose/ros2/messages/pose_input.hpp>
 #include <sonopose/ros2/messages/time.hpp>
 #include <sonopose/text/count_text.hpp>
 
@@ -20,6 +19,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <iterator>
 #include <map>
 #include <set>
@@ -42,7 +42,9 @@ struct InputState {
   BeaconAddress address;
   bool is_imu;
   ImuMeaning imu_meaning;
-  FixRepeats repeats;  ///< of a topic of fixes
+  FixRepeats repeats;     ///< of a topic of fixes, like the next two
+  SmallestOffset offset;  ///< age of its positions at their arrival
+  std::optional<SteadyTime> since;
   process::EndpointCounters endpoints;
   InputMonitor monitor;
 };
@@ -158,7 +160,8 @@ private:
     InputState* complete = nullptr;   ///< input with complete IMU samples
     InputState* gyroscope = nullptr;  ///< input with angular velocities alone
     bool has_two_imus = false;
-    SmallestOffset offset;  ///< IMU samples, or fixes without an IMU
+    std::optional<std::string> imu_topic;  ///< of the first sample
+    SmallestOffset offset;                 ///< IMU samples, or fixes without an IMU
   };
 
   struct AllStreams {
@@ -255,6 +258,7 @@ private:
     received->sample.meaning = input.imu_meaning;
     beacon.stamp_clock.on_imu(received->sample.sensor_time_ns, received_ns);
     beacon.offset.add(seconds_between(received->sample.sensor_time_ns, received_ns), now);
+    if (!beacon.imu_topic) beacon.imu_topic = input.option.topic;
     const bool is_used = is_complete || beacon.joiner.joined() > 0;
     if (is_used) input.monitor.on_sample(message.header.frame_id, now, lines_);
     beacon.joiner.on(*received, now, ready_);
@@ -268,7 +272,7 @@ private:
                publication::SampleSink& sink) {
     auto fix = ros2::fix(message, input.address, beacon.stamp_clock.at(received_ns));
     if (!fix) return false;
-    const auto point_body_m = tag_in_body(input.option);
+    const auto point_body_m = tag_in_body(input.option, frames_);
     if (!point_body_m) {
       input.monitor.on_unused(
           fmt::format("/tf_static does not connect '{}' with the base", input.option.tag_frame), lines_);
@@ -276,6 +280,8 @@ private:
     }
     fix->point_body_m = *point_body_m;
     const SteadyTime now = clocks::steady_now();
+    input.offset.add(seconds_between(fix->emission_time_ns, received_ns), now);
+    if (!input.since) input.since = now;
     if (!beacon.has_imu) beacon.offset.add(seconds_between(fix->emission_time_ns, received_ns), now);
     input.monitor.on_sample(message.header.frame_id, now, lines_);
     using Notice = InputMonitor::Notice;
@@ -287,18 +293,6 @@ private:
     if (!is_new) input.monitor.on_notice(Notice::repeats, {}, lines_);
     if (is_new) sink.on(*fix);
     return true;
-  }
-
-  /// Place of the tag of a topic of fixes; empty if tf does not know its frame.
-  std::optional<Vector3d> tag_in_body(const Input& option) const {
-    if (!option.tag_base_m && option.tag_frame.empty()) return Vector3d(Vector3d::Zero());
-    std::optional<Vector3d> in_base_m = option.tag_base_m;
-    if (!in_base_m) {
-      const auto transform = frames_.in_base(option.address, option.tag_frame);
-      if (!transform) return std::nullopt;
-      in_base_m = transform->translation_m;
-    }
-    return ros2::point_in_body(*in_base_m, frames_.mount(option.address));
   }
 
   /// Passes on the samples that are complete.
@@ -321,6 +315,19 @@ private:
         lines_);
   }
 
+  /// Warns of stamps of fixes that are of another clock than those of the IMU: each arrives soon after its
+  /// stamp, and the least delay of the last second is compared.
+  void check_clocks(InputState& input, SteadyTime now) {
+    constexpr TimeNs settled_ns = 3'000'000'000;
+    constexpr double max_apart_s = 0.05;
+    const Beacon& beacon = beacons_.at(input.address);
+    if (!input.since || now - *input.since < settled_ns || !beacon.has_imu || !beacon.imu_topic) return;
+    const double older_s = input.offset.value_s() - beacon.offset.value_s();
+    if (std::abs(older_s) < max_apart_s) return;
+    input.monitor.on_notice(
+        InputMonitor::Notice::clocks, [&] { return clocks_text(older_s, *beacon.imu_topic); }, lines_);
+  }
+
   /// Time of ROS 2, later than the previous one: the stamp of messages without a stamp.
   TimeNs next_reception_ns() {
     const TimeNs time_ns = now_();
@@ -332,7 +339,10 @@ private:
     const SteadyTime now = clocks::steady_now();
     if (now >= check_due_) {
       check_due_ = now + period_ns;
-      for (const auto& input : inputs_) input->monitor.update(endpoints_of(*input), now, lines_);
+      for (const auto& input : inputs_) {
+        input->monitor.update(endpoints_of(*input), now, lines_);
+        if (!input->is_imu) check_clocks(*input, now);
+      }
       if (aiding_) aiding_->update(now, lines_);
     }
     if (lines_.empty()) return;

@@ -39,6 +39,15 @@ SCENARIO("the mount of the IMU is found over the frames between") {
       CHECK_FALSE(tree.find(imu, base));
       CHECK_FALSE(StaticTransforms().find(base, imu));
     }
+    THEN("frames of one tree are found in each other, in whatever direction") {
+      add(tree, {ros2::transform({{0, 0, 2}, Quaterniond::Identity()}, 0, base, "tag")});
+      const auto tag = tree.between(plate, "tag");
+      REQUIRE(tag);
+      CHECK((tag->translation_m - Vector3d(0, 1, 2)).norm() < 1e-12);
+      CHECK(tree.between(base, base)->translation_m.isZero(0));
+      CHECK((tree.between(imu, base)->translation_m - Vector3d(-0.5, 1, -0.1)).norm() < 1e-12);
+      CHECK_FALSE(tree.between("map", imu));
+    }
     WHEN("a later message moves the IMU, and others are invalid") {
       const double nan = std::numeric_limits<double>::quiet_NaN();
       add(tree, {ros2::transform({{0.7, 0, 0}, Quaterniond::Identity()}, 0, plate, imu)});

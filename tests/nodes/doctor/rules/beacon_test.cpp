@@ -227,7 +227,8 @@ TEST_CASE("The clock of a beacon is shown as what it is") {
                  "IMU 100.0 Hz")
         .what;
   };
-  CHECK_THAT(rates(0.053), Contains("clock offset 0.053 s"));
+  CHECK_THAT(rates(0.033), Contains("clock offset 0.033 s, jitter"));
+  CHECK_THAT(rates(0.7), !Contains("0.7"));  // all is well does not belong beside it
   CHECK_THAT(rates(1795793154.053), Contains("its clock is not set: it counts from its start, 2.0 min ago") &&
                                         !Contains("1795793154"));
   CHECK_THAT(rates(3 * 3600.0), Contains("its clock is 3.0 h behind"));

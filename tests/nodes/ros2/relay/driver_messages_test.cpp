@@ -102,4 +102,49 @@ SCENARIO("an unusable covariance is named with its value") {
   }
 }
 
+SCENARIO("two tags on one robot have their places") {
+  GIVEN("a tag in the IMU, and one 0.4 m left of the base, 0.1 m above the IMU") {
+    Rig rig({Input::parse(Kind::fix, "/a:PointStamped=7"),
+             Input::parse(Kind::fix, "/b:PointStamped=7@0,0.4,0.3")});
+    rig.source->use(ros2::relay::InputFrames{.mount =
+                                                 [](BeaconAddress) {
+                                                   return ros2::Mount{.imu_in_base_m = {0, 0, 0.2}};
+                                                 },
+                                             .in_map = {},
+                                             .in_base = {}});
+    auto first = rig.driver<ros2::PointStamped>("/a");
+    auto second = rig.driver<ros2::PointStamped>("/b");
+    rig.run();
+    const TimeNs begin_ns = clocks::host_now();
+    WHEN("both send the same position") {
+      first.write(fix_at(begin_ns, {}));
+      REQUIRE(wait_until([&] { return rig.sink.count() == 1; }));
+      second.write(fix_at(begin_ns + second_ns / 10, {}));
+      THEN("each is used, with the place of its tag") {
+        REQUIRE(wait_until([&] { return rig.sink.count() == 2; }));
+        CHECK(rig.sink.fixes().front().point_body_m.isZero(0));
+        CHECK(rig.sink.fixes().back().point_body_m.isApprox(Vector3d(0, 0.4, 0.1)));
+      }
+    }
+  }
+}
+
+SCENARIO("fixes of another clock than the IMU are named with the difference") {
+  GIVEN("a driver of fixes whose clock is 0.7 s ahead of that of the IMU") {
+    Rig rig({{Kind::imu, "/imu", 7}, {Kind::fix, "/tag", 7}});
+    auto imu = rig.driver<ros2::Imu>("/imu");
+    auto fixes = rig.driver<ros2::PointStamped>("/tag");
+    rig.run();
+    THEN("the log says so after some seconds") {
+      CHECK(wait_until([&] {
+        const TimeNs now_ns = clocks::host_now();
+        imu.write(imu_at(now_ns));
+        fixes.write(fix_at(now_ns + 7 * second_ns / 10, {}));
+        rig.source->log_changes();
+        return rig.has_logged("s newer than those of /imu, each against its arrival, so their clocks differ");
+      }));
+    }
+  }
+}
+
 }  // namespace driver_messages_test

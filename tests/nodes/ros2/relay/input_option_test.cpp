@@ -81,6 +81,36 @@ SCENARIO("the type of a topic of fixes may be declared") {
                     Contains("'Odometry' is not PointStamped or PoseWithCovarianceStamped"));
 }
 
+SCENARIO("tags of one beacon have places") {
+  GIVEN("a frame of tf, or a place on the base") {
+    THEN("they are parsed after the address") {
+      const Input by_frame = Input::parse(Kind::fix, "/tag:PointStamped=7@tag_left");
+      CHECK(by_frame.tag_frame == "tag_left");
+      CHECK(by_frame.address == 7);
+      CHECK(by_frame.fix_type == ros2::relay::FixType::point);
+      CHECK(Input::parse(Kind::fix, "/tag=7@0.2,-0.1,0.5").tag_base_m == Vector3d(0.2, -0.1, 0.5));
+      CHECK_THROWS_WITH(Input::parse(Kind::fix, "/tag=7@0.2,x,0"), Contains("'0.2,x,0' is neither a frame"));
+      CHECK_THROWS_WITH(Input::parse(Kind::fix, "/tag=7@"), Contains("'' is neither a frame"));
+    }
+    THEN("several may be of one beacon, of which one may be at the tracked point") {
+      const auto input = [](const char* text) { return Input::parse(Kind::fix, text); };
+      CHECK_NOTHROW(ros2::relay::check({input("/a=7@left"), input("/b=7@right"), input("/c=7")}));
+      CHECK_THROWS_WITH(ros2::relay::check({input("/a=7"), input("/b=7"), input("/c=7@right")}),
+                        Contains("only one source of fixes, unless its tags have places"));
+    }
+  }
+}
+
+SCENARIO("stamps of another clock are named with the remedy") {
+  CHECK_THAT(ros2::relay::clocks_text(-0.3, "/imu"), Contains("0.300 s newer than those of /imu") &&
+                                                         Contains("so their clocks differ") &&
+                                                         Contains("delay.correction_s = 0.300"));
+  CHECK_THAT(ros2::relay::clocks_text(0.12, "/imu"),
+             Contains("0.120 s older") && Contains("unless this is the latency") &&
+                 Contains("delay.correction_s = -0.120 plus that latency"));
+  CHECK_THAT(ros2::relay::clocks_text(0.7, "/imu"), !Contains("correction_s"));
+}
+
 SCENARIO("an input without any sample is logged, with the cause") {
   GIVEN("an IMU topic without samples") {
     Log log(Kind::imu);
