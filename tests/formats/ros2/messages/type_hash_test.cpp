@@ -20,6 +20,8 @@ TEST_CASE("Types have the hashes that ROS 2 publishes") {
   // From ROS 2, share/<package>/msg/<type>.json.
   CHECK(hash_of<Imu>() == "RIHS01_7d9a00ff131080897a5ec7e26e315954b8eae3353c3f995c55faf71574000b5b");
   CHECK(hash_of<Odometry>() == "RIHS01_3cc97dc7fb7502f8714462c526d369e35b603cfc34d946e3f2eda2766dfec6e0");
+  CHECK(hash_of<JointState>() == "RIHS01_a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e");
+  CHECK(hash_of<Float64>() == "RIHS01_705ba9c3d1a09df43737eb67095534de36fd426c0587779bda2bc51fe790182a");
   CHECK(hash_of<PoseWithCovarianceStamped>() ==
         "RIHS01_26432f9803e43727d3c8f668d1fdb3c630f548af631e2f4e31382371bfea3b6e");
   CHECK(hash_of<TFMessage>() == "RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087");
