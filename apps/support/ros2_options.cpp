@@ -134,7 +134,7 @@ void add_message_options(CLI::App& app, Ros2Options& options) {
 void add_aiding_options(CLI::App& app, Ros2Options& options) {
   const auto add = [&](const char* name, std::vector<std::string>& values, bool has_types, const char* what) {
     app.add_option(name, values, what)
-        ->type_name(has_types ? "TOPIC[:TYPE]=ADDRESS" : "TOPIC=ADDRESS")
+        ->option_text(has_types ? "TOPIC[:TYPE]=ADDRESS" : "TOPIC=ADDRESS")
         ->group("From ROS 2");
   };
   add("--odom-in", options.odom_in, false,
@@ -174,7 +174,7 @@ void add_input_options(CLI::App& app, Ros2Options& options) {
          "Use PointStamped or PoseWithCovarianceStamped as the fixes of a beacon: /tag/pose=7; the type is "
          "that of the topic's first publisher, or TYPE. PLACE is the tag's on the robot, a frame of tf or "
          "x,y,z (m): several tags of one beacon need it")
-      ->type_name("TOPIC[:TYPE]=ADDRESS[@PLACE]")
+      ->option_text("TOPIC[:TYPE]=ADDRESS[@PLACE]")
       ->group(group);
   add_aiding_options(app, options);
 }
