@@ -86,4 +86,50 @@ SCENARIO("a beacon that is gone ends its streams, and its event numbers go on wh
   }
 }
 
+SCENARIO("aiding of a beacon that another bridge numbers has no numbers and no status") {
+  GIVEN("a source of headings of the body, and readers in another participant") {
+    const test::TestDomain domain;
+    const dds::DomainParticipant participant({.domain_id = domain.id()});
+    const dds::qos::Provider qos;
+    auto headings = dds::topics::make_reader(participant, qos, dds::topics::heading);
+    auto statuses = dds::topics::make_reader(participant, qos, dds::topics::beacon_status);
+    const publication::PublisherOptions options{
+        .domain = {.domain_id = domain.id()}, .qos_file = {}, .record_folder = {}};
+    publication::SensorPublisher node(options);
+    std::vector<std::uint64_t> sequences;
+    std::vector<BeaconAddress> with_status;
+    ScriptedSource source([&](SampleSink& sink) {
+      const auto send = [&sink](BeaconAddress address) {
+        sink.on(PairHeading{.address = address, .valid = true, .flags = heading_flag_of_body});
+      };
+      REQUIRE(test::wait_until([&] {
+        return headings.subscription_matched_status().current_count == 1 &&
+               statuses.subscription_matched_status().current_count == 1;
+      }));
+      send(7);
+      ImuSample own;
+      own.address = 8;
+      sink.on(own);
+      send(8);
+      REQUIRE(test::wait_until([&] {
+        sink.tick();
+        headings.try_take_each([&](const sonopose_PairHeading& heading, const dds::SampleInfo&) {
+          sequences.push_back(heading.event_sequence);
+        });
+        statuses.try_take_each([&](const sonopose_BeaconStatus& status, const dds::SampleInfo&) {
+          with_status.push_back(status.address);
+        });
+        return sequences.size() == 2 && !with_status.empty();
+      }));
+    });
+    WHEN("it sends those of one beacon alone, and those of another one after its IMU samples") {
+      node.run(source, process::StopSignal());
+      THEN("only the latter are numbered and have a status") {
+        CHECK(sequences == std::vector<std::uint64_t>{unnumbered, 2});
+        CHECK(with_status == std::vector<BeaconAddress>(with_status.size(), 8));
+      }
+    }
+  }
+}
+
 }  // namespace bridge_node_test
