@@ -297,7 +297,7 @@ public:
                           .addresses = {},
                           .output = {},
                           .inputs = {},
-                          .twist_inputs = {},
+                          .aiding_inputs = {},
                           .startup_settings = {},
                           .presence = {.stale_after_ns = 1'000'000'000, .gone_after_ns = 5'000'000'000}})
           .run(process::StopSignal());

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace placed_fixes_test {
@@ -121,6 +122,7 @@ SCENARIO("a heading of the body has a noise of its own and no mount offset") {
     };
     const FusedPose certain = last_pose(1.0);
     const FusedPose uncertain = last_pose(30.0);
+    const FusedPose unlimited = last_pose(std::numeric_limits<double>::infinity());
     THEN("the yaw is that of the heading") {
       CHECK(yaw_error_deg(certain, truth_at(walk, certain.time_ns)) < 3.0);
     }
@@ -128,6 +130,8 @@ SCENARIO("a heading of the body has a noise of its own and no mount offset") {
       if (engine_kind == EngineKind::kalman) {
         CHECK(yaw_std_rad(certain) < 2.0 * geometry::radians_per_degree);
         CHECK(yaw_std_rad(uncertain) > 4.0 * geometry::radians_per_degree);
+        CHECK(yaw_std_rad(unlimited) > yaw_std_rad(uncertain));
+        CHECK(unlimited.q_body_to_world.coeffs().allFinite());
       }
     }
   }

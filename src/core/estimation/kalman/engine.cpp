@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace sonopose::estimation::kalman {
 
@@ -227,13 +228,14 @@ FixMeasurement Engine::measurement_in(const UltrasonicFix& fix) const {
 
 HeadingMeasurement Engine::measurement_in(const PairHeading& heading) const {
   constexpr double min_std_rad = 0.17 * geometry::radians_per_degree;  // as that which is learned
+  constexpr double max_std_rad = std::numbers::pi;                     // no information
   const bool of_body = (heading.flags & heading_flag_of_body) != 0;
   return {.time_ns = measured_at(heading),
           .stamp_ns = stamp_or_none(heading.emission_time_ns),
           .heading_world_rad =
               heading.heading_world_rad +
               (of_body ? settings_.heading.mount_offset_deg * geometry::radians_per_degree : 0.0),
-          .std_rad = heading.std_rad >= 0.0 ? std::max(heading.std_rad, min_std_rad) : -1.0,
+          .std_rad = heading.std_rad >= 0.0 ? std::clamp(heading.std_rad, min_std_rad, max_std_rad) : -1.0,
           .restarts = (heading.flags & heading_flag_set_pose) != 0};
 }
 
