@@ -184,6 +184,16 @@ SCENARIO("columns are found by their names, in any order and unit") {
       CHECK(heading.heading_world_rad == Approx(-0.5));
     }
   }
+  GIVEN("velocities in km/h, with a deviation in mm/s") {
+    const auto twist = std::get<TwistSample>(event_of("twist.csv",
+                                                      "#timestamp [ns],received [ns],v_x [km h^-1],v_y [km "
+                                                      "h^-1],v_z [km h^-1],std_x [mm s^-1]\n1,2,36,,,50\n"));
+    THEN("they are in m/s") {
+      CHECK(twist.velocity_body_mps.x() == Approx(10));
+      CHECK(twist.velocity_std_mps.x() == Approx(0.05));
+      CHECK(twist.axes == twist_velocity_x);
+    }
+  }
 }
 
 SCENARIO("truth is read as others write it") {
