@@ -4,6 +4,7 @@
 
 #include <sonopose/attitude/filter.hpp>
 #include <sonopose/samples/samples.hpp>
+#include <sonopose/samples/time_jump.hpp>
 
 #include <cmath>
 #include <utility>
@@ -47,12 +48,13 @@ public:
   Tracker(typename F::Settings settings, FieldUse field) : settings_(std::move(settings)), field_(field) {}
 
   /// Processes one sample. Returns false and does nothing if the sample is not a measurement (not finite or
-  /// beyond any sensor's range), is earlier than the previous one, or is so much later that the next one must
-  /// confirm it (is_unconfirmed_jump). After `max_backward_samples` earlier samples in a row, the clock was
-  /// set back: the filter goes on from there.
+  /// beyond any sensor's range), is earlier than the previous one, or is so much later that the next ones
+  /// must confirm it (is_unconfirmed_jump). After `max_backward_samples` earlier samples in a row, the clock
+  /// was set back: the filter goes on from there.
   bool on(const ImuSample& imu) {
     if (!is_measurement(imu)) return false;
-    if (started_ && is_unconfirmed_jump(announced_ns_, time_ns_, imu.sensor_time_ns)) return false;
+    if (started_ && is_unconfirmed_jump(announced_ns_, ahead_in_row_, time_ns_, imu.sensor_time_ns))
+      return false;
     const bool is_backward = started_ && imu.sensor_time_ns < time_ns_;
     backward_in_row_ = is_backward ? backward_in_row_ + 1 : 0;
     if (is_backward && backward_in_row_ < max_backward_samples) return false;
@@ -77,6 +79,7 @@ private:
   TimeNs time_ns_ = 0;
   int backward_in_row_ = 0;
   TimeNs announced_ns_ = 0;  ///< unconfirmed stamp far ahead; 0: none
+  int ahead_in_row_ = 0;
 };
 
 }  // namespace sonopose::attitude

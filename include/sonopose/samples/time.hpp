@@ -79,17 +79,4 @@ constexpr TimeNs to_ns(double seconds) {
   return static_cast<TimeNs>(seconds * 1e9 + (seconds < 0 ? -0.5 : 0.5));
 }
 
-/// True if a stamp is so far after `now_ns` that the next one must confirm it; otherwise one corrupt stamp
-/// would exclude all later samples. `announced_ns`: the unconfirmed stamp; 0: none.
-constexpr bool is_unconfirmed_jump(TimeNs& announced_ns, TimeNs now_ns, TimeNs stamp_ns) {
-  constexpr TimeNs max_step_ns = 2'000'000'000;
-  const TimeNs before_ns = announced_ns;
-  announced_ns = 0;
-  if (saturated_difference(stamp_ns, now_ns) <= max_step_ns) return false;
-  const bool is_confirmed =
-      before_ns != 0 && stamp_ns >= before_ns && saturated_difference(stamp_ns, before_ns) <= max_step_ns;
-  if (!is_confirmed) announced_ns = stamp_ns;
-  return !is_confirmed;
-}
-
 }  // namespace sonopose

@@ -15,6 +15,7 @@ struct AdmissionState {
   int backward_in_row = 0;          ///< consecutive IMU samples that precede the state's time
   TimeNs last_fix_measured_ns = 0;  ///< measurement time of the latest admitted fix; 0 before the first
   TimeNs announced_ns = 0;          ///< stamp of an unconfirmed sample that is far ahead; 0: none
+  int ahead_in_row = 0;             ///< consecutive unconfirmed samples
 
   bool operator==(const AdmissionState&) const = default;
 };
@@ -31,7 +32,7 @@ inline constexpr double future_tolerance_s = 0.3;
 /// Equal stamps are admitted: a clock with a resolution of a millisecond assigns them to distinct samples.
 [[nodiscard]] bool admits(const AdmissionSettings& settings, TimeNs now_ns, const ImuSample& imu);
 
-/// True if an admissible sample is so far ahead of the state's time that the next one must confirm it
+/// True if an admissible sample is so far ahead of the state's time that later ones must confirm it
 /// (is_unconfirmed_jump).
 [[nodiscard]] bool is_time_jump(AdmissionState& state, TimeNs now_ns, const ImuSample& imu);
 

@@ -55,6 +55,7 @@ void for_each_field(IsFieldsOf<State> auto& state, const auto& visit) {
   visit("admission.backward_in_row", state.admission.backward_in_row);
   visit("admission.last_fix_measured_ns", state.admission.last_fix_measured_ns);
   visit("admission.announced_ns", state.admission.announced_ns);
+  visit("admission.ahead_in_row", state.admission.ahead_in_row);
 
   visit("default_position.recent", state.default_position.recent);
   visit("default_position.fixes", state.default_position.fixes);

@@ -21,6 +21,7 @@ void for_each_field(IsFieldsOf<Snapshot> auto& snapshot, const auto& visit) {
   visit("stamps_are_ahead", snapshot.history.stamps_are_ahead);
   visit("admission.backward_in_row", snapshot.admission.backward_in_row);
   visit("admission.announced_ns", snapshot.admission.announced_ns);
+  visit("admission.ahead_in_row", snapshot.admission.ahead_in_row);
   visit("last_used_received_ns", snapshot.last_used_received_ns);
   visit("last_delay_s", snapshot.last_delay_s);
   visit("last_position_world_m", snapshot.last_position_world_m);

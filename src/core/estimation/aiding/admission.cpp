@@ -1,5 +1,6 @@
 #include <sonopose/estimation/aiding/admission.hpp>
 #include <sonopose/samples/pose.hpp>
+#include <sonopose/samples/time_jump.hpp>
 
 #include <cmath>
 
@@ -42,8 +43,10 @@ bool admits(const AdmissionSettings& settings, TimeNs now_ns, const ImuSample& i
 }
 
 bool is_time_jump(AdmissionState& state, TimeNs now_ns, const ImuSample& imu) {
-  if (now_ns != 0) return is_unconfirmed_jump(state.announced_ns, now_ns, imu.sensor_time_ns);
+  if (now_ns != 0)
+    return is_unconfirmed_jump(state.announced_ns, state.ahead_in_row, now_ns, imu.sensor_time_ns);
   state.announced_ns = 0;
+  state.ahead_in_row = 0;
   return false;
 }
 
