@@ -48,6 +48,9 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--shift", options.shift_s,
                  "Added to the times of the positions, if their clock differs [s]")
       ->check(apps::number_between(-max_shift_s, max_shift_s));
+  app.add_option("--tag", options.files.tag,
+                 "The device to read, if a column names several (default: that of --beacon)")
+      ->type_name("ID");
   app.add_option("--out", options.out, "New sensor-log folder; an existing recording is never overwritten")
       ->required()
       ->type_name("DIR");

@@ -68,8 +68,9 @@ public:
     // File order, since the host's clock may have been set back meanwhile.
     mcap::Messages messages(reader_, {.channel = is_known_, .order = mcap::Selection::Order::file});
     while (const auto message = messages.next()) add(*message);
-    std::ranges::stable_sort(log_.truth, {}, &TruthSample::time_ns);
     warn();
+    recording::leave_far_ahead_out(reader_.name(), log_);
+    recording::sort_by_time(reader_.name(), "true poses", log_.truth, log_.warnings);
     return std::move(log_);
   }
 

@@ -2,6 +2,7 @@
 
 #include "files/csv_reader.hpp"
 #include "files/missing.hpp"
+#include "recording/input_check.hpp"
 #include "recording/log_columns.hpp"
 
 #include <utility>
@@ -16,6 +17,7 @@ AttitudeLog read_attitude_log(const std::filesystem::path& folder, std::optional
   if (log.imu.empty()) throw files::IoError((folder / imu_file).string() + ": no sample");
   if (files::is_present(folder / truth_file)) {
     log.truth = read_truth_csv(folder / truth_file, log.imu.front().address);
+    sort_by_time(folder.string(), "true poses", log.truth, log.warnings);
   }
   if (files::is_present(folder / movement_file)) log.movements = read_movement_csv(folder / movement_file);
   return log;

@@ -3,6 +3,7 @@
 #include "motion/imu_summary.hpp"
 #include "motion/turn_gain.hpp"
 #include <sonopose/geometry/rotation.hpp>
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -124,22 +125,6 @@ std::optional<std::string> InputCheck::unit_of_time(const char* what, const Stam
                               how_to_name(unit, table, {"timestamp"}));
   }
   return text + "; check the unit that the header names";
-}
-
-std::optional<std::string> InputCheck::order(const char* what, const Stamps& stamps) {
-  std::size_t earlier = 0;
-  std::size_t first = 0;
-  for (std::size_t i = 1; i < stamps.size(); ++i) {
-    if (stamps[i] < stamps[i - 1] && earlier++ == 0) first = i;
-  }
-  if (earlier == 0) return std::nullopt;
-  if (2 * earlier > stamps.size()) {
-    return fmt::format(
-        "the {} are in reverse order of time: {} of {} are stamped earlier than the one before", what,
-        earlier, stamps.size());
-  }
-  return fmt::format("{} of {} {} are stamped earlier than the one before, the first by {}", earlier,
-                     stamps.size(), what, seconds_text(seconds_between(stamps[first], stamps[first - 1])));
 }
 
 /// Suspects another clock or unit if most stamps are before or after nearly all IMU samples.
@@ -342,15 +327,36 @@ std::vector<std::string> InputCheck::findings() const {
   add_if(age("fixes", fix_ages_ns_));
   add_if(age("headings", heading_ages_ns_));
   add_if(age("velocities", twist_ages_ns_));
-  add_if(order("IMU samples", imu_));
-  add_if(order("fixes", fixes_));
-  add_if(order("headings", headings_));
-  add_if(order("velocities", twists_));
+  add_if(order_finding("IMU samples", imu_));
+  add_if(order_finding("fixes", fixes_));
+  add_if(order_finding("headings", headings_));
+  add_if(order_finding("velocities", twists_));
   for (std::string& text : units_of_readings()) texts.push_back(std::move(text));
   add_if(unit_of_positions());
   add_if(unit_of_quality());
   add_if(unit_of_velocities());
   return texts;
+}
+
+std::optional<std::string> order_finding(const char* what, const std::vector<TimeNs>& stamps) {
+  std::size_t steps_back = 0;
+  std::size_t behind = 0;
+  std::size_t first = 0;
+  TimeNs latest_ns = stamps.empty() ? 0 : stamps.front();
+  for (std::size_t i = 1; i < stamps.size(); ++i) {
+    if (stamps[i] < stamps[i - 1] && steps_back++ == 0) first = i;
+    if (stamps[i] < latest_ns) ++behind;
+    latest_ns = std::max(latest_ns, stamps[i]);
+  }
+  if (steps_back == 0) return std::nullopt;
+  if (2 * steps_back > stamps.size()) {
+    return fmt::format(
+        "the {} are in reverse order of time: {} of {} are stamped earlier than the one before", what,
+        steps_back, stamps.size());
+  }
+  return fmt::format("{} of {} {} are stamped earlier than one before them, in {}, the first by {}", behind,
+                     stamps.size(), what, text::count_text(steps_back, "step back", "steps back"),
+                     seconds_text(seconds_between(stamps[first], stamps[first - 1])));
 }
 
 std::vector<std::string> input_findings(const std::string& name, const std::vector<Event>& events,

@@ -6,6 +6,7 @@
 #include "motion/window.hpp"
 #include <sonopose/samples/samples.hpp>
 
+#include <algorithm>
 #include <cstddef>
 #include <initializer_list>
 #include <optional>
@@ -43,7 +44,6 @@ private:
                                         std::initializer_list<std::string_view> columns) const;
   [[nodiscard]] std::optional<std::string> unit_of_time(const char* what, const Stamps& stamps, Table table,
                                                         double min_rate_hz, double max_rate_hz) const;
-  static std::optional<std::string> order(const char* what, const Stamps& stamps);
   [[nodiscard]] std::optional<std::string> overlap(const char* what, const Stamps& stamps) const;
   static std::optional<std::string> age(const char* what, const std::vector<TimeNs>& ages_ns);
   [[nodiscard]] std::vector<std::string> units_of_readings() const;
@@ -65,6 +65,22 @@ private:
   std::vector<std::pair<TimeNs, double>> speeds_mps_;  ///< measured, with their stamps
   motion::Window window_;
 };
+
+/// Sentence about samples that are stamped earlier than one before them; empty if there are none.
+std::optional<std::string> order_finding(const char* what, const std::vector<TimeNs>& stamps);
+
+/// Sorts samples by time. Adds a sentence about those that were out of order, after the name, if there are
+/// any.
+template <class Sample>
+void sort_by_time(const std::string& name, const char* what, std::vector<Sample>& samples,
+                  std::vector<std::string>& warnings) {
+  std::vector<TimeNs> stamps;
+  for (const Sample& sample : samples) stamps.push_back(sample.time_ns);
+  const auto finding = order_finding(what, stamps);
+  if (!finding) return;
+  warnings.push_back(name + ": " + *finding + "; they are sorted by time");
+  std::ranges::stable_sort(samples, {}, &Sample::time_ns);
+}
 
 /// Findings about a recording, each after its name.
 std::vector<std::string> input_findings(const std::string& name, const std::vector<Event>& events,

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <string>
@@ -152,6 +153,28 @@ private:
   double first_ahead_s_ = 0.0;  ///< lead of the first sample that was left out
 };
 
+/// The IMU samples among events, one at a time.
+class ImuOfEvents {
+public:
+  explicit ImuOfEvents(const std::vector<Event>& events) : events_(events) { find(); }
+  [[nodiscard]] const ImuSample* current() const {
+    return next_ < events_.size() ? std::get_if<ImuSample>(&events_[next_]) : nullptr;
+  }
+  void step() {
+    ++next_;
+    find();
+  }
+  [[nodiscard]] std::size_t expected_count() const { return events_.size() - next_; }
+
+private:
+  void find() {
+    while (next_ < events_.size() && !std::holds_alternative<ImuSample>(events_[next_])) ++next_;
+  }
+
+  const std::vector<Event>& events_;
+  std::size_t next_ = 0;
+};
+
 /// merge_by_availability with IMU samples from any source.
 template <class ImuSamples>
 SensorLog merged(const std::string& name, ImuSamples imu_samples, Samples<UltrasonicFix> fixes,
@@ -233,9 +256,14 @@ SensorLog read_sensor_log(const std::filesystem::path& folder, std::optional<Bea
   if (files::is_present(folder / twist_file)) twists = read_twist_csv(folder / twist_file, own_address);
   SensorLog log = merged(folder.string(), std::move(imu), Samples(fixes), Samples(headings), Samples(twists));
   log.address = own_address;
-  if (files::is_present(folder / truth_file)) log.truth = read_truth_csv(folder / truth_file, log.address);
-  if (files::is_present(folder / wheel_speed_file))
+  if (files::is_present(folder / truth_file)) {
+    log.truth = read_truth_csv(folder / truth_file, log.address);
+    sort_by_time(folder.string(), "true poses", log.truth, log.warnings);
+  }
+  if (files::is_present(folder / wheel_speed_file)) {
     log.wheel_speeds = read_wheel_speed_csv(folder / wheel_speed_file);
+    sort_by_time(folder.string(), "wheel speeds", log.wheel_speeds, log.warnings);
+  }
   return log;
 }
 
@@ -247,6 +275,25 @@ ImuLog read_imu_log(const std::filesystem::path& folder, std::optional<BeaconAdd
   log.warnings = input_findings(folder.string(), log.imu);
   for (std::string& warning : imu.warnings(folder.string())) log.warnings.push_back(std::move(warning));
   return log;
+}
+
+void leave_far_ahead_out(const std::string& name, SensorLog& log) {
+  std::vector<Event>& events = log.events;
+  LookAhead imu{ImuOfEvents(events)};
+  std::vector<std::uint64_t> kept;
+  for (; imu.current() != nullptr; imu.step()) kept.push_back(imu.current()->sequence);
+  std::vector<std::string> warnings = imu.warnings(name);
+  if (warnings.empty()) return;
+  auto next = kept.begin();
+  std::erase_if(events, [&](const Event& event) {
+    if (!std::holds_alternative<ImuSample>(event)) return false;
+    const bool is_kept = next != kept.end() && *next == sequence_of(event);
+    if (is_kept) ++next;
+    return !is_kept;
+  });
+  std::uint64_t sequence = 0;
+  for (Event& event : events) std::visit([&](auto& sample) { sample.sequence = ++sequence; }, event);
+  std::ranges::move(warnings, std::back_inserter(log.warnings));
 }
 
 SensorLog merge_by_availability(const std::string& name, const std::vector<ImuSample>& imu,
@@ -341,7 +388,6 @@ std::vector<TruthSample> read_truth_csv(const std::filesystem::path& file, Beaco
     }
     sample.velocity_world_mps = vector_or_unknown(8);
   }
-  std::ranges::stable_sort(samples, {}, &TruthSample::time_ns);
   return samples;
 }
 
@@ -352,8 +398,6 @@ std::vector<WheelSpeed> read_wheel_speed_csv(const std::filesystem::path& file) 
     const auto speed_mps = rows.optional_number(1);
     if (speed_mps && std::isfinite(*speed_mps)) speeds.push_back({rows.time_ns(0), *speed_mps});
   }
-  std::stable_sort(speeds.begin(), speeds.end(),
-                   [](const WheelSpeed& a, const WheelSpeed& b) { return a.time_ns < b.time_ns; });
   return speeds;
 }
 

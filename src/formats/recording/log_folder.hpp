@@ -39,9 +39,9 @@ struct WheelSpeed {
 /// A complete recording.
 struct SensorLog {
   std::vector<Event> events;       ///< events in the order in which a causal consumer receives them
-  std::vector<TruthSample> truth;  ///< truth in file order; NaN for unknown values; empty without a file
+  std::vector<TruthSample> truth;  ///< truth by time; NaN for unknown values; empty without a file
   BeaconAddress address = default_log_address;  ///< address of all samples
-  std::vector<WheelSpeed> wheel_speeds{};       ///< speeds in ascending time; empty without a file
+  std::vector<WheelSpeed> wheel_speeds{};       ///< speeds by time; empty without a file
   std::vector<std::string> warnings{};          ///< descriptions of missing or damaged parts
 };
 
@@ -70,6 +70,9 @@ SensorLog merge_by_availability(const std::string& name, const std::vector<ImuSa
                                 const std::vector<PairHeading>& headings,
                                 const std::vector<TwistSample>& twists = {});
 
+/// Leaves the same samples out of events that are in order already, numbered from 1, and renumbers them.
+void leave_far_ahead_out(const std::string& name, SensorLog& log);
+
 /// The IMU samples of a table.
 struct ImuTable {
   std::vector<ImuSample> samples;
@@ -91,11 +94,11 @@ std::vector<PairHeading> read_heading_csv(const std::filesystem::path& file, Bea
 /// Reads an empty cell as an axis that was not measured, or a standard deviation that is unknown.
 std::vector<TwistSample> read_twist_csv(const std::filesystem::path& file, BeaconAddress address);
 
-/// Reads position, attitude and velocity, each NaN if unknown, and sorts them by time.
+/// Reads position, attitude and velocity, each NaN if unknown.
 std::vector<TruthSample> read_truth_csv(const std::filesystem::path& file, BeaconAddress address,
                                         const files::CsvLayout& layout = truth_layout());
 
-/// Sorts by time, and leaves out rows without a speed.
+/// Leaves out rows without a speed.
 std::vector<WheelSpeed> read_wheel_speed_csv(const std::filesystem::path& file);
 
 }  // namespace sonopose::recording

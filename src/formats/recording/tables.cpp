@@ -1,6 +1,7 @@
 #include "recording/tables.hpp"
 
 #include "files/csv_reader.hpp"
+#include "recording/input_check.hpp"
 #include "recording/log_columns.hpp"
 
 #include <fmt/format.h>
@@ -8,8 +9,10 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <iterator>
 #include <limits>
-#include <set>
+#include <map>
+#include <ranges>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -37,39 +40,63 @@ files::CsvLayout table_of(files::CsvLayout layout, files::ColumnNames& names) {
   return layout;
 }
 
-/// A fix, and the tag that its row names.
-struct TaggedFix {
-  UltrasonicFix fix;
-  std::string tag;
-};
+/// The columns of a log's file, and the device of a row.
+template <std::size_t count>
+constexpr auto with_tag(const std::array<std::string_view, count>& columns) {
+  std::array<std::string_view, count + 1> all{};
+  std::ranges::copy(columns, all.begin());
+  all.back() = "tag";
+  return all;
+}
+constexpr auto imu_table_columns = with_tag(imu_columns);
+constexpr auto truth_table_columns = with_tag(truth_columns);
 
-/// Leaves the fixes of one tag: of that with the address, if a table has several. Counts the others.
-void leave_one_tag(std::vector<TaggedFix>& fixes, const std::string& file, BeaconAddress address,
-                   Tables& tables) {
-  std::set<std::string> tags;
-  for (const TaggedFix& tagged : fixes) {
-    if (!tagged.tag.empty()) tags.insert(tagged.tag);
-  }
-  if (tags.size() < 2) return;
-  const std::string own = std::to_string(address);
-  if (!tags.contains(own)) {
-    throw files::IoError(
-        fmt::format("{}: has positions of the tags {}; choose one with --beacon, or keep only its rows", file,
-                    fmt::join(tags, ", ")));
-  }
-  tables.rows_of_other_tags =
-      std::erase_if(fixes, [&own](const TaggedFix& tagged) { return tagged.tag != own; });
+constexpr files::CsvLayout imu_table_layout() {
+  return layout_of(imu_table_columns, imu_columns_without_magnetometer);
 }
 
-std::vector<UltrasonicFix> read_positions(const std::filesystem::path& file, files::ColumnNames& names,
-                                          BeaconAddress address, TimeNs shift_ns, bool leave_repeated_out,
-                                          Tables& tables) {
-  files::CsvLayout layout = table_of(position_layout(), names);
-  layout.time_offset_ns += shift_ns;
+constexpr files::CsvLayout truth_table_layout() {
+  return layout_of(truth_table_columns, truth_columns_required);
+}
+
+/// Number of rows by the device that they name.
+std::map<std::string, std::size_t> rows_by_tag(const std::filesystem::path& file, files::ColumnNames names) {
+  static constexpr std::array<std::string_view, 1> tag_column{"tag"};
+  std::map<std::string, std::size_t> rows_by_tag;
+  files::CsvLayout layout = layout_of(tag_column, 1);
+  layout.given_names = &names;
+  try {
+    for (files::CsvReader rows(file, layout); rows.next_row();) {
+      if (!rows.is_empty(0)) ++rows_by_tag[std::string(rows.text(0))];
+    }
+  } catch (const files::MissingColumns&) {
+    return {};
+  }
+  return rows_by_tag;
+}
+
+/// The device whose rows are read, if the table has several; else empty. Counts the rows of the others.
+/// Numbers of rows are no devices.
+std::string chosen_tag(const std::filesystem::path& file, const TableFiles& files,
+                       const files::ColumnNames& names, BeaconAddress address, std::size_t& others) {
+  constexpr std::size_t max_tags = 64;
+  const auto by_tag = rows_by_tag(file, names);
+  if (by_tag.size() < 2 || by_tag.size() > max_tags) return {};
+  const std::string own = files.tag.empty() ? std::to_string(address) : files.tag;
+  if (!by_tag.contains(own)) {
+    throw files::IoError(fmt::format("{}: has rows of the devices {}; choose one with --tag", file.string(),
+                                     fmt::join(std::views::keys(by_tag), ", ")));
+  }
+  for (const auto& [tag, rows] : by_tag) others += tag == own ? 0 : rows;
+  return own;
+}
+
+std::vector<UltrasonicFix> read_positions(const std::filesystem::path& file, const files::CsvLayout& layout,
+                                          BeaconAddress address, bool leave_repeated_out, Tables& tables) {
   files::CsvReader rows(file, layout);
   tables.has_height = rows.has(3);
   const std::size_t coordinates = tables.has_height ? 3 : 2;
-  std::vector<TaggedFix> tagged;
+  std::vector<UltrasonicFix> fixes;
   while (rows.next_row()) {
     if (!rows.all_filled(1, coordinates)) {
       ++tables.rows_without_position;
@@ -82,11 +109,6 @@ std::vector<UltrasonicFix> read_positions(const std::filesystem::path& file, fil
     fix.received_time_ns = rows.is_empty(4) ? fix.emission_time_ns : rows.time_ns(4);
     fix.quality_percent = rows.optional_number(5);
     fix.measured_delay_s = seconds_between(fix.emission_time_ns, fix.received_time_ns);
-    tagged.push_back({fix, std::string(rows.text(6))});
-  }
-  leave_one_tag(tagged, file.string(), address, tables);
-  std::vector<UltrasonicFix> fixes;
-  for (const auto& [fix, tag] : tagged) {
     const bool is_repeated = !fixes.empty() && fixes.back().position_world_m == fix.position_world_m;
     if (leave_repeated_out && is_repeated) {
       ++tables.repeated_positions;
@@ -99,7 +121,7 @@ std::vector<UltrasonicFix> read_positions(const std::filesystem::path& file, fil
 
 /// Throws if a name is given for a column that no table can have.
 void check_own_names(const files::ColumnNames& names) {
-  const std::array layouts{imu_layout(), position_layout(), truth_layout()};
+  const std::array layouts{imu_table_layout(), position_layout(), truth_table_layout()};
   for (const auto& [given, own] : names.own_by_given) {
     const auto has_own = [&own = own](const files::CsvLayout& layout) { return has_column(layout, own); };
     if (std::ranges::any_of(layouts, has_own)) continue;
@@ -172,13 +194,24 @@ Tables read_tables(const TableFiles& given_files, files::ColumnNames& names, Bea
   ImuTable imu_table;
   std::vector<UltrasonicFix> fixes;
   MissingInAll missing;
-  missing.collect([&] { imu_table = read_imu_table(files.imu, address, table_of(imu_layout(), names)); });
+  const auto table_for = [&](const std::filesystem::path& file, const files::CsvLayout& layout) {
+    files::CsvLayout table = table_of(layout, names);
+    table.last_value = chosen_tag(file, files, names, address, tables.rows_of_other_tags);
+    return table;
+  };
   missing.collect([&] {
-    fixes = read_positions(files.positions, names, address, files.position_shift_ns, is_one_file, tables);
+    imu_table = read_imu_table(files.imu, address, table_for(files.imu, imu_table_layout()));
+    if (is_one_file) tables.rows_of_other_tags = 0;  // counted again
   });
   missing.collect([&] {
-    if (files.truth)
-      tables.log.truth = read_truth_csv(*files.truth, address, table_of(truth_layout(), names));
+    files::CsvLayout layout = table_for(files.positions, position_layout());
+    layout.time_offset_ns += files.position_shift_ns;
+    fixes = read_positions(files.positions, layout, address, is_one_file, tables);
+  });
+  missing.collect([&] {
+    if (!files.truth) return;
+    tables.log.truth = read_truth_csv(*files.truth, address, table_for(*files.truth, truth_table_layout()));
+    sort_by_time(files.truth->string(), "true poses", tables.log.truth, tables.log.warnings);
   });
   missing.check();
   check_given_names(names);
@@ -201,7 +234,7 @@ Tables read_tables(const TableFiles& given_files, files::ColumnNames& names, Bea
   SensorLog merged = merge_by_availability(files.imu.string(), imu, fixes, {});
   tables.log.address = address;
   tables.log.events = std::move(merged.events);
-  tables.log.warnings = std::move(merged.warnings);
+  std::ranges::move(merged.warnings, std::back_inserter(tables.log.warnings));
   return tables;
 }
 

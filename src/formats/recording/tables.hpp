@@ -18,13 +18,14 @@ struct TableFiles {
   std::filesystem::path positions;             ///< fixes
   std::optional<std::filesystem::path> truth;  ///< positions, or poses
   TimeNs position_shift_ns = 0;                ///< added to the times of the positions
+  std::string tag{};  ///< of several devices in a table, that to read; empty: address
 };
 
 struct Tables {
   SensorLog log;
   std::size_t rows_without_imu = 0;              ///< rows of the IMU's own table without one of its values
   std::size_t rows_without_position = 0;         ///< rows of the positions' table without x, y and z
-  std::size_t rows_of_other_tags = 0;            ///< rows of the positions' table that name another tag
+  std::size_t rows_of_other_tags = 0;            ///< rows that name another device
   bool has_height = true;                        ///< false if the positions have no z, which is then 0
   std::size_t repeated_positions = 0;            ///< rows that repeat the position of the row before
   TimeNs times_moved_ns = 0;                     ///< added to all times, because they began at zero
@@ -34,7 +35,7 @@ struct Tables {
 
 /// Reads the tables; `names` gives the columns of all files. A position is taken for measured at its time,
 /// and for received then unless the table has a column `received`. If the positions' table is the IMU's too,
-/// rows that repeat a position are left out. Of several tags in the table, that with the address counts.
+/// rows that repeat a position are left out. Of several devices in a table, that of `TableFiles::tag` counts.
 /// Throws files::IoError, also for a given name that no file has.
 Tables read_tables(const TableFiles& files, files::ColumnNames& names, BeaconAddress address);
 

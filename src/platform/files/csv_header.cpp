@@ -150,20 +150,43 @@ std::string text_about_missing(const std::string& where, const std::vector<std::
   return text.append(header.size() > max_header_bytes ? "…\"" : "\"");
 }
 
-/// The unknown names that end in the column's axis, or all if none does.
+bool has_any_of(std::string_view text, std::initializer_list<std::string_view> words) {
+  return std::ranges::any_of(words, [text](std::string_view word) { return text.find(word) != text.npos; });
+}
+
+/// True for the name of a time: `Zeit`, `utc`, `ms`, `t_us`.
+bool is_name_of_time(std::string_view name) {
+  const Column column = column_of(name);
+  if (column.unit && unit_factor(*column.unit, "s")) return true;
+  const std::string lower = lower_case(column.name);
+  return unit_factor(lower, "s").has_value() || has_any_of(lower, {"time", "zeit", "stamp", "clock", "epoch",
+                                                                   "date", "sec", "tick", "utc", "moment"});
+}
+
+/// True for the name of a quantity that no column has.
+bool is_other_quantity(std::string_view name) {
+  return !is_name_of_time(name) && has_any_of(lower_case(name), {"temp", "press", "hum", "batt", "volt",
+                                                                 "rssi", "note", "status", "count"});
+}
+
+/// The unknown names that a column can be: names of times for a time, those that end in its axis for an axis,
+/// or else all that do not name another quantity.
 MissingColumn with_candidates(std::string_view column, const std::vector<std::string>& unknown) {
   constexpr std::size_t max_candidates = 5;
   MissingColumn missing{std::string(column_of(column).name), {}};
-  const auto axis_of = [](std::string_view name) {
-    return std::tolower(static_cast<unsigned char>(name.back()));
+  std::vector<std::string> possible = unknown;
+  std::erase_if(possible, [](const std::string& name) {
+    return parse_number(name).has_value() || is_other_quantity(column_of(name).name);
+  });
+  const bool is_time = is_name_of_time(column);
+  const auto fits = [&](const std::string& candidate) {
+    const std::string_view name = column_of(candidate).name;
+    return is_time ? is_name_of_time(candidate)
+                   : !name.empty() && lower_case(name).back() == lower_case(missing.column).back();
   };
   std::vector<std::string>& found = missing.candidates;
-  std::ranges::copy_if(unknown, std::back_inserter(found), [&](const std::string& candidate) {
-    const std::string_view name = column_of(candidate).name;
-    return !name.empty() && axis_of(name) == axis_of(missing.column);
-  });
-  if (found.empty()) found = unknown;
-  std::erase_if(found, [](const std::string& name) { return parse_number(name).has_value(); });
+  std::ranges::copy_if(possible, std::back_inserter(found), fits);
+  if (found.empty()) found = std::move(possible);
   found.resize(std::min(found.size(), max_candidates));
   return missing;
 }

@@ -40,6 +40,7 @@ struct CsvLayout {
   std::span<const ColumnSynonym> synonyms{};
   ColumnNames* given_names = nullptr;  ///< these replace names in the header, and are marked as found
   TimeNs time_offset_ns = 0;           ///< added to each time
+  std::string last_value{};            ///< only rows with this in the last column; empty: all rows
 };
 
 /// Returns true if the layout has a column of this name, with or without unit.

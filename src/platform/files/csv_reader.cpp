@@ -81,6 +81,13 @@ std::optional<std::string_view> CsvReader::next_line() {
 }
 
 bool CsvReader::next_row() {
+  while (read_row()) {
+    if (layout_.last_value.empty() || text(layout_.columns.size() - 1) == layout_.last_value) return true;
+  }
+  return false;
+}
+
+bool CsvReader::read_row() {
   const bool is_first = row_.empty();
   std::optional<std::string_view> line = is_first && read_ahead_ ? *read_ahead_ : next_line();
   while (line && line->starts_with('#')) line = next_line();

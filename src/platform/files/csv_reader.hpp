@@ -27,7 +27,7 @@ public:
   /// Logs a warning about columns that the layout does not have.
   CsvReader(const std::filesystem::path& file, const CsvLayout& layout);
 
-  /// Advances to the next row that is not blank. Returns false at the end.
+  /// Advances to the next row that is not blank and belongs to the layout. Returns false at the end.
   bool next_row();
 
   /// Estimated number of rows, if all were as long as the current one.
@@ -62,6 +62,7 @@ private:
   }
   [[nodiscard]] std::string position() const { return name_ + ":" + std::to_string(lines_.number()); }
   void read_header();
+  bool read_row();
   std::optional<std::string_view> next_line();
   void detect_seconds();
   [[nodiscard]] TimeNs other_time_ns(std::size_t column) const;

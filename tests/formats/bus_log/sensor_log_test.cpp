@@ -94,6 +94,28 @@ SCENARIO("a recording of the bus is an input like a log folder") {
   }
 }
 
+SCENARIO("IMU stamps far ahead are left out of a recording of the bus as of a folder") {
+  const TemporaryFolder folder;
+  auto events = walk(20.0).events;
+  std::size_t changed = 0;
+  for (std::size_t i = 1000; changed < 2; ++i) {
+    auto* const imu = std::get_if<ImuSample>(&events[i]);
+    if (imu == nullptr) continue;
+    imu->sensor_time_ns += 3'600'000'000'000;
+    ++changed;
+  }
+  {
+    BusRecording recording(folder / "run.mcap");
+    for (const Event& event : events) recording.write(event, time_of(events.front()));
+  }
+  const auto log = bus_log::read_sensor_log(folder / "run.mcap");
+  CHECK(log.events.size() == events.size() - 2);
+  CHECK(sequence_of(log.events.back()) == log.events.size());
+  REQUIRE(log.warnings.size() == 1);
+  CHECK_THAT(log.warnings[0], Contains("run.mcap: 2 of ") && Contains(" IMU samples are left out") &&
+                                  Contains("the first by 3600 s"));
+}
+
 SCENARIO("several files are one input") {
   const TemporaryFolder folder;
   GIVEN("a drive in three files of the recorder, and one whose topics are in files of their own") {

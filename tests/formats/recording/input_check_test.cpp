@@ -286,7 +286,8 @@ SCENARIO("the order of the stamps is checked") {
     });
     THEN("the step is counted, with its size") {
       REQUIRE(findings.size() == 1);
-      CHECK_THAT(findings[0], Contains("1 of 1000 IMU samples") && Contains("the first by 1.990 s"));
+      CHECK_THAT(findings[0],
+                 Contains("199 of 1000 IMU samples") && Contains("in 1 step back, the first by 1.990 s"));
     }
   }
 }

@@ -223,10 +223,17 @@ SCENARIO("truth is read as others write it") {
     }
   }
   GIVEN("samples out of order") {
-    const auto truth = truth_of("#timestamp [s] tx [m] ty [m] tz [m]\n9 1 0 0\n8 2 0 0\n");
-    THEN("they are sorted by time") {
-      REQUIRE(truth.size() == 2);
-      CHECK(truth[0].position_world_m.x() == 2.0);
+    write_text(log / "truth.csv",
+               "#timestamp [s] tx [m] ty [m] tz [m]\n7 0 0 0\n9 1 0 0\n8 2 0 0\n8.5 3 0 0\n10 4 0 0\n");
+    write_text(log / "imu.csv", "#timestamp,w_x,w_y,w_z,a_x,a_y,a_z\n");
+    write_text(log / "ultrasonic.csv", fix_header);
+    const auto read = read_sensor_log(log.path());
+    THEN("they are sorted by time, and those behind are counted") {
+      REQUIRE(read.truth.size() == 5);
+      CHECK(read.truth[1].position_world_m.x() == 2.0);
+      REQUIRE(read.warnings.size() == 1);
+      CHECK_THAT(read.warnings[0], Catch::Contains("2 of 5 true poses are stamped earlier than one before "
+                                                   "them, in 1 step back, the first by 1.000 s"));
     }
   }
   GIVEN("EuRoC's names") {

@@ -180,7 +180,31 @@ SCENARIO("positions of several tags are those of one, and may lack a height") {
   WHEN("it does not have the beacon") {
     THEN("the tags are named") {
       CHECK_THROWS_WITH(read_tables(files, names, 8),
-                        Contains("positions.csv: has positions of the tags 12, 7; choose one with --beacon"));
+                        Contains("positions.csv: has rows of the devices 12, 7; choose one with --tag"));
+    }
+  }
+  WHEN("the IMU's table has several devices too") {
+    write_text(folder / "imu.csv",
+               "t,device_id,w_x,w_y,w_z,a_x,a_y,a_z\n1.5,A4:CF,0,0,0,0,0,9.8\n1.6,B0:11,0,0,0,0,0,9.7\n");
+    write_text(folder / "positions.csv", "t,Tag ID,x,y\n1.5,A4:CF,1,2\n1.6,B0:11,3,4\n1.7,B0:11,5,6\n");
+    THEN("they are named") {
+      CHECK_THROWS_WITH(read_tables(files, names, 7),
+                        Contains("imu.csv: has rows of the devices A4:CF, B0:11; choose one with --tag"));
+    }
+    THEN("a choice holds for both") {
+      TableFiles chosen = files;
+      chosen.tag = "A4:CF";
+      const Tables tables = read_tables(chosen, names, 7);
+      CHECK(tables.log.events.size() == 2);
+      CHECK(tables.rows_of_other_tags == 3);
+    }
+  }
+  WHEN("a column of ids numbers the rows") {
+    std::string rows = "t,id,x,y\n";
+    for (int i = 0; i < 100; ++i) rows += "1." + std::to_string(100 + i) + "," + std::to_string(i) + ",1,2\n";
+    write_text(folder / "positions.csv", rows);
+    THEN("all are read") {
+      CHECK(read_tables(files, names, 7).log.events.size() == 101);
     }
   }
 }
@@ -259,6 +283,20 @@ SCENARIO("a column that is missing or given in vain is an error") {
         REQUIRE(error.columns().size() == 1);
         CHECK(error.columns()[0].column == "w_x");
         CHECK(error.columns()[0].candidates == std::vector<std::string>{"rate1_x"});
+      }
+    }
+  }
+  GIVEN("a table whose time has an own name, beside a temperature") {
+    const auto [time, others] =
+        GENERATE(std::pair("Zeitstempel", "Temp,Luftdruck"), std::pair("Tick", "Temp,Stop"),
+                 std::pair("sample_us", "Temp,w_p"), std::pair("Nr", "Temp"));
+    write_text(folder / "imu.csv", std::string(time) + ",w_x,w_y,w_z,a_x,a_y,a_z," + others + "\n");
+    THEN("only the time is proposed") {
+      try {
+        read_tables(files, names, 7);
+        FAIL("was read");
+      } catch (const files::MissingColumns& error) {
+        CHECK(error.columns()[0].candidates == std::vector<std::string>{time});
       }
     }
   }

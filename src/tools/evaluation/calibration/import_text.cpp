@@ -88,7 +88,7 @@ std::string import_text(const recording::Tables& tables) {
   out += stream_text("positions", std::move(fixes_ns));
   if (!tables.has_height) out += fmt::format("{:<12}without z, which is taken as 0\n", "");
   append_count(tables.rows_without_position, "row", "without a position");
-  append_count(tables.rows_of_other_tags, "row", "of other tags");
+  append_count(tables.rows_of_other_tags, "row", "of other devices, which --tag chooses");
   append_count(tables.repeated_positions, "position", "that repeat the one before left out");
   if (!truth_ns.empty()) out += stream_text("truth", std::move(truth_ns));
   if (tables.times_moved_ns > 0) {
@@ -97,6 +97,10 @@ std::string import_text(const recording::Tables& tables) {
   }
   for (const std::string& column : tables.unused_columns)
     out += fmt::format("{:<12}{}\n", "not used", column);
+  if (!tables.unused_columns.empty()) {
+    out += fmt::format(
+        "{:<12}--column NAME=COLUMN uses one as NAME: m_x [uT], quality [%], received [s], tag…\n", "");
+  }
   return out + clock_text(tables);
 }
 
