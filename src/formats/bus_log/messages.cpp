@@ -171,9 +171,18 @@ std::optional<ChosenMessages::Chosen> ChosenMessages::next() {
     const mcap::Channel& channel = reader_.channels().at(message->channel_id);
     if (!beacon_) return Chosen{&channel, *message};
     const auto beacon = beacon_of(channel, *message);
+    if (beacon && beacon != all_beacons) found_beacons_.insert(*beacon);
     if (beacon == beacon_ || beacon == all_beacons) return Chosen{&channel, *message};
   }
+  require_beacon();
   return std::nullopt;
+}
+
+void ChosenMessages::require_beacon() const {
+  if (!beacon_ || beacon_ == all_beacons || found_beacons_.contains(*beacon_)) return;
+  throw files::IoError(fmt::format(
+      "{}: no selected message is of beacon {}; they are of {}", reader_.name(), *beacon_,
+      found_beacons_.empty() ? std::string("none") : fmt::format("{}", fmt::join(found_beacons_, ", "))));
 }
 
 }  // namespace sonopose::bus_log

@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -50,7 +51,8 @@ public:
     const mcap::Channel* channel = nullptr;
     mcap::Message message;
   };
-  /// The next message, valid until the next call; empty at the end.
+  /// The next message, valid until the next call; empty at the end. Throws files::IoError that lists the
+  /// beacons if the end comes without a message of the chosen one.
   std::optional<Chosen> next();
 
   [[nodiscard]] const std::vector<std::string>& skipped() const { return messages_.skipped(); }
@@ -59,9 +61,11 @@ public:
 
 private:
   std::optional<mcap::Message> next_of_all();
+  void require_beacon() const;
 
   const mcap::Reader& reader_;
   std::optional<BeaconAddress> beacon_;
+  std::set<BeaconAddress> found_beacons_;
   mcap::Selection selection_;
   LatchedStart latched_;
   std::size_t next_latched_ = 0;

@@ -61,7 +61,8 @@ SCENARIO("messages of a recording are selected") {
   }
   GIVEN("another beacon") {
     THEN("there is nothing of it") {
-      CHECK_THROWS_WITH(copy({{file}, folder / "none.mcap", {{}, 7}}), Contains("none of its "));
+      CHECK_THROWS_WITH(copy({{file}, folder / "none.mcap", {{}, 7}}),
+                        Contains("run.mcap: no selected message is of beacon 7; they are of 12"));
       CHECK_FALSE(exists(folder / "none.mcap"));
     }
   }
@@ -75,6 +76,11 @@ SCENARIO("messages of a recording are selected") {
     }
     THEN("the new file has what concerns that beacon") {
       CHECK(copy({{with_resets}, folder / "of_12.mcap", {{}, 12}}).messages == 2);
+    }
+    THEN("a beacon of which there is nothing else is refused, with those that exist") {
+      CHECK_THROWS_WITH(copy({{with_resets}, folder / "of_9.mcap", {{}, 9}}),
+                        Contains("no selected message is of beacon 9; they are of 7, 12"));
+      CHECK_FALSE(exists(folder / "of_9.mcap"));
     }
   }
   GIVEN("a topic that the file does not have") {
