@@ -136,15 +136,20 @@ void prepare_process() {
   }
 }
 
-/// Throws CLI::ValidationError for an empty path, which mostly is an unset variable of a shell.
+/// Throws CLI::ValidationError for an empty or blank path, which mostly is an unset variable of a shell.
 void refuse_empty_paths(const CLI::App& app) {
   for (const CLI::Option* option : app.get_options()) {
     const std::string all = option->get_type_name();  // followed by those of its checks
     const std::string type = all.substr(0, all.find(':'));
     if (type != "FILE" && type != "DIR" && type != "PATH") continue;
     const auto& values = option->results();
-    if (std::find(values.begin(), values.end(), "") == values.end()) continue;
-    throw CLI::ValidationError(option->get_name(), "the path is empty");
+    const auto is_blank = [](const std::string& path) {
+      return path.find_first_not_of(" \t\r\n") == std::string::npos;
+    };
+    const auto blank = std::find_if(values.begin(), values.end(), is_blank);
+    if (blank == values.end()) continue;
+    throw CLI::ValidationError(option->get_name(),
+                               blank->empty() ? "the path is empty" : "the path is blank");
   }
 }
 

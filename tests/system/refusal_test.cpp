@@ -205,11 +205,14 @@ SCENARIO("a bridge refuses an invalid input") {
       CHECK_THAT(refused({"--source", "serial", "--device", folder.path().string()}),
                  Contains(folder.path().string()));
       CHECK_THAT(refused({"--source", "serial", "--device", "/dev/null"}),
-                 Contains("/dev/null") && Contains("not a serial device"));
+                 Contains("--device: \"/dev/null\" is not a serial device"));
+      CHECK_THAT(refused({"--source", "serial", "--device", "COM3"}),
+                 Contains("--device: \"COM3\" is not a serial device"));
     }
   }
-  WHEN("a path is empty, as by an unset variable of a shell") {
+  WHEN("a path is empty or blank, as by an unset variable of a shell") {
     THEN("its option is named") {
+      CHECK_THAT(refused({"--source", "serial", "--device", " "}), Contains("--device: the path is blank"));
       CHECK_THAT(refused({"--source", "serial", "--device", ""}), Contains("--device: the path is empty"));
       CHECK_THAT(refused({"--record", ""}), Contains("--record: the path is empty"));
       CHECK_THAT(refusal(SONOPOSE_TEST_RECORD, {""}), Contains("file: the path is empty"));

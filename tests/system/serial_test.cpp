@@ -16,6 +16,7 @@ namespace serial_test {
 using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
+using namespace std::string_literals;
 
 /// Position in the simulator's scenario "rest".
 const Vector3d resting_place_world_m{1.0, 2.0, 0.5};
@@ -151,20 +152,26 @@ SCENARIO("a serial line is visible on the bus before any beacon address is known
   }
 }
 
-SCENARIO("a beacon in NMEA mode is named with the setting to change") {
+SCENARIO("what arrives on a serial line instead of a beacon is named with the setting to change") {
   GIVEN("a bridge on a serial line") {
     const Bus bus;
     const PseudoTerminal line;
     const auto bridge = bus.bridge({"--source", "serial", "--device", line.device()});
     REQUIRE(bridge->wait_for_line(Stream::error, "reading " + line.device()));
-    WHEN("NMEA sentences arrive") {
-      const std::string sentence = "$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47\r\n";
-      for (int i = 0; i < 20; ++i) line.send(Bytes(sentence.begin(), sentence.end()));
+    const auto [message, name] = GENERATE(
+        std::pair("$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47\r\n"s,
+                  "NMEA sentences ($GPGGA)"),
+        std::pair("\xB5\x62\x05\x01\x02\x00\x06\x01\x0F\x38"s, "messages of a u-blox receiver (UBX)"));
+    WHEN("another protocol arrives") {
+      for (int i = 0; i < 100; ++i) line.send(Bytes(message.begin(), message.end()));
       THEN("the bridge says so, and not to check the baud rate") {
-        REQUIRE(
-            bridge->wait_for_line(Stream::error, "without a valid frame: they are NMEA sentences ($GPGGA)"));
+        REQUIRE(bridge->wait_for_line(Stream::error, std::string("they are ") + name));
         CHECK_THAT(bridge->text(Stream::error),
-                   Catch::Contains("protocol") && Catch::Contains("Dashboard") && !Catch::Contains("--baud"));
+                   Catch::Contains("warning: " + line.device() + ": ") &&
+                       Catch::Contains(std::string(" bytes without a valid frame: they are ") + name +
+                                       "; set the protocol of the beacon's UART and USB output to Marvelmind "
+                                       "(Dashboard, Interfaces), or choose another --device") &&
+                       !Catch::Contains("--baud"));
       }
     }
   }

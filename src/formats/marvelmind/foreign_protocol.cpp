@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cstddef>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <string_view>
@@ -58,42 +59,105 @@ std::string nmea_sentences(std::string_view text) {
   return list;
 }
 
-/// Returns true for a message of u-blox's protocol with a valid checksum at the start.
-bool is_ubx(Bytes bytes) {
-  constexpr std::size_t header_bytes = 6;
-  constexpr std::size_t checksum_bytes = 2;
-  if (bytes.size() < header_bytes + checksum_bytes || bytes[0] != 0xB5 || bytes[1] != 0x62) return false;
-  const std::size_t size = header_bytes + bytes[4] + std::size_t{bytes[5]} * 256;
-  if (bytes.size() < size + checksum_bytes) return false;
+/// Returns the size of the whole message at the start; 0 if there is none.
+using SizeAtStart = std::size_t (*)(Bytes);
+
+std::uint8_t sum_of(Bytes bytes) {
+  return std::accumulate(
+      bytes.begin(), bytes.end(), std::uint8_t{0},
+      [](std::uint8_t sum, std::uint8_t byte) { return static_cast<std::uint8_t>(sum + byte); });
+}
+
+/// Remainder of a division by a polynomial, most significant bit first.
+std::uint32_t crc_of(Bytes bytes, std::uint32_t polynomial, unsigned bits) {
+  const std::uint32_t top = std::uint32_t{1} << (bits - 1U);
+  std::uint32_t crc = 0;
+  for (const std::uint8_t byte : bytes) {
+    crc ^= std::uint32_t{byte} << (bits - 8U);
+    for (int bit = 0; bit < 8; ++bit) crc = (crc & top) != 0U ? (crc << 1U) ^ polynomial : crc << 1U;
+  }
+  return crc & (top | (top - 1U));
+}
+
+bool begins(Bytes bytes, std::string_view start) {
+  return text_of(bytes).starts_with(start);
+}
+
+std::size_t ubx_size(Bytes bytes) {
+  if (bytes.size() < 8 || !begins(bytes, "\xB5\x62"sv)) return 0;
+  const std::size_t size = 8U + bytes[4] + std::size_t{bytes[5]} * 256;
+  if (bytes.size() < size) return 0;
   std::uint8_t a = 0;
   std::uint8_t b = 0;
-  for (const std::uint8_t byte : bytes.subspan(2, size - 2)) {
+  for (const std::uint8_t byte : bytes.subspan(2, size - 4)) {
     a = static_cast<std::uint8_t>(a + byte);
     b = static_cast<std::uint8_t>(b + a);
   }
-  return bytes[size] == a && bytes[size + 1] == b;
+  return bytes[size - 2] == a && bytes[size - 1] == b ? size : 0;
 }
 
-/// Returns true for four MAVLink messages in a row: a checksum needs the definitions of the messages.
-bool is_mavlink(Bytes bytes) {
-  constexpr std::uint8_t start_1 = 0xFE;
-  constexpr std::uint8_t start_2 = 0xFD;
-  constexpr int min_messages = 4;
-  const std::uint8_t start = bytes.front();
-  if (start != start_1 && start != start_2) return false;
-  for (int message = 0; message < min_messages; ++message) {
-    if (bytes.size() < 3 || bytes[0] != start) return false;
-    const bool is_signed = start == start_2 && (bytes[2] & 1U) != 0;
-    const std::size_t size = bytes[1] + (start == start_1 ? 8U : 12U) + (is_signed ? 13U : 0U);
-    if (size > bytes.size()) return false;
-    bytes = bytes.subspan(size);
-  }
-  return true;
+std::size_t rtcm3_size(Bytes bytes) {
+  constexpr std::uint32_t crc24q = 0x864CFB;
+  if (bytes.size() < 8 || bytes[0] != 0xD3 || (bytes[1] & 0xFCU) != 0) return 0;
+  const std::size_t size = 6U + std::size_t{bytes[1]} * 256 + bytes[2];
+  return size >= 8 && size <= bytes.size() && crc_of(bytes.first(size), crc24q, 24) == 0 ? size : 0;
 }
 
-bool holds(Bytes bytes, bool (*is_at_start)(Bytes)) {
+std::size_t sbf_size(Bytes bytes) {
+  constexpr std::uint32_t ccitt = 0x1021;
+  if (bytes.size() < 8 || !begins(bytes, "$@"sv)) return 0;
+  const std::size_t size = bytes[6] + std::size_t{bytes[7]} * 256;
+  if (size < 8 || size % 4 != 0 || size > bytes.size()) return 0;
+  const std::uint32_t stated = bytes[2] + std::uint32_t{bytes[3]} * 256;
+  return crc_of(bytes.subspan(4, size - 4), ccitt, 16) == stated ? size : 0;
+}
+
+std::size_t xsens_size(Bytes bytes) {
+  if (bytes.size() < 5 || !begins(bytes, "\xFA\xFF"sv) || bytes[3] == 0xFF) return 0;
+  const std::size_t size = 5U + bytes[3];
+  return size <= bytes.size() && sum_of(bytes.subspan(1, size - 1)) == 0 ? size : 0;
+}
+
+std::size_t wit_motion_size(Bytes bytes) {
+  constexpr std::size_t size = 11;
+  const bool is_message = bytes.size() >= size && bytes[0] == 0x55 && (bytes[1] & 0xF0U) == 0x50;
+  return is_message && sum_of(bytes.first(size - 1)) == bytes[size - 1] ? size : 0;
+}
+
+/// A checksum would need the definitions of the messages.
+std::size_t mavlink_size(Bytes bytes) {
+  if (bytes.size() < 3 || (bytes[0] != 0xFE && bytes[0] != 0xFD)) return 0;
+  const bool is_signed = bytes[0] == 0xFD && (bytes[2] & 1U) != 0;
+  const std::size_t size = bytes[1] + (bytes[0] == 0xFE ? 8U : 12U) + (is_signed ? 13U : 0U);
+  return size <= bytes.size() ? size : 0;
+}
+
+struct Protocol {
+  std::string_view name;
+  SizeAtStart size;
+  int min_in_row;  ///< by the bits that a message checks: noise must not have a name
+};
+
+constexpr std::array protocols{
+    Protocol{"messages of a u-blox receiver (UBX)", ubx_size, 1},
+    Protocol{"corrections for a GNSS receiver (RTCM 3)", rtcm3_size, 1},
+    Protocol{"messages of a Septentrio receiver (SBF)", sbf_size, 1},
+    Protocol{"messages of an Xsens IMU", xsens_size, 2},
+    Protocol{"messages of a WitMotion IMU", wit_motion_size, 4},
+    Protocol{"MAVLink messages", mavlink_size, 4},
+};
+
+bool holds(Bytes bytes, const Protocol& protocol) {
   for (; !bytes.empty(); bytes = bytes.subspan(1)) {
-    if (is_at_start(bytes)) return true;
+    int in_row = 0;
+    const std::uint8_t start = bytes.front();
+    for (Bytes rest = bytes; in_row < protocol.min_in_row && !rest.empty() && rest.front() == start;
+         ++in_row) {
+      const std::size_t size = protocol.size(rest);
+      if (size == 0) break;
+      rest = rest.subspan(size);
+    }
+    if (in_row == protocol.min_in_row) return true;
   }
   return false;
 }
@@ -143,8 +207,9 @@ std::string foreign_protocol(Bytes bytes) {
   const std::string_view text = text_of(bytes);
   if (std::string kind = kind_of_file(text); !kind.empty()) return kind;
   if (const std::string names = nmea_sentences(text); !names.empty()) return "NMEA sentences (" + names + ")";
-  if (holds(bytes, is_ubx)) return "messages of a u-blox receiver (UBX)";
-  if (holds(bytes, is_mavlink)) return "MAVLink messages";
+  for (const Protocol& protocol : protocols) {
+    if (holds(bytes, protocol)) return std::string(protocol.name);
+  }
   if (const std::string line = line_of_text(text); !line.empty()) return "text such as \"" + line + '"';
   return {};
 }

@@ -367,8 +367,14 @@ std::unique_ptr<publication::Source> make_serial_source(const SerialOptions& opt
   LineWatch watch(
       {fmt::format("check --baud (now {}), and that the device is a Marvelmind beacon", options.baud),
        fmt::format("set {}, or choose another --device", protocol_setting)});
-  return std::make_unique<LiveSource<marvelmind::Decoder>>(
-      std::make_unique<transport::SerialPort>(options.device, options.baud), std::move(watch), live);
+  auto port = [&options] {
+    try {
+      return std::make_unique<transport::SerialPort>(options.device, options.baud);
+    } catch (const files::IoError& error) {
+      throw files::IoError(fmt::format("--device: {}", error.what()));
+    }
+  }();
+  return std::make_unique<LiveSource<marvelmind::Decoder>>(std::move(port), std::move(watch), live);
 }
 
 std::unique_ptr<publication::Source> make_udp_source(const UdpOptions& options, const LiveOptions& live) {

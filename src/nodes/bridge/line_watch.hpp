@@ -46,7 +46,7 @@ private:
   void log_change(const LineStatus& line, SteadyTime now);
 
   Advice advice_;
-  std::array<std::uint8_t, 1024> latest_{};  ///< several sentences or messages of other protocols
+  std::array<std::uint8_t, 2048> latest_{};  ///< several sentences or messages of other protocols
   std::size_t latest_size_ = 0;
   bool is_open_ = false;
   Progress bytes_;

@@ -38,14 +38,15 @@ bool is_absence(int error) {
   return error == ENOENT || error == ENODEV || error == ENXIO;
 }
 
-/// Returns true for a path of a device, or of nothing yet.
+/// Returns true for a path of a device, or an absolute one of nothing yet.
 bool may_be_serial_device(const std::string& path) {
   std::error_code ignored;
+  if (!path.starts_with('/') && !std::filesystem::exists(path, ignored)) return false;
   const auto kind = std::filesystem::status(path, ignored).type();
   using Kind = std::filesystem::file_type;
   const bool is_other_kind = kind == Kind::regular || kind == Kind::directory || kind == Kind::block ||
                              kind == Kind::fifo || kind == Kind::socket;
-  return !path.empty() && !is_other_kind && !is_other_device(path);
+  return !is_other_kind && !is_other_device(path);
 }
 
 }  // namespace
@@ -54,7 +55,8 @@ class SerialPort::Line {
 public:
   Line(std::string device, unsigned baud) : device_{std::move(device)}, baud_{baud}, port_{loop_.context()} {
     if (baud_ == 0) throw files::IoError(device_ + ": a baud rate of 0 closes the line");
-    if (!may_be_serial_device(device_)) throw files::IoError('"' + device_ + "\" is not a serial device");
+    if (!may_be_serial_device(device_))
+      throw files::IoError('"' + device_ + "\" is not a serial device; " + serial_devices());
   }
 
   ReadResult read(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) {

@@ -15,8 +15,8 @@ namespace sonopose::transport {
 /// follows a device that returns under another number.
 class SerialPort : public ByteSource {
 public:
-  /// The first read() opens the device. Throws files::IoError for a baud rate of 0 and for a path that exists
-  /// and is not a device.
+  /// The first read() opens the device. Throws files::IoError for a baud rate of 0, for a path that exists
+  /// and is not a serial device, and for a relative path of nothing.
   SerialPort(std::string device, unsigned baud);
   ~SerialPort() override;
   SerialPort(const SerialPort&) = delete;

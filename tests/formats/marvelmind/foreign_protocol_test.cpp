@@ -42,6 +42,26 @@ SCENARIO("what arrives instead of a beacon's frames is named") {
             "messages of a u-blox receiver (UBX)");
     }
   }
+  GIVEN("messages of RTCM 3: a reference station of type 1005, as in the standard") {
+    THEN("they are named, wherever they begin") {
+      CHECK(
+          named("\x01\xD3\x00\x13\x3E\xD7\xD3\x02\x02\x98\x0E\xDE\xEF\x34\xB4\xBD\x62\xAC\x09\x41\x98\x6F\x33"
+                "\x36\x0B\x98"s) == "corrections for a GNSS receiver (RTCM 3)");
+    }
+  }
+  GIVEN("messages of Xsens: GoToMeasurement and GoToConfig, as in the manual") {
+    THEN("two in a row are named") {
+      CHECK(named("\xFA\xFF\x10\x00\xF1\xFA\xFF\x30\x00\xD1"s) == "messages of an Xsens IMU");
+      CHECK(named("\xFA\xFF\x10\x00\xF1"s).empty());
+    }
+  }
+  GIVEN("accelerations of WitMotion at rest, 1 g on z: 0x0800 of 16 g") {
+    const std::string message = "\x55\x51\x00\x00\x00\x00\x00\x08\x00\x00\xAE"s;
+    THEN("four in a row are named") {
+      CHECK(named(message + message + message + message) == "messages of a WitMotion IMU");
+      CHECK(named(message).empty());
+    }
+  }
   GIVEN("heartbeats of MAVLink 1 and 2, each with its size in the second byte") {
     const std::string one = "\xFE\x09\x01\x01\x01\x00\x00\x00\x00\x00\x02\x03\x51\x04\x03\x1C\x7F"s;
     const std::string two =

@@ -255,8 +255,9 @@ SCENARIO("a path that can never be a serial line is refused at once") {
   const TemporaryFolder folder;
   write_text(folder / "file", "");
   REQUIRE(::mkfifo((folder / "pipe").c_str(), 0600) == 0);
-  for (const std::string& path : {(folder / "file").string(), folder.path().string(),
-                                  (folder / "pipe").string(), std::string("/dev/null"), std::string()}) {
+  for (const std::string& path :
+       {(folder / "file").string(), folder.path().string(), (folder / "pipe").string(),
+        std::string("/dev/null"), std::string(), std::string(" "), std::string("ttyUSB77")}) {
     CHECK_THROWS_WITH(SerialPort(path, 115'200), Contains('"' + path + "\" is not a serial device"));
   }
   CHECK_THROWS_WITH(SerialPort("/dev/ttyACM0", 0), Contains("baud rate of 0"));
