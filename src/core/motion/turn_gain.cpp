@@ -43,10 +43,9 @@ Course travel_of(const std::vector<Position>& fixes) {
   return course;
 }
 
-/// End of the turn that begins here; empty if it is small, or jumps as outliers do.
-std::optional<std::size_t> end_of_turn(const Course& course, std::size_t begin) {
+/// End of the turn that begins here; empty if it is small or takes longer, or jumps as outliers do.
+std::optional<std::size_t> end_of_turn(const Course& course, std::size_t begin, double max_s) {
   constexpr double min_s = 0.5;
-  constexpr double max_s = 2.0;
   constexpr double min_turn_rad = 30.0 * geometry::radians_per_degree;
   constexpr double max_bend = 0.35;  // a quarter where the rate grows from zero, a half for a jump
   std::size_t middle = begin;
@@ -79,6 +78,25 @@ std::optional<Vector3d> gyro_turn_rad(const std::vector<Reading>& imu, TimeNs be
   return turn_rad;
 }
 
+/// Turns by the gyroscope over those of the course, in body axes.
+std::vector<Vector3d> gains_of(const Course& course, const std::vector<Reading>& imu, double max_s,
+                               TurnGain& all) {
+  std::vector<Vector3d> gains;
+  for (std::size_t begin = 0; begin < course.size();) {
+    const auto end = end_of_turn(course, begin, max_s);
+    const auto by_gyro_rad =
+        end ? gyro_turn_rad(imu, course[begin].time_ns, course[*end].time_ns) : std::nullopt;
+    if (by_gyro_rad) {
+      const double turn_rad = course[*end].direction_rad - course[begin].direction_rad;
+      gains.emplace_back(*by_gyro_rad / turn_rad);
+      const double length_s = seconds_between(course[begin].time_ns, course[*end].time_ns);
+      all.compared_radps = std::max(all.compared_radps, std::abs(turn_rad) / length_s);
+    }
+    begin = end.value_or(begin + 1);
+  }
+  return gains;
+}
+
 /// Fastest mean rate about this axis over a second.
 double fastest_second_radps(const std::vector<Reading>& imu, const Vector3d& axis) {
   constexpr TimeNs second_ns = 1'000'000'000;
@@ -101,18 +119,13 @@ TurnGain turn_gain_of(Window window) {
   Course course;
   for (const Direction& heading : window.headings) add(course, heading.time_ns, heading.heading_world_rad);
   if (!all.by_heading) course = travel_of(window.fixes);
-  std::vector<Vector3d> gains;  // in body axes
-  for (std::size_t begin = 0; begin < course.size();) {
-    const auto end = end_of_turn(course, begin);
-    const auto by_gyro_rad =
-        end ? gyro_turn_rad(window.imu, course[begin].time_ns, course[*end].time_ns) : std::nullopt;
-    if (by_gyro_rad) {
-      const double turn_rad = course[*end].direction_rad - course[begin].direction_rad;
-      gains.emplace_back(*by_gyro_rad / turn_rad);
-      const double length_s = seconds_between(course[begin].time_ns, course[*end].time_ns);
-      all.compared_radps = std::max(all.compared_radps, std::abs(turn_rad) / length_s);
-    }
-    begin = end.value_or(begin + 1);
+  constexpr double fast_s = 2.0;
+  constexpr double slow_s = 8.0;  // then a usual offset of the rate does not change the sign
+  constexpr std::size_t min_turns = 2;
+  std::vector<Vector3d> gains = gains_of(course, window.imu, fast_s, all);
+  if (gains.size() < min_turns && all.by_heading) {
+    all.is_slow = true;
+    gains = gains_of(course, window.imu, slow_s, all);
   }
   all.turns = gains.size();
   const auto quantile_along = [&gains](const Vector3d& axis, double share) {
@@ -143,7 +156,7 @@ TurnFault turn_fault_of(const TurnGain& turn) {
   if (turn.turns < (turn.by_heading ? min_turns : min_turns_of_travel)) return TurnFault::none;
   if (turn.spread > max_spread * std::max(1.0, size)) return TurnFault::none;
   if (turn.gain < inverted_gain && size < degrees_gain) return TurnFault::wrong_sign;
-  if (!turn.by_heading) return TurnFault::none;
+  if (!turn.by_heading || turn.is_slow) return TurnFault::none;
   if (size > degrees_gain) return TurnFault::degrees;
   if (turn.turns <= min_turns) return TurnFault::none;
   if (size < dead_gain) {

@@ -1,5 +1,6 @@
 #include "transitions/line.hpp"
 
+#include <sonopose/samples/status_meanings.hpp>
 #include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
@@ -53,14 +54,12 @@ Line words_of(const Transition& transition) {
     case Kind::imu_inconsistent:
       return begun_or_ended(
           transition, Level::warning,
-          "IMU inconsistent: its gyroscope, accelerometer or mount contradicts fixes, headings or gravity; "
-          "sonopose-doctor names causes",
+          fmt::format("IMU inconsistent: {}; sonopose-doctor names causes", imu_inconsistent_meaning),
           "the IMU is consistent again");
     case Kind::fixes_inconsistent:
-      return begun_or_ended(
-          transition, Level::warning,
-          "fixes inconsistent: some are a default position, or their clock is not that of the IMU",
-          "the fixes are consistent again");
+      return begun_or_ended(transition, Level::warning,
+                            fmt::format("fixes inconsistent: {}", fixes_inconsistent_meaning),
+                            "the fixes are consistent again");
     case Kind::heading_unknown:
       return begun_or_ended(transition, Level::warning,
                             "heading unknown: no recent pair heading, and too little motion",

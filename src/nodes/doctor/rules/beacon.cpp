@@ -44,9 +44,11 @@ std::string clock_text(const BeaconStatus& status) {
 
 class BeaconCheck {
 public:
-  BeaconCheck(const Observations& observations, const BeaconObservation& beacon, Findings& findings)
+  BeaconCheck(const Observations& observations, const BeaconObservation& beacon, bool is_imu_right,
+              Findings& findings)
       : observations_(observations),
         beacon_(beacon),
+        is_imu_right_(is_imu_right),
         findings_(findings),
         fusion_lacks_imu_(no_fusion_receives_imu(observations)) {}
 
@@ -98,7 +100,7 @@ public:
       return static_cast<double>(part) / static_cast<double>(all);
     };
     if (refused < 2 || share_of(refused, fixes.reports) < min_refused_share) return;
-    if (fusion_lacks_imu_ || beacon_.imu.samples == 0) return;  // reported already
+    if (fusion_lacks_imu_ || !is_imu_right_ || beacon_.imu.samples == 0) return;  // reported already
     std::vector<std::size_t> causes(fixes.refused.size());
     std::iota(causes.begin(), causes.end(), std::size_t{0});
     std::stable_sort(causes.begin(), causes.end(), [&fixes](std::size_t a, std::size_t b) {
@@ -147,7 +149,8 @@ public:
   }
 
   void poses(bool fusion_runs) const {
-    if (!fusion_runs || beacon_.imu.samples == 0 || fusion_lacks_imu_) return;  // reported already
+    const bool is_explained = fusion_lacks_imu_ || !is_imu_right_;
+    if (!fusion_runs || beacon_.imu.samples == 0 || is_explained) return;  // reported already
     if (beacon_.pose.samples == 0) {
       add(Severity::error, "a fusion runs, but no poses of this beacon were received",
           "keep it still for a second, check that fixes arrive, and check the output of sonopose-fusion");
@@ -194,7 +197,7 @@ public:
       add(by_share(lost, beacon_.imu.samples), fmt::format("its fusion lost {}", count_text(lost, "event")),
           "check whether the network loses packets, or the machine of the fusion is overloaded");
     }
-    if (const auto invalid = increase_of(&FusionStatus::samples_invalid); invalid > 0) {
+    if (const auto invalid = increase_of(&FusionStatus::samples_invalid); invalid > 0 && is_imu_right_) {
       // A bad line delivers some samples late.
       constexpr std::uint64_t one_in = 20;
       const bool is_frequent = invalid * one_in > beacon_.imu.samples + beacon_.fix.samples;
@@ -349,14 +352,16 @@ private:
 
   const Observations& observations_;
   const BeaconObservation& beacon_;
+  bool is_imu_right_;
   Findings& findings_;
   bool fusion_lacks_imu_;  ///< reported already
 };
 
 }  // namespace
 
-void check_beacon(const Observations& observations, const BeaconObservation& beacon, Findings& findings) {
-  const BeaconCheck check(observations, beacon, findings);
+void check_beacon(const Observations& observations, const BeaconObservation& beacon, bool is_imu_right,
+                  Findings& findings) {
+  const BeaconCheck check(observations, beacon, is_imu_right, findings);
   check.report_rates();
   if (!on_topic(observations.writers, "sonopose/imu").empty()) {  // else missing streams are a consequence
     check.imu();

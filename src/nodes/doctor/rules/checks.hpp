@@ -23,11 +23,14 @@ bool no_fusion_receives_imu(const Observations& observations);
 void check_lines(const Observations& observations, Findings& findings);
 /// Reports processes that should not write poses, or that write them with equal strength.
 void check_pose_writers(const Observations& observations, Findings& findings);
-/// Checks one beacon's streams, fusions, numbering, clock and line.
-void check_beacon(const Observations& observations, const BeaconObservation& beacon, Findings& findings);
+/// Checks one beacon's streams, fusions, numbering, clock and line. Without a right IMU, it does not report
+/// that the fusion has no use for the samples.
+void check_beacon(const Observations& observations, const BeaconObservation& beacon, bool is_imu_right,
+                  Findings& findings);
 /// A reported problem that explains others; later values are stronger. Wrong fixes explain doubts about
 /// fixes. A wrong installation, or two bridges, also makes right fixes look wrong, up to their rejection.
-enum class Cause : std::uint8_t { none, fixes, installation };
+/// With wrong units or axes of the IMU, its fusion may not even start.
+enum class Cause : std::uint8_t { none, fixes, installation, imu };
 /// Reports lasting status bits of one beacon's poses, except those that `cause` explains.
 void check_pose(double window_s, const BeaconObservation& beacon, Cause cause, Findings& findings);
 /// Checks mount offset, delay and accelerometer signs of one beacon, if it moves.

@@ -45,12 +45,12 @@ std::vector<Finding> diagnose(const Observations& observations) {
   check_lines(observations, findings);
   check_pose_writers(observations, findings);
   for (const BeaconObservation& beacon : observations.beacons) {
-    const bool is_mount_right = check_imu(beacon, findings);  // the causes first
-    check_beacon(observations, beacon, findings);
+    const bool is_imu_right = check_imu(beacon, findings);  // the causes first
+    check_beacon(observations, beacon, is_imu_right, findings);
     const std::size_t before = findings.size();
     const auto cause = [&] {
+      if (!is_imu_right) return Cause::imu;  // what is fitted with its readings is wrong too
       if (beacon.bridges.size() > 1) return Cause::installation;  // two bridges mix their samples
-      if (!is_mount_right) return Cause::installation;  // what is fitted with its readings is wrong too
       // Repeated positions do not fit any installation.
       const bool is_frozen = beacon.status_counts.share_of(status_frozen_track) > max_frozen_share;
       if (!is_frozen) check_installation(beacon, findings);

@@ -5,6 +5,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <functional>
 
 namespace imu_test {
@@ -36,7 +37,7 @@ SCENARIO("wrong axes and units of an IMU are found in motion, and nothing else i
       const auto check = [&](const std::string& problems, const char* finding, const char* setting) {
         CAPTURE(problems);
         CHECK_THAT(problems, Contains(finding) && Contains(setting));
-        CHECK_THAT(problems, !Contains("min_quality_percent") && !Contains("delay"));
+        CHECK(std::count(problems.begin(), problems.end(), '\n') == 1);  // and none of its consequences
       };
       WHEN("its axes are forward, right, down") {
         THEN("the vertical axis is named, with the axes to set") {
@@ -58,6 +59,13 @@ SCENARIO("wrong axes and units of an IMU are found in motion, and nothing else i
                               [](ImuSample& imu) { imu.specific_force_body_mps2 /= standard_gravity_mps2; }),
                 "seems to be in g",
                 "calibration.accelerometer.sensitivity_x, sensitivity_y and sensitivity_z to 9.807");
+        }
+      }
+      WHEN("the force is in mg or cm/s^2") {
+        const double unit = GENERATE(1e3 / standard_gravity_mps2, 1e2);
+        THEN("the units are named") {
+          check(problems_with(scenario, [unit](ImuSample& imu) { imu.specific_force_body_mps2 *= unit; }),
+                "seems to be in mg or cm/s", "publish m/s²");
         }
       }
       WHEN("the rates are in deg/s") {
@@ -107,6 +115,18 @@ SCENARIO("an axis of the IMU that does not change is named, and none of its cons
       CHECK_THAT(problems, Contains(dead.named + std::string(" is stuck at 0")));
       CHECK_THAT(problems, !Contains("delay") && !Contains("track") && !Contains("mount") &&
                                !Contains("gravity") && !Contains("gyro bias"));
+    }
+  }
+}
+
+SCENARIO("an IMU whose clock is ahead is named in the words of the status") {
+  for (const char* const scenario : {"walk", "kart", "forklift"}) {
+    GIVEN(std::string("a drive of ") + scenario + " whose IMU stamps are 0.4 s ahead") {
+      const std::string problems =
+          problems_with(scenario, [](ImuSample& imu) { imu.sensor_time_ns += 400'000'000; });
+      CAPTURE(problems);
+      CHECK_THAT(problems, Contains("fixes inconsistent: some are a default position, or their clock is not "
+                                    "that of the IMU"));
     }
   }
 }
