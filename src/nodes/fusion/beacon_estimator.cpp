@@ -10,7 +10,10 @@ namespace sonopose::fusion {
 using transitions::Kind;
 
 BeaconEstimator::BeaconEstimator(BeaconAddress address, SettingsTimeline timeline, bool lossless)
-    : timeline_(std::move(timeline)), estimator_(timeline_.settings()), detector_(address) {
+    : timeline_(std::move(timeline)),
+      estimator_(timeline_.settings()),
+      watch_(timeline_.settings()),
+      detector_(address) {
   counted_.address = address;
   transitions_.add({.address = address, .kind = Kind::found});
   if (lossless) collator_.emplace<collation::LosslessCollator>();
@@ -52,7 +55,11 @@ EventOutcome BeaconEstimator::process(const collation::CollatedEvent& collated) 
   if (sequence == unnumbered) sequence = last_sequence_.value_or(0);  // used on arrival
   const bool changed = timeline_.advance(sequence);
   last_sequence_ = sequence;
-  if (changed) estimator_.configure(timeline_.settings());
+  if (changed) {
+    estimator_.configure(timeline_.settings());
+    watch_.configure(timeline_.settings());
+  }
+  watch_.on(event);
   if (first || changed) {
     settings_changed_at_ = sequence;
     outcome.settings_changed = true;
@@ -65,7 +72,9 @@ EventOutcome BeaconEstimator::process(const collation::CollatedEvent& collated) 
     if (is_down_weighted(*report)) ++counted_.fixes_down_weighted;
     refusals_.on(*report);
     detector_.on(*report, transitions_);
-  } else if (const auto* pose = std::get_if<FusedPose>(&outcome.result)) {
+  } else if (auto* pose = std::get_if<FusedPose>(&outcome.result)) {
+    watch_.on(*pose);
+    pose->status |= watch_.status(pose->time_ns);
     detector_.on(*pose, transitions_);
     poses_.add(*pose);
   }

@@ -12,6 +12,7 @@
 #include <sonopose/collation/collator.hpp>
 #include <sonopose/collation/lossless_collator.hpp>
 #include <sonopose/estimation/any_estimator.hpp>
+#include <sonopose/estimation/input_watch.hpp>
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/status.hpp>
 
@@ -118,6 +119,7 @@ private:
   FusionStatus counted_;  ///< counters that nothing else keeps
   SettingsTimeline timeline_;
   estimation::AnyEstimator estimator_;
+  estimation::InputWatch watch_;
   std::variant<collation::Collator, collation::LosslessCollator> collator_;
   std::span<const collation::CollatedEvent> in_order_;  ///< collated, not processed yet
   std::optional<std::uint64_t> last_sequence_;

@@ -2,6 +2,7 @@
 
 #include "estimation/digest.hpp"
 #include "evaluation/score/comparison.hpp"
+#include <sonopose/estimation/input_watch.hpp>
 #include <sonopose/estimation/snapshot_fields.hpp>
 #include <sonopose/samples/outputs.hpp>
 
@@ -132,10 +133,16 @@ void run_through(const recording::SensorLog& log, const RunOptions& options, Res
 void run_engine(const recording::SensorLog& log, const RunOptions& options, Results& results) {
   estimation::AnyEstimator estimator(options.settings);
   if (options.start) estimator.restore(options.start->snapshot);
+  estimation::InputWatch watch(estimator.settings());
   const EstimatorCounters before = estimator.counters();
   run_through(log, options, results, [&](const Event& event) {
     results.predict(event, estimator);
-    const auto output = estimation::process(estimator, event);
+    watch.on(event);
+    auto output = estimation::process(estimator, event);
+    if (auto* pose = std::get_if<FusedPose>(&output)) {
+      watch.on(*pose);
+      pose->status |= watch.status(pose->time_ns);
+    }
     estimator.finish_pending_work();  // as in the live fusion
     return output;
   });

@@ -1,0 +1,133 @@
+/// Faults of the IMU that are seen beside the engine, and how soon.
+
+#include "sim/simulator.hpp"
+#include "support/seeds.hpp"
+#include <sonopose/estimation/any_estimator.hpp>
+#include <sonopose/estimation/input_watch.hpp>
+#include <sonopose/geometry/rotation.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+namespace input_watch_test {
+
+using namespace sonopose;
+
+using Change = std::function<void(ImuSample&)>;
+
+/// Seconds from the begin of the motion, at 3 s, to the first pose with the bit; infinite without one.
+double found_after_s(const std::string& scenario, std::uint64_t seed, bool has_headings, const Change& change,
+                     std::uint32_t bits = ~0U) {
+  constexpr double begin_s = 3.0;
+  const sim::Run run{.seed = seed, .duration_s = 32.0};
+  sim::Scenario drawn = sim::drawn(sim::find_scenario(scenario), run);
+  drawn.sensors.pair_heading = drawn.sensors.pair_heading && has_headings;
+  const std::vector<Event> events = sim::record(drawn, run).events;
+  const settings::Settings settings;
+  estimation::AnyEstimator estimator(settings);
+  estimation::InputWatch watch(settings);
+  const TimeNs begin_ns = available_at_ns(events.front()) + to_ns(begin_s);
+  for (Event event : events) {
+    auto* const imu = std::get_if<ImuSample>(&event);
+    if (imu != nullptr) change(*imu);
+    watch.on(event);
+    const auto result = estimation::process(estimator, event);
+    const auto* const pose = std::get_if<FusedPose>(&result);
+    if (pose == nullptr) continue;
+    watch.on(*pose);
+    if ((watch.status(pose->time_ns) & bits) != 0) return seconds_between(begin_ns, pose->time_ns);
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+TEST_CASE("a right IMU is never taken for a wrong one") {
+  std::vector<sim::Scenario> scenarios(sim::scenarios().begin(), sim::scenarios().end());
+  scenarios.insert(scenarios.end(), sim::harder_scenarios().begin(), sim::harder_scenarios().end());
+  for (const sim::Scenario& scenario : scenarios) {
+    for (std::uint64_t seed = 1; seed <= test::seeds(1, 10); ++seed) {
+      for (const bool has_headings : {true, false}) {
+        CAPTURE(scenario.name, seed, has_headings);
+        CHECK(found_after_s(std::string(scenario.name), seed, has_headings, [](ImuSample&) {}) > 30.0);
+      }
+    }
+  }
+}
+
+TEST_CASE("an axis that keeps its value is found within three seconds") {
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    CAPTURE(axis);
+    CHECK(found_after_s("walk", 3, true,
+                        [axis](ImuSample& imu) { imu.specific_force_body_mps2(axis) = 0.5; }) < 3.0);
+    CHECK(found_after_s("walk", 3, true,
+                        [axis](ImuSample& imu) { imu.angular_velocity_body_radps(axis) = 0.0; }) < 3.0);
+  }
+}
+
+TEST_CASE("a fault ends with its cause, and with a clock that is set back") {
+  estimation::InputWatch watch{settings::Settings{}};
+  TimeNs time_ns = 1'700'000'000'000'000'000;
+  const auto feed = [&](int samples, double noise) {
+    for (int i = 0; i < samples; ++i, time_ns += 10'000'000) {
+      ImuSample imu;
+      imu.sensor_time_ns = time_ns;
+      imu.specific_force_body_mps2 = {i % 7 * noise, i % 5 * 1e-3, standard_gravity_mps2};
+      imu.angular_velocity_body_radps = {i % 7 * 1e-3, i % 5 * 1e-3, i % 3 * 1e-3};
+      watch.on(imu);
+    }
+    return watch.status(time_ns);
+  };
+  CHECK(feed(300, 1e-3) != 0);  // z of the accelerometer keeps its value
+  time_ns -= 3'600'000'000'000;
+  CHECK(feed(1, 1e-3) == 0);
+}
+
+TEST_CASE("a unit that contradicts gravity is found within four seconds") {
+  for (const double unit : {1.0 / standard_gravity_mps2, 3.28}) {
+    CAPTURE(unit);
+    CHECK(found_after_s("walk", 3, true, [unit](ImuSample& imu) { imu.specific_force_body_mps2 *= unit; }) <
+          4.0);
+  }
+}
+
+TEST_CASE("a gyroscope of the wrong sign is found within seconds of turning, with and without headings") {
+  const auto inverted = [](ImuSample& imu) { imu.angular_velocity_body_radps.z() *= -1.0; };
+  for (const bool has_headings : {true, false}) {
+    for (std::uint64_t seed = 1; seed < 4; ++seed) {
+      CAPTURE(has_headings, seed);
+      CHECK(found_after_s("walk", seed, has_headings, inverted) < 5.0);
+      CHECK(found_after_s("kart", seed, has_headings, inverted) < 6.5);  // straight for 3.5 s
+    }
+  }
+}
+
+TEST_CASE("stamps of the IMU that are ahead are found while it turns") {
+  for (const char* const scenario : {"walk", "kart", "forklift"}) {
+    for (const TimeNs ahead_ns : {300'000'000, 400'000'000}) {
+      CAPTURE(scenario, ahead_ns);
+      CHECK(found_after_s(
+                scenario, 3, true, [ahead_ns](ImuSample& imu) { imu.sensor_time_ns += ahead_ns; },
+                status_fixes_inconsistent) < 12.0);
+    }
+  }
+}
+
+TEST_CASE("a mount that is turned by 90 degrees is found within four seconds of motion") {
+  for (const char* const scenario : {"walk", "kart", "forklift"}) {
+    for (const double angle_deg : {90.0, -90.0, 180.0}) {
+      CAPTURE(scenario, angle_deg);
+      const Eigen::Matrix3d turned =
+          geometry::rotation_about_z(angle_deg * std::numbers::pi / 180.0).toRotationMatrix();
+      CHECK(found_after_s(scenario, 3, true, [&turned](ImuSample& imu) {
+              imu.angular_velocity_body_radps = turned * imu.angular_velocity_body_radps;
+              imu.specific_force_body_mps2 = turned * imu.specific_force_body_mps2;
+            }) < 4.0);
+    }
+  }
+}
+
+}  // namespace input_watch_test
