@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <vector>
 
 namespace sonopose::monitor {
@@ -16,6 +17,10 @@ namespace {
 /// "0.03/0.12": median and 99th percentile in milliseconds.
 std::string ms_pair(const observation::Percentiles& percentiles) {
   return ms(percentiles.p50_s) + "/" + ms(percentiles.p99_s);
+}
+
+std::string sensor_to_bridge_words(const observation::BeaconView& view) {
+  return std::isnan(view.segments[0].p50_s) ? "– old stamps" : ms_pair(view.segments[0]);
 }
 
 std::string worst_words(const observation::PoseTrace& worst) {
@@ -30,7 +35,7 @@ std::string segments_table_of(const std::vector<observation::BeaconView>& views)
   for (const observation::BeaconView& view : views) {
     if (!view.worst) continue;
     text += fmt::format("{:>6}  {:>15}  {:>11}  {:>9}  {:>11}                {}\n", view.address,
-                        ms_pair(view.segments[0]), ms_pair(view.segments[1]), ms_pair(view.segments[2]),
+                        sensor_to_bridge_words(view), ms_pair(view.segments[1]), ms_pair(view.segments[2]),
                         ms_pair(view.segments[3]), worst_words(*view.worst));
   }
   return text;

@@ -164,6 +164,9 @@ void add_latency(Page& page, const BeaconView& view) {
   constexpr std::array<std::string_view, 4> names{"sensor to bridge", "bridge to fusion", "in the fusion",
                                                   "fusion to here"};
   for (std::size_t i = 0; i < names.size(); ++i) add(names[i], view.segments[i]);
+  if (view.worst && std::isnan(view.segments[0].p50_s)) {
+    page.add("", "sensor to bridge is not known: the samples have stamps of another time, as of a recording");
+  }
   add("bridge to here", view.latency);
   const double worst_s = view.worst ? view.worst->latency_s() : nan;
   page.add("slowest pose", fmt::format("{:>9}", ms(worst_s)));

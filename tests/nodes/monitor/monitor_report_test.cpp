@@ -1,6 +1,7 @@
 #include "monitor/monitor_report.hpp"
 
 #include "observation/status_words.hpp"
+#include "observation/stream_state.hpp"
 #include "observation/views.hpp"
 
 #include <catch2/catch.hpp>
@@ -62,7 +63,7 @@ SCENARIO("the table has a row for each beacon") {
     }
     THEN("the problem counters of each process follow, without processes that counted none") {
       CHECK_THAT(table,
-                 Contains("7  bridge: 4 damaged frames, 1 other bridge\n") &&
+                 Contains("7  bridge: 4 damaged frames\n") &&
                      Contains("7  fusion: 2 fixes too late, 3 IMU deadlines missed, 17 events lost\n") &&
                      Contains("7  here: 8 pose deadlines missed, 2 pose stream losses\n") &&
                      !Contains("21  here"));
@@ -104,7 +105,15 @@ SCENARIO("the table has a row for each beacon") {
     lost.lost = true;
     BeaconView silent = good_view();
     silent.fusion->imu_silent = true;
-    THEN("the status column shows it") {
+    BeaconView mixed = good_view();
+    mixed.bridge->other_bridges = 1;
+    BeaconView played = good_view();
+    played.segments[0] = observation::percentiles_of({});
+    THEN("the status column shows it, as it does several bridges") {
+      CHECK_THAT(table_of({mixed}),
+                 Contains("several bridges, ok") && Contains("bridge: 4 damaged frames, 1 other bridge\n"));
+      CHECK(severity_of(mixed) >= observation::bad_severity);
+      CHECK_THAT(table_of({played}), Contains("– old stamps"));
       CHECK_THAT(table_of({lost}), Contains("17  lost\n"));
       CHECK_THAT(table_of({silent}), Contains("IMU silent"));
     }

@@ -2,6 +2,7 @@
 
 #include "observation/status_counters.hpp"
 #include "observation/status_words.hpp"
+#include "observation/stream_state.hpp"
 #include <sonopose/geometry/rotation.hpp>
 #include <sonopose/text/count_text.hpp>
 
@@ -102,7 +103,7 @@ void check_bridge(const observation::BeaconView& view, TimeNs now_ns, ProblemLis
   if (view.bridge->battery_v && *view.bridge->battery_v < low_battery_v) {
     problems.add(Level::warning, fmt::format("battery {:.2f} V", *view.bridge->battery_v));
   }
-  if (view.bridge->other_bridges > 0) problems.add(Level::warning, "published by several bridges");
+  if (has_several_bridges(view)) problems.add(Level::error, "several bridges");
 }
 
 /// Collects keys and values. Omits NaN.

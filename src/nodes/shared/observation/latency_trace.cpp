@@ -19,8 +19,11 @@ Percentiles percentiles_of(std::vector<double> durations_s) {
 }
 
 std::array<double, 4> PoseTrace::segments_s() const {
-  return {seconds_between(sensor_ns, bridge_ns), seconds_between(bridge_ns, fusion_in_ns),
-          seconds_between(fusion_in_ns, fusion_out_ns), seconds_between(fusion_out_ns, here_ns)};
+  constexpr double max_age_s = 10.0;
+  const double age_s = seconds_between(sensor_ns, bridge_ns);
+  return {std::abs(age_s) > max_age_s ? std::numeric_limits<double>::quiet_NaN() : age_s,
+          seconds_between(bridge_ns, fusion_in_ns), seconds_between(fusion_in_ns, fusion_out_ns),
+          seconds_between(fusion_out_ns, here_ns)};
 }
 
 PoseTrace trace_of(const FusedPose& pose, TimeNs here_ns) {
@@ -77,7 +80,9 @@ std::array<Percentiles, 4> TraceCollector::segments() const {
   for (std::size_t i = 0; i < segments.size(); ++i) {
     std::vector<double> durations_s;
     durations_s.reserve(durations_.size());
-    for (const Durations& durations : durations_) durations_s.push_back(durations.segments_s[i]);
+    for (const Durations& durations : durations_) {
+      if (!std::isnan(durations.segments_s[i])) durations_s.push_back(durations.segments_s[i]);
+    }
     segments[i] = percentiles_of(std::move(durations_s));
   }
   return segments;

@@ -34,7 +34,8 @@ struct PoseTrace {
   TimeNs fusion_out_ns = 0;    ///< pose published by the fusion
   TimeNs here_ns = 0;          ///< pose received by this process
 
-  /// Durations in the order of `latency_segment_names`.
+  /// Durations in the order of `latency_segment_names`. That from the sensor is NaN if its stamp is of
+  /// another time, as in a recording that is played.
   [[nodiscard]] std::array<double, 4> segments_s() const;
   /// Latency that the system adds, from the bridge to here.
   [[nodiscard]] double latency_s() const { return seconds_between(bridge_ns, here_ns); }

@@ -11,14 +11,21 @@ namespace sonopose::observation {
 std::string stream_words(const BeaconView& view) {
   if (view.lost) return "lost";
   if (view.poses + view.predicted == 0) return "silent";
-  const std::string words = status_words(view.pose.status);
-  return view.fusion && view.fusion->imu_silent ? "IMU silent, " + words : words;
+  std::string faults;
+  if (has_several_bridges(view)) faults = "several bridges, ";
+  if (view.fusion && view.fusion->imu_silent) faults += "IMU silent, ";
+  return faults + status_words(view.pose.status);
+}
+
+bool has_several_bridges(const BeaconView& view) {
+  return view.bridge && view.bridge->other_bridges > 0;
 }
 
 int severity_of(const BeaconView& view) {
   if (view.lost) return 100;
   if (view.poses + view.predicted == 0) return 95;
   if (view.fusion && view.fusion->imu_silent) return 90;
+  if (has_several_bridges(view)) return 85;  // the pose is of mixed samples
   return severity_of_status(view.pose.status);
 }
 

@@ -8,7 +8,11 @@
 
 namespace sonopose::observation {
 
-/// "lost", "silent", or the words of the latest status, after "IMU silent" if that holds.
+/// True if its bridge detects another one that publishes it.
+bool has_several_bridges(const BeaconView& view);
+
+/// "lost", "silent", or the words of the latest status, after "several bridges" and "IMU silent" if these
+/// hold.
 std::string stream_words(const BeaconView& view);
 
 /// Severity of a beacon's worst fault: 0 is none; from `bad_severity` on, its pose is unreliable.

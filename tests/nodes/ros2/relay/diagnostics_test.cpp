@@ -103,6 +103,13 @@ SCENARIO("the diagnostic of a beacon") {
         CHECK(says(diagnose(now, before), "battery 3.40 V"));
       }
     }
+    WHEN("several bridges publish it") {
+      now.bridge->other_bridges = 1;
+      THEN("this is an error, in the words of the monitor") {
+        CHECK(diagnose(now, before).level == Level::error);
+        CHECK(says(diagnose(now, before), "several bridges"));
+      }
+    }
     WHEN("its IMU is silent") {
       now.fusion->imu_silent = true;
       now.poses = 0;  // a consequence

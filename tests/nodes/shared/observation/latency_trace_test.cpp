@@ -57,6 +57,17 @@ SCENARIO("the segments of a pose add up to its latency") {
   CHECK(one.segments_s()[3] == Approx(40e-6));
 }
 
+SCENARIO("the age of a sample with a stamp of another time is not known") {
+  PoseTrace played = trace(1, 40 * us);
+  played.sensor_ns -= 86'400'000'000'000;
+  CHECK(std::isnan(played.segments_s()[0]));
+  TraceCollector collector;
+  collector.add(played);
+  CHECK(std::isnan(collector.segments()[0].p50_s));
+  CHECK(collector.segments()[1].p50_s == Approx(50e-6));
+  CHECK(collector.latency().p50_s == Approx(100e-6));
+}
+
 SCENARIO("a long run is sampled uniformly") {
   TraceCollector collector;
   for (std::uint64_t i = 0; i < 200'000; ++i) collector.add(trace(i, i % 10 == 0 ? 900 * us : 40 * us));

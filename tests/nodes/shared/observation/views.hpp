@@ -30,7 +30,6 @@ inline observation::BeaconView good_view() {
   view.bridge->imu_rate_hz = 99.5;
   view.bridge->fix_rate_hz = 12.0;
   view.bridge->crc_errors = 4;
-  view.bridge->other_bridges = 1;
   view.fusion.emplace();
   view.fusion->fixes_used = 110;
   view.fusion->fixes_down_weighted = 9;

@@ -50,7 +50,7 @@ SCENARIO("the JSON object has the documented keys") {
       CHECK(good["bridge"]["battery_v"] == 3.9);
       CHECK(good["bridge"]["rssi_dbm"].is_null());
       CHECK(good["bridge"]["crc_errors"] == 4);
-      CHECK(good["bridge"]["other_bridges"] == 1);
+      CHECK(good["bridge"]["other_bridges"] == 0);
       CHECK(good["fusion"]["fixes_used"] == 110);
       CHECK(good["fusion"]["events_lost"] == 17);
       CHECK(good["fusion"]["imu_deadlines_missed"] == 3);
