@@ -14,7 +14,6 @@
 
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -66,17 +65,19 @@ int compare(const Options& options) {
   apps::Progress progress;
   const auto compare_case = [&](const std::vector<evaluation::Case>& runs) {
     const auto first_results = evaluation::evaluate_all(runs, first_settings);
-    const auto first_m = evaluation::cost_of(first_results, first_results);
-    if (!first_m || !std::isfinite(*first_m)) {
+    const auto is_scored = [&](const std::optional<double>& cost_m, const std::filesystem::path& settings) {
+      if (cost_m && std::isfinite(*cost_m)) return true;
       progress.clear();
       logging::warning(
-          fmt::format("left out: {}: nothing to score with {}", runs.front().name, first.string()));
-      return;
-    }
+          fmt::format("left out: {}: nothing to score with {}", runs.front().name, settings.string()));
+      return false;
+    };
+    const auto first_m = evaluation::cost_of(first_results, first_results);
+    if (!is_scored(first_m, first)) return;
     // Both costs count the same fixes.
     const auto second_m = evaluation::cost_of(evaluation::evaluate_all(runs, second_settings), first_results);
-    costs.push_back({runs.front().name, first_results.front().has_truth, *first_m,
-                     second_m.value_or(std::numeric_limits<double>::infinity())});
+    if (!is_scored(second_m, second)) return;
+    costs.push_back({runs.front().name, first_results.front().has_truth, *first_m, *second_m});
   };
   apps::for_each_case(options.cases, compare_case,
                       [&](const apps::CasePlace& place) { show(place, progress); });

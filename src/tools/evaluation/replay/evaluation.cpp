@@ -3,6 +3,7 @@
 #include "evaluation/score/comparison.hpp"
 #include <sonopose/estimation/any_estimator.hpp>
 #include <sonopose/settings/settings_table.hpp>
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -230,6 +231,11 @@ CaseResult evaluate(const Case& test_case, const settings::Settings& settings) {
   result.fixes_used = estimator.counters().fixes_used;
   result.fixes_rejected = estimator.counters().fixes_rejected;
   run.finish(test_case, estimator.settings(), result);
+  if (result.has_truth && result.fused.poses == 0 && result.fused.poses_without_truth > 0) {
+    result.has_truth = false;
+    result.truth_fault = fmt::format("no true position at the time of any of its {}",
+                                     text::count_text(result.fused.poses_without_truth, "pose"));
+  }
   return result;
 }
 
@@ -246,6 +252,7 @@ Summary summarise(const std::vector<CaseResult>& runs) {
   summary.engine = runs.front().engine;
   summary.runs = runs.size();
   summary.has_truth = runs.front().has_truth;
+  summary.truth_fault = runs.front().truth_fault;
   summary.prediction = prediction_of(runs);
   for (const CaseResult& run : runs) summary.predictions.push_back(run.prediction);
   if (!summary.has_truth) return summary;

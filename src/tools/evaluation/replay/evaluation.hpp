@@ -45,8 +45,9 @@ inline constexpr double lost_m = 1.0;
 /// The result of one case with one set of settings.
 struct CaseResult {
   std::string name;
-  std::string engine;      ///< value of fusion.engine
-  bool has_truth = false;  ///< true position is known; otherwise `fused` and the next two errors are NaN
+  std::string engine;         ///< value of fusion.engine
+  std::string truth_fault{};  ///< why a truth that is there is of no use; empty: it is of use, or not there
+  bool has_truth = false;     ///< true position is known; otherwise `fused` and the next two errors are NaN
   Score fused;
   ClearErrors clear;
   ErrorSummary last_fix_m;      ///< error of the latest fix at the same times
@@ -85,6 +86,7 @@ struct Summary {
   std::string name;
   std::string engine;
   std::size_t runs = 0;
+  std::string truth_fault{};         ///< of the first run
   bool has_truth = false;            ///< truth is known; otherwise the following errors are NaN
   double position_rmse_m = unknown;  ///< median over the runs, like the following values
   double worst_rmse_m = unknown;     ///< error of the worst run

@@ -17,9 +17,9 @@ std::string seconds_or_none(const std::optional<double>& seconds) {
   return seconds ? fmt::format("{:.2f}", *seconds) : "";
 }
 
-/// Returns "-" for an unknown value.
+/// Returns "–" for an unknown value.
 std::string number(double value, int decimals) {
-  return std::isnan(value) ? "-" : fmt::format("{:.{}f}", value, decimals);
+  return !std::isfinite(value) ? "–" : fmt::format("{:.{}f}", value, decimals);
 }
 
 std::string truth_header(std::size_t width) {
@@ -33,15 +33,19 @@ std::string truth_header(std::size_t width) {
 
 std::string truth_row(const Summary& row, std::size_t width) {
   if (!row.has_truth) {
-    return fmt::format("{:<{}} {:<10} {:>4}  no truth; its prediction errors follow\n", row.name, width,
+    return fmt::format("{:<{}} {:<10} {:>4}  {}; its prediction errors follow\n", row.name, width, row.engine,
+                       row.runs, row.truth_fault.empty() ? "no truth" : row.truth_fault);
+  }
+  if (!std::isfinite(row.position_rmse_m)) {
+    return fmt::format("{:<{}} {:<10} {:>4}  no pose after the start is scored\n", row.name, width,
                        row.engine, row.runs);
   }
   return fmt::format(
-      "{:<{}} {:<10} {:>4} {:>8.2f} {:>8.2f} {:>8.2f} {:>8.2f} {:>6.1f} {:>8.1f} {:>8.1f} {:>8.3f} {:>8.2f} "
-      "{:>9.2f} {:>9}\n",
-      row.name, width, row.engine, row.runs, 100 * row.position_rmse_m, 100 * row.worst_rmse_m,
-      100 * row.position_p95_m, 100 * row.clear_rmse_m, row.lost_s, 100 * row.last_fix_rmse_m,
-      100 * row.extrapolated_rmse_m, row.velocity_rmse_mps, row.yaw_rmse_deg, row.tilt_rmse_deg,
+      "{:<{}} {:<10} {:>4} {:>8} {:>8} {:>8} {:>8} {:>6} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9}\n", row.name,
+      width, row.engine, row.runs, number(100 * row.position_rmse_m, 2), number(100 * row.worst_rmse_m, 2),
+      number(100 * row.position_p95_m, 2), number(100 * row.clear_rmse_m, 2), number(row.lost_s, 1),
+      number(100 * row.last_fix_rmse_m, 1), number(100 * row.extrapolated_rmse_m, 1),
+      number(row.velocity_rmse_mps, 3), number(row.yaw_rmse_deg, 2), number(row.tilt_rmse_deg, 2),
       seconds_or_none(row.slowest_recovery_s));
 }
 

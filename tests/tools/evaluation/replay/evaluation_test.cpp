@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 
@@ -44,6 +45,35 @@ evaluation::Case standing(double fix_offset_m) {
     if (auto* fix = std::get_if<UltrasonicFix>(&event)) fix->position_world_m.x() += fix_offset_m;
   }
   return standing;
+}
+
+/// The rows of a table with this case alone.
+std::string row_of(const evaluation::Case& test_case) {
+  evaluation::SummaryTable table(10);
+  return table.add(evaluation::summarise({evaluation::evaluate(test_case, {})}));
+}
+
+TEST_CASE("what the truth does not say is not known, with the reason") {
+  evaluation::Case test_case = standing(0.0);
+  SECTION("a truth of another time: the prediction errors count") {
+    for (TruthSample& truth : test_case.truth) truth.time_ns += to_ns(3600.0);
+    const CaseResult result = evaluation::evaluate(test_case, {});
+    CHECK_FALSE(result.has_truth);
+    CHECK(std::isfinite(*evaluation::cost_of({result}, {result})));
+    CHECK_THAT(row_of(test_case), Catch::Contains("no true position at the time of any of its ") &&
+                                      Catch::Contains(" poses; its prediction errors follow"));
+  }
+  SECTION("a truth of positions only: yaw, tilt and velocity are unknown") {
+    for (TruthSample& truth : test_case.truth) {
+      truth.q_body_to_world.coeffs().setConstant(std::numeric_limits<double>::quiet_NaN());
+      truth.velocity_world_mps.setConstant(std::numeric_limits<double>::quiet_NaN());
+    }
+    CHECK_THAT(row_of(test_case), Catch::Contains("–") && !Catch::Contains("inf"));
+  }
+  SECTION("no pose after the start: nothing is scored") {
+    test_case.score_after_s = 1e6;
+    CHECK_THAT(row_of(test_case), Catch::Contains("no pose after the start is scored"));
+  }
 }
 
 TEST_CASE("with the default settings the position error stays within the documented limits", "[accuracy]") {
