@@ -127,7 +127,8 @@ HeadingOutcome judge(State& state, const settings::Settings& settings, const Hea
     const auto own = heading_innovation(state, each.filter, settings, heading);
     correct_by_heading(state, each.filter, settings, heading, scale_of(own) * variance);
   }
-  if (heading.std_rad >= 0.0) return outcome;
+  // Errors of headings that the motion overrules are no noise.
+  if (heading.std_rad >= 0.0 || state.bank.best().imu == ImuModel::wrong_headings) return outcome;
   const auto after = heading_innovation(state, state.filter(), settings, heading);
   state.noise.add_heading(after.value_rad, after.variance_rad2 - variance,
                           stands_still(state, min_rest_fixes));
