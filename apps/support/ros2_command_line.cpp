@@ -64,6 +64,18 @@ settings::SettingValue scalar_of(const std::string& text) {
   return text;
 }
 
+/// Returns numbers if all texts are, otherwise the texts.
+ros2::relay::OptionValue list_of(const std::vector<std::string>& texts) {
+  std::vector<double> numbers;
+  for (const std::string& text : texts) {
+    const settings::SettingValue value = scalar_of(text);
+    if (const auto* const whole = std::get_if<int>(&value)) numbers.push_back(*whole);
+    if (const auto* const real = std::get_if<double>(&value)) numbers.push_back(*real);
+  }
+  if (numbers.size() == texts.size()) return numbers;
+  return texts;
+}
+
 ros2::arguments::LogLevel ros2_level(logging::Level level) {
   using ros2::arguments::LogLevel;
   if (level == logging::Level::debug) return LogLevel::debug;
@@ -149,7 +161,7 @@ ros2::relay::OptionParameters option_parameters(const Ros2Program& program) {
       const std::string text = is_flag ? "false" : option->get_default_str();
       if (!text.empty()) parameters[name] = scalar_of(text);
     } else if (option->get_items_expected_max() > 1) {
-      parameters[name] = option->results();
+      parameters[name] = list_of(option->results());
     } else {
       const std::string& text = option->results().back();
       parameters[name] = scalar_of(text);

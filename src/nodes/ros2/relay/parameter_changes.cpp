@@ -24,7 +24,7 @@ struct Checked {
 };
 
 /// Checks name and value. `explains`: an unknown name is compared with all others, which takes long.
-Checked checked(const ros2::Parameter& parameter, bool explains) {
+Checked checked(const ros2::Parameter& parameter, const presence::AddressSet& addresses, bool explains) {
   const std::string_view name(parameter.name);
   if (name.size() > max_name_bytes) {
     return {.error = fmt::format("unknown parameter '{}...': the name has {} bytes, the limit is {}",
@@ -35,6 +35,9 @@ Checked checked(const ros2::Parameter& parameter, bool explains) {
     return {.error = explains
                          ? fmt::format("unknown parameter '{}': {}", name, why_unknown(std::string(name)))
                          : fmt::format("unknown parameter '{}'", name)};
+  }
+  if (!addresses.contains(setting->address)) {
+    return {.error = fmt::format("{}: beacon {} is not one of --addresses", name, setting->address)};
   }
   auto value = value_text(parameter.value);
   if (!value) return {.error = fmt::format("{}: must be a bool, an integer, a double or a string", name)};
@@ -84,7 +87,7 @@ std::vector<std::string> ParameterChanges::set(std::span<const ros2::Parameter> 
       errors.assign(errors.size(), ending);
       return errors;
     }
-    Checked change = checked(parameters[i], unknown < max_explained);
+    Checked change = checked(parameters[i], addresses_, unknown < max_explained);
     errors[i] = std::move(change.error);
     if (!errors[i].empty()) {
       ++unknown;
@@ -116,7 +119,7 @@ std::string ParameterChanges::set_atomically(std::span<const ros2::Parameter> pa
   SettingsRequest request;
   for (const ros2::Parameter& parameter : parameters) {
     if (stopped()) return ending;
-    Checked change = checked(parameter, true);
+    Checked change = checked(parameter, addresses_, true);
     if (!change.error.empty()) return std::move(change.error);
     if (!request.assignments.empty() && request.address != change.setting.address) {
       return "parameters of several beacons cannot be set atomically";

@@ -18,6 +18,7 @@ enum class ParameterType : std::uint8_t {
   integer = 2,
   real = 3,
   text = 4,
+  reals = 8,
   texts = 9
 };
 

@@ -50,20 +50,24 @@ struct Value {
     } else if (const auto* const one = std::get_if<settings::SettingValue>(&option->second)) {
       scalar = *one;
     } else {
-      texts = std::get<std::vector<std::string>>(option->second);
+      list = option->second;
     }
     message = value_message(scalar);
-    if (!texts) return;
-    message.type = static_cast<std::uint8_t>(ParameterType::texts);
-    pointers = borrow_strings(*texts);
-    borrow_sequence(message.string_array_value, pointers);
+    if (auto* const reals = std::get_if<std::vector<double>>(&list)) {
+      message.type = static_cast<std::uint8_t>(ParameterType::reals);
+      borrow_sequence(message.double_array_value, *reals);
+    } else if (const auto* const texts = std::get_if<std::vector<std::string>>(&list)) {
+      message.type = static_cast<std::uint8_t>(ParameterType::texts);
+      pointers = borrow_strings(*texts);
+      borrow_sequence(message.string_array_value, pointers);
+    }
   }
   Value(const Value&) = delete;
   Value& operator=(const Value&) = delete;
   ~Value() = default;
 
   std::optional<settings::SettingValue> scalar;
-  std::optional<std::vector<std::string>> texts;
+  OptionValue list;
   std::vector<char*> pointers;
   ros2::ParameterValue message{};
 };
@@ -124,10 +128,11 @@ ParameterServer::ParameterServer(ros2::Node& node, const dds::DomainParticipant&
     : log_(log),
       wake_(std::move(wake)),
       client_(options.domain, options.qos_file),
+      addresses_(options.addresses),
       startup_requests_(requests_of(options.startup_settings)),
       own_parameters_(options.own_parameters),
       events_(node),
-      admission_({}, options.max_beacons + 1),  // including all_beacons
+      admission_(options.addresses.with(all_beacons), options.max_beacons + 1),  // including all_beacons
       settings_listener_(wake_),
       settings_(dds::topics::make_reader(participant, dds::qos::Provider(options.qos_file),
                                          dds::topics::settings, wake_ ? &settings_listener_ : nullptr,
@@ -331,8 +336,18 @@ void ParameterServer::set_atomically(const ros2::SetParametersAtomically::Reques
   reply(response);
 }
 
+std::vector<BeaconAddress> ParameterServer::reset_beacons() {
+  if (!addresses_.first()) return client_.reset(all_beacons, reply_timeout_s, stopped_);
+  std::vector<BeaconAddress> beacons;
+  for (const auto& [address, settings] : effective_) {
+    if (!addresses_.contains(address)) continue;
+    for (const BeaconAddress one : client_.reset(address, reply_timeout_s, stopped_)) beacons.push_back(one);
+  }
+  return beacons;
+}
+
 void ParameterServer::reset(const auto& reply) {
-  const auto beacons = client_.reset(all_beacons, reply_timeout_s, stopped_);
+  const auto beacons = reset_beacons();
   std::string message = beacons.empty() ? "no fusion has reset a beacon" : "reset";
   for (const BeaconAddress address : beacons) message += fmt::format(" {}", address);
   ros2::Trigger::Response response{};

@@ -30,6 +30,7 @@ struct ParameterServerOptions {
   std::optional<std::filesystem::path> qos_file;
   std::vector<StartupSetting> startup_settings;  ///< sent when a fusion appears and no other is known
   OptionParameters own_parameters = {};          ///< read-only
+  presence::AddressSet addresses = {};           ///< beacons with parameters of their own
   std::size_t max_beacons = presence::BeaconAdmission::default_max_beacons;  ///< most with settings at a time
 };
 
@@ -89,6 +90,8 @@ private:
   void set(const ros2::SetParameters::Request& request, const auto& reply);
   void set_atomically(const ros2::SetParametersAtomically::Request& request, const auto& reply);
   void reset(const auto& reply);
+  /// Resets the beacons of `addresses_` and no others. Returns their addresses.
+  std::vector<BeaconAddress> reset_beacons();
   bool refuses(const std::string& excess);
   /// Returns the error of a change of the first read-only parameter among these; empty without one.
   [[nodiscard]] std::string read_only_error(std::span<const ros2::Parameter> parameters) const;
@@ -97,7 +100,8 @@ private:
   Log& log_;
   std::function<void()> wake_;
   settings_client::SettingsClient client_;
-  ParameterChanges changes_{client_, log_};
+  presence::AddressSet addresses_;
+  ParameterChanges changes_{client_, log_, addresses_};
   Stopped stopped_ = settings_client::SettingsClient::never;  ///< that of `serve`
   std::vector<SettingsRequest> startup_requests_;
   OptionParameters own_parameters_;

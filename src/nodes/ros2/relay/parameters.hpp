@@ -29,8 +29,8 @@ std::optional<SettingName> setting_named(const std::string& parameter);
 std::string why_unknown(const std::string& parameter);
 std::string parameter_name(const SettingName& setting);
 
-/// Options of the relay by parameter name: read-only parameters, a list as texts.
-using OptionValue = std::variant<settings::SettingValue, std::vector<std::string>>;
+/// Options of the relay by parameter name: read-only parameters, a list as numbers or texts.
+using OptionValue = std::variant<settings::SettingValue, std::vector<double>, std::vector<std::string>>;
 using OptionParameters = std::map<std::string, OptionValue>;
 
 /// Effective settings by beacon; all_beacons: defaults of all beacons.

@@ -166,6 +166,7 @@ Relay::Impl::Impl(const RelayOptions& options)
                    .qos_file = options.qos_file,
                    .startup_settings = options.startup_settings,
                    .own_parameters = options.own_parameters,
+                   .addresses = options.addresses,
                    .max_beacons = options.max_beacons},
                   log_, [this] { parameters_wakeup_.wake(); }),
       peers_(options_, participant_, node_, parameters_, log_, [this] { wakeup_.wake(); }),

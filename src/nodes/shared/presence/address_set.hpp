@@ -34,6 +34,12 @@ public:
   [[nodiscard]] std::optional<BeaconAddress> first() const {
     return ranges_.empty() ? std::nullopt : std::optional(ranges_.front().first);
   }
+  /// The same and another one.
+  [[nodiscard]] AddressSet with(BeaconAddress address) const {
+    AddressSet more = *this;
+    if (!ranges_.empty()) more.ranges_.emplace_back(address, address);
+    return more;
+  }
   /// True if it is a single beacon, possibly listed several times.
   [[nodiscard]] bool only_one() const;
 

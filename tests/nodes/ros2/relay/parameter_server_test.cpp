@@ -26,34 +26,42 @@ using Texts = std::vector<std::string>;
 
 constexpr std::chrono::seconds timeout{20};
 
-/// A fusion that has received beacon 7, and the node /sonopose with its services.
+/// A fusion that has received beacons 7 and 8 or 7 alone, and the node /sonopose with its services.
 class System {
 public:
   System(const System&) = delete;
   System& operator=(const System&) = delete;
-  explicit System(const ros2::relay::OptionParameters& own_parameters = {})
+  explicit System(const ros2::relay::OptionParameters& own_parameters = {},
+                  const presence::AddressSet& addresses = {})
       : environment_(::unsetenv("CYCLONEDDS_URI")),
         fusion_(fusion_options()),
         participant_(dds::make_participant(options())),
         imu_(dds::topics::make_writer(participant_, qos_, dds::topics::imu)),
         node_(participant_, qos_, ros2::NameResolver({}), ros2::Distro::jazzy),
-        server_(
-            node_, participant_,
-            {.domain = options(), .qos_file = {}, .startup_settings = {}, .own_parameters = own_parameters},
-            log_) {
+        server_(node_, participant_,
+                {.domain = options(),
+                 .qos_file = {},
+                 .startup_settings = {},
+                 .own_parameters = own_parameters,
+                 .addresses = addresses},
+                log_) {
     server_.offer_services(node_, true);
     node_.announce();
     REQUIRE(wait_until([&] { return imu_.publication_matched_status().current_count > 0; }));
-    ImuSample sample;
-    sample.address = 7;
-    sample.sensor_time_ns = clocks::host_now();
-    sample.sequence = 1;
-    imu_.write(dds::topics::to_idl(sample));
+    write_sample_of(7);
+    if (addresses.first()) write_sample_of(8);
   }
   ~System() { stop_.request(); }
   dds::DomainOptions options() const { return {.domain_id = domain_.id()}; }
 
 private:
+  void write_sample_of(BeaconAddress address) {
+    ImuSample sample;
+    sample.address = address;
+    sample.sensor_time_ns = clocks::host_now();
+    sample.sequence = 1;
+    imu_.write(dds::topics::to_idl(sample));
+  }
   fusion::FusionOptions fusion_options() const {
     fusion::FusionOptions result;
     result.domain = options();
@@ -234,7 +242,8 @@ TEST_CASE("A client reads description, type and range of a setting") {
 TEST_CASE("The options of the relay are read-only parameters") {
   const System system({{"map_frame", settings::SettingValue(std::string("hall"))},
                        {"use_sim_time", settings::SettingValue(false)},
-                       {"topics", std::vector<std::string>{"odom", "pose"}}});
+                       {"topics", std::vector<std::string>{"odom", "pose"}},
+                       {"mount", std::vector<double>{0.3, 0, 0, 0, 0, 90}}});
   Client<ros2::ListParameters> list(system, "list_parameters");
   list.call({}, [&](const auto& response) {
     const std::set<std::string> names{response.result.names._buffer,
@@ -244,12 +253,15 @@ TEST_CASE("The options of the relay are read-only parameters") {
   });
   Client<ros2::GetParameters> get(system, "get_parameters");
   CHECK(values_of(get, {"map_frame", "use_sim_time"}) == Texts{"string hall", "false"});
-  const Texts asked{"topics"};
+  const Texts asked{"topics", "mount"};
   Names names(asked);
   ros2::GetParameters::Request request{};
   names.assign_to(request.names);
   get.call(request, [](const auto& response) {
-    REQUIRE(response.values._length == 1);
+    REQUIRE(response.values._length == 2);
+    CHECK(response.values._buffer[1].type == 8);
+    REQUIRE(response.values._buffer[1].double_array_value._length == 6);
+    CHECK(response.values._buffer[1].double_array_value._buffer[5] == 90);
     CHECK(response.values._buffer[0].type == 9);
     REQUIRE(response.values._buffer[0].string_array_value._length == 2);
     CHECK(response.values._buffer[0].string_array_value._buffer[1] == std::string("pose"));
@@ -258,9 +270,10 @@ TEST_CASE("The options of the relay are read-only parameters") {
   ros2::DescribeParameters::Request described{};
   names.assign_to(described.names);
   describe.call(described, [](const auto& response) {
-    REQUIRE(response.descriptors._length == 1);
+    REQUIRE(response.descriptors._length == 2);
     CHECK(response.descriptors._buffer[0].read_only);
     CHECK(response.descriptors._buffer[0].type == 9);
+    CHECK(response.descriptors._buffer[1].type == 8);
   });
   Client<ros2::SetParameters> set(system, "set_parameters");
   CHECK(errors_of(set, {parameter("map_frame", 4, 0, "yard")}) ==
@@ -364,6 +377,29 @@ TEST_CASE("A client resets the fusion, and receives the addresses of the beacons
   reset.call({}, [](const auto& response) {
     CHECK(response.success);
     CHECK(response.message == std::string("reset 7"));
+  });
+}
+
+TEST_CASE("With --addresses, a client lists, sets and resets these beacons and no others") {
+  const System system({}, presence::AddressSet::parse("8"));
+  Client<ros2::ListParameters> list(system, "list_parameters");
+  std::set<std::string> names;
+  REQUIRE(wait_until([&] {
+    list.call({}, [&](const auto& response) {
+      names = {response.result.names._buffer, response.result.names._buffer + response.result.names._length};
+    });
+    return names.contains("beacon_8.documented.trust.n_min");
+  }));
+  CHECK(names.contains("documented.trust.n_min"));
+  CHECK_FALSE(names.contains("beacon_7.documented.trust.n_min"));
+  Client<ros2::SetParameters> set(system, "set_parameters");
+  const Texts errors = errors_of(set, {parameter("beacon_7.documented.trust.n_min", 2, 4),
+                                       parameter("beacon_8.documented.trust.n_min", 2, 4)});
+  CHECK(errors == Texts{"beacon_7.documented.trust.n_min: beacon 7 is not one of --addresses", ""});
+  Client<ros2::Trigger> reset(system, "reset");
+  reset.call({}, [](const auto& response) {
+    CHECK(response.success);
+    CHECK(response.message == std::string("reset 8"));
   });
 }
 
