@@ -3,7 +3,6 @@
 Prints "skipped: ..." if Chromium or Selenium is not installed.
 """
 
-import fcntl
 import json
 import os
 import re
@@ -21,22 +20,13 @@ except ImportError:
     print("skipped: python3-selenium is not installed; scripts/setup browser installs it")
     sys.exit(0)
 
+sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "support"))
+from reserve_domain import reserve_domain  # noqa: E402
+
 CHROMIUM = "/usr/bin/chromium"
 DRIVER = "/usr/bin/chromedriver"
 BEACONS = int(sys.argv[3]) if len(sys.argv) > 3 else 10
 LIMIT_S = 100  # bound of each wait, which ends with its event
-
-
-def reserve_domain():
-    """Reserves a test domain like TestDomain in tests/support; returns the lock and the domain."""
-    for domain in range(1, 101):
-        lock = open(os.path.join(tempfile.gettempdir(), f"sonopose-test-domain-{domain}.lock"), "a", encoding="utf-8")
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            return lock, domain
-        except BlockingIOError:
-            lock.close()
-    raise AssertionError("all test domains are taken")
 
 
 class Processes:
