@@ -223,8 +223,55 @@ def bags(system):
     check(sorted(errors[-100:])[50] < 0.2 ** 2, "the positions agree within 20 cm")
 
 
+def robots(system):
+    """GIVEN two robots with their relays in two namespaces WHEN one relay is killed, and the engines of the other are
+    reset THEN its node disappears, and the other resets its own beacon alone."""
+    system.start("bridge")
+    system.start("bridge", "--address", "8", "--seed", "2")
+    system.start("fusion")
+    names = [f"/robot_{address}/sonopose" for address in (7, 8)]
+    relays = [system.start("ros2", "--namespace", f"/robot_{address}", "--addresses", str(address),
+                           "--base-frame", "{address}/base_link", "--imu-frame", "{address}/imu_link")
+              for address in (7, 8)]
+    wait_for("both nodes are listed", lambda: set(names) <= set(ros2("node", "list").split()))
+    wait_for("each has its beacon", lambda: {"/robot_7/hedge_7/odom", "/robot_8/hedge_8/odom"}
+             <= set(ros2("topic", "list").split()))
+    check("/robot_7/hedge_8/odom" not in ros2("topic", "list"), "and no other")
+    wait_for("a relay resets its own beacon alone", lambda: "message='reset 8'" in ros2(
+        "service", "call", names[1] + "/reset", "std_srvs/srv/Trigger"))
+    relays[0].kill()
+    wait_for("a killed relay disappears", lambda: names[0] not in ros2("node", "list").split())
+    check(names[1] in ros2("node", "list").split(), "the other stays")
+
+
+def launch(system):
+    """GIVEN the package sonopose_ros2, built beside ROS 2 WHEN ros2 launch starts its launch file, with a parameter file
+    THEN bridge, fusion and relay run, the relay with these parameters, and they end with the launch."""
+    package = os.path.join(SOURCE, "ros2", "sonopose_ros2")
+    build, prefix = (os.path.join(system.folder.name, each) for each in ("build", "prefix"))
+    environment = dict(os.environ, PATH=system.binaries + ":" + os.environ["PATH"])
+    for command in (["cmake", "-S", package, "-B", build, "-DCMAKE_INSTALL_PREFIX=" + prefix,
+                     "-DPython3_EXECUTABLE=/usr/bin/python3"], ["cmake", "--install", build]):
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+        check(done.returncode == 0, command[1] + " " + done.stderr[-2000:])
+    os.environ["AMENT_PREFIX_PATH"] = prefix + ":" + os.environ["AMENT_PREFIX_PATH"]
+    parameters_file = os.path.join(system.folder.name, "robot.yaml")
+    with open(parameters_file, "w", encoding="utf-8") as file:
+        file.write("/robot/sonopose:\n  ros__parameters: {base_frame: chassis, mount: [0.1, 0.0, 0.0, 0.0, 0.0, 90.0]}\n")
+    launched = system.run(["ros2", "launch", "sonopose_ros2", "beacons.launch.py", "namespace:=robot",
+                           "params:=" + parameters_file])
+    wait_for("the relay runs with its parameters",
+             lambda: "chassis" in ros2("param", "get", "/robot/sonopose", "base_frame"))
+    check("90.0" in ros2("param", "get", "/robot/sonopose", "mount"), "also with lists")
+    wait_for("it relays the simulated beacon", lambda: "child_frame_id: chassis" in ros2(
+        "topic", "echo", "--once", "/robot/hedge_7/odom"))
+    launched.send_signal(signal.SIGINT)
+    check(launched.wait(LIMIT_S) == 0, "the launch ends cleanly")
+    wait_for("so do the programs", lambda: "/robot/sonopose" not in ros2("node", "list").split())
+
+
 def main():
-    cases = {each.__name__: each for each in (topics, parameters, transforms, bags)}
+    cases = {each.__name__: each for each in (topics, parameters, robots, transforms, bags, launch)}
     system = System(sys.argv[1])
     try:
         cases[sys.argv[2]](system)
