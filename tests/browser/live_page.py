@@ -20,6 +20,7 @@ except ImportError:
     print("skipped: python3-selenium is not installed; scripts/setup browser installs it")
     sys.exit(0)
 
+sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "support"))
 from reserve_domain import reserve_domain  # noqa: E402
 

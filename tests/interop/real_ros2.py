@@ -19,6 +19,7 @@ if "SONOPOSE_ROS2_IS_SOURCED" not in os.environ:
     os.environ["SONOPOSE_ROS2_IS_SOURCED"] = "1"
     os.execv("/bin/bash", ["bash", "-c", '. "$0/setup.bash" && exec /usr/bin/python3 "$@"', PREFIX, *sys.argv])
 
+sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "support"))
 from reserve_domain import reserve_domain  # noqa: E402
 
@@ -87,7 +88,7 @@ def start_simulation(system):
 
 
 def topics(system):
-    """GIVEN a relay with a simulated beacon THEN ros2 node and ros2 topic show its node, types, values and rate."""
+    """GIVEN a relay with a simulated beacon THEN ros2 node and ros2 topic show its node, types and values."""
     start_simulation(system)
     wait_for("the node is listed", lambda: "/sonopose" in ros2("node", "list").split())
     wait_for("the topics are listed with their types",
@@ -113,7 +114,7 @@ def parameters(system):
     check("successful" in ros2("param", "set", "/sonopose", "beacon_7.delay.processing_s", "0.08"), "one is set")
     check("0.08" in ros2("param", "get", "/sonopose", "beacon_7.delay.processing_s"), "it has the new value")
     check("read-only" in ros2("param", "set", "/sonopose", "map_frame", "other"), "an option is read-only")
-    check("out of range" in ros2("param", "set", "/sonopose", "delay.processing_s", "900.0"), "a wrong value is refused")
+    check("out of range" in ros2("param", "set", "/sonopose", "delay.processing_s", "900.0"), "a wrong one is refused")
     dumped = os.path.join(system.folder.name, "sonopose.yaml")
     with open(dumped, "w", encoding="utf-8") as file:
         file.write(ros2("param", "dump", "/sonopose"))
@@ -245,19 +246,19 @@ def robots(system):
 
 
 def launch(system):
-    """GIVEN the package sonopose_ros2, built beside ROS 2 WHEN ros2 launch starts its launch file, with a parameter file
-    THEN bridge, fusion and relay run, the relay with these parameters, and they end with the launch."""
+    """GIVEN the package sonopose_ros2, built beside ROS 2 WHEN ros2 launch starts its launch file, with a file of
+    parameters THEN bridge, fusion and relay run, the relay with these parameters, and they end with the launch."""
     package = os.path.join(SOURCE, "ros2", "sonopose_ros2")
     build, prefix = (os.path.join(system.folder.name, each) for each in ("build", "prefix"))
     environment = dict(os.environ, PATH=system.binaries + ":" + os.environ["PATH"])
     for command in (["cmake", "-S", package, "-B", build, "-DCMAKE_INSTALL_PREFIX=" + prefix,
                      "-DPython3_EXECUTABLE=/usr/bin/python3"], ["cmake", "--install", build]):
         done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
-        check(done.returncode == 0, command[1] + " " + done.stderr[-2000:])
+        check(done.returncode == 0, f"cmake {command[1]} {done.stderr[-2000:]}")
     os.environ["AMENT_PREFIX_PATH"] = prefix + ":" + os.environ["AMENT_PREFIX_PATH"]
     parameters_file = os.path.join(system.folder.name, "robot.yaml")
     with open(parameters_file, "w", encoding="utf-8") as file:
-        file.write("/robot/sonopose:\n  ros__parameters: {base_frame: chassis, mount: [0.1, 0.0, 0.0, 0.0, 0.0, 90.0]}\n")
+        file.write("/robot/sonopose: {ros__parameters: {base_frame: chassis, mount: [0.1, 0.0, 0.0, 0.0, 0.0, 90.0]}}")
     launched = system.run(["ros2", "launch", "sonopose_ros2", "beacons.launch.py", "namespace:=robot",
                            "params:=" + parameters_file])
     wait_for("the relay runs with its parameters",
