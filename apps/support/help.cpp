@@ -131,7 +131,7 @@ public:
     for (const std::string& each : app_.get_groups()) {
       if (each.empty()) continue;
       text += group(each, [&](const CLI::Option& option) {
-        return option.get_group() == each && option.nonpositional() && !(brief_ && is_common(option));
+        return option.get_group() == each && option.nonpositional() && !(brief_ && is_left_out(option));
       });
     }
     text += commands();
@@ -140,10 +140,14 @@ public:
   }
 
 private:
-  bool is_common(const CLI::Option& option) const {
-    return &option == app_.get_help_ptr() || &option == app_.get_help_all_ptr() ||
-           option.check_name("--version") || option.check_name("--print-config") ||
-           option.check_name("--interface") || option.check_name("--partition") || option.check_name("--qos");
+  /// True for options of all programs, and rare ones, which --help-all alone shows.
+  bool is_left_out(const CLI::Option& option) const {
+    const auto is_deviation = [](const std::string& name) { return name.ends_with("-std"); };
+    return std::any_of(option.get_lnames().begin(), option.get_lnames().end(), is_deviation) ||
+           option.check_name("--enclave") || &option == app_.get_help_ptr() ||
+           &option == app_.get_help_all_ptr() || option.check_name("--version") ||
+           option.check_name("--print-config") || option.check_name("--interface") ||
+           option.check_name("--partition") || option.check_name("--qos");
   }
 
   template <class Takes>

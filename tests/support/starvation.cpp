@@ -1,11 +1,14 @@
 // Skips a failed test of processes if the machine did not run them: its failure then says nothing about them.
 
+#define CATCH_CONFIG_EXTERNAL_INTERFACES  // the listener
 #include <catch2/catch.hpp>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <iostream>
+#include <optional>
 #include <thread>
 
 namespace sonopose::test::starvation {

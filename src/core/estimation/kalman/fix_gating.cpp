@@ -151,11 +151,22 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
 
 }  // namespace
 
+namespace {
+
+/// Square of the way since coordinates began to repeat, beyond what rounding and noise explain.
+Matrix3d way_since_repetition_m2(const FrozenTrackDetector& track) {
+  constexpr double explained_m = 0.04;
+  const double way_m = track.moved_world_m.norm();
+  if (track.repeats == 0 || way_m <= explained_m) return Matrix3d::Zero();
+  const Vector3d beyond_m = (1.0 - explained_m / way_m) * track.moved_world_m;
+  return beyond_m * beyond_m.transpose();
+}
+
+}  // namespace
+
 /// Covariance of the source, or the learned one. Coordinates that repeat may be those of an earlier place.
 Matrix3d covariance_of(const State& state, const FixMeasurement& fix) {
-  const Vector3d moved_m =
-      state.frozen_track.repeats > 0 ? state.frozen_track.moved_world_m : Vector3d::Zero().eval();
-  const Matrix3d repeated_m2 = moved_m * moved_m.transpose();
+  const Matrix3d repeated_m2 = way_since_repetition_m2(state.frozen_track);
   if (fix.has_covariance) return fix.covariance_world_m2 + repeated_m2;
   Matrix3d covariance_m2 = state.noise.fix_covariance_m2(fix.quality_percent) + repeated_m2;
   // Residuals say nothing about the noise while the filter follows the fixes alone.
