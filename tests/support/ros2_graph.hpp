@@ -116,6 +116,9 @@ public:
     }
   }
 
+  /// Removes the writers, as a process that ends does before it removes itself.
+  void remove_writers() { writers_.clear(); }
+
 private:
   static dds::Qos with_user_data(const std::string& text) {
     return dds::Qos() << dds::policy::UserData{{text.begin(), text.end()}};

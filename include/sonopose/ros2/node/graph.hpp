@@ -38,8 +38,18 @@ public:
   Graph look(SteadyTime now);
 
 private:
+  /// Evidence in the endpoints of a process, including those that it has removed: one that ends removes them
+  /// before itself.
+  struct Process {
+    void add(const dds::FoundEndpoint& endpoint);
+
+    SteadyTime first_seen;
+    std::optional<bool> discovery_has_hash = {};  ///< endpoint of ros_discovery_info has a type hash
+    bool any_has_hash = false;
+  };
+
   dds::Discovery discovery_;
-  std::map<std::string, SteadyTime> first_seen_;  ///< first sighting of each ROS 2 participant, by key
+  std::map<std::string, Process> processes_;  ///< by the key of the participant
 };
 
 }  // namespace sonopose::ros2

@@ -1,6 +1,7 @@
 #include <sonopose/ros2/node/graph.hpp>
 
 #include <algorithm>
+#include <set>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -23,18 +24,6 @@ bool has_type_hash(const dds::FoundEndpoint& endpoint) {
   return user_data && contains(user_data->value, "typehash=");
 }
 
-/// Evidence in the endpoints of a participant.
-struct Evidence {
-  std::optional<bool> discovery_has_hash;  ///< endpoint of ros_discovery_info has a type hash
-  bool any_has_hash = false;
-
-  void add(const dds::FoundEndpoint& endpoint) {
-    const bool has_hash = has_type_hash(endpoint);
-    any_has_hash = any_has_hash || has_hash;
-    if (endpoint.topic_name == discovery_topic) discovery_has_hash = has_hash;
-  }
-};
-
 }  // namespace
 
 std::optional<Distro> layout_for(const Graph& graph) {
@@ -46,29 +35,36 @@ std::optional<Distro> layout_for(const Graph& graph) {
 GraphObserver::GraphObserver(const dds::DomainParticipant& participant, std::function<void()> on_change)
     : discovery_(participant, std::move(on_change)) {}
 
+void GraphObserver::Process::add(const dds::FoundEndpoint& endpoint) {
+  const bool has_hash = has_type_hash(endpoint);
+  any_has_hash = any_has_hash || has_hash;
+  if (endpoint.topic_name == discovery_topic) discovery_has_hash = has_hash;
+}
+
 Graph GraphObserver::look(SteadyTime now) {
   Graph graph;
-  std::map<std::string, Evidence> members;
+  std::set<std::string> members;
   const std::string own = discovery_.own_key();
   for (const dds::FoundParticipant& each : discovery_.participants()) {
     graph.has_fast_dds = graph.has_fast_dds || each.key.starts_with(fast_dds_vendor);
-    if (each.key != own && contains(each.user_data, "enclave=")) members.try_emplace(each.key);
+    if (each.key != own && contains(each.user_data, "enclave=")) members.insert(each.key);
   }
-  std::erase_if(first_seen_, [&](const auto& known) { return !members.contains(known.first); });
+  std::erase_if(processes_, [&](const auto& known) { return !members.contains(known.first); });
+  for (const std::string& key : members) processes_.try_emplace(key, Process{.first_seen = now});
   for (const auto& endpoints : {discovery_.writers(), discovery_.readers()}) {
     for (const dds::FoundEndpoint& endpoint : endpoints) {
-      if (const auto member = members.find(endpoint.participant_key); member != members.end()) {
-        member->second.add(endpoint);
+      if (const auto process = processes_.find(endpoint.participant_key); process != processes_.end()) {
+        process->second.add(endpoint);
       }
     }
   }
-  for (const auto& [key, evidence] : members) {
-    const bool is_old = now - first_seen_.try_emplace(key, now).first->second >= judged_after_ns;
+  for (const auto& [key, process] : processes_) {
+    const bool is_old = now - process.first_seen >= judged_after_ns;
     // A relay that has found no other process has Humble's layout, but type hashes on its topics.
-    const bool has_hash = evidence.discovery_has_hash.value_or(evidence.any_has_hash);
-    const bool is_relay = !has_hash && evidence.any_has_hash;
+    const bool has_hash = process.discovery_has_hash.value_or(process.any_has_hash);
+    const bool is_relay = !has_hash && process.any_has_hash;
     if (is_relay) continue;
-    if (!evidence.discovery_has_hash && !is_old) {
+    if (!process.discovery_has_hash && !is_old) {
       graph.is_undecided = true;
     } else if (has_hash) {
       graph.has_jazzy = true;

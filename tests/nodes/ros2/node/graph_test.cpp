@@ -79,6 +79,14 @@ SCENARIO("the layout follows the other ROS 2 processes") {
         CHECK(layout(start + 2 * second) == Distro::jazzy);
       }
     }
+    WHEN("an old process of Jazzy ends, and has removed its endpoints but not itself") {
+      RosProcess newer(graph.domain_id(), jazzy_writers);
+      REQUIRE(layout(start) == Distro::jazzy);
+      newer.remove_writers();
+      THEN("it is still of Jazzy") {
+        CHECK(layout(start + 3 * second) == Distro::jazzy);
+      }
+    }
     WHEN("another relay has not found anything either") {
       const RosProcess relay(graph.domain_id(), lone_relay);
       THEN("it says nothing") {

@@ -70,6 +70,18 @@ TEST_CASE("The project's QoS file has the policies that its streams need") {
             milliseconds(100));
     }
   }
+  SECTION(
+      "native topics and ros_discovery_info: both sides have user data, without which ROS 2's Jazzy warns of "
+      "each") {
+    for (const char* const name : {"sonopose::Imu", "sonopose::LosslessFix", "sonopose::Log",
+                                   "sonopose::Pose", "sonopose::SettingsReply", "ros2::Discovery"}) {
+      for (const Qos* const qos : {&provider.datawriter_qos(name), &provider.datareader_qos(name)}) {
+        REQUIRE(qos->policy<policy::UserData>());
+        const auto bytes = qos->policy<policy::UserData>()->value;
+        CHECK(std::string(bytes.begin(), bytes.end()) == "sonopose=1;");
+      }
+    }
+  }
 }
 
 /// QoS of a ROS 2 node's endpoint: rmw's defaults with these policies.
