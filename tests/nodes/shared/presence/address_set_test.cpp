@@ -27,6 +27,14 @@ TEST_CASE("an empty set contains every beacon") {
   CHECK(AddressSet().contains(65534));
 }
 
+TEST_CASE("a set with another beacon contains it too, and one of every beacon stays so") {
+  const AddressSet set = AddressSet::parse("7").with(65535);
+  CHECK(set.contains(7));
+  CHECK(set.contains(65535));
+  CHECK_FALSE(set.contains(8));
+  CHECK(AddressSet().with(65535).contains(8));
+}
+
 TEST_CASE("a malformed list of addresses is reported") {
   for (const char* text : {"", "7,", "x", "-3", "7-", "65535", "99999999999", "7 - 9", "1-2-3", "+7"}) {
     INFO(text);
