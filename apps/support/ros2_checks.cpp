@@ -109,7 +109,7 @@ ros2::Wheels read_wheels(const std::string& file) {
 }
 
 void add_aiding_inputs(const Ros2Options& options, ros2::relay::RelayOptions& relay) {
-  using ros2::relay::AidingInput;
+  using ros2::AidingInput;
   using Kind = AidingInput::Kind;
   const std::array<std::pair<Kind, const std::vector<std::string>*>, 6> given{
       {{Kind::odometry, &options.odom_in},
@@ -162,10 +162,10 @@ ros2::relay::RelayOptions relay_options(const Ros2Options& options, const ros2::
         with_option("--addresses", [&] { return presence::AddressSet::parse(*options.addresses); });
   }
   check_topics(relay);
-  using Kind = ros2::relay::Input::Kind;
-  for (const auto& text : options.imu_in) relay.inputs.push_back(ros2::relay::Input::parse(Kind::imu, text));
+  using Kind = ros2::Input::Kind;
+  for (const auto& text : options.imu_in) relay.inputs.push_back(ros2::Input::parse(Kind::imu, text));
   for (auto& input : relay.inputs) input.imu_meaning = options.imu_meaning.value_or(input.imu_meaning);
-  for (const auto& text : options.fix_in) relay.inputs.push_back(ros2::relay::Input::parse(Kind::fix, text));
+  for (const auto& text : options.fix_in) relay.inputs.push_back(ros2::Input::parse(Kind::fix, text));
   check(relay.inputs);
   add_aiding_inputs(options, relay);
   relay.use_sim_time = options.use_sim_time;

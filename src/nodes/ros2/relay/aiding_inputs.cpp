@@ -1,7 +1,7 @@
 #include "ros2/relay/aiding_inputs.hpp"
 
 #include "clocks/clocks.hpp"
-#include "ros2/relay/aiding_samples.hpp"
+#include "ros2/inputs/aiding_samples.hpp"
 #include "ros2/relay/input_reader.hpp"
 #include <sonopose/ros2/messages/names.hpp>
 

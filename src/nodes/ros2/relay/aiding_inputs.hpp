@@ -4,9 +4,9 @@
 
 #include "logging/log.hpp"
 #include "publication/source.hpp"
-#include "ros2/relay/aiding_input.hpp"
-#include "ros2/relay/input_frames.hpp"
-#include "ros2/relay/input_monitor.hpp"
+#include "ros2/inputs/aiding_input.hpp"
+#include "ros2/inputs/input_frames.hpp"
+#include "ros2/inputs/input_monitor.hpp"
 #include <sonopose/dds/binding/discovery.hpp>
 #include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/ros2/node/node.hpp>

@@ -3,7 +3,7 @@
 /// The DDS reader of an input topic.
 
 #include "process/endpoint_counters.hpp"
-#include "ros2/relay/input_monitor.hpp"
+#include "ros2/inputs/input_monitor.hpp"
 #include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/ros2/node/node.hpp>
 

@@ -7,6 +7,7 @@
 #include "process_log/log_publisher.hpp"
 #include "publication/sensor_publisher.hpp"
 #include "ros2/relay/diagnostics_publisher.hpp"
+#include "ros2/relay/fixed_frames.hpp"
 #include "ros2/relay/foreign_mounts.hpp"
 #include "ros2/relay/log.hpp"
 #include "ros2/relay/mount_finder.hpp"
@@ -357,7 +358,11 @@ InputFrames Relay::Impl::frames_of_inputs() {
     const auto publishers = beacons_.find(address);
     return (publishers ? publishers->mount() : std::nullopt).value_or(options_.output.mount);
   };
-  return input_frames(options_.output.frames, mount, fixed_frames_.get());
+  FindFrame find;
+  if (fixed_frames_) {
+    find = [tf = fixed_frames_.get()](const auto& in, const auto& frame) { return tf->find(in, frame); };
+  }
+  return input_frames(options_.output.frames, mount, std::move(find));
 }
 
 /// Runs a bridge for the inputs on a separate thread while `serve` runs. Rethrows an exception of the bridge.

@@ -2,15 +2,12 @@
 
 #include "clocks/clocks.hpp"
 #include "logging/log.hpp"
-#include "ros2/relay/fix_repeats.hpp"
-#include "ros2/relay/imu_joiner.hpp"
+#include "ros2/inputs/beacon_inputs.hpp"
 #include "ros2/relay/input_reader.hpp"
-#include "ros2/relay/stamp_clock.hpp"
 #include "threads/mutex.hpp"
 #include <sonopose/dds/binding/discovery.hpp>
 #include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/ros2/messages/frames.hpp>
-#include <sonopose/ros2/messages/input.hpp>
 #include <sonopose/ros2/messages/names.hpp>
 #include <sonopose/ros2/messages/time.hpp>
 #include <sonopose/text/count_text.hpp>
@@ -19,7 +16,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <iterator>
 #include <map>
 #include <set>
@@ -27,26 +23,17 @@
 namespace sonopose::ros2::relay {
 namespace {
 
-/// One input topic.
-struct InputState {
+/// One input topic. The type in `option` is set by update_readers(), on its thread only.
+struct InputState : MonitoredInput {
   InputState(const Input& input, const InputTimeouts& timeouts, const std::string& map_frame)
-      : option(input),
-        address(input.address),
-        is_imu(input.kind == Input::Kind::imu),
-        imu_meaning(input.imu_meaning),
-        monitor(input, ros2::for_beacon(map_frame, input.address), is_imu ? timeouts.imu_ns : timeouts.fix_ns,
-                clocks::steady_now()) {}
+      : MonitoredInput(input, ros2::for_beacon(map_frame, input.address),
+                       input.kind == Input::Kind::imu ? timeouts.imu_ns : timeouts.fix_ns,
+                       clocks::steady_now()),
+        is_imu(input.kind == Input::Kind::imu) {}
 
-  Input option;                       ///< type set by update_readers(), on its thread only
-  std::set<std::string> other_types;  ///< other types of publishers that were logged; likewise
-  BeaconAddress address;
   bool is_imu;
-  ImuMeaning imu_meaning;
-  FixRepeats repeats;     ///< of a topic of fixes, like the next two
-  SmallestOffset offset;  ///< age of its positions at their arrival
-  std::optional<SteadyTime> since;
+  std::set<std::string> other_types;  ///< other types of publishers that were logged by update_readers()
   process::EndpointCounters endpoints;
-  InputMonitor monitor;
 };
 
 /// The reader of an input.
@@ -58,17 +45,6 @@ struct Stream : InputReader<T> {
   InputState& input;
 };
 
-std::string text_of(const ros2::CovarianceFault& fault) {
-  constexpr std::string_view axes = "xyz";
-  return fmt::format("{:g} m² ({}, {}) is {}", fault.value_m2, axes[static_cast<std::size_t>(fault.row)],
-                     axes[static_cast<std::size_t>(fault.column)], fault.reason);
-}
-
-std::optional<ros2::CovarianceFault> covariance_fault(const ros2::PointStamped& /*point*/) {
-  return std::nullopt;
-}
-using ros2::covariance_fault;
-
 class TopicsSource final : public Source {
 public:
   TopicsSource(ros2::Node& node, const std::vector<Input>& inputs, const InputTimeouts& timeouts,
@@ -78,8 +54,7 @@ public:
       InputState& input = *inputs_.emplace_back(std::make_unique<InputState>(option, timeouts, map_frame));
       Beacon& beacon = beacons_[option.address];
       beacon.status.address = option.address;
-      beacon.has_two_imus = beacon.has_imu && input.is_imu;
-      beacon.has_imu = beacon.has_imu || input.is_imu;
+      beacon.inputs.add(option);
       if (input.is_imu || option.fix_type) subscribe(input);
     }
   }
@@ -128,8 +103,8 @@ public:
       add_new_streams();
       for_all_streams([&](auto& stream) { take(stream, sink); });
       for (auto& entry : beacons_) {
-        entry.second.joiner.update(clocks::steady_now(), ready_);
-        pass_ready(entry.second, sink);
+        entry.second.inputs.update(clocks::steady_now(), ready_, lines_);
+        pass_ready(sink);
       }
       take_aiding(sink);
       check_inputs();
@@ -141,7 +116,7 @@ public:
   std::uint64_t samples_lost(BeaconAddress address) const noexcept override {
     std::uint64_t lost = aiding_ ? aiding_->samples_lost(address) : 0;
     for (const auto& input : inputs_) {
-      if (input->address == address) lost += relay::samples_lost(input->endpoints);
+      if (input->option.address == address) lost += relay::samples_lost(input->endpoints);
     }
     return lost;
   }
@@ -154,14 +129,7 @@ private:
 
   struct Beacon {
     BeaconStatus status;
-    bool has_imu = false;
-    StampClock stamp_clock;
-    ImuJoiner joiner;
-    InputState* complete = nullptr;   ///< input with complete IMU samples
-    InputState* gyroscope = nullptr;  ///< input with angular velocities alone
-    bool has_two_imus = false;
-    std::optional<std::string> imu_topic;  ///< of the first sample
-    SmallestOffset offset;                 ///< IMU samples, or fixes without an IMU
+    BeaconInputs inputs;
   };
 
   struct AllStreams {
@@ -179,7 +147,7 @@ private:
     if (type == used || !input.other_types.insert(type).second) return;
     log_(logging::Level::warning,
          fmt::format(
-             "beacon {}: a publisher of {} is ignored, because its type is {}, not {}", input.address,
+             "beacon {}: a publisher of {} is ignored, because its type is {}, not {}", input.option.address,
              input.option.topic, ros2::type_name_in_ros(type),
              used.empty() ? "PointStamped or PoseWithCovarianceStamped" : ros2::type_name_in_ros(used)));
   }
@@ -223,7 +191,7 @@ private:
   template <class T>
   void take(Stream<T>& stream, publication::SampleSink& sink) {
     InputState& input = stream.input;
-    Beacon& beacon = beacons_.at(input.address);
+    Beacon& beacon = beacons_.at(input.option.address);
     stream.reader.try_take_each([&](const T& message, const dds::SampleInfo&) {
       const TimeNs received_ns = next_reception_ns();
       ++beacon.status.frames;
@@ -234,72 +202,23 @@ private:
   /// Processes a message of an IMU. Returns false if it is invalid.
   bool process(const ros2::Imu& message, InputState& input, Beacon& beacon, TimeNs received_ns,
                publication::SampleSink& sink) {
-    auto received = ros2::imu_sample(message, input.address, received_ns);
-    if (!received) return false;
-    // Of two topics, one whose other values are exactly zero is that of one sensor that does not say so.
-    const bool is_unmarked = received->has_angular_velocity && received->has_specific_force;
-    if (beacon.has_two_imus && is_unmarked) {
-      received->has_specific_force = !received->sample.specific_force_body_mps2.isZero(0);
-      received->has_angular_velocity = !received->sample.angular_velocity_body_radps.isZero(0);
-    }
-    using Notice = InputMonitor::Notice;
-    const auto cause = [is_unmarked] { return is_unmarked ? "it is zero" : "its covariance[0] is -1"; };
-    if (!received->has_angular_velocity) input.monitor.on_notice(Notice::no_angular_velocity, cause, lines_);
-    if (!received->has_specific_force) input.monitor.on_notice(Notice::no_specific_force, cause, lines_);
-    const bool is_complete = received->has_angular_velocity && received->has_specific_force;
-    if (is_complete && beacon.complete == nullptr) beacon.complete = &input;
-    if (beacon.complete != nullptr && beacon.complete != &input) {
-      input.monitor.on_notice(
-          Notice::second_imu, [&] { return beacon.complete->option.topic; }, lines_);
-      return true;
-    }
-    if (received->has_angular_velocity) beacon.gyroscope = &input;
-    const SteadyTime now = clocks::steady_now();
-    received->sample.meaning = input.imu_meaning;
-    beacon.stamp_clock.on_imu(received->sample.sensor_time_ns, received_ns);
-    beacon.offset.add(seconds_between(received->sample.sensor_time_ns, received_ns), now);
-    if (!beacon.imu_topic) beacon.imu_topic = input.option.topic;
-    const bool is_used = is_complete || beacon.joiner.joined() > 0;
-    if (is_used) input.monitor.on_sample(message.header.frame_id, now, lines_);
-    beacon.joiner.on(*received, now, ready_);
-    pass_ready(beacon, sink);
-    return true;
+    const bool is_valid =
+        beacon.inputs.on(message, input, {received_ns, clocks::steady_now()}, ready_, lines_);
+    pass_ready(sink);
+    return is_valid;
   }
 
   /// Processes a message with a position. Returns false if it is invalid.
   template <class Position>
   bool process(const Position& message, InputState& input, Beacon& beacon, TimeNs received_ns,
                publication::SampleSink& sink) {
-    auto fix = ros2::fix(message, input.address, beacon.stamp_clock.at(received_ns));
-    if (!fix) return false;
-    const auto point_body_m = tag_in_body(input.option, frames_);
-    if (!point_body_m) {
-      input.monitor.on_unused(
-          fmt::format("/tf_static does not connect '{}' with the base", input.option.tag_frame), lines_);
-      return false;
-    }
-    fix->point_body_m = *point_body_m;
-    const SteadyTime now = clocks::steady_now();
-    input.offset.add(seconds_between(fix->emission_time_ns, received_ns), now);
-    if (!input.since) input.since = now;
-    if (!beacon.has_imu) beacon.offset.add(seconds_between(fix->emission_time_ns, received_ns), now);
-    input.monitor.on_sample(message.header.frame_id, now, lines_);
-    using Notice = InputMonitor::Notice;
-    if (const auto fault = covariance_fault(message)) {
-      input.monitor.on_notice(
-          Notice::covariance, [&fault] { return text_of(*fault); }, lines_);
-    }
-    const bool is_new = input.repeats.is_new(*fix);
-    if (!is_new) input.monitor.on_notice(Notice::repeats, {}, lines_);
-    if (is_new) sink.on(*fix);
-    return true;
+    const auto taken = beacon.inputs.on(message, input, {received_ns, clocks::steady_now()}, frames_, lines_);
+    if (taken.fix) sink.on(*taken.fix);
+    return taken.is_valid;
   }
 
   /// Passes on the samples that are complete.
-  void pass_ready(Beacon& beacon, publication::SampleSink& sink) {
-    if (beacon.joiner.joined() > 0 && beacon.gyroscope != nullptr) {
-      beacon.gyroscope->monitor.on_notice(InputMonitor::Notice::joined, {}, lines_);
-    }
+  void pass_ready(publication::SampleSink& sink) {
     for (const ImuSample& sample : ready_) sink.on(sample);
     ready_.clear();
   }
@@ -310,22 +229,9 @@ private:
         sink,
         [this](BeaconAddress address) {
           const auto beacon = beacons_.find(address);
-          return beacon != beacons_.end() ? beacon->second.stamp_clock.at(now_()) : now_();
+          return beacon != beacons_.end() ? beacon->second.inputs.stamp_at(now_()) : now_();
         },
         lines_);
-  }
-
-  /// Warns of stamps of fixes that are of another clock than those of the IMU: each arrives soon after its
-  /// stamp, and the least delay of the last second is compared.
-  void check_clocks(InputState& input, SteadyTime now) {
-    constexpr TimeNs settled_ns = 3'000'000'000;
-    constexpr double max_apart_s = 0.05;
-    const Beacon& beacon = beacons_.at(input.address);
-    if (!input.since || now - *input.since < settled_ns || !beacon.has_imu || !beacon.imu_topic) return;
-    const double older_s = input.offset.value_s() - beacon.offset.value_s();
-    if (std::abs(older_s) < max_apart_s) return;
-    input.monitor.on_notice(
-        InputMonitor::Notice::clocks, [&] { return clocks_text(older_s, *beacon.imu_topic); }, lines_);
   }
 
   /// Time of ROS 2, later than the previous one: the stamp of messages without a stamp.
@@ -341,7 +247,7 @@ private:
       check_due_ = now + period_ns;
       for (const auto& input : inputs_) {
         input->monitor.update(endpoints_of(*input), now, lines_);
-        if (!input->is_imu) check_clocks(*input, now);
+        if (!input->is_imu) beacons_.at(input->option.address).inputs.check_clocks(*input, now, lines_);
       }
       if (aiding_) aiding_->update(now, lines_);
     }
@@ -375,9 +281,9 @@ private:
     for (auto& [address, beacon] : beacons_) {
       if (beacon.status.frames == 0) continue;
       beacon.status.time_ns = clocks::host_now();
-      beacon.status.clock_offset_s = beacon.offset.value_s();
+      beacon.status.clock_offset_s = beacon.inputs.offset_s();
       BeaconStatus status = beacon.status;
-      status.samples_rejected += beacon.joiner.dropped();
+      status.samples_rejected += beacon.inputs.dropped();
       if (aiding_) status.samples_rejected += aiding_->unused(address);
       sink.on(status);
     }

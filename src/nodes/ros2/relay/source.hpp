@@ -5,8 +5,8 @@
 #include "clocks/clocks.hpp"
 #include "logging/log.hpp"
 #include "publication/source.hpp"
+#include "ros2/inputs/input_option.hpp"
 #include "ros2/relay/aiding_inputs.hpp"
-#include "ros2/relay/input_option.hpp"
 #include <sonopose/ros2/node/node.hpp>
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-/// Velocities, headings and poses from ROS 2: options, and messages on the way to samples.
+/// Velocities, headings and poses from ROS 2: messages on the way to samples.
 
 #include "ros2/relay/aiding_inputs.hpp"
 
@@ -22,51 +22,14 @@ namespace aiding_inputs_test {
 
 using namespace sonopose;
 using Catch::Matchers::Contains;
-using ros2::relay::AidingInput;
-using ros2::relay::InputMonitor;
+using ros2::AidingInput;
+using ros2::InputMonitor;
 using Kind = AidingInput::Kind;
 
 constexpr TimeNs second_ns = 1'000'000'000;
 
-SCENARIO("options of velocities") {
-  GIVEN("topics with addresses") {
-    THEN("they are parsed") {
-      const auto odometry = AidingInput::parse(Kind::odometry, "/odom=7");
-      CHECK(odometry.type == AidingInput::Type::odometry);
-      CHECK(odometry.topic == "/odom");
-      CHECK(odometry.address == 7);
-      CHECK(AidingInput::parse(Kind::twist, "/wheel=7").type == AidingInput::Type::twist_with_covariance);
-      const auto stamped = AidingInput::parse(Kind::twist, "/wheel:TwistStamped=8");
-      CHECK(stamped.type == AidingInput::Type::twist);
-      CHECK(stamped.topic == "/wheel");
-      CHECK(stamped.address == 8);
-    }
-  }
-  GIVEN("mistakes") {
-    THEN("they are named") {
-      CHECK_THROWS_WITH(AidingInput::parse(Kind::odometry, "/odom"),
-                        Contains("--odom-in /odom: expected TOPIC=ADDRESS"));
-      CHECK_THROWS_WITH(AidingInput::parse(Kind::odometry, "/odom=70000"),
-                        Contains("--odom-in /odom=70000: '70000' is not an address from 0 to 65534"));
-      CHECK_THROWS_WITH(AidingInput::parse(Kind::twist, "/wheel:Twist=7"), Contains("'Twist' is not"));
-      CHECK_THROWS_WITH(
-          ros2::relay::check(std::vector{AidingInput::parse(Kind::odometry, "/odom=7"),
-                                         AidingInput::parse(Kind::twist, "/wheel=7")}),
-          Contains("--odom-in /odom and --twist-in /wheel: beacon 7 can have only one source of velocities"));
-      CHECK_THROWS_WITH(
-          AidingInput::parse(Kind::heading, "/yaw:Float32=7"),
-          Contains(
-              "--heading-in /yaw:Float32=7: 'Float32' is not Imu or PoseWithCovarianceStamped or Float64"));
-      CHECK_NOTHROW(ros2::relay::check(std::vector{AidingInput::parse(Kind::set_pose, "/initialpose=7"),
-                                                   AidingInput::parse(Kind::set_pose, "/set_pose=7"),
-                                                   AidingInput::parse(Kind::heading, "/compass=7"),
-                                                   AidingInput::parse(Kind::pose, "/vision=7")}));
-    }
-  }
-}
-
 /// Frames without tf: map, base, and a sensor turned left by 90° on the base.
-ros2::relay::InputFrames frames(const ros2::Mount& mount) {
+ros2::InputFrames frames(const ros2::Mount& mount) {
   const auto find = [](BeaconAddress, const std::string& frame) -> std::optional<ros2::Transform> {
     if (frame.empty() || frame == "map") return ros2::Transform{};
     if (frame != "sensor") return std::nullopt;

@@ -106,12 +106,12 @@ SCENARIO("two tags on one robot have their places") {
   GIVEN("a tag in the IMU, and one 0.4 m left of the base, 0.1 m above the IMU") {
     Rig rig({Input::parse(Kind::fix, "/a:PointStamped=7"),
              Input::parse(Kind::fix, "/b:PointStamped=7@0,0.4,0.3")});
-    rig.source->use(ros2::relay::InputFrames{.mount =
-                                                 [](BeaconAddress) {
-                                                   return ros2::Mount{.imu_in_base_m = {0, 0, 0.2}};
-                                                 },
-                                             .in_map = {},
-                                             .in_base = {}});
+    rig.source->use(ros2::InputFrames{.mount =
+                                          [](BeaconAddress) {
+                                            return ros2::Mount{.imu_in_base_m = {0, 0, 0.2}};
+                                          },
+                                      .in_map = {},
+                                      .in_base = {}});
     auto first = rig.driver<ros2::PointStamped>("/a");
     auto second = rig.driver<ros2::PointStamped>("/b");
     rig.run();

@@ -21,7 +21,7 @@
 namespace source_rig {
 
 using namespace sonopose;
-using ros2::relay::Input;
+using ros2::Input;
 using test::wait_until;
 using Kind = Input::Kind;
 

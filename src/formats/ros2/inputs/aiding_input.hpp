@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-namespace sonopose::ros2::relay {
+namespace sonopose::ros2 {
 
 /// One topic, and the address of its beacon.
 struct AidingInput {
@@ -36,7 +36,7 @@ struct AidingInput {
   Type type = Type::odometry;
   std::string topic;
   BeaconAddress address = 0;
-  ros2::Wheels wheels = {};  ///< of Kind::wheels
+  Wheels wheels = {};  ///< of Kind::wheels
 
   /// Parses "/odom=7" or, with one of the types of its kind, "/wheel/twist:TwistStamped=7". Throws
   /// std::invalid_argument.
@@ -52,4 +52,4 @@ struct AidingInput {
 /// of velocities, of headings or of poses.
 void check(const std::vector<AidingInput>& inputs);
 
-}  // namespace sonopose::ros2::relay
+}  // namespace sonopose::ros2

@@ -1,9 +1,9 @@
-#include "ros2/relay/imu_joiner.hpp"
+#include "ros2/inputs/imu_joiner.hpp"
 
 #include <algorithm>
 #include <iterator>
 
-namespace sonopose::ros2::relay {
+namespace sonopose::ros2 {
 
 void ImuJoiner::on(const ros2::ReceivedImu& received, SteadyTime now, std::vector<ImuSample>& ready) {
   const ImuSample& sample = received.sample;
@@ -57,4 +57,4 @@ std::optional<Vector3d> ImuJoiner::force_at(TimeNs time_ns) const {
   return before.force_body_mps2 + share * (after->force_body_mps2 - before.force_body_mps2);
 }
 
-}  // namespace sonopose::ros2::relay
+}  // namespace sonopose::ros2

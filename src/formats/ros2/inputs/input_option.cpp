@@ -1,4 +1,4 @@
-#include "ros2/relay/input_option.hpp"
+#include "ros2/inputs/input_option.hpp"
 
 #include <sonopose/ros2/messages/idl_types.hpp>
 
@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace sonopose::ros2::relay {
+namespace sonopose::ros2 {
 namespace {
 
 const char* option_name(Input::Kind kind) {
@@ -162,4 +162,4 @@ void check(const std::vector<Input>& inputs) {
   }
 }
 
-}  // namespace sonopose::ros2::relay
+}  // namespace sonopose::ros2

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-namespace sonopose::ros2::relay {
+namespace sonopose::ros2 {
 
 /// The type of a topic of fixes: PointStamped or PoseWithCovarianceStamped of geometry_msgs.
 enum class FixType : std::uint8_t { point, pose };
@@ -55,4 +55,4 @@ std::optional<FixType> fix_type_named(std::string_view dds_type_name);
 /// accelerometer and one of its gyroscope.
 void check(const std::vector<Input>& inputs);
 
-}  // namespace sonopose::ros2::relay
+}  // namespace sonopose::ros2

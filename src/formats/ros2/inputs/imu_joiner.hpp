@@ -11,7 +11,7 @@
 #include <optional>
 #include <vector>
 
-namespace sonopose::ros2::relay {
+namespace sonopose::ros2 {
 
 /// One beacon's samples at the times of its gyroscope, with the specific force interpolated to them. A sample
 /// waits for a later specific force for at most `max_wait_ns`; then it has the latest one. Complete samples
@@ -54,4 +54,4 @@ private:
   std::uint64_t dropped_ = 0;
 };
 
-}  // namespace sonopose::ros2::relay
+}  // namespace sonopose::ros2

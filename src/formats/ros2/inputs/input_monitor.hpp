@@ -4,7 +4,7 @@
 /// lines that another thread than that of the samples formats.
 
 #include "logging/log.hpp"
-#include "ros2/relay/input_option.hpp"
+#include "ros2/inputs/input_option.hpp"
 
 #include <deque>
 #include <functional>
@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace sonopose::ros2::relay {
+namespace sonopose::ros2 {
 
 /// Discovery and counters of the readers of one topic.
 struct InputEndpoints {
@@ -118,4 +118,4 @@ private:
   std::deque<std::pair<SteadyTime, double>> rising_;
 };
 
-}  // namespace sonopose::ros2::relay
+}  // namespace sonopose::ros2

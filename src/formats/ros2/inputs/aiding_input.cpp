@@ -1,6 +1,6 @@
-#include "ros2/relay/aiding_input.hpp"
+#include "ros2/inputs/aiding_input.hpp"
 
-#include "ros2/relay/input_option.hpp"
+#include "ros2/inputs/input_option.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace sonopose::ros2::relay {
+namespace sonopose::ros2 {
 namespace {
 
 using Kind = AidingInput::Kind;
@@ -98,4 +98,4 @@ void check(const std::vector<AidingInput>& inputs) {
   }
 }
 
-}  // namespace sonopose::ros2::relay
+}  // namespace sonopose::ros2

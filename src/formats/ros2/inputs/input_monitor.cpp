@@ -1,4 +1,4 @@
-#include "ros2/relay/input_monitor.hpp"
+#include "ros2/inputs/input_monitor.hpp"
 
 #include <sonopose/text/count_text.hpp>
 
@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace sonopose::ros2::relay {
+namespace sonopose::ros2 {
 namespace {
 
 using text::count_text;
@@ -225,4 +225,4 @@ void SmallestOffset::add(double offset_s, SteadyTime now) {
   while (now - rising_.front().first > loss_report_period_ns) rising_.pop_front();
 }
 
-}  // namespace sonopose::ros2::relay
+}  // namespace sonopose::ros2

@@ -1,6 +1,6 @@
-#include "ros2/relay/fix_repeats.hpp"
+#include "ros2/inputs/fix_repeats.hpp"
 
-namespace sonopose::ros2::relay {
+namespace sonopose::ros2 {
 
 bool FixRepeats::is_new(const UltrasonicFix& fix) {
   const bool is_equal = latest_ && latest_->position_world_m == fix.position_world_m;
@@ -19,4 +19,4 @@ bool FixRepeats::is_new(const UltrasonicFix& fix) {
   return true;
 }
 
-}  // namespace sonopose::ros2::relay
+}  // namespace sonopose::ros2

@@ -6,7 +6,7 @@
 
 #include <optional>
 
-namespace sonopose::ros2::relay {
+namespace sonopose::ros2 {
 
 /// Takes each position of one topic once. A driver repeats if the same value comes several times between
 /// positions that move; a body at rest may have equal positions. Then an equal one is used after `hold_ns` at
@@ -29,4 +29,4 @@ private:
   int steps_ = 0;
 };
 
-}  // namespace sonopose::ros2::relay
+}  // namespace sonopose::ros2

@@ -1,6 +1,6 @@
 /// Options and log lines of inputs from ROS 2.
 
-#include "ros2/relay/input_monitor.hpp"
+#include "ros2/inputs/input_monitor.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -9,9 +9,9 @@
 namespace input_option_test {
 
 using namespace sonopose;
-using ros2::relay::Input;
-using ros2::relay::InputEndpoints;
-using ros2::relay::InputMonitor;
+using ros2::Input;
+using ros2::InputEndpoints;
+using ros2::InputMonitor;
 using Kind = Input::Kind;
 using Catch::Matchers::Contains;
 
@@ -45,23 +45,21 @@ struct Log {
 SCENARIO("a beacon has one source of each kind in ROS 2") {
   GIVEN("an IMU as the topics of its accelerometer and of its gyroscope") {
     THEN("they are accepted, but no third one, nor the same one twice") {
-      CHECK_NOTHROW(ros2::relay::check({{Kind::imu, "/a", 7}, {Kind::fix, "/b", 7}, {Kind::imu, "/c", 7}}));
-      CHECK_THROWS_WITH(
-          ros2::relay::check({{Kind::imu, "/a", 7}, {Kind::imu, "/b", 7}, {Kind::imu, "/c", 7}}),
-          Contains("--imu-in /a=7") && Contains("beacon 7 can have two topics of IMU samples"));
-      CHECK_THROWS_WITH(ros2::relay::check({{Kind::imu, "/a", 7}, {Kind::imu, "/a", 7}}),
-                        Contains("--imu-in /a=7"));
+      CHECK_NOTHROW(ros2::check({{Kind::imu, "/a", 7}, {Kind::fix, "/b", 7}, {Kind::imu, "/c", 7}}));
+      CHECK_THROWS_WITH(ros2::check({{Kind::imu, "/a", 7}, {Kind::imu, "/b", 7}, {Kind::imu, "/c", 7}}),
+                        Contains("--imu-in /a=7") && Contains("beacon 7 can have two topics of IMU samples"));
+      CHECK_THROWS_WITH(ros2::check({{Kind::imu, "/a", 7}, {Kind::imu, "/a", 7}}), Contains("--imu-in /a=7"));
     }
   }
   GIVEN("two topics of fixes for one address") {
     THEN("they are rejected with both names") {
-      CHECK_THROWS_WITH(ros2::relay::check({{Kind::fix, "/a", 7}, {Kind::fix, "/b", 7}}),
+      CHECK_THROWS_WITH(ros2::check({{Kind::fix, "/a", 7}, {Kind::fix, "/b", 7}}),
                         Contains("--fix-in /a=7") && Contains("--fix-in /b=7"));
     }
   }
   GIVEN("one of each kind for two addresses, even with the same topics") {
     THEN("they are accepted") {
-      CHECK_NOTHROW(ros2::relay::check(
+      CHECK_NOTHROW(ros2::check(
           {{Kind::imu, "/a", 7}, {Kind::fix, "/b", 7}, {Kind::imu, "/a", 8}, {Kind::fix, "/b", 8}}));
     }
   }
@@ -72,10 +70,10 @@ SCENARIO("the type of a topic of fixes may be declared") {
                                  "/tag:geometry_msgs/msg/PointStamped=7"}) {
     const Input input = Input::parse(Kind::fix, text);
     CHECK(input.topic == "/tag");
-    CHECK(input.fix_type == ros2::relay::FixType::point);
+    CHECK(input.fix_type == ros2::FixType::point);
     CHECK(text_of(input) == "--fix-in /tag:PointStamped=7");
   }
-  CHECK(Input::parse(Kind::fix, "/tag:PoseWithCovarianceStamped=7").fix_type == ros2::relay::FixType::pose);
+  CHECK(Input::parse(Kind::fix, "/tag:PoseWithCovarianceStamped=7").fix_type == ros2::FixType::pose);
   CHECK_FALSE(Input::parse(Kind::fix, "/tag=7").fix_type);
   CHECK_THROWS_WITH(Input::parse(Kind::fix, "/tag:Odometry=7"),
                     Contains("'Odometry' is not PointStamped or PoseWithCovarianceStamped"));
@@ -87,28 +85,28 @@ SCENARIO("tags of one beacon have places") {
       const Input by_frame = Input::parse(Kind::fix, "/tag:PointStamped=7@tag_left");
       CHECK(by_frame.tag_frame == "tag_left");
       CHECK(by_frame.address == 7);
-      CHECK(by_frame.fix_type == ros2::relay::FixType::point);
+      CHECK(by_frame.fix_type == ros2::FixType::point);
       CHECK(Input::parse(Kind::fix, "/tag=7@0.2,-0.1,0.5").tag_base_m == Vector3d(0.2, -0.1, 0.5));
       CHECK_THROWS_WITH(Input::parse(Kind::fix, "/tag=7@0.2,x,0"), Contains("'0.2,x,0' is neither a frame"));
       CHECK_THROWS_WITH(Input::parse(Kind::fix, "/tag=7@"), Contains("'' is neither a frame"));
     }
     THEN("several may be of one beacon, of which one may be at the tracked point") {
       const auto input = [](const char* text) { return Input::parse(Kind::fix, text); };
-      CHECK_NOTHROW(ros2::relay::check({input("/a=7@left"), input("/b=7@right"), input("/c=7")}));
-      CHECK_THROWS_WITH(ros2::relay::check({input("/a=7"), input("/b=7"), input("/c=7@right")}),
+      CHECK_NOTHROW(ros2::check({input("/a=7@left"), input("/b=7@right"), input("/c=7")}));
+      CHECK_THROWS_WITH(ros2::check({input("/a=7"), input("/b=7"), input("/c=7@right")}),
                         Contains("only one source of fixes, unless its tags have places"));
     }
   }
 }
 
 SCENARIO("stamps of another clock are named with the remedy") {
-  CHECK_THAT(ros2::relay::clocks_text(-0.3, "/imu"), Contains("0.300 s newer than those of /imu") &&
-                                                         Contains("so their clocks differ") &&
-                                                         Contains("delay.correction_s = 0.300"));
-  CHECK_THAT(ros2::relay::clocks_text(0.12, "/imu"),
-             Contains("0.120 s older") && Contains("unless this is the latency") &&
-                 Contains("delay.correction_s = -0.120 plus that latency"));
-  CHECK_THAT(ros2::relay::clocks_text(0.7, "/imu"), !Contains("correction_s"));
+  CHECK_THAT(ros2::clocks_text(-0.3, "/imu"), Contains("0.300 s newer than those of /imu") &&
+                                                  Contains("so their clocks differ") &&
+                                                  Contains("delay.correction_s = 0.300"));
+  CHECK_THAT(ros2::clocks_text(0.12, "/imu"), Contains("0.120 s older") &&
+                                                  Contains("unless this is the latency") &&
+                                                  Contains("delay.correction_s = -0.120 plus that latency"));
+  CHECK_THAT(ros2::clocks_text(0.7, "/imu"), !Contains("correction_s"));
 }
 
 SCENARIO("an input without any sample is logged, with the cause") {
@@ -223,7 +221,7 @@ SCENARIO("unexpected frames are logged once") {
 }
 
 SCENARIO("the clock offset is the minimum of the last second") {
-  ros2::relay::SmallestOffset offset;
+  ros2::SmallestOffset offset;
   CHECK(offset.value_s() == 0);
   offset.add(0.003, SteadyTime{0});
   offset.add(0.001, SteadyTime{100 * ms});

@@ -4,7 +4,7 @@
 
 #include <sonopose/samples/time.hpp>
 
-namespace sonopose::ros2::relay {
+namespace sonopose::ros2 {
 
 /// Relates host time to the IMU's stamps, which in a played recording belong to another time. The delay of a
 /// fix is then measured in the clock of these stamps, because the engines also compare a fix with them.
@@ -26,4 +26,4 @@ private:
   TimeNs lag_ns_ = 0;
 };
 
-}  // namespace sonopose::ros2::relay
+}  // namespace sonopose::ros2

@@ -1,11 +1,11 @@
-#include "ros2/relay/imu_joiner.hpp"
+#include "ros2/inputs/imu_joiner.hpp"
 
 #include <catch2/catch.hpp>
 
 namespace imu_joiner_test {
 
 using namespace sonopose;
-using ros2::relay::ImuJoiner;
+using ros2::ImuJoiner;
 
 constexpr TimeNs ms = 1'000'000;
 

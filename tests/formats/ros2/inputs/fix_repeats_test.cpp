@@ -1,11 +1,11 @@
-#include "ros2/relay/fix_repeats.hpp"
+#include "ros2/inputs/fix_repeats.hpp"
 
 #include <catch2/catch.hpp>
 
 namespace fix_repeats_test {
 
 using namespace sonopose;
-using ros2::relay::FixRepeats;
+using ros2::FixRepeats;
 
 constexpr TimeNs ms = 1'000'000;
 

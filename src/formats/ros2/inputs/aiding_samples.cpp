@@ -1,4 +1,4 @@
-#include "ros2/relay/aiding_samples.hpp"
+#include "ros2/inputs/aiding_samples.hpp"
 
 #include <sonopose/geometry/rotation.hpp>
 #include <sonopose/ros2/messages/input.hpp>
@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-namespace sonopose::ros2::relay {
+namespace sonopose::ros2 {
 namespace {
 
 using Kind = AidingInput::Kind;
@@ -21,9 +21,9 @@ AidingSamples of_twist(std::string_view frame, std::optional<TwistSample> twist)
 }
 
 /// Frames of a pose; empty with the reason if tf does not connect them.
-std::optional<ros2::PoseFrames> frames_of(const InputFrames& frames, BeaconAddress address,
-                                          const std::string& stated, const std::string& measured,
-                                          std::string& unused) {
+std::optional<PoseFrames> frames_of(const InputFrames& frames, BeaconAddress address,
+                                    const std::string& stated, const std::string& measured,
+                                    std::string& unused) {
   const auto stated_in_map = frames.in_map(address, stated);
   if (!stated_in_map) {
     unused = fmt::format("/tf_static does not connect their frame '{}' with the map", stated);
@@ -34,20 +34,20 @@ std::optional<ros2::PoseFrames> frames_of(const InputFrames& frames, BeaconAddre
     unused = fmt::format("/tf_static does not connect their frame '{}' with the base", measured);
     return std::nullopt;
   }
-  return ros2::PoseFrames{
+  return PoseFrames{
       .stated_in_map = *stated_in_map, .measured_in_base = *measured_in_base, .mount = frames.mount(address)};
 }
 
 /// Marks a pose as the user's word, from now on. The heading comes first, so that the estimate starts with
 /// it.
-void set_pose(AidingSamples& samples, const ros2::PoseWithCovarianceStamped& message, TimeNs received_ns) {
+void set_pose(AidingSamples& samples, const PoseWithCovarianceStamped& message, TimeNs received_ns) {
   constexpr TimeNs earlier_ns = 1'000'000;
   constexpr int at_z = 2;
   if (!samples.fix) {
     samples = {.unused = samples.unused.empty() ? "a value or stamp is invalid" : samples.unused};
     return;
   }
-  if (const auto fault = ros2::covariance_fault(message)) {
+  if (const auto fault = covariance_fault(message)) {
     samples = {.unused = fmt::format("its covariance has {:g} m² in row {}, column {}: {}", fault->value_m2,
                                      fault->row + 1, fault->column + 1, fault->reason)};
     return;
@@ -63,7 +63,7 @@ void set_pose(AidingSamples& samples, const ros2::PoseWithCovarianceStamped& mes
     Eigen::Matrix3d covariance_m2 = fix.covariance_world_m2->matrix();
     covariance_m2.row(at_z).setZero();
     covariance_m2.col(at_z).setZero();
-    covariance_m2(at_z, at_z) = ros2::max_fix_std_m * ros2::max_fix_std_m;
+    covariance_m2(at_z, at_z) = max_fix_std_m * max_fix_std_m;
     fix.covariance_world_m2 = Covariance<3>::from_matrix(covariance_m2);
   }
   samples.heading->flags |= heading_flag_set_pose;
@@ -72,20 +72,20 @@ void set_pose(AidingSamples& samples, const ros2::PoseWithCovarianceStamped& mes
   samples.heading->emission_time_ns = samples.heading->received_time_ns = received_ns - earlier_ns;
 }
 
-AidingSamples of_pose(const ros2::PoseWithCovarianceStamped& message, const std::string& stated,
+AidingSamples of_pose(const PoseWithCovarianceStamped& message, const std::string& stated,
                       const std::string& measured, const AidingInput& input, const InputFrames& frames,
                       TimeNs received_ns) {
   AidingSamples samples;
   const auto placed = frames_of(frames, input.address, stated, measured, samples.unused);
   if (!placed) return samples;
-  const auto received = ros2::heading(message, *placed, input.address, received_ns);
+  const auto received = heading(message, *placed, input.address, received_ns);
   samples.heading = received.heading;
   if (received.fault != nullptr) {
     samples.unused = received.heading ? fmt::format("their covariance counts as unknown: {}", received.fault)
                                       : fmt::format("headings: {}", received.fault);
   }
   if (input.kind == Kind::heading) return samples;
-  samples.fix = ros2::fix(message, *placed, input.address, received_ns);
+  samples.fix = fix(message, *placed, input.address, received_ns);
   if (!samples.fix) samples.heading.reset();
   if (!samples.fix && samples.unused.empty()) samples.unused = "a position or stamp is invalid";
   if (input.kind == Kind::set_pose) set_pose(samples, message, received_ns);
@@ -94,32 +94,32 @@ AidingSamples of_pose(const ros2::PoseWithCovarianceStamped& message, const std:
 
 }  // namespace
 
-AidingSamples samples_of(const ros2::Odometry& message, const AidingInput& input, const InputFrames& frames,
+AidingSamples samples_of(const Odometry& message, const AidingInput& input, const InputFrames& frames,
                          TimeNs received_ns) {
   if (!is_velocity(input.kind)) {
-    return of_pose(ros2::as_pose(message), message.header.frame_id, message.child_frame_id, input, frames,
+    return of_pose(as_pose(message), message.header.frame_id, message.child_frame_id, input, frames,
                    received_ns);
   }
   return of_twist(message.child_frame_id,
-                  ros2::twist_sample(message, input.address, frames.mount(input.address), received_ns));
+                  twist_sample(message, input.address, frames.mount(input.address), received_ns));
 }
 
-AidingSamples samples_of(const ros2::TwistWithCovarianceStamped& message, const AidingInput& input,
+AidingSamples samples_of(const TwistWithCovarianceStamped& message, const AidingInput& input,
                          const InputFrames& frames, TimeNs received_ns) {
   return of_twist(message.header.frame_id,
-                  ros2::twist_sample(message, input.address, frames.mount(input.address), received_ns));
+                  twist_sample(message, input.address, frames.mount(input.address), received_ns));
 }
 
-AidingSamples samples_of(const ros2::TwistStamped& message, const AidingInput& input,
-                         const InputFrames& frames, TimeNs received_ns) {
+AidingSamples samples_of(const TwistStamped& message, const AidingInput& input, const InputFrames& frames,
+                         TimeNs received_ns) {
   return of_twist(message.header.frame_id,
-                  ros2::twist_sample(message, input.address, frames.mount(input.address), received_ns));
+                  twist_sample(message, input.address, frames.mount(input.address), received_ns));
 }
 
-AidingSamples samples_of(const ros2::JointState& message, const AidingInput& input, const InputFrames& frames,
+AidingSamples samples_of(const JointState& message, const AidingInput& input, const InputFrames& frames,
                          TimeNs received_ns) {
   auto samples = of_twist(
-      {}, ros2::twist_sample(message, input.wheels, input.address, frames.mount(input.address), received_ns));
+      {}, twist_sample(message, input.wheels, input.address, frames.mount(input.address), received_ns));
   if (!samples.twist) {
     samples.unused =
         "they lack the velocity of a joint of --wheels, or it is not finite, or the mount is oblique";
@@ -127,26 +127,26 @@ AidingSamples samples_of(const ros2::JointState& message, const AidingInput& inp
   return samples;
 }
 
-AidingSamples samples_of(const ros2::Imu& message, const AidingInput& input, const InputFrames& frames,
+AidingSamples samples_of(const Imu& message, const AidingInput& input, const InputFrames& frames,
                          TimeNs received_ns) {
-  const auto pose = ros2::as_pose(message);
+  const auto pose = as_pose(message);
   if (!pose) return {.unused = "they have no orientation: orientation_covariance[0] is -1"};
   return of_pose(*pose, {}, message.header.frame_id, input, frames, received_ns);
 }
 
-AidingSamples samples_of(const ros2::PoseWithCovarianceStamped& message, const AidingInput& input,
+AidingSamples samples_of(const PoseWithCovarianceStamped& message, const AidingInput& input,
                          const InputFrames& frames, TimeNs received_ns) {
   return of_pose(message, message.header.frame_id, {}, input, frames, received_ns);
 }
 
-AidingSamples samples_of(const ros2::PoseStamped& message, const AidingInput& input,
-                         const InputFrames& frames, TimeNs received_ns) {
-  return of_pose(ros2::as_pose(message), message.header.frame_id, {}, input, frames, received_ns);
+AidingSamples samples_of(const PoseStamped& message, const AidingInput& input, const InputFrames& frames,
+                         TimeNs received_ns) {
+  return of_pose(as_pose(message), message.header.frame_id, {}, input, frames, received_ns);
 }
 
-AidingSamples samples_of(const ros2::Float64& message, const AidingInput& input, const InputFrames& frames,
+AidingSamples samples_of(const Float64& message, const AidingInput& input, const InputFrames& frames,
                          TimeNs received_ns) {
-  return of_pose(ros2::as_pose(message), {}, {}, input, frames, received_ns);
+  return of_pose(as_pose(message), {}, {}, input, frames, received_ns);
 }
 
 InputMonitor::Line set_pose_line(const AidingInput& input, const AidingSamples& samples) {
@@ -164,4 +164,4 @@ InputMonitor::Line set_pose_line(const AidingInput& input, const AidingSamples& 
           logging::Level::info};
 }
 
-}  // namespace sonopose::ros2::relay
+}  // namespace sonopose::ros2

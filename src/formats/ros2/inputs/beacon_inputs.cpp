@@ -1,0 +1,122 @@
+#include "ros2/inputs/beacon_inputs.hpp"
+
+#include <sonopose/ros2/messages/input.hpp>
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstddef>
+#include <string_view>
+
+namespace sonopose::ros2 {
+namespace {
+
+using Notice = InputMonitor::Notice;
+
+std::string text_of(const CovarianceFault& fault) {
+  constexpr std::string_view axes = "xyz";
+  return fmt::format("{:g} m² ({}, {}) is {}", fault.value_m2, axes[static_cast<std::size_t>(fault.row)],
+                     axes[static_cast<std::size_t>(fault.column)], fault.reason);
+}
+
+std::optional<CovarianceFault> fault_of(const PointStamped& /*point*/) {
+  return std::nullopt;
+}
+std::optional<CovarianceFault> fault_of(const PoseWithCovarianceStamped& pose) {
+  return covariance_fault(pose);
+}
+
+}  // namespace
+
+void BeaconInputs::add(const Input& input) {
+  imus_ += input.kind == Input::Kind::imu ? 1 : 0;
+}
+
+bool BeaconInputs::on(const Imu& message, MonitoredInput& input, Moment moment, std::vector<ImuSample>& ready,
+                      Lines& lines) {
+  auto received = imu_sample(message, input.option.address, moment.received_ns);
+  if (!received) return false;
+  // Of two topics, one whose other values are exactly zero is that of one sensor that does not say so.
+  const bool is_unmarked = received->has_angular_velocity && received->has_specific_force;
+  if (imus_ > 1 && is_unmarked) {
+    received->has_specific_force = !received->sample.specific_force_body_mps2.isZero(0);
+    received->has_angular_velocity = !received->sample.angular_velocity_body_radps.isZero(0);
+  }
+  const auto cause = [is_unmarked] { return is_unmarked ? "it is zero" : "its covariance[0] is -1"; };
+  if (!received->has_angular_velocity) input.monitor.on_notice(Notice::no_angular_velocity, cause, lines);
+  if (!received->has_specific_force) input.monitor.on_notice(Notice::no_specific_force, cause, lines);
+  const bool is_complete = received->has_angular_velocity && received->has_specific_force;
+  if (is_complete && complete_ == nullptr) complete_ = &input;
+  if (complete_ != nullptr && complete_ != &input) {
+    input.monitor.on_notice(
+        Notice::second_imu, [&] { return complete_->option.topic; }, lines);
+    return true;
+  }
+  if (received->has_angular_velocity) gyroscope_ = &input;
+  received->sample.meaning = input.option.imu_meaning;
+  stamp_clock_.on_imu(received->sample.sensor_time_ns, moment.received_ns);
+  offset_.add(seconds_between(received->sample.sensor_time_ns, moment.received_ns), moment.now);
+  if (!imu_topic_) imu_topic_ = input.option.topic;
+  const bool is_used = is_complete || joiner_.joined() > 0;
+  if (is_used) input.monitor.on_sample(message.header.frame_id, moment.now, lines);
+  joiner_.on(*received, moment.now, ready);
+  notice_joined(lines);
+  return true;
+}
+
+template <class Position>
+BeaconInputs::TakenFix BeaconInputs::take(const Position& message, MonitoredInput& input, Moment moment,
+                                          const InputFrames& frames, Lines& lines) {
+  auto converted = fix(message, input.option.address, stamp_at(moment.received_ns));
+  if (!converted) return {};
+  const auto point_body_m = tag_in_body(input.option, frames);
+  if (!point_body_m) {
+    input.monitor.on_unused(
+        fmt::format("/tf_static does not connect '{}' with the base", input.option.tag_frame), lines);
+    return {};
+  }
+  converted->point_body_m = *point_body_m;
+  input.offset.add(seconds_between(converted->emission_time_ns, moment.received_ns), moment.now);
+  if (!input.since) input.since = moment.now;
+  if (imus_ == 0) offset_.add(seconds_between(converted->emission_time_ns, moment.received_ns), moment.now);
+  input.monitor.on_sample(message.header.frame_id, moment.now, lines);
+  if (const auto fault = fault_of(message)) {
+    input.monitor.on_notice(
+        Notice::covariance, [&fault] { return text_of(*fault); }, lines);
+  }
+  if (input.repeats.is_new(*converted)) return {.is_valid = true, .fix = converted};
+  input.monitor.on_notice(Notice::repeats, {}, lines);
+  return {.is_valid = true};
+}
+
+BeaconInputs::TakenFix BeaconInputs::on(const PointStamped& message, MonitoredInput& input, Moment moment,
+                                        const InputFrames& frames, Lines& lines) {
+  return take(message, input, moment, frames, lines);
+}
+
+BeaconInputs::TakenFix BeaconInputs::on(const PoseWithCovarianceStamped& message, MonitoredInput& input,
+                                        Moment moment, const InputFrames& frames, Lines& lines) {
+  return take(message, input, moment, frames, lines);
+}
+
+void BeaconInputs::check_clocks(MonitoredInput& input, SteadyTime now, Lines& lines) const {
+  constexpr TimeNs settled_ns = 3'000'000'000;
+  constexpr double max_apart_s = 0.05;
+  if (!input.since || now - *input.since < settled_ns || !imu_topic_) return;
+  const double older_s = input.offset.value_s() - offset_.value_s();
+  if (std::abs(older_s) < max_apart_s) return;
+  input.monitor.on_notice(
+      Notice::clocks, [&] { return clocks_text(older_s, *imu_topic_); }, lines);
+}
+
+void BeaconInputs::update(SteadyTime now, std::vector<ImuSample>& ready, Lines& lines) {
+  joiner_.update(now, ready);
+  notice_joined(lines);
+}
+
+void BeaconInputs::notice_joined(Lines& lines) {
+  if (joiner_.joined() == 0 || gyroscope_ == nullptr) return;
+  gyroscope_->monitor.on_notice(Notice::joined, {}, lines);
+}
+
+}  // namespace sonopose::ros2
