@@ -4,6 +4,7 @@
 #include "evaluation/replay/attitude_run.hpp"
 #include "evaluation/report/trajectory_file.hpp"
 #include "logging/log.hpp"
+#include "support/bag_options.hpp"
 #include "support/config_options.hpp"
 #include "support/progress.hpp"
 #include "support/run.hpp"
@@ -44,6 +45,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--magnetometer", options.magnetometer,
                  "Use the magnetometer for the heading; overrides the settings")
       ->check(CLI::IsMember({"on", "off"}));
+  apps::add_bag_options(app);
   apps::add_config_options(app, options.config);
   apps::add_beacon_option(app, options.beacon);
   app.add_option("--out", options.out, "Write LOG.tum for each log to this folder, with position 0")

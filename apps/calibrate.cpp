@@ -4,6 +4,7 @@
 #include "evaluation/calibration/calibration.hpp"
 #include "files/replacement.hpp"
 #include "plots/allan_plot.hpp"
+#include "support/bag_options.hpp"
 #include "support/drive_commands.hpp"
 #include "support/expanded_option.hpp"
 #include "support/run.hpp"
@@ -31,10 +32,12 @@ struct Options {
 
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& what, Options& options) {
   CLI::App* const command = app.add_subcommand(name, what);
-  command->add_option("LOG", options.log, "Sensor-log folder, of which only imu.csv is read, or MCAP file")
+  command
+      ->add_option("LOG", options.log, "Sensor-log folder, of which only imu.csv is read, or MCAP or rosbag2")
       ->required()
       ->type_name("DIR");
   apps::add_expanded_option(*command);
+  apps::add_bag_options(*command);
   command->add_flag("--json", options.json, "Print one JSON object instead of text");
   return command;
 }

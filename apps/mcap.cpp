@@ -8,6 +8,7 @@
 #include "logging/log.hpp"
 #include "mcap/reader.hpp"
 #include "mcap/verify.hpp"
+#include "support/bag_options.hpp"
 #include "support/compression_option.hpp"
 #include "support/expanded_option.hpp"
 #include "support/moment_option.hpp"
@@ -57,8 +58,8 @@ int cat(const Options& options) {
   const mcap::Reader reader(bus_log::recording_files(options.files));
   warn(reader.damages());
   bus_log::ChosenMessages messages(reader, options.choice);
-  while (const auto chosen = messages.next()) {
-    apps::print("{}\n", bus_log::json_of(*chosen->channel, chosen->message));
+  for (bus_log::MessageLines lines(reader); const auto chosen = messages.next();) {
+    apps::print("{}\n", lines.line_of(*chosen->channel, chosen->message));
     if (std::ferror(stdout) != 0) break;  // reported at the end
   }
   return 0;
@@ -133,14 +134,13 @@ int main(int argc, char** argv) {
   add_output(*filter, options, true);
   auto* const merge = add_command(app, options, "merge", "Write several files to one, by time");
   add_output(*merge, options, true);
-  auto* const recover =
-      add_command(app, options, "recover", "Write what is readable of a cut or damaged file to another", 1);
+  auto* const recover = add_command(app, options, "recover", "Write what is readable of a damaged file", 1);
   add_output(*recover, options, true);
   auto* const exporting =
-      add_command(app, options, "export",
-                  "Write one beacon as CSV log folder with EuRoC's columns, and its poses as TUM");
+      add_command(app, options, "export", "Write one beacon as CSV log folder, and its poses as TUM");
   add_beacon(*exporting, options, "The beacon, if the file has several");
   add_output(*exporting, options, false);
+  apps::add_bag_options(*exporting);
   return apps::run(app, argc, argv, [&] {
     if (shown->parsed()) return info(options);
     if (lines->parsed()) return cat(options);

@@ -3,6 +3,7 @@
 #include "doctor/probe/doctor_node.hpp"
 #include "doctor/rules/report.hpp"
 #include "process/realtime.hpp"
+#include "support/bag_options.hpp"
 #include "support/bus_options.hpp"
 #include "support/expanded_option.hpp"
 #include "support/log_option.hpp"
@@ -55,9 +56,11 @@ int main(int argc, char** argv) {
   web::WebOptions options;
   Given given;
   apps::Program app("web", "Only this machine can open the page unless --listen says otherwise.");
-  auto* const recording = app.add_option("recording", given.recording,
-                                         "Show this instead of the bus: MCAP files or a sensor-log folder");
+  auto* const recording =
+      app.add_option("recording", given.recording,
+                     "Show this instead of the bus: MCAP or rosbag2 files or a sensor-log folder");
   apps::add_expanded_option(app);
+  apps::add_bag_options(app);
   app.add_option("--beacon", given.beacon,
                  "Only this beacon; required if the recording has several and no poses")
       ->type_name("ADDRESS")

@@ -1,5 +1,6 @@
 #include "case_options.hpp"
 
+#include "bag_options.hpp"
 #include "bus_log/recording_files.hpp"
 #include "expanded_option.hpp"
 #include "logging/log.hpp"
@@ -23,6 +24,7 @@ void add_case_options(CLI::App& app, CaseOptions& options) {
          "(default: all scenarios but the harder ones)")
       ->type_name("");
   add_expanded_option(app);
+  add_bag_options(app);
   app.add_flag("--harder", options.harder,
                "Score the harder scenarios, which differ from run to run, and CASE if any");
   app.add_option("--seeds", options.seeds, "Number of runs of each scenario")

@@ -1,5 +1,6 @@
 #include "drive_commands.hpp"
 
+#include "bag_options.hpp"
 #include "evaluation/calibration/calibration.hpp"
 #include "files/replacement.hpp"
 #include "logging/log.hpp"
@@ -65,6 +66,7 @@ void DriveCommands::add(CLI::App& app, const char* name, const char* what, std::
                    "Sensor-log folders or MCAP files of one installation; no ground truth is needed")
       ->required()
       ->type_name("DIR");
+  add_bag_options(*command);
   command
       ->add_option("--out", out_,
                    "Write the settings to this file, replace it if it exists, and print only the report")

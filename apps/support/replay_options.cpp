@@ -1,5 +1,6 @@
 #include "replay_options.hpp"
 
+#include "bag_options.hpp"
 #include "bus_log/recording_files.hpp"
 #include "choice.hpp"
 #include "expanded_option.hpp"
@@ -16,10 +17,12 @@ namespace sonopose::apps {
 
 void add_replay_options(CLI::App& app, ReplayOptions& options) {
   const CLI::Validator seconds = number_between(0.0, 1e9);
-  app.add_option("LOG", options.logs, "Sensor-log folder, or MCAP files or a folder of them")
+  app.add_option("LOG", options.logs,
+                 "Sensor-log folder, or files of a recording (MCAP, rosbag2) or a folder of them")
       ->required()
       ->type_name("PATH");
   add_expanded_option(app);
+  add_bag_options(app);
   add_config_options(app, options.config);
   add_beacon_option(app, options.beacon);
   app.add_option(

@@ -133,6 +133,15 @@ mcap::Selection selection_of(const mcap::Reader& reader, const Choice& choice,
   return selection;
 }
 
+/// Writes the line of a message with its content.
+std::string line_with(const std::string& content, const mcap::Channel& channel,
+                      const mcap::Message& message) {
+  const nlohmann::json topic(channel.topic);
+  return fmt::format(R"({{"topic":{},"sequence":{},"log_time_ns":{},"publish_time_ns":{},{}}})",
+                     topic.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), message.sequence,
+                     message.log_time_ns, message.publish_time_ns, content);
+}
+
 }  // namespace
 
 std::optional<BeaconAddress> beacon_of(const mcap::Channel& channel, const mcap::Message& message) {
@@ -143,10 +152,19 @@ std::optional<BeaconAddress> beacon_of(const mcap::Channel& channel, const mcap:
 }
 
 std::string json_of(const mcap::Channel& channel, const mcap::Message& message) {
-  const nlohmann::json topic(channel.topic);
-  return fmt::format(R"({{"topic":{},"sequence":{},"log_time_ns":{},"publish_time_ns":{},{}}})",
-                     topic.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), message.sequence,
-                     message.log_time_ns, message.publish_time_ns, content_of(channel, message));
+  return line_with(content_of(channel, message), channel, message);
+}
+
+std::string MessageLines::line_of(const mcap::Channel& channel, const mcap::Message& message) {
+  const auto schema = reader_.schemas().find(channel.schema_id);
+  const bool is_of_ros = schema != reader_.schemas().end() && schema->second.encoding == "ros2msg" &&
+                         (channel.message_encoding == "cdr" || channel.message_encoding.empty());
+  if (!is_of_ros) return json_of(channel, message);
+  const auto [known, is_new] = definitions_.try_emplace(schema->first);
+  auto& definition = known->second;
+  if (is_new) definition = ros2::bag::MessageDefinition::parse(schema->second.name, schema->second.data);
+  const std::string json = definition ? definition->json_of(message.data) : "";
+  return json.empty() ? json_of(channel, message) : line_with(R"("message":)" + json, channel, message);
 }
 
 ChosenMessages::ChosenMessages(const mcap::Reader& reader, const Choice& choice,

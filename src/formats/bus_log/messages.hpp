@@ -5,9 +5,12 @@
 #include "bus_log/latched_start.hpp"
 #include "bus_log/moment.hpp"
 #include "mcap/reader.hpp"
+#include "ros2/bag/message_definition.hpp"
 #include <sonopose/samples/samples.hpp>
 
 #include <cstddef>
+#include <cstdint>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -22,6 +25,18 @@ std::optional<BeaconAddress> beacon_of(const mcap::Channel& channel, const mcap:
 /// with the fields of the IDL. A message of a foreign topic, or an unreadable one, has `data` in hexadecimal
 /// digits instead.
 std::string json_of(const mcap::Channel& channel, const mcap::Message& message);
+
+/// Writes the messages of a recording in the same way, and those of ROS 2 with the fields of their schemas.
+class MessageLines {
+public:
+  explicit MessageLines(const mcap::Reader& reader) : reader_{reader} {}
+
+  std::string line_of(const mcap::Channel& channel, const mcap::Message& message);
+
+private:
+  const mcap::Reader& reader_;
+  std::map<std::uint16_t, std::optional<ros2::bag::MessageDefinition>> definitions_;  ///< by schema
+};
 
 /// A selection of messages of a recording.
 struct Choice {

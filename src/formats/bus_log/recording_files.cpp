@@ -2,9 +2,12 @@
 
 #include "files/error.hpp"
 #include "files/missing.hpp"
+#include "logging/log.hpp"
 #include "mcap/byte_source.hpp"
 #include "mcap/records.hpp"
 #include "recording/log_columns.hpp"
+#include "ros2/bag/bag_folder.hpp"
+#include "ros2/bag/storage.hpp"
 #include <sonopose/text/count_text.hpp>
 
 #include <algorithm>
@@ -58,19 +61,27 @@ std::vector<fs::path> recording_files(const std::vector<fs::path>& given) {
       files.push_back(path);
       continue;
     }
-    const auto found = mcap_files_in(path);
+    for (const std::string& text : ros2::bag::missing_files(path)) logging::warning(text);
+    auto found = mcap_files_in(path);
+    if (found.empty()) found = ros2::bag::sqlite_files_in(path);
     if (found.empty()) throw files::IoError(path.string() + ": has no MCAP file");
     std::ranges::copy(found, std::back_inserter(files));
   }
   return files;
 }
 
+bool is_in_sqlite(const std::vector<fs::path>& recording) {
+  const fs::path& first = recording.front();
+  return ros2::bag::is_sqlite(first) || (ros2::bag::is_bag_folder(first) && mcap_files_in(first).empty());
+}
+
 bool is_in_mcap(const std::vector<fs::path>& recording) {
+  if (is_in_sqlite(recording)) return false;
   return recording.size() > 1 || is_mcap(recording.front()) || !mcap_files_in(recording.front()).empty();
 }
 
 bool is_log_folder(const fs::path& recording) {
-  return !is_file(recording) && mcap_files_in(recording).empty();
+  return !is_file(recording) && mcap_files_in(recording).empty() && !ros2::bag::is_bag_folder(recording);
 }
 
 std::string name_of(const std::vector<fs::path>& recording) {

@@ -7,6 +7,7 @@
 #include "mcap/reader.hpp"
 #include "recording/input_check.hpp"
 #include "recording/log_columns.hpp"
+#include "ros2/bag/bag_log.hpp"
 #include <sonopose/collation/collator.hpp>
 #include <sonopose/dds/topics/serialized_topics.hpp>
 #include <sonopose/dds/topics/topics.hpp>
@@ -56,8 +57,7 @@ std::string listed(const std::set<BeaconAddress>& addresses) {
 /// One beacon of one recording.
 class FileLog {
 public:
-  FileLog(const std::vector<std::filesystem::path>& files, std::optional<BeaconAddress> address)
-      : reader_{files} {
+  FileLog(const mcap::Reader& reader, std::optional<BeaconAddress> address) : reader_{reader} {
     require_our_types(reader_, is_known_);
     address_ = chosen(address);
   }
@@ -191,7 +191,7 @@ private:
             " at the end, because an earlier one is missing");
   }
 
-  mcap::Reader reader_;
+  const mcap::Reader& reader_;
   std::function<bool(const mcap::Channel&)> is_known_ = [this](const mcap::Channel& channel) {
     return is_read(channel) && !is_unknown_command(channel);
   };
@@ -216,6 +216,51 @@ void log_warnings(const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) logging::warning(warning);
 }
 
+recording::SensorLog reported(ros2::bag::BagLog bag) {
+  for (const std::string& note : bag.notes) logging::info(note);
+  return std::move(bag.log);
+}
+
+/// Returns true for a recording of rosbag2, and for one of both if topics of ROS 2 were chosen.
+bool is_bag(const mcap::Reader& reader) {
+  if (ros2::bag::chosen_topics().is_given()) return true;
+  bool is_of_ros = reader.contents().profile == "ros2";
+  for (const auto& [id, channel] : reader.channels()) {
+    if (is_input(channel)) return false;
+    const auto schema = reader.schemas().find(channel.schema_id);
+    is_of_ros =
+        is_of_ros || (schema != reader.schemas().end() && schema->second.encoding.starts_with("ros2"));
+  }
+  return is_of_ros;
+}
+
+/// Inputs that a caller needs.
+enum class Needs { imu, all };
+
+recording::SensorLog read_files(const Paths& paths, std::optional<BeaconAddress> address, Needs needs) {
+  const bool needs_fixes = needs == Needs::all;
+  const auto& choice = ros2::bag::chosen_topics();
+  if (is_in_sqlite(paths)) {
+    const auto storage = ros2::bag::sqlite_storage(recording_files(paths));
+    return reported(ros2::bag::read_bag(*storage, choice, address, needs_fixes));
+  }
+  const mcap::Reader reader(recording_files(paths));
+  if (!is_bag(reader)) return FileLog(reader, address).read();
+  return reported(ros2::bag::read_bag(*ros2::bag::mcap_storage(reader), choice, address, needs_fixes));
+}
+
+recording::SensorLog read_any(const Paths& paths, std::optional<BeaconAddress> address, Needs needs) {
+  const std::filesystem::path& first = paths.front();
+  const bool is_in_files = is_in_sqlite(paths) || is_in_mcap(paths);
+  auto read = is_in_files            ? read_files(paths, address, needs)
+              : is_log_folder(first) ? recording::read_sensor_log(first, address)
+                                     : read_dashboard_log(first, address);
+  std::ranges::move(recording::input_findings(name_of(paths), read.events, nullptr, read.truth),
+                    std::back_inserter(read.warnings));
+  log_warnings(read.warnings);
+  return read;
+}
+
 std::vector<ImuSample> imu_of(const recording::SensorLog& log) {
   std::vector<ImuSample> samples;
   for (const Event& event : log.events) {
@@ -235,14 +280,7 @@ recording::SensorLog read_sensor_log(const std::filesystem::path& log, std::opti
 }
 
 recording::SensorLog read_sensor_log(const Paths& paths, std::optional<BeaconAddress> address) {
-  const std::filesystem::path& first = paths.front();
-  auto read = is_in_mcap(paths)      ? FileLog(recording_files(paths), address).read()
-              : is_log_folder(first) ? recording::read_sensor_log(first, address)
-                                     : read_dashboard_log(first, address);
-  std::ranges::move(recording::input_findings(name_of(paths), read.events, nullptr, read.truth),
-                    std::back_inserter(read.warnings));
-  log_warnings(read.warnings);
-  return read;
+  return read_any(paths, address, Needs::all);
 }
 
 std::vector<ImuSample> read_imu_log(const std::filesystem::path& log, std::optional<BeaconAddress> address) {
@@ -251,7 +289,7 @@ std::vector<ImuSample> read_imu_log(const std::filesystem::path& log, std::optio
     log_warnings(read.warnings);
     return std::move(read.imu);
   }
-  return imu_of(read_sensor_log(log, address));
+  return imu_of(read_any({log}, address, Needs::imu));
 }
 
 recording::AttitudeLog read_attitude_log(const std::filesystem::path& log,
@@ -261,7 +299,7 @@ recording::AttitudeLog read_attitude_log(const std::filesystem::path& log,
     log_warnings(read.warnings);
     return read;
   }
-  recording::SensorLog read = read_sensor_log(log, address);
+  recording::SensorLog read = read_any({log}, address, Needs::imu);
   recording::AttitudeLog attitude{.imu = imu_of(read), .truth = std::move(read.truth), .movements = {}};
   if (attitude.imu.empty()) throw files::IoError(log.string() + ": no IMU sample");
   return attitude;

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Reads the inputs of the fusion from any recording: a sensor-log folder, or MCAP files of the bus.
+/// Reads the inputs of the fusion from any recording: a sensor-log folder, or files of the bus or of rosbag2.
 
 #include "recording/attitude_log.hpp"
 #include "recording/log_folder.hpp"
@@ -12,8 +12,9 @@
 namespace sonopose::bus_log {
 
 /// Reads a log folder like recording::read_sensor_log, and the MCAP files of another folder as one recording.
-/// Reads a file as MCAP if it begins so, else as a CSV log of the vendor's Dashboard (dashboard_log.hpp). A
-/// recording of several beacons needs an address.
+/// Reads a file as MCAP or SQLite if it begins so, else as a CSV log of the vendor's Dashboard
+/// (dashboard_log.hpp). A recording of several beacons needs an address. One of rosbag2 has the inputs of
+/// ros2::bag::chosen_topics(); without any, it is read unless it has inputs of the bus.
 ///
 /// The events of MCAP files follow their sequence numbers on the bus, as in the fusion's collator, and are
 /// renumbered from 1. Missing or damaged parts are described in `warnings` and in the log of the process.

@@ -1,0 +1,86 @@
+#include "ros2/bag/bag_folder.hpp"
+
+#include "files/error.hpp"
+#include "recording/log_columns.hpp"
+#include "ros2/bag/storage.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstring>
+#include <system_error>
+#include <yaml-cpp/yaml.h>
+
+namespace sonopose::ros2::bag {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_there(const fs::path& file) {
+  std::error_code unknown;
+  return fs::exists(file, unknown);
+}
+
+std::string scalar_of(const YAML::Node& node) {
+  return node && node.IsScalar() ? node.Scalar() : std::string();
+}
+
+}  // namespace
+
+std::vector<fs::path> sqlite_files_in(const fs::path& folder) {
+  std::error_code unknown;
+  std::vector<fs::path> files;
+  if (!fs::is_directory(folder, unknown)) return files;
+  for (const auto& entry : fs::directory_iterator(folder, unknown)) {
+    if (entry.path().extension() == ".db3" && is_sqlite(entry.path())) files.push_back(entry.path());
+  }
+  std::ranges::sort(files, [](const fs::path& a, const fs::path& b) {
+    return ::strverscmp(a.filename().c_str(), b.filename().c_str()) < 0;
+  });
+  return files;
+}
+
+bool is_bag_folder(const fs::path& folder) {
+  if (is_there(folder / recording::imu_file)) return false;
+  return is_there(folder / "metadata.yaml") || !sqlite_files_in(folder).empty();
+}
+
+std::vector<std::string> missing_files(const fs::path& folder) {
+  const fs::path file = folder / "metadata.yaml";
+  std::vector<std::string> missing;
+  if (!is_there(file)) return missing;
+  try {
+    const YAML::Node bag = YAML::LoadFile(file.string())["rosbag2_bagfile_information"];
+    if (!bag || !bag.IsMap()) return missing;
+    std::string mode = scalar_of(bag["compression_mode"]);
+    std::ranges::transform(mode, mode.begin(), [](char each) {
+      return static_cast<char>(std::tolower(static_cast<unsigned char>(each)));
+    });
+    for (const YAML::Node& each : bag["relative_file_paths"]) {
+      const fs::path listed = scalar_of(each);
+      // Early versions list the file with the name of the folder.
+      if (is_there(folder / listed) || is_there(folder / listed.filename())) continue;
+      fs::path expanded = folder / listed.filename();
+      if (mode == "file" && is_there(expanded.replace_extension())) continue;
+      missing.push_back(
+          fmt::format("{}: lacks {}, which metadata.yaml lists", folder.string(), listed.string()));
+    }
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      const fs::path& found = entry.path();
+      fs::path expanded = found;
+      if (mode != "file" || found.extension() != ".zstd" || is_there(expanded.replace_extension())) continue;
+      throw files::IoError(fmt::format(
+          "{}: is compressed as a whole (compression_mode {} of metadata.yaml): expand the files with "
+          "zstd -d {}/*.zstd",
+          found.string(), scalar_of(bag["compression_mode"]), folder.string()));
+    }
+  } catch (const YAML::Exception& error) {
+    throw files::IoError(fmt::format("{}, line {}: {}", file.string(), error.mark.line + 1, error.msg));
+  } catch (const fs::filesystem_error& error) {
+    throw files::IoError(error.what());
+  }
+  return missing;
+}
+
+}  // namespace sonopose::ros2::bag

@@ -1,0 +1,316 @@
+#include "ros2/bag/bag_log.hpp"
+
+#include "files/error.hpp"
+#include "mcap/decompression.hpp"
+#include "ros2/inputs/aiding_samples.hpp"
+#include "ros2/inputs/beacon_inputs.hpp"
+#include <sonopose/dds/binding/cdr.hpp>
+#include <sonopose/ros2/messages/frames.hpp>
+#include <sonopose/ros2/messages/static_transforms.hpp>
+#include <sonopose/ros2/messages/time.hpp>
+#include <sonopose/text/count_text.hpp>
+#include <sonopose/text/escaped.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <list>
+#include <map>
+#include <utility>
+
+namespace sonopose::ros2::bag {
+namespace {
+
+constexpr std::string_view static_transforms = "/tf_static";
+/// The limit of a log folder's times: the difference of any two fits into 64 bits.
+constexpr std::uint64_t too_late_ns = std::uint64_t{1} << 62U;
+
+bool is_time(TimeNs time_ns) {
+  return time_ns > 0 && static_cast<std::uint64_t>(time_ns) < too_late_ns;
+}
+
+/// Pose of a base as that of its IMU; NaN where the orientation is unknown.
+TruthSample truth_of(const Pose& pose, const Mount& mount) {
+  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  const auto& [x, y, z, w] = pose.orientation;
+  Quaterniond q_base_to_world(w, x, y, z);
+  const bool is_rotation = std::abs(q_base_to_world.squaredNorm() - 1) < 0.02;  // false for NaN
+  if (is_rotation) q_base_to_world.normalize();
+  const bool needs_rotation = !mount.imu_in_base_m.isZero(0);
+  TruthSample truth;
+  truth.position_world_m = {pose.position.x, pose.position.y, pose.position.z};
+  if (needs_rotation) truth.position_world_m += q_base_to_world * mount.imu_in_base_m;
+  truth.q_body_to_world = q_base_to_world * mount.q_imu_to_base;
+  if (!is_rotation) truth.q_body_to_world = {unknown, unknown, unknown, unknown};
+  if (!is_rotation && needs_rotation) truth.position_world_m.setConstant(unknown);
+  truth.velocity_world_mps.setConstant(unknown);
+  return truth;
+}
+
+TruthSample truth_of(const PoseStamped& pose, const Mount& mount) {
+  return truth_of(pose.pose, mount);
+}
+TruthSample truth_of(const PoseWithCovarianceStamped& pose, const Mount& mount) {
+  return truth_of(pose.pose.pose, mount);
+}
+TruthSample truth_of(const Odometry& odometry, const Mount& mount) {
+  const auto& [linear, angular] = odometry.twist.twist;
+  TruthSample truth = truth_of(odometry.pose.pose, mount);
+  const Vector3d velocity_base_mps = Vector3d(linear.x, linear.y, linear.z) +
+                                     Vector3d(angular.x, angular.y, angular.z).cross(mount.imu_in_base_m);
+  truth.velocity_world_mps = truth.q_body_to_world * (mount.q_imu_to_base.conjugate() * velocity_base_mps);
+  return truth;
+}
+
+class Reading {
+public:
+  Reading(const Storage& storage, const TopicChoice& choice, std::optional<BeaconAddress> address,
+          bool needs_fixes)
+      : storage_{storage}, inputs_{find_inputs(storage, choice, address, needs_fixes)} {
+    read_.log.address = inputs_.address;
+    read_.log.warnings = storage.damages();
+    read_.notes = inputs_.notes;
+    for (const Inputs::OfInput& input : inputs_.inputs) {
+      beacon_.add(input.option);
+      monitored_.emplace_back(input.option, "map", TimeNs{0}, SteadyTime{});
+      input_of_topic_.emplace(input.topic, &monitored_.back());
+    }
+    for (const Inputs::OfTwist& twist : inputs_.twists) {
+      monitored_.emplace_back(
+          Input{.kind = Input::Kind::twist, .topic = twist.option.topic, .address = twist.option.address}, "",
+          TimeNs{0}, SteadyTime{});
+      twist_of_topic_.emplace(twist.topic, std::pair(twist.option, &monitored_.back()));
+    }
+    const bool has_tags = std::ranges::any_of(inputs_.inputs, [](const Inputs::OfInput& input) {
+      return input.option.tag_base_m || !input.option.tag_frame.empty();
+    });
+    names_.base = choice.base_frame;
+    if (!inputs_.twists.empty() || inputs_.truth || has_tags) find_mount();
+  }
+
+  BagLog read() {
+    std::set<std::size_t> topics;
+    for (const auto& [topic, input] : input_of_topic_) topics.insert(topic);
+    for (const auto& [topic, twist] : twist_of_topic_) topics.insert(topic);
+    if (inputs_.truth) topics.insert(*inputs_.truth);
+    storage_.for_each(topics, [this](const BagMessage& message) {
+      take(message);
+      return true;
+    });
+    beacon_.update(SteadyTime::max(), ready_, lines_);
+    add_ready();
+    std::ranges::stable_sort(read_.log.truth, {}, &TruthSample::time_ns);
+    report(topics);
+    return std::move(read_);
+  }
+
+private:
+  [[noreturn]] void fail(const BagMessage& message, const std::string& what) const {
+    throw files::IoError(fmt::format("{}: a message of {}, received at {} ns, {}", storage_.name(),
+                                     text::escaped(storage_.topics()[message.topic].name),
+                                     message.received_ns, what));
+  }
+
+  /// Calls `use` with the message as this type. Messages that are compressed one by one are expanded.
+  template <class T, class Use>
+  void decode(const BagMessage& message, const Use& use) {
+    constexpr std::array zstd_magic{std::byte{0x28}, std::byte{0xb5}, std::byte{0x2f}, std::byte{0xfd}};
+    constexpr std::size_t max_bytes = 256U << 20U;
+    std::span<const std::byte> data = message.data;
+    if (data.size() >= zstd_magic.size() && std::ranges::equal(data.first(zstd_magic.size()), zstd_magic)) {
+      const auto result = mcap::decompress(mcap::Compression::zstd, data, max_bytes, expanded_);
+      if (result != mcap::Decompressed::complete) fail(message, "is compressed by zstd and damaged");
+      data = expanded_;
+    }
+    const dds::CdrSample<T> sample(data);
+    if (sample.get() == nullptr) {
+      fail(message, "is not a serialized " + text::escaped(storage_.topics()[message.topic].type));
+    }
+    use(*sample.get());
+  }
+
+  std::set<std::size_t> topics_named(std::string_view name, std::string_view type) const {
+    std::set<std::size_t> found;
+    for (std::size_t i = 0; i < storage_.topics().size(); ++i) {
+      const BagTopic& topic = storage_.topics()[i];
+      if (topic.name == name && topic.type == type && is_usable(topic)) found.insert(i);
+    }
+    return found;
+  }
+
+  /// Finds the IMU on the base in the recorded transforms.
+  void find_mount() {
+    std::set<std::size_t> imus;
+    for (const Inputs::OfInput& input : inputs_.inputs) {
+      if (input.option.kind == Input::Kind::imu) imus.insert(input.topic);
+    }
+    storage_.for_each(imus, [&](const BagMessage& message) {
+      decode<Imu>(message, [&](const Imu& imu) { names_.imu = imu.header.frame_id; });
+      return false;
+    });
+    const auto used = topics_named(static_transforms, "tf2_msgs/msg/TFMessage");
+    storage_.for_each(used, [&](const BagMessage& message) {
+      decode<TFMessage>(message, [&](const TFMessage& tf) { transforms_.add(tf); });
+      return true;
+    });
+    transform_topics_ = used;
+    if (const auto found = transforms_.find(names_.base, names_.imu)) {
+      mount_ = {found->translation_m, found->rotation};
+      return;
+    }
+    read_.log.warnings.push_back(
+        fmt::format("{}: has no transform from {} to '{}' in {}: velocities, tags and truth are taken as "
+                    "those of the IMU; --base-frame names another frame",
+                    storage_.name(), names_.base, text::escaped(names_.imu), static_transforms));
+  }
+
+  void take(const BagMessage& message) {
+    const auto received_ns = static_cast<TimeNs>(std::min(message.received_ns, too_late_ns - 1));
+    const BeaconInputs::Moment moment{received_.next(received_ns).value_or(received_ns), {received_ns}};
+    beacon_.update(moment.now, ready_, lines_);
+    add_ready();
+    if (inputs_.truth == message.topic) take_truth(message, moment.received_ns);
+    const auto input = input_of_topic_.find(message.topic);
+    if (input != input_of_topic_.end()) take_input(message, moment, *input->second);
+    const auto twist = twist_of_topic_.find(message.topic);
+    if (twist != twist_of_topic_.end()) take_twist(message, moment, twist->second);
+  }
+
+  void take_input(const BagMessage& message, const BeaconInputs::Moment& moment, MonitoredInput& input) {
+    bool is_valid = false;
+    const auto take_fix = [&](const auto& position) {
+      const auto taken = beacon_.on(position, input, moment, frames_, lines_);
+      is_valid = taken.is_valid;
+      if (taken.fix) is_valid = add(*taken.fix);
+    };
+    if (input.option.kind == Input::Kind::imu) {
+      decode<Imu>(message, [&](const Imu& imu) {
+        is_valid = beacon_.on(imu, input, moment, ready_, lines_) && add_ready();
+      });
+    } else if (input.option.fix_type == FixType::point) {
+      decode<PointStamped>(message, take_fix);
+    } else {
+      decode<PoseWithCovarianceStamped>(message, take_fix);
+    }
+    if (!is_valid) ++invalid_[message.topic];
+  }
+
+  void take_twist(const BagMessage& message, const BeaconInputs::Moment& moment,
+                  const std::pair<AidingInput, MonitoredInput*>& twist) {
+    const auto convert = [&](const auto& velocity) {
+      const auto samples = samples_of(velocity, twist.first, frames_, beacon_.stamp_at(moment.received_ns));
+      if (!samples.twist) return twist.second->monitor.on_unused(samples.unused, lines_);
+      if (!add(*samples.twist)) ++invalid_[message.topic];
+    };
+    switch (twist.first.type) {
+      case AidingInput::Type::odometry:
+        return decode<Odometry>(message, convert);
+      case AidingInput::Type::twist_with_covariance:
+        return decode<TwistWithCovarianceStamped>(message, convert);
+      case AidingInput::Type::twist:
+        return decode<TwistStamped>(message, convert);
+      default:  // not offered by find_inputs()
+        return;
+    }
+  }
+
+  void take_truth(const BagMessage& message, TimeNs received_ns) {
+    const auto convert = [&](const auto& pose) {
+      TruthSample truth = truth_of(pose, mount_);
+      truth.address = inputs_.address;
+      const auto& stamp = pose.header.stamp;
+      truth.time_ns = stamp.sec == 0 && stamp.nanosec == 0 ? received_ns : from_ros(stamp).value_or(0);
+      if (is_time(truth.time_ns)) {
+        read_.log.truth.push_back(truth);
+      } else {
+        ++invalid_[message.topic];
+      }
+    };
+    const std::string& type = storage_.topics()[message.topic].type;
+    if (type.ends_with("Odometry")) return decode<Odometry>(message, convert);
+    if (type.ends_with("PoseStamped")) return decode<PoseStamped>(message, convert);
+    decode<PoseWithCovarianceStamped>(message, convert);
+  }
+
+  /// Returns false for a sample whose time is impossible.
+  template <class Sample>
+  bool add(Sample sample) {
+    if constexpr (requires { sample.emission_time_ns; }) {
+      if (!is_time(sample.emission_time_ns)) return false;
+    }
+    if (!is_time(available_at_ns(sample))) return false;
+    sample.sequence = read_.log.events.size() + 1;
+    read_.log.events.emplace_back(std::move(sample));
+    return true;
+  }
+
+  bool add_ready() {
+    bool are_valid = true;
+    for (const ImuSample& sample : ready_) are_valid = add(sample) && are_valid;
+    ready_.clear();
+    return are_valid;
+  }
+
+  void report(const std::set<std::size_t>& used) {
+    for (const InputMonitor::Line& line : lines_) {
+      auto& texts = line.level == logging::Level::info ? read_.notes : read_.log.warnings;
+      texts.push_back(fmt::format("{}: {}", storage_.name(), line.text()));
+    }
+    const auto warn = [&](std::uint64_t count, std::string_view noun, const std::string& why) {
+      if (count == 0) return;
+      read_.log.warnings.push_back(
+          fmt::format("{}: {} not used: {}", storage_.name(), text::count_text(count, noun), why));
+    };
+    for (const auto& [topic, count] : invalid_) {
+      warn(count, "message",
+           "of " + text::escaped(storage_.topics()[topic].name) +
+               ", a value is not finite or a stamp is invalid, or the tag has no known place");
+    }
+    warn(beacon_.dropped(), "sample", "of a gyroscope, without a linear acceleration near it");
+    constexpr std::size_t max_listed = 20;
+    std::vector<std::string> unused;
+    std::size_t more = 0;
+    for (std::size_t i = 0; i < storage_.topics().size(); ++i) {
+      if (used.contains(i) || transform_topics_.contains(i)) continue;
+      if (unused.size() < max_listed)
+        unused.push_back(with_type(storage_.topics()[i]));
+      else
+        ++more;
+    }
+    if (unused.empty()) return;
+    read_.notes.push_back(fmt::format("{}: not used: {}{}", storage_.name(), fmt::join(unused, ", "),
+                                      more == 0 ? "" : fmt::format(" and {} more", more)));
+  }
+
+  const Storage& storage_;
+  Inputs inputs_;
+  BeaconInputs beacon_;
+  std::list<MonitoredInput> monitored_;  ///< stay in place
+  std::map<std::size_t, MonitoredInput*> input_of_topic_;
+  std::map<std::size_t, std::pair<AidingInput, MonitoredInput*>> twist_of_topic_;
+  std::set<std::size_t> transform_topics_;
+  FrameNames names_;
+  StaticTransforms transforms_;
+  Mount mount_;
+  const InputFrames frames_ = input_frames(
+      names_, [this](BeaconAddress /*address*/) { return mount_; },
+      [this](const auto& in, const auto& frame) { return transforms_.between(in, frame); });
+  RisingStamp received_;
+  std::vector<ImuSample> ready_;
+  InputMonitor::Lines lines_;
+  std::map<std::size_t, std::uint64_t> invalid_;  ///< by topic
+  std::vector<std::byte> expanded_;
+  BagLog read_;
+};
+
+}  // namespace
+
+BagLog read_bag(const Storage& storage, const TopicChoice& choice, std::optional<BeaconAddress> address,
+                bool needs_fixes) {
+  return Reading(storage, choice, address, needs_fixes).read();
+}
+
+}  // namespace sonopose::ros2::bag

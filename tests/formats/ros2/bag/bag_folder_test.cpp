@@ -1,0 +1,65 @@
+/// Folders of rosbag2.
+
+#include "ros2/bag/bag_folder.hpp"
+
+#include "bus_log/sensor_log.hpp"
+#include "files/error.hpp"
+#include "ros2/bag/drives.hpp"
+#include "support/temporary_folder.hpp"
+
+#include <catch2/catch.hpp>
+
+namespace bag_folder_test {
+
+using namespace sonopose;
+using Catch::Contains;
+using ros2::bag::missing_files;
+using test::write_text;
+
+std::string metadata(const std::string& files, const std::string& mode = "") {
+  return "rosbag2_bagfile_information:\n  version: 5\n  storage_identifier: mcap\n  relative_file_paths:\n" +
+         files + "  compression_format: zstd\n  compression_mode: \"" + mode + "\"\n";
+}
+
+SCENARIO("the folder of a recording says what belongs to it") {
+  const test::TemporaryFolder folder;
+  const auto events = test::walk_events(2.0);
+  GIVEN("two files that it lists, of which one is missing") {
+    test::write_bag(folder / "drive_0.mcap", test::messages_of(events));
+    write_text(folder / "metadata.yaml", metadata("    - drive_0.mcap\n    - drive/drive_1.mcap\n"));
+    THEN("the missing one is named, and the other one is read") {
+      REQUIRE(missing_files(folder.path()).size() == 1);
+      CHECK_THAT(missing_files(folder.path())[0],
+                 Contains("lacks drive/drive_1.mcap, which metadata.yaml lists"));
+      CHECK(bus_log::read_sensor_log(folder.path()).events == events);
+    }
+  }
+  GIVEN("files that are compressed as a whole") {
+    write_text(folder / "drive_0.mcap.zstd", "(\xb5/\xfd");
+    write_text(folder / "metadata.yaml", metadata("    - drive_0.mcap.zstd\n", "FILE"));
+    THEN("the error says how to expand them") {
+      CHECK_THROWS_WITH(bus_log::read_sensor_log(folder.path()),
+                        Contains("drive_0.mcap.zstd: is compressed as a whole") && Contains("zstd -d "));
+    }
+    THEN("the expanded ones are read") {
+      test::write_bag(folder / "drive_0.mcap", test::messages_of(events));
+      CHECK(missing_files(folder.path()).empty());
+      CHECK(bus_log::read_sensor_log(folder.path()).events == events);
+    }
+  }
+  GIVEN("metadata that are no YAML") {
+    write_text(folder / "metadata.yaml", "a: [\n");
+    THEN("the error names the file and the line") {
+      CHECK_THROWS_WITH(bus_log::read_sensor_log(folder.path()), Contains("metadata.yaml, line "));
+    }
+  }
+  GIVEN("a log folder with a file of this name") {
+    write_text(folder / "metadata.yaml", "a: 1\n");
+    write_text(folder / "imu.csv", "");
+    THEN("it stays a log folder") {
+      CHECK_FALSE(ros2::bag::is_bag_folder(folder.path()));
+    }
+  }
+}
+
+}  // namespace bag_folder_test

@@ -1,0 +1,289 @@
+/// Recordings of rosbag2 as inputs of the fusion.
+
+#include "ros2/bag/bag_log.hpp"
+
+#include "bus_log/recorded.hpp"
+#include "bus_log/sensor_log.hpp"
+#include "files/error.hpp"
+#include "mcap/compression.hpp"
+#include "ros2/bag/drives.hpp"
+#include "support/temporary_folder.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <numbers>
+
+namespace bag_log_test {
+
+using namespace sonopose;
+using Catch::Contains;
+using ros2::bag::TopicChoice;
+using sonopose::test::RosMessage;
+using sonopose::test::TemporaryFolder;
+
+ros2::bag::BagLog read(const std::filesystem::path& file, const TopicChoice& choice = {},
+                       std::optional<BeaconAddress> address = {}) {
+  const mcap::Reader reader(file);
+  return ros2::bag::read_bag(*ros2::bag::mcap_storage(reader), choice, address);
+}
+
+std::string joined(const std::vector<std::string>& texts) {
+  std::string all;
+  for (const std::string& text : texts) all += text + "\n";
+  return all;
+}
+
+SCENARIO("a recording of rosbag2 is an input like a log folder") {
+  const TemporaryFolder folder;
+  const auto file = folder / "drive_0.mcap";
+  GIVEN("a drive of an IMU and a tag, as each distribution records it, in either byte order") {
+    const auto layout = GENERATE(test::BagLayout{}, test::BagLayout{.has_type_hashes = true},
+                                 test::BagLayout{.message_encoding = "", .has_definitions = false},
+                                 test::BagLayout{.schema_encoding = "ros2idl", .has_definitions = false});
+    const auto byte_order = GENERATE(std::endian::little, std::endian::big);
+    const auto events = test::walk_events(10.0);
+    test::write_bag(file, test::messages_of(events, byte_order), layout);
+    THEN("its topics are found by their types, and its events are those of the drivers, to the bit") {
+      const auto bag = read(file);
+      CHECK(bag.log.events == events);
+      CHECK(bag.log.address == 7);
+      CHECK(joined(bag.log.warnings).empty());
+      REQUIRE(bag.notes.size() == 2);
+      CHECK_THAT(bag.notes[0], Contains("uses /imu/data (sensor_msgs/msg/Imu, 1000 messages) as the IMU"));
+      CHECK_THAT(bag.notes[1], Contains("uses /tag/point (geometry_msgs/msg/PointStamped"));
+    }
+    THEN("every program reads it by the one function for all recordings") {
+      CHECK(bus_log::read_sensor_log(file).events == events);
+      CHECK(bus_log::read_sensor_log(folder.path(), BeaconAddress{9}).address == 9);
+      CHECK(bus_log::read_imu_log(file).size() == 1000);
+    }
+  }
+}
+
+SCENARIO("topics are chosen as for the relay") {
+  const TemporaryFolder folder;
+  const auto file = folder / "drive_0.mcap";
+  const auto events = test::walk_events(2.0);
+  auto messages = test::messages_of(events);
+  GIVEN("two IMUs, two topics of positions, and an image topic's odometry") {
+    const auto& imu = std::get<ImuSample>(events.front());
+    const auto& fix = std::get<UltrasonicFix>(*std::ranges::find_if(
+        events, [](const Event& event) { return std::holds_alternative<UltrasonicFix>(event); }));
+    messages.push_back(test::imu_message(imu, "/camera/imu"));
+    messages.push_back(test::fix_message(fix, "/other"));
+    test::write_bag(file, messages);
+    THEN("without a choice the candidates are listed") {
+      CHECK_THROWS_WITH(
+          read(file),
+          Contains("drive_0.mcap: has several topics of sensor_msgs/msg/Imu; choose with --imu-in: ") &&
+              Contains("/imu/data (sensor_msgs/msg/Imu, 200 messages)") &&
+              Contains("/camera/imu (sensor_msgs/msg/Imu, 1 message)"));
+      CHECK_THROWS_WITH(read(file, {.imu = {"/imu/data"}}),
+                        Contains("choose with --fix-in") && Contains("/other"));
+    }
+    THEN("the chosen ones are read, with and without slash, type and address, and the others are counted") {
+      for (const TopicChoice& choice :
+           {TopicChoice{.imu = {"/imu/data"}, .fix = {"tag/point"}},
+            TopicChoice{.imu = {"imu/data=7"}, .fix = {"/tag/point:PointStamped=7"}}}) {
+        const auto bag = read(file, choice);
+        CHECK(bag.log.events == events);
+        CHECK_THAT(joined(bag.notes), Contains("not used: ") &&
+                                          Contains("/camera/imu (sensor_msgs/msg/Imu, 1 message)") &&
+                                          Contains("/other (geometry_msgs/msg/PointStamped, 1 message)"));
+      }
+    }
+    THEN("only the IMU is needed for its calibration") {
+      const mcap::Reader reader(file);
+      const auto bag =
+          ros2::bag::read_bag(*ros2::bag::mcap_storage(reader), {.imu = {"/imu/data"}}, {}, false);
+      CHECK(bag.log.events.size() == 200);
+    }
+    THEN("wrong choices name what there is") {
+      CHECK_THROWS_WITH(read(file, {.imu = {"/imu"}}),
+                        Contains("has no topic /imu (--imu-in); it has: ") && Contains("/tag/point"));
+      CHECK_THROWS_WITH(read(file, {.imu = {"/tag/point"}}),
+                        Contains("/tag/point is of type geometry_msgs/msg/PointStamped; --imu-in takes "
+                                 "sensor_msgs/msg/Imu"));
+      CHECK_THROWS_WITH(read(file, {.imu = {"/imu/data=7"}, .fix = {"/tag/point=8"}}),
+                        Contains("of 2 beacons; choose one with --beacon: 7, 8"));
+      CHECK_THROWS_WITH(read(file, {.imu = {"/imu/data=7"}, .fix = {"/tag/point=7"}}, BeaconAddress{9}),
+                        Contains("no topic is of beacon 9; they are of 7"));
+      CHECK_THROWS_WITH(ros2::bag::choose_topics({.imu = {"/imu/data=70000"}}), Contains("--imu-in"));
+      CHECK_THROWS_WITH(ros2::bag::choose_topics({.fix = {"/a", "/b"}}),
+                        Contains("only one source of fixes"));
+    }
+  }
+  GIVEN("no topic of these types") {
+    test::write_bag(file, {test::message_of("/clock", ros2::Clock{}, 5)});
+    THEN("the error lists the topics") {
+      CHECK_THROWS_WITH(bus_log::read_sensor_log(file), Contains("has no topic of sensor_msgs/msg/Imu") &&
+                                                            Contains("/clock (rosgraph_msgs/msg/Clock"));
+    }
+  }
+}
+
+SCENARIO("what drivers do is noticed as by the relay") {
+  const TemporaryFolder folder;
+  const auto file = folder / "drive_0.mcap";
+  const auto events = test::walk_events(2.0);
+  GIVEN("an accelerometer and a gyroscope apart, of which neither says so") {
+    std::vector<RosMessage> messages;
+    for (const Event& event : events) {
+      const auto* const imu = std::get_if<ImuSample>(&event);
+      if (imu == nullptr) continue;
+      ImuSample force = *imu;
+      force.angular_velocity_body_radps.setZero();
+      ImuSample rate = *imu;
+      rate.specific_force_body_mps2.setZero();
+      messages.push_back(test::imu_message(force, "/accel"));
+      messages.push_back(test::imu_message(rate, "/gyro"));
+    }
+    test::write_bag(file, messages);
+    THEN("they are joined") {
+      const auto bag = read(file, {.imu = {"/accel", "/gyro"}});
+      CHECK(bag.log.events.size() == 200);
+      CHECK(std::get<ImuSample>(bag.log.events[7]).specific_force_body_mps2 ==
+            std::get<ImuSample>(bag.log.events[7]).specific_force_body_mps2);
+      CHECK_THAT(joined(bag.notes), Contains("/gyro has the angular velocity of samples"));
+      CHECK_THAT(joined(bag.log.warnings), Contains("/accel has messages without an angular velocity"));
+    }
+  }
+  GIVEN("fixes with an unusable covariance in another frame, and messages with broken values and stamps") {
+    auto messages = test::messages_of(events);
+    std::erase_if(messages, [](const RosMessage& message) { return message.topic != "/imu/data"; });
+    ros2::Covariance3 covariance = ros2::Covariance3::Identity();
+    covariance(0, 1) = 0.5;  // not symmetric
+    const auto& imu = std::get<ImuSample>(events.front());
+    ros2::FrameNames frames;
+    frames.map = "utm";
+    messages.push_back(test::message_of(
+        "/tag/pose", ros2::position_as_pose({1, 2, 3}, covariance, imu.sensor_time_ns, frames),
+        imu.sensor_time_ns + 5));
+    ImuSample broken = imu;
+    broken.specific_force_body_mps2.x() = std::nan("");
+    messages.push_back(test::imu_message(broken));
+    ImuSample early = imu;
+    early.sensor_time_ns = -4'000'000'000;
+    messages.push_back(test::imu_message(early));
+    messages.back().received_ns = imu.sensor_time_ns;
+    test::write_bag(file, messages);
+    THEN("each is told once, and the rest is used") {
+      const auto bag = read(file);
+      CHECK(bag.log.events.size() == 201);
+      const std::string warnings = joined(bag.log.warnings);
+      CHECK_THAT(warnings, Contains("/tag/pose has an unusable covariance") && Contains("not symmetric"));
+      CHECK_THAT(warnings, Contains("in frame 'utm': they are used as if in 'map'"));
+      CHECK_THAT(warnings, Contains("2 messages not used: of /imu/data, a value is not finite or a stamp"));
+    }
+  }
+  GIVEN("messages without a stamp") {
+    auto messages = test::messages_of(events);
+    ImuSample unstamped = std::get<ImuSample>(events.front());
+    const TimeNs received_ns = unstamped.sensor_time_ns;
+    unstamped.sensor_time_ns = 0;
+    messages = {test::imu_message(unstamped)};
+    messages.back().received_ns = received_ns;
+    test::write_bag(file, messages);
+    THEN("they count as measured when they were received") {
+      const auto bag = read(file);
+      REQUIRE(bag.log.events.size() == 1);
+      CHECK(available_at_ns(bag.log.events[0]) == received_ns);
+    }
+  }
+}
+
+SCENARIO("velocities and truth are those of the base") {
+  const TemporaryFolder folder;
+  const auto file = folder / "drive_0.mcap";
+  GIVEN("an IMU 1 m ahead of the base and turned by 90°, and a base that turns on the spot at 0.5 rad/s") {
+    constexpr TimeNs start_ns = 1'700'000'000'000'000'000;
+    ImuSample imu;
+    imu.specific_force_body_mps2 = {0, 0, standard_gravity_mps2};
+    std::vector<RosMessage> messages;
+    const ros2::Transform mount{{1, 0, 0},
+                                Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2, Vector3d::UnitZ()))};
+    std::vector<ros2::TransformStamped> transforms{ros2::transform(mount, start_ns, "base_link", "imu_link")};
+    ros2::TFMessage tf{};
+    ros2::borrow_sequence(tf.transforms, transforms);
+    const std::string base = "base_link";
+    for (int i = 0; i < 10; ++i) {
+      const TimeNs time_ns = start_ns + i * 10'000'000;
+      imu.sensor_time_ns = time_ns;
+      messages.push_back(test::imu_message(imu));
+      ros2::Odometry odometry{};
+      odometry.header = ros2::header_of(time_ns, "odom");
+      odometry.child_frame_id = ros2::borrow_string(base);
+      odometry.pose.pose.position = {3, 4, 0};
+      odometry.pose.pose.orientation = {0, 0, 0, 1};
+      odometry.twist.twist.angular.z = 0.5;
+      messages.push_back(test::message_of("/odom", odometry, time_ns));
+    }
+    messages.push_back(test::message_of("/tf_static", tf, start_ns));
+    test::write_bag(file, messages);
+    THEN("they are moved to the IMU") {
+      const auto bag = read(file, {.odom = {"/odom"}, .truth = "/odom"});
+      CHECK(joined(bag.log.warnings).empty());
+      REQUIRE(bag.log.truth.size() == 10);
+      const TruthSample& truth = bag.log.truth[3];
+      CHECK(truth.position_world_m.isApprox(Vector3d(4, 4, 0)));
+      CHECK(truth.q_body_to_world.angularDistance(mount.rotation) < 1e-9);
+      CHECK(truth.velocity_world_mps.isApprox(Vector3d(0, 0.5, 0)));
+      const auto twist = std::ranges::find_if(
+          bag.log.events, [](const Event& event) { return std::holds_alternative<TwistSample>(event); });
+      REQUIRE(twist != bag.log.events.end());
+      CHECK(std::get<TwistSample>(*twist).velocity_body_mps.isApprox(Vector3d(0.5, 0, 0)));
+    }
+    THEN("without a transform they count as those of the IMU, which is told") {
+      const auto bag = read(file, {.truth = "/odom", .base_frame = "chassis"});
+      CHECK(bag.log.truth[3].position_world_m == Vector3d(3, 4, 0));
+      CHECK_THAT(joined(bag.log.warnings),
+                 Contains("has no transform from chassis to 'imu_link' in /tf_static"));
+    }
+  }
+}
+
+SCENARIO("recordings of rosbag2 that are compressed, damaged or wrong") {
+  const TemporaryFolder folder;
+  const auto file = folder / "drive_0.mcap";
+  const auto events = test::walk_events(2.0);
+  auto messages = test::messages_of(events);
+  GIVEN("messages that are compressed one by one") {
+    mcap::Compressor compressor(mcap::Compression::zstd);
+    for (RosMessage& message : messages) {
+      std::vector<std::byte> compressed(compressor.bound(message.data.size()));
+      compressed.resize(compressor.compress(message.data, compressed));
+      message.data = std::move(compressed);
+    }
+    test::write_bag(file, messages);
+    THEN("they are expanded") {
+      CHECK(read(file).log.events == events);
+    }
+  }
+  GIVEN("a file that is cut") {
+    test::write_bag(file, messages);
+    std::filesystem::resize_file(file, std::filesystem::file_size(file) * 2 / 3);
+    THEN("what is left is read, and the cut is told") {
+      const auto bag = read(file);
+      CHECK(bag.log.events.size() < events.size());
+      CHECK_FALSE(bag.log.warnings.empty());
+    }
+  }
+  GIVEN("a message of another type than its schema says") {
+    messages[5].data.resize(40);
+    test::write_bag(file, messages);
+    THEN("the error names it") {
+      CHECK_THROWS_WITH(read(file), Contains("a message of /imu/data, received at") &&
+                                        Contains("is not a serialized sensor_msgs/msg/Imu"));
+    }
+  }
+  GIVEN("a topic in another encoding") {
+    test::write_bag(file, messages, {.message_encoding = "json"});
+    THEN("the error names it") {
+      CHECK_THROWS_WITH(read(file, {.imu = {"/imu/data"}}),
+                        Contains(R"(/imu/data has the encoding "json" instead of "cdr")"));
+    }
+  }
+}
+
+}  // namespace bag_log_test
