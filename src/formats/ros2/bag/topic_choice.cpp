@@ -200,7 +200,7 @@ Inputs find_inputs(const Storage& storage, const TopicChoice& choice, std::optio
   }
   if (choice.truth) found.truth = find_topic(storage, "--truth-in", *choice.truth, truth_types);
   if (found.inputs.empty()) {
-    throw files::IoError(fmt::format("{}: has no topic of {}, {}; it has: {}", storage.name(),
+    throw files::IoError(fmt::format("{}: has no message of {}, {}; it has: {}", storage.name(),
                                      imu_types.front(), fmt::join(fix_types, ", "),
                                      listed(storage.topics())));
   }

@@ -31,7 +31,7 @@ SCENARIO("the folder of a recording says what belongs to it") {
       REQUIRE(missing_files(folder.path()).size() == 1);
       CHECK_THAT(missing_files(folder.path())[0],
                  Contains("lacks drive/drive_1.mcap, which metadata.yaml lists"));
-      CHECK(bus_log::read_sensor_log(folder.path()).events == events);
+      CHECK(test::difference(bus_log::read_sensor_log(folder.path()).events, events) == "");
     }
   }
   GIVEN("files that are compressed as a whole") {
@@ -44,7 +44,7 @@ SCENARIO("the folder of a recording says what belongs to it") {
     THEN("the expanded ones are read") {
       test::write_bag(folder / "drive_0.mcap", test::messages_of(events));
       CHECK(missing_files(folder.path()).empty());
-      CHECK(bus_log::read_sensor_log(folder.path()).events == events);
+      CHECK(test::difference(bus_log::read_sensor_log(folder.path()).events, events) == "");
     }
   }
   GIVEN("metadata that are no YAML") {

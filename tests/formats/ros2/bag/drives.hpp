@@ -13,6 +13,7 @@
 #include <sonopose/ros2/messages/serialized_types.hpp>
 #include <sonopose/ros2/messages/time.hpp>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -58,6 +59,7 @@ inline std::vector<Event> walk_events(double duration_s) {
       imu->magnetic_field_body_t.reset();
       imu->bridge_time_ns = 0;
     } else if (auto* const fix = std::get_if<UltrasonicFix>(&event)) {
+      fix->flags = 0;
       fix->quality_percent.reset();
       fix->covariance_world_m2.reset();
       fix->measured_delay_s = seconds_between(fix->emission_time_ns, fix->received_time_ns);
@@ -73,6 +75,19 @@ inline std::vector<Event> walk_events(double duration_s) {
     events.push_back(std::move(event));
   }
   return events;
+}
+
+/// Describes the first event that differs; empty if there is none.
+inline std::string difference(const std::vector<Event>& events, const std::vector<Event>& expected) {
+  const auto [found, wanted] = std::ranges::mismatch(events, expected);
+  if (found == events.end() && wanted == expected.end()) return {};
+  if (found == events.end() || wanted == expected.end()) {
+    return std::to_string(events.size()) + " events instead of " + std::to_string(expected.size());
+  }
+  std::string text = "event " + std::to_string(found - events.begin()) + " of kind " +
+                     std::to_string(found->index()) + " at " + std::to_string(available_at_ns(*found));
+  return text + " instead of kind " + std::to_string(wanted->index()) + " at " +
+         std::to_string(available_at_ns(*wanted));
 }
 
 inline std::vector<RosMessage> messages_of(const std::vector<Event>& events,
@@ -98,7 +113,7 @@ struct BagLayout {
 inline void write_bag(const std::filesystem::path& file, const std::vector<RosMessage>& messages,
                       const BagLayout& layout = {}) {
   mcap::FileSink sink(file);
-  mcap::Writer writer(sink, {.profile = "ros2", .library = "libmcap 1.1.0"});
+  mcap::Writer writer(sink, {.profile = "ros2", .library = "libmcap 1.1.0", .chunk_size_bytes = 16384});
   std::map<std::string, std::uint16_t> channels;
   for (const RosMessage& message : messages) {
     if (!channels.contains(message.topic)) {

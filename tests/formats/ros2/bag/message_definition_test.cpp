@@ -60,7 +60,6 @@ SCENARIO("a message is read by its definition") {
                                2,    0,    0,    0,                             // names: 2
                                3,    0,    0,    0,    'u',  'p',  0,    0,     // "up"
                                2,    0,    0,    0,    '"',  0,    0,    0,     // "\""
-                               0,    0,    0,    0,                             // to a multiple of 8
                                0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0x7f,  //
                                5,    0,    0,    0,    6,    0,    0,    0,     // stamp
                                0,    0};                                        // the hidden members
