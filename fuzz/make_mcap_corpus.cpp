@@ -2,13 +2,20 @@
 #include "mcap/decoder.hpp"
 #include "mcap/encoder.hpp"
 #include "mcap/writer.hpp"
+#include <sonopose/dds/binding/cdr.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
+#include <sonopose/ros2/messages/idl_types.hpp>
+#include <sonopose/ros2/messages/messages.hpp>
+#include <sonopose/ros2/messages/names.hpp>
+#include <sonopose/ros2/messages/serialized_types.hpp>
 
 #include <algorithm>
 #include <array>
+#include <string>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 namespace sonopose::fuzz {
 namespace {
@@ -203,11 +210,33 @@ void write_bus_recordings(const fs::path& folder) {
   }
 }
 
+/// Recordings of rosbag2 with its definitions: of one IMU, and of two, between which nothing chooses.
+void write_bags(const fs::path& folder) {
+  for (const std::vector<std::string>& imus : {std::vector<std::string>{"/imu"}, {"/imu", "/other"}}) {
+    MemorySink sink;
+    mcap::Writer writer(sink, {.profile = "ros2", .compression = mcap::Compression::none});
+    std::uint32_t sequence = 0;
+    const auto add = [&]<class T>(const std::string& topic, const T& message) {
+      const std::string type = dds::TopicTraits<T>::descriptor().m_typename;
+      const auto schema =
+          writer.add_schema(ros2::type_name_in_ros(type), "ros2msg", ros2::message_definition(type));
+      const std::uint64_t time_ns = 1'700'000'000'000'000'000 + ++sequence;
+      const auto data = dds::write_cdr(message);
+      writer.write({writer.add_channel(schema, topic, "cdr"), sequence, time_ns, time_ns, data});
+    };
+    for (const std::string& imu : imus) add(imu, ros2::raw_imu(event(ImuSample{}, 1), 1, {}, {}));
+    add("/fix", ros2::position_as_point({1, 2, 3}, 2, {}));
+    writer.close();
+    write_file(folder / (imus.size() == 1 ? "ros2" : "ros2_two_imus"), without_checksums(sink.content));
+  }
+}
+
 }  // namespace
 
 void write_mcap_corpus(const fs::path& folder) {
   write_mcap(folder);
   write_bus_recordings(folder);
+  write_bags(folder);
 }
 
 }  // namespace sonopose::fuzz
