@@ -1,13 +1,11 @@
 #pragma once
 // The topics of recordings of rosbag2, common to all programs that read the inputs of the fusion.
 
-#include "choice.hpp"
-#include "imu_meaning_option.hpp"
 #include "ros2/bag/topic_choice.hpp"
 
 #include <CLI/CLI.hpp>
 
-#include <optional>
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <utility>

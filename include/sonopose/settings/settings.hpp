@@ -28,6 +28,11 @@ constexpr std::array<std::string_view, 2> choices_of(DelaySource /*unused*/) {
   return {"measured", "fixed"};
 }
 
+enum class HeightSource { setting, fixes };
+constexpr std::array<std::string_view, 2> choices_of(HeightSource /*unused*/) {
+  return {"setting", "fixes"};
+}
+
 /// Choice of the estimator.
 struct EngineSettings {
   EngineKind engine = EngineKind::kalman;
@@ -146,6 +151,16 @@ struct MotionSettings {
   double gyro_gate_freeze_radps = 4.5;        ///< item 37
 };
 
+/// Motion in a horizontal plane.
+struct PlanarSettings {
+  bool planar = false;
+  HeightSource height_from = HeightSource::setting;
+  double height_m = 0.0;
+  double height_std_m = 0.02;
+  double tilt_std_deg = 1.0;
+  bool output_flat = false;
+};
+
 /// Calibration of the gyroscope at rest before the first pose.
 struct StartupSettings {
   double calibration_s = 1.0;
@@ -189,6 +204,7 @@ struct Settings {
   TrustSettings trust;
   RunawaySettings runaway;
   MotionSettings motion;
+  PlanarSettings planar;
   attitude::Settings attitude;
   StartupSettings startup;
   FrozenSettings frozen;

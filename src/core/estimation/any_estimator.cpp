@@ -1,3 +1,4 @@
+#include <sonopose/estimation/aiding/planar.hpp>
 #include <sonopose/estimation/any_estimator.hpp>
 #include <sonopose/estimation/snapshot_fields.hpp>
 
@@ -16,7 +17,9 @@ AnyEstimator::AnyEstimator(const settings::Settings& settings)
     : estimator_(make(settings.engine.engine, settings)) {}
 
 std::optional<FusedPose> AnyEstimator::predict(const ImuSample& imu) noexcept {
-  return std::visit([&](auto& estimator) { return estimator.predict(imu); }, estimator_);
+  auto pose = std::visit([&](auto& estimator) { return estimator.predict(imu); }, estimator_);
+  if (pose) aiding::flatten(settings().planar, *pose);
+  return pose;
 }
 
 FixReport AnyEstimator::correct(const UltrasonicFix& fix) noexcept {

@@ -211,6 +211,23 @@ void add(Builder& table, const MotionSettings& settings) {
              "Above this angular rate, integrate no acceleration.");
 }
 
+void add(Builder& table, const PlanarSettings& settings) {
+  table.group("motion");
+  table.flag(no_item, "planar", settings.planar,
+             "The body stays in a horizontal plane: its height, roll, pitch and vertical speed are held. The "
+             "documented engine only holds the height.");
+  table.choice(no_item, "height_from", settings.height_from,
+               "Height of a planar body. setting ignores that of fixes; fixes averages it.");
+  table.real(no_item, "height_m", settings.height_m, {-1e4, 1e4}, "m",
+             "Height of the tracked point of a planar body, if it is not from fixes.");
+  table.real(no_item, "height_std_m", settings.height_std_m, {0.001, 10.0}, "m",
+             "Standard deviation of that height: the unevenness of the floor.");
+  table.real(no_item, "tilt_std_deg", settings.tilt_std_deg, {0.05, 30.0}, "deg",
+             "Standard deviation of roll and pitch of a planar body, and of the slope of its floor.");
+  table.flag(no_item, "output_flat", settings.output_flat,
+             "Output height, roll, pitch and vertical speed of a planar body as 0.");
+}
+
 void add(Builder& table, const attitude::SelectionSettings& settings) {
   table.group("attitude");
   table.choice(no_item, "filter", settings.filter,
@@ -472,6 +489,9 @@ void detail::add_all(Builder& table, const Settings& settings) {
   add(table, settings.trust);
   add(table, settings.runaway);
   add(table, settings.motion);
+  table.read_by(ReadBy::all);
+  add(table, settings.planar);
+  table.read_by(ReadBy::documented);
   add(table, settings.attitude.selection);
   add(table, settings.attitude.mahony);
   add(table, settings.attitude.adaptive.adaptive);

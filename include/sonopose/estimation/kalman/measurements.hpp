@@ -14,9 +14,10 @@ struct FixMeasurement {
   Vector3d position_world_m = Vector3d::Zero();
   double quality_percent = -1;  ///< negative: unknown
   bool has_covariance = false;
-  Matrix3d covariance_world_m2 = Matrix3d::Zero();  ///< covariance, if the source knows it
-  Vector3d point_body_m = Vector3d::Zero();         ///< located point, seen from the tracked one
-  bool restarts = false;                            ///< the user's word: the estimate starts here
+  Matrix3d covariance_world_m2 =
+      Matrix3d::Zero();  ///< covariance, if the source knows it; otherwise added to the learned one
+  Vector3d point_body_m = Vector3d::Zero();  ///< located point, seen from the tracked one
+  bool restarts = false;                     ///< the user's word: the estimate starts here
 
   bool operator==(const FixMeasurement&) const = default;
 };

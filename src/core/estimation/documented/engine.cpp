@@ -2,6 +2,7 @@
 // name; fixes.cpp has the steps of a fix.
 
 #include <sonopose/estimation/aiding/delay.hpp>
+#include <sonopose/estimation/aiding/planar.hpp>
 #include <sonopose/estimation/documented/engine.hpp>
 #include <sonopose/estimation/documented/motion.hpp>
 #include <sonopose/geometry/rotation.hpp>
@@ -240,6 +241,10 @@ FusedPose Engine::pose_at(const ImuSample& imu) const {
   const Vector3d share = trust::share_of(settings_.trust, state_.scatter.noise_world_m);
   pose.pose_covariance = uncertainty::pose_covariance(state_.uncertainty, share);
   pose.velocity_covariance = uncertainty::velocity_covariance(state_.uncertainty, share);
+  if (aiding::ignores_height(settings_.planar)) {
+    const double height_m2 = settings_.planar.height_std_m * settings_.planar.height_std_m;
+    pose.pose_covariance.set(2, 2, pose.pose_covariance.at(2, 2) + height_m2);
+  }
   pose.trust = state_.trust.trust;
   pose.since_valid_fix_s =
       state_.outage.last_valid_fix_ns == 0

@@ -2,6 +2,7 @@
 
 #include <sonopose/estimation/aiding/admission.hpp>
 #include <sonopose/estimation/aiding/delay.hpp>
+#include <sonopose/estimation/aiding/planar.hpp>
 #include <sonopose/estimation/documented/engine.hpp>
 #include <sonopose/geometry/rotation.hpp>
 #include <sonopose/samples/outputs.hpp>
@@ -14,13 +15,16 @@ namespace sonopose::estimation::documented {
 FixReport Engine::correct(const UltrasonicFix& measured) noexcept {
   finish_pending_work();
   FixReport report = report_on(measured, state_.body.time_ns);
+  UltrasonicFix fix = measured;
+  fix.position_world_m =
+      aiding::position_in_plane(settings_.planar, measured.position_world_m, measured.point_body_m);
   report.trust = state_.trust.trust;
-  report.flags = reject(measured);  // 12
+  report.flags = reject(fix);  // 12
   if (report.flags != 0) {
     ++counters_.fixes_rejected;
     return report;
   }
-  UltrasonicFix fix = of_tracked_point(measured);
+  fix = of_tracked_point(fix);
   fix.position_world_m = aiding::admission::completed_position(fix, state_.body.position_world_m);
   startup::update(state_.startup, fix);
   TimedFix timed = delay::extrapolated(settings_.delay, state_.body, fix);  // 6

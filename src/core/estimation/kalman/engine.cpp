@@ -1,4 +1,5 @@
 #include <sonopose/estimation/aiding/delay.hpp>
+#include <sonopose/estimation/aiding/planar.hpp>
 #include <sonopose/estimation/kalman/engine.hpp>
 #include <sonopose/geometry/rotation.hpp>
 #include <sonopose/samples/outputs.hpp>
@@ -218,11 +219,15 @@ FixMeasurement Engine::measurement_in(const UltrasonicFix& fix) const {
     measured.position_world_m = aiding::admission::completed_position(
         fix, last_position_world_m_ + state().filter().q_body_to_world * fix.point_body_m);
   }
+  measured.position_world_m =
+      aiding::position_in_plane(settings_.planar, measured.position_world_m, fix.point_body_m);
   if (fix.covariance_world_m2 && is_usable(*fix.covariance_world_m2)) {
     measured.has_covariance = true;
     constexpr double min_m2 = 1e-8;  // 0.1 mm: smaller numbers would no longer be positive
     measured.covariance_world_m2 = fix.covariance_world_m2->matrix() + min_m2 * Matrix3d::Identity();
   }
+  constexpr double ignored_m2 = 100.0;
+  if (aiding::ignores_height(settings_.planar)) measured.covariance_world_m2(2, 2) += ignored_m2;
   return measured;
 }
 

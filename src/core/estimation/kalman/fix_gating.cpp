@@ -166,9 +166,9 @@ Matrix3d way_since_repetition_m2(const FrozenTrackDetector& track) {
 
 /// Covariance of the source, or the learned one. Coordinates that repeat may be those of an earlier place.
 Matrix3d covariance_of(const State& state, const FixMeasurement& fix) {
-  const Matrix3d repeated_m2 = way_since_repetition_m2(state.frozen_track);
-  if (fix.has_covariance) return fix.covariance_world_m2 + repeated_m2;
-  Matrix3d covariance_m2 = state.noise.fix_covariance_m2(fix.quality_percent) + repeated_m2;
+  const Matrix3d added_m2 = fix.covariance_world_m2 + way_since_repetition_m2(state.frozen_track);
+  if (fix.has_covariance) return added_m2;
+  Matrix3d covariance_m2 = state.noise.fix_covariance_m2(fix.quality_percent) + added_m2;
   // Residuals say nothing about the noise while the filter follows the fixes alone.
   if (state.phase == Phase::tracking && is_distrustful(state.bank.best().imu)) {
     covariance_m2.diagonal() = covariance_m2.diagonal().cwiseMax(state.noise.scatter.noise_m2());

@@ -173,6 +173,7 @@ ImuOutcome State::on_imu(const settings::Settings& settings, const ImuMeasuremen
     imu.nominal_imu_period_s = kalman::nominal_imu_period_s(imu.nominal_imu_period_s, dt_s);
     turn_last_heading(*this, sample);
   }
+  const TimeNs before_ns = imu.time_ns;
   imu.time_ns = time_ns = sample.time_ns;
   imu.rate_body_radps = sample.rate_body_radps;
   imu.force_body_mps2 = sample.force_body_mps2;
@@ -180,6 +181,7 @@ ImuOutcome State::on_imu(const settings::Settings& settings, const ImuMeasuremen
   update_rest(*this, sample, outcome);
   bound_dead_reckoning(*this, outcome);
   update_zero_velocity(*this, outcome.zero_velocity_variance);
+  hold_plane(*this, settings.planar, before_ns);
   const Hypothesis* const former = bank.find(Track::former);
   if (former != nullptr && seconds_between(former->explained_ns, time_ns) > max_former_age_s)
     bank.remove(former);

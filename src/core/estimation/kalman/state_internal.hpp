@@ -79,6 +79,8 @@ struct JudgedFix {
   return fix.position_world_m - filter.q_body_to_world * fix.point_body_m;
 }
 [[nodiscard]] bool stands_still(const State& state, int min_fixes);
+/// Holds a planar body in its plane, several times a second. `before_ns`: time of the previous sample.
+void hold_plane(State& state, const settings::PlanarSettings& settings, TimeNs before_ns);
 /// Rate of the body about the vertical.
 [[nodiscard]] double yaw_rate_radps(const State& state);
 /// Registers that the followed track jumped to this fix.

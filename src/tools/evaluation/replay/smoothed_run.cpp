@@ -22,6 +22,9 @@ void check_options(const RunOptions& options) {
   if (options.start) {
     throw std::invalid_argument("a smoothed run begins with the recording: it cannot continue a saved state");
   }
+  if (options.settings.planar.planar) {
+    throw std::invalid_argument("the smoother does not know planar motion: set motion.planar = false");
+  }
   if (options.settings.delay.estimate) {
     throw std::invalid_argument(
         "the smoother does not estimate the delay: set kalman.delay.estimate = false");

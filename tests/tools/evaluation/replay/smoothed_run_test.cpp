@@ -104,6 +104,9 @@ SCENARIO("what cannot be smoothed is refused with the reason") {
       evaluation::RunOptions with_delay;
       with_delay.settings.delay.estimate = true;
       CHECK_THROWS_WITH(evaluation::run_smoothed(log, with_delay), Contains("kalman.delay.estimate"));
+      evaluation::RunOptions planar;
+      planar.settings.planar.planar = true;
+      CHECK_THROWS_WITH(evaluation::run_smoothed(log, planar), Contains("motion.planar"));
     }
   }
 }
