@@ -52,13 +52,13 @@ inline void add_bag_options(CLI::App& app) {
       "Topic of sensor_msgs/Imu; two for accelerometer and gyroscope (default: the only one)",
       "TOPIC[=ADDRESS]");
   add("--fix-in", &TopicChoice::fix,
-      "Topic of PointStamped or PoseWithCovarianceStamped with the fixes (default: the only one)",
-      "TOPIC[:TYPE][=ADDRESS]");
+      "Topic of PointStamped or PoseWithCovarianceStamped with the fixes; /tag:TYPE chooses (default: the "
+      "only one)",
+      "TOPIC[=ADDRESS]");
   add("--odom-in", &TopicChoice::odom, "Topic of Odometry whose twist is the velocity (default: none)",
       "TOPIC[=ADDRESS]");
   add("--twist-in", &TopicChoice::twist,
-      "Topic of TwistWithCovarianceStamped, or TwistStamped, likewise (default: none)",
-      "TOPIC[:TYPE][=ADDRESS]");
+      "Topic of TwistWithCovarianceStamped, or with :TwistStamped that (default: none)", "TOPIC[=ADDRESS]");
   add_text(
       "--truth-in", [](TopicChoice& choice, const std::string& topic) { choice.truth = topic; },
       "Topic of Odometry, PoseStamped or PoseWithCovarianceStamped with the truth (default: none)", "TOPIC");
