@@ -234,6 +234,12 @@ bool is_bag(const mcap::Reader& reader) {
   return is_of_ros;
 }
 
+/// Warns if topics were chosen for a recording that has none.
+void warn_of_topics(const std::string& name) {
+  if (!ros2::bag::chosen_topics().is_given()) return;
+  logging::warning(name + ": is no recording of ROS 2: --imu-in, --fix-in and the like do not apply to it");
+}
+
 /// Inputs that a caller needs.
 enum class Needs { imu, all };
 
@@ -252,6 +258,7 @@ recording::SensorLog read_files(const Paths& paths, std::optional<BeaconAddress>
 recording::SensorLog read_any(const Paths& paths, std::optional<BeaconAddress> address, Needs needs) {
   const std::filesystem::path& first = paths.front();
   const bool is_in_files = is_in_sqlite(paths) || is_in_mcap(paths);
+  if (!is_in_files) warn_of_topics(name_of(paths));
   auto read = is_in_files            ? read_files(paths, address, needs)
               : is_log_folder(first) ? recording::read_sensor_log(first, address)
                                      : read_dashboard_log(first, address);
@@ -285,6 +292,7 @@ recording::SensorLog read_sensor_log(const Paths& paths, std::optional<BeaconAdd
 
 std::vector<ImuSample> read_imu_log(const std::filesystem::path& log, std::optional<BeaconAddress> address) {
   if (is_log_folder(log)) {
+    warn_of_topics(log.string());
     recording::ImuLog read = recording::read_imu_log(log, address);
     log_warnings(read.warnings);
     return std::move(read.imu);
@@ -295,6 +303,7 @@ std::vector<ImuSample> read_imu_log(const std::filesystem::path& log, std::optio
 recording::AttitudeLog read_attitude_log(const std::filesystem::path& log,
                                          std::optional<BeaconAddress> address) {
   if (is_log_folder(log)) {
+    warn_of_topics(log.string());
     recording::AttitudeLog read = recording::read_attitude_log(log, address);
     log_warnings(read.warnings);
     return read;

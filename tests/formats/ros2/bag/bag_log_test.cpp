@@ -123,6 +123,31 @@ SCENARIO("topics are chosen as for the relay") {
   }
 }
 
+SCENARIO("topics are chosen where there are inputs of the bus too") {
+  const TemporaryFolder folder;
+  const auto file = folder / "both.mcap";
+  GIVEN("a recording of the bus with a topic of ROS 2") {
+    {
+      test::BusRecording recording(file);
+      const auto events = test::walk_events(2.0);
+      for (const Event& event : events) {
+        recording.write(event, static_cast<std::uint64_t>(available_at_ns(event)));
+      }
+      const auto schema = recording.writer().add_schema("sensor_msgs/msg/Imu", "ros2msg", "");
+      const auto channel = recording.writer().add_channel(schema, "/imu/data", "cdr");
+      const auto message = test::imu_message(std::get<ImuSample>(events.front()));
+      const auto time_ns = static_cast<std::uint64_t>(message.received_ns);
+      recording.writer().write({channel, 1, time_ns, time_ns, message.data});
+    }
+    THEN("the bus counts, unless a topic is chosen for the process") {
+      CHECK(bus_log::read_sensor_log(file).events.size() > 200);
+      ros2::bag::choose_topics({.imu = {"/imu/data"}});
+      CHECK(bus_log::read_sensor_log(file).events.size() == 1);
+      ros2::bag::choose_topics({});
+    }
+  }
+}
+
 SCENARIO("what drivers do is noticed as by the relay") {
   const TemporaryFolder folder;
   const auto file = folder / "drive_0.mcap";
