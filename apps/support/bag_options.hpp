@@ -54,7 +54,7 @@ inline void add_bag_options(CLI::App& app) {
   add("--fix-in", &TopicChoice::fix,
       "Topic of PointStamped or PoseWithCovarianceStamped with the fixes; /tag:TYPE chooses (default: the "
       "only one)",
-      "TOPIC[=ADDRESS]");
+      "TOPIC[=ADDRESS][@PLACE]");
   add("--odom-in", &TopicChoice::odom, "Topic of Odometry whose twist is the velocity (default: none)",
       "TOPIC[=ADDRESS]");
   add("--twist-in", &TopicChoice::twist,
@@ -64,7 +64,8 @@ inline void add_bag_options(CLI::App& app) {
       "Topic of Odometry, PoseStamped or PoseWithCovarianceStamped with the truth (default: none)", "TOPIC");
   add_text(
       "--base-frame", [](TopicChoice& choice, const std::string& frame) { choice.base_frame = frame; },
-      "Frame of velocities and truth; /tf_static says where the IMU is in it (default: base_link)", "FRAME");
+      "Frame of velocities, tags and truth; /tf_static says where the IMU is in it (default: base_link)",
+      "FRAME");
   app.add_option_function<std::string>(
          "--imu-meaning",
          [change](const std::string& word) {

@@ -261,6 +261,20 @@ SCENARIO("velocities and truth are those of the base") {
       REQUIRE(twist != bag.log.events.end());
       CHECK(std::get<TwistSample>(*twist).velocity_body_mps.isApprox(Vector3d(0.5, 0, 0)));
     }
+    THEN("a tag on the left of the base is seen from the IMU") {
+      UltrasonicFix at_start;
+      at_start.emission_time_ns = at_start.received_time_ns = start_ns;
+      messages.push_back(test::fix_message(at_start));
+      const auto tag_file = folder / "tag_0.mcap";
+      test::write_bag(tag_file, messages);
+      const auto bag = read(tag_file, {.fix = {"/tag/point@0,1,0"}});
+      const auto fix = std::ranges::find_if(
+          bag.log.events, [](const Event& event) { return std::holds_alternative<UltrasonicFix>(event); });
+      REQUIRE(fix != bag.log.events.end());
+      CHECK(std::get<UltrasonicFix>(*fix).point_body_m.isApprox(Vector3d(1, 1, 0)));
+      CHECK_THAT(joined(read(tag_file, {.fix = {"/tag/point@tag_link"}}).log.warnings),
+                 Contains("/tf_static does not connect 'tag_link' with the base"));
+    }
     THEN("without a transform they count as those of the IMU, which is told") {
       const auto bag = read(file, {.truth = "/odom", .base_frame = "chassis"});
       CHECK(bag.log.truth[3].position_world_m == Vector3d(3, 4, 0));
