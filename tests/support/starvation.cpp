@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <csignal>
 #include <cstdint>
 #include <iostream>
 #include <optional>
@@ -32,8 +33,19 @@ private:
     }
   }
 
+  /// Signals are for the threads of the test.
+  std::jthread start() {
+    sigset_t all;
+    sigset_t before;
+    ::sigfillset(&all);
+    ::pthread_sigmask(SIG_SETMASK, &all, &before);
+    std::jthread thread([this](const std::stop_token& stop) { measure(stop); });
+    ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    return thread;
+  }
+
   std::atomic<std::int64_t> longest_ms_ = 0;
-  std::jthread thread_{[this](const std::stop_token& stop) { measure(stop); }};
+  std::jthread thread_ = start();
 };
 
 struct Listener : Catch::TestEventListenerBase {

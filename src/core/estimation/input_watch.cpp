@@ -48,9 +48,11 @@ void InputWatch::on(const Event& event) {
   if (const auto* imu = std::get_if<ImuSample>(&event)) {
     on_imu(*imu);
   } else if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
+    if ((fix->flags & ultrasonic_flag_set_pose) != 0) return;
     if (fix->position_world_m.allFinite()) on_fix(aiding::measured_at(delay_, *fix), fix->position_world_m);
   } else if (const auto* heading = std::get_if<PairHeading>(&event)) {
     constexpr int min_turns = 2;
+    if ((heading->flags & heading_flag_set_pose) != 0) return;
     if (!heading->valid || !std::isfinite(heading->heading_world_rad)) return;
     if (!has_headings_) directions_.clear();  // those of travel
     has_headings_ = true;
@@ -68,6 +70,8 @@ void InputWatch::on_imu(const ImuSample& raw) {
   const Vector3d& force = imu.specific_force_body_mps2;
   if (!rate.allFinite() || !force.allFinite()) return;
   const TimeNs step_ns = saturated_difference(imu.sensor_time_ns, last_imu_ns_);
+  constexpr TimeNs jitter_ns = 1'000'000'000;
+  if (step_ns < 0 && step_ns > -jitter_ns) return;
   if (step_ns < 0) faulty_until_ns_ = other_clock_until_ns_ = 0;  // else an older recording has them for ever
   if (step_ns < 0 || step_ns > max_step_ns) restart();
   const bool is_first = last_imu_ns_ == 0;
@@ -108,10 +112,11 @@ void InputWatch::judge_block(TimeNs time_ns) {
   const auto count = static_cast<double>(block_.samples);
   bool is_faulty = static_cast<double>(block_.fast) > fast_share * count;
   for (const std::size_t first : {std::size_t{0}, std::size_t{3}}) {
+    // Two constant axes are those of a sensor that measures in a plane.
     const auto begin = block_.repeated.begin() + static_cast<std::ptrdiff_t>(first);
-    const auto [least, most] = std::minmax_element(begin, begin + 3);
-    is_faulty = is_faulty || (static_cast<double>(*most) >= stuck_share * count &&
-                              static_cast<double>(*least) <= varying_share * count);
+    std::sort(begin, begin + 3);
+    is_faulty = is_faulty || (static_cast<double>(begin[2]) >= stuck_share * count &&
+                              static_cast<double>(begin[1]) <= varying_share * count);
   }
   const double force_mps2 = block_.force_sum_mps2 / count;
   const bool is_force_possible = force_mps2 > min_force_mps2 && force_mps2 < max_force_mps2;

@@ -209,6 +209,7 @@ FixOutcome State::on_fix(const settings::Settings& settings, const FixMeasuremen
     outcome.flags = fix_outlier;
     return outcome;
   }
+  if (!is_same_tag) frozen_track = {};
   if (is_same_tag) noise.scatter.add(fix.time_ns, fix.position_world_m);
   if (is_same_tag &&
       frozen_track.add(settings.frozen, imu.time_ns, fix.position_world_m,

@@ -92,7 +92,7 @@ HeadingOutcome judge(State& state, const settings::Settings& settings, const Hea
   for (Hypothesis& each : state.bank) {
     const auto own = heading_innovation(state, each.filter, settings, heading);
     if (&each == without_headings) {
-      each.evidence += evidence_of_offset(state, own);
+      if (own.observable) each.evidence += evidence_of_offset(state, own);
       continue;
     }
     if (own.observable) each.evidence += evidence_of(own);

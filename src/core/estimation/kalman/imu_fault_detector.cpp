@@ -47,8 +47,10 @@ bool has_other_clock(const Filter& filter) {
 /// True if the yaw of a filter without headings certainly differs from theirs.
 bool contradicts_headings(const State& state, const Filter& filter) {
   constexpr double sigmas = 5.0;
-  return square(state.headings.offset_rad) >
-         square(sigmas) * (filter.yaw_variance_rad2() + state.noise.heading_rad2.variance);
+  constexpr int min_offset_samples = 3;
+  const double noise_rad2 = std::max(state.noise.heading_rad2.variance, square(state.headings.std_rad));
+  return state.headings.offset_samples >= min_offset_samples &&
+         square(state.headings.offset_rad) > square(sigmas) * (filter.yaw_variance_rad2() + noise_rad2);
 }
 
 /// Continues with this distrustful model. One that jumped is trusted at once.
