@@ -129,8 +129,8 @@ SCENARIO("the doctor finds a wrong installation and wrong fixes of driving beaco
       }
       return started.size() == faults.size();
     }));
-    WHEN("the doctor observes them for 12 s") {
-      const Result result = look(bus.domain_id(), {"--duration", "12", "--json"});
+    WHEN("the doctor observes them for 18 s") {
+      const Result result = look(bus.domain_id(), {"--duration", "18", "--json"});
       CAPTURE(result.output, result.error);
       REQUIRE(result.code == 1);
       const auto report = nlohmann::json::parse(result.output);
