@@ -264,7 +264,8 @@ TEST_CASE("a module's folder is its namespace") {
     for (const fs::path& file : module.sources()) {
       // The native types are the vocabulary of all modules: they are in sonopose itself. Some folders are
       // parts of one subject, or what the rest of it builds on: they name their parent.
-      static const Names parts{"calibration/model", "dds/binding", "ros2/inputs", "ros2/messages", "ros2/node"};
+      static const Names parts{"calibration/model", "dds/binding", "ros2/inputs", "ros2/messages",
+                               "ros2/node"};
       const bool names_parent = parts.contains(folder) || folder.starts_with("evaluation/");
       const Names allowed{folder == "samples" ? "sonopose"
                           : names_parent      ? "sonopose::" + own.substr(0, own.find(':'))

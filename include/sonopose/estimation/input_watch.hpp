@@ -15,7 +15,7 @@
 namespace sonopose::estimation {
 
 /// Compares the readings with gravity, each other, headings and fixes. It has a fixed size and does not
-/// allocate. It is no part of an estimator's snapshot: after a restart it begins anew.
+/// allocate. It is no part of an estimator's snapshot: it is empty after a restart.
 ///
 /// It finds within seconds: an axis that keeps its value, a unit that contradicts gravity, a gyroscope of the
 /// wrong sign (by headings, or by the direction of travel), a mount that is turned (by the accelerations),

@@ -102,7 +102,7 @@ inline std::vector<RosMessage> messages_of(const std::vector<Event>& events,
   return messages;
 }
 
-/// What the recorders of the distributions write differently.
+/// Differences between the recorders of the distributions.
 struct BagLayout {
   std::string message_encoding = "cdr";
   std::string schema_encoding = "ros2msg";
