@@ -149,10 +149,6 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
   return outcome;
 }
 
-}  // namespace
-
-namespace {
-
 /// Square of the way since coordinates began to repeat, beyond what rounding and noise explain.
 Matrix3d way_since_repetition_m2(const FrozenTrackDetector& track) {
   constexpr double explained_m = 0.04;

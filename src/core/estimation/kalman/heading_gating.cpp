@@ -87,6 +87,7 @@ HeadingOutcome judge(State& state, const settings::Settings& settings, const Hea
   if (without_headings == nullptr && !is_distrustful(state.bank.best().imu)) {
     without_headings = &state.bank.spawn(state.bank.best());
     set_imu_model(*without_headings, ImuModel::wrong_headings);
+    inflate(without_headings->filter, {.yaw_rad = radians(20.0)});  // headings gave the yaw until now
     state.headings.offset_samples = 0;
   }
   for (Hypothesis& each : state.bank) {

@@ -30,7 +30,7 @@ const ImuModelParameters& parameters_of(ImuModel model) {
        .dead_reckoning_mps_rts = 1.0,
        .clock_offset_std_s = 0.15},
       {.noise = {.gyro_radps_rthz = 2.4e-3, .gyro_bias_radps_rts = 1e-3},
-       .inflation = {.yaw_rad = radians(20.0)},
+       .inflation = {},
        .dead_reckoning_mps_rts = 1.0},
       {.noise = {.accel_mps2_rthz = 0.15, .gyro_radps_rthz = 0.2, .gyro_bias_radps_rts = 0.2},
        .inflation = {.velocity_mps = wrong_mps,
@@ -121,7 +121,7 @@ void HypothesisBank::follow(const Filter& track) {
   for (int i = 0; i < closed_model_count; ++i) {
     set_imu_model(spawn(followed), static_cast<ImuModel>(i));
   }
-  if (model == ImuModel::wrong_headings) spawn(followed).imu = model;  // its yaw stays its own
+  if (model == ImuModel::wrong_headings) set_imu_model(spawn(followed), model);
   best_index = index_of(*find(model));
 }
 

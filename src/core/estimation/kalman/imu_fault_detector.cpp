@@ -16,11 +16,7 @@ void restart(Hypothesis& hypothesis, const Hypothesis& best, const ImuFaultDetec
   constexpr double restart_penalty = 2.0;
   const ImuModel model = hypothesis.imu;
   hypothesis = best;
-  if (model == ImuModel::wrong_headings) {
-    hypothesis.imu = model;  // its yaw was that of the best until now
-  } else {
-    set_imu_model(hypothesis, model);
-  }
+  set_imu_model(hypothesis, model);
   hypothesis.score -= restart_penalty;
   hypothesis.missed_in_row = hypothesis.explained_in_row = 0;
   if (!is_distrustful(best.imu) || is_distrustful(model)) return;
