@@ -5,6 +5,7 @@
 #include "support/bus_options.hpp"
 #include "support/config_options.hpp"
 #include "support/log_option.hpp"
+#include "support/options_file.hpp"
 #include "support/realtime_option.hpp"
 
 #include <fmt/format.h>
@@ -23,6 +24,7 @@ struct Options {
   std::size_t max_beacons = sonopose::presence::BeaconAdmission::default_max_beacons;
   std::int32_t standby_strength = 0;
   double warm_up_s = sonopose::fusion::StandbyOptions{}.warm_up_s;
+  std::optional<std::filesystem::path> learned_file;
   bool lossless = false;
   int realtime_priority = 0;
   sonopose::logging::Level log_level = sonopose::logging::Level::info;
@@ -46,10 +48,16 @@ void add_options(CLI::App& app, Options& options) {
       ->check(sonopose::apps::number_between(0.0, 600.0))
       ->needs(strength)
       ->capture_default_str();
+  auto* learned =
+      app.add_option(
+             "--learned", options.learned_file,
+             "Keep what is learned of the sensors in this file, and begin with it: Kalman engine only")
+          ->type_name("FILE");
   app.add_flag("--lossless", options.lossless,
                "Keep every event and pose and wait for slow consumers; use it for a log played at --rate 0")
-      ->excludes(strength);
-  app.add_flag("--print-config", options.print_config, "Print the settings as commented TOML and exit");
+      ->excludes(strength)
+      ->excludes(learned);
+  app.add_flag("--print-config", options.print_config, "Print settings and options as commented TOML and exit");
   app.add_flag("--check-config", options.check_config,
                "Report what is wrong with settings and options and exit");
   app.add_flag("--print-settings-page", options.print_settings_page,
@@ -67,6 +75,7 @@ sonopose::fusion::FusionOptions node_options(
                      .addresses = {},
                      .max_beacons = options.max_beacons,
                      .standby = {},
+                     .learned_file = options.learned_file,
                      .lossless = options.lossless,
                      .read_again = read_again};
   if (options.addresses) node.addresses = sonopose::presence::AddressSet::parse(*options.addresses);
@@ -74,15 +83,17 @@ sonopose::fusion::FusionOptions node_options(
   return node;
 }
 
-int serve(const Options& options) {
+int serve(const CLI::App& app, const Options& options) {
   if (options.print_settings_page) {
     sonopose::apps::print("{}", sonopose::config::settings_page());
     return 0;
   }
   const sonopose::logging::Session log(options.log_level);
   const auto config = sonopose::apps::configuration(options.config);
-  if (options.print_config) sonopose::apps::print("{}", config.to_toml());
-  if (options.print_config) return 0;
+  if (options.print_config) {
+    sonopose::apps::print("{}\n[program]\n{}", config.to_toml(), sonopose::apps::options_toml(app));
+    return 0;
+  }
   check_publisher(options.bus);
   if (options.check_config) return 0;
   sonopose::process::StopSignal stop;
@@ -108,5 +119,5 @@ int main(int argc, char** argv) {
   sonopose::apps::add_log_option(app, options.log_level);
   sonopose::apps::add_config_options(app, options.config);
   add_options(app, options);
-  return sonopose::apps::run(app, argc, argv, [&] { return serve(options); });
+  return sonopose::apps::run(app, argc, argv, [&] { return serve(app, options); });
 }

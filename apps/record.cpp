@@ -71,7 +71,8 @@ int serve(Options& options, const std::string& command) {
   recording.version = apps::version();
   recording.command = command;
   if (!options.beacons.empty()) recording.beacons = presence::AddressSet::parse(options.beacons);
-  if (recording.file.empty()) recording.file = name_by_time();
+  recording.is_named_by_time = recording.file.empty();
+  if (recording.is_named_by_time) recording.file = name_by_time();
   process::StopSignal stop;
   stop.listen_to_signals();
   std::signal(SIGUSR1, SIG_IGN);  // ignored too early, or without --keep-last

@@ -86,6 +86,9 @@ int main(int argc, char** argv) {
   app.add_option("--max-clients", options.server.max_clients, "Pages and Foxglove clients at a time")
       ->check(apps::number_between(1, 1000))
       ->capture_default_str();
+  app.add_option("--on-status", options.on_status,
+                 "Run this with sh when a beacon's status changes, at most every 10 s; see docs/web.md")
+      ->type_name("COMMAND");
   auto* const plan =
       app.add_option("--floor-plan", given.floor_plan, "A picture under the map: PNG, JPEG or SVG")
           ->type_name("FILE");
@@ -99,7 +102,8 @@ int main(int argc, char** argv) {
   apps::add_options_file(app);
   for (const CLI::Option* const option : app.get_options()) {
     const bool is_of_bus = option->get_group() == apps::bus_group;
-    const bool is_of_live_page = option->check_lname("allow-changes") || option->check_lname("max-beacons");
+    const bool is_of_live_page = option->check_lname("allow-changes") || option->check_lname("max-beacons") ||
+                                 option->check_lname("on-status");
     if (is_of_bus || is_of_live_page)
       recording->excludes(app.get_option("--" + option->get_lnames().front()));
   }

@@ -30,6 +30,8 @@ void add_file_options(CLI::App& app, recorder::RecorderOptions& options) {
       ->transform(CLI::AsSizeValue(true))
       ->check(number_between(10 * min_bytes))
       ->type_name("SIZE");
+  app.add_flag("--include-earlier", options.includes_earlier,
+               "These two limits include the files of earlier recordings of this name, at any time");
 }
 
 void add_last_options(CLI::App& app, recorder::RecorderOptions& options) {

@@ -159,6 +159,35 @@ SCENARIO("a fusion reports to the service manager, and reads its settings again"
   }
 }
 
+SCENARIO("a fusion begins with what the one before has learned of the sensors") {
+  GIVEN("a fusion that keeps it in a file, and the simulator's beacon 7") {
+    const TemporaryFolder folder;
+    const std::filesystem::path file = folder / "learned.toml";
+    const Bus bus;
+    auto fusion = bus.fusion({"--learned", file.string()});
+    const auto bridge = bus.bridge({});
+    Consumer<sonopose_FusedPose> consumer(bus, dds::topics::fused_pose);
+    const auto is_good = [](const FusedPose& pose) { return pose.status == 0; };
+    REQUIRE(consumer.wait_for(is_good));
+    WHEN("it ends, and another begins") {
+      fusion->send(SIGTERM);
+      REQUIRE(fusion->wait());
+      CHECK_THAT(read_text(file), Contains("[beacon.7]") && Contains("gyro_bias_body_radps = ["));
+      fusion = bus.fusion({"--learned", file.string()});
+      THEN("it knows the sensors of the beacon") {
+        CHECK(fusion->wait_for_line(Stream::error, "sensors of 1 beacon known, of 1 in the file"));
+      }
+    }
+    WHEN("the file is broken, and another begins") {
+      write_text(file, "[beacon.7]\nfix_std_m = 5 m\n");
+      const auto other = bus.fusion({"--learned", file.string()});
+      THEN("it begins without, and says so with the line") {
+        CHECK(other->wait_for_line(Stream::error, "learned.toml:2"));
+      }
+    }
+  }
+}
+
 SCENARIO("a key of an earlier version does not stop the fusion") {
   const ConfigFile file("[trust]\nsigma_m = 0.5\n[admission]\nmin_quality_percent = 50\n");
   const Result checked =

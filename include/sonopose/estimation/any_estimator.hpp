@@ -24,6 +24,10 @@ public:
   /// The estimator that fusion.engine selects.
   explicit AnyEstimator(const settings::Settings& settings);
 
+  /// Begins with known errors of the sensors. Call it before the first event; a reset forgets them. The
+  /// documented engine, which measures the gyroscope's offset at its start, ignores them.
+  void start_from(const aiding::KnownSensors& known) noexcept;
+
   std::optional<FusedPose> predict(const ImuSample& imu) noexcept;
   FixReport correct(const UltrasonicFix& fix) noexcept;
   void correct(const PairHeading& heading) noexcept;

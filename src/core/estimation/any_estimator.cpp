@@ -16,6 +16,10 @@ std::variant<documented::Engine, kalman::Engine> make(settings::EngineKind kind,
 AnyEstimator::AnyEstimator(const settings::Settings& settings)
     : estimator_(make(settings.engine.engine, settings)) {}
 
+void AnyEstimator::start_from(const aiding::KnownSensors& known) noexcept {
+  if (auto* const engine = std::get_if<kalman::Engine>(&estimator_)) engine->start_from(known);
+}
+
 std::optional<FusedPose> AnyEstimator::predict(const ImuSample& imu) noexcept {
   auto pose = std::visit([&](auto& estimator) { return estimator.predict(imu); }, estimator_);
   if (pose) aiding::flatten(settings().planar, *pose);

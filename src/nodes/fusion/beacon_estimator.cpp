@@ -75,6 +75,7 @@ EventOutcome BeaconEstimator::process(const collation::CollatedEvent& collated) 
   } else if (auto* pose = std::get_if<FusedPose>(&outcome.result)) {
     watch_.on(*pose);
     pose->status |= watch_.status(pose->time_ns);
+    pose_status_ = pose->status;
     detector_.on(*pose, transitions_);
     poses_.add(*pose);
   }
@@ -140,6 +141,16 @@ Estimate BeaconEstimator::estimate() {
   Estimate estimate = estimator_.estimate();
   estimate.address = counted_.address;
   return estimate;
+}
+
+std::optional<Estimate> BeaconEstimator::learned() {
+  constexpr std::uint32_t doubtful = status_initialising | status_uncalibrated | status_stale |
+                                     status_converging | status_imu_inconsistent | status_fixes_inconsistent |
+                                     status_frozen_track | status_low_trust;
+  if ((pose_status_ & doubtful) != 0) return std::nullopt;
+  Estimate learned = estimate();
+  if (!estimation::aiding::is_learned(learned)) return std::nullopt;
+  return learned;
 }
 
 std::string BeaconEstimator::state_hash() {

@@ -47,6 +47,9 @@ public:
   BeaconEstimator& operator=(const BeaconEstimator&) = delete;
   ~BeaconEstimator() = default;
 
+  /// Begins with known errors of the sensors (AnyEstimator::start_from).
+  void start_from(const estimation::aiding::KnownSensors& known) noexcept { estimator_.start_from(known); }
+
   /// Sorts in an event that arrived at `now` from the writer with the publication handle `bridge`. `unpaused`
   /// is `now` by collation::PauseCompensatedClock. Call `process_next` until it returns nothing.
   void collate(const Event& event, std::uint64_t bridge, SteadyTime now, SteadyTime unpaused);
@@ -98,6 +101,9 @@ public:
   /// The estimator's knowledge of the sensors.
   [[nodiscard]] Estimate estimate();
 
+  /// The same if it is good enough for a later start, and the latest pose is not in doubt.
+  [[nodiscard]] std::optional<Estimate> learned();
+
   /// Digest of every pose and of the present state. A replay of the same events gives the same digest.
   [[nodiscard]] std::string state_hash();
 
@@ -131,6 +137,7 @@ private:
   std::optional<SteadyTime> bridge_lost_at_;
   transitions::FixRefusals refusals_;
   TwistUse twist_use_;
+  std::uint32_t pose_status_ = status_initialising;  ///< status of the latest pose
   estimation::Digest poses_;
   transitions::TransitionDetector detector_;
   transitions::TransitionQueue transitions_;

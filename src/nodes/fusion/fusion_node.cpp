@@ -3,6 +3,7 @@
 #include "clocks/clocks.hpp"
 #include "fusion/beacon_estimators.hpp"
 #include "fusion/event_receiver.hpp"
+#include "fusion/learned_sensors.hpp"
 #include "fusion/overload.hpp"
 #include "fusion/pose_publisher.hpp"
 #include "fusion/settings_server.hpp"
@@ -95,6 +96,7 @@ private:
   const TimeNs input_deadline_ns_;
 
   threads::Guarded<BeaconEstimators> estimators_;
+  std::optional<LearnedSensorsFile> learned_file_;
   Overload overload_;
   process::EndpointCounters endpoints_;
   std::atomic<bool> stopping_ = false;
@@ -120,12 +122,15 @@ FusionNode::Impl::Impl(const FusionOptions& options)
       qos_(options.qos_file),
       delivery_(options.lossless ? dds::topics::Delivery::lossless : dds::topics::Delivery::live),
       input_deadline_ns_(input_deadline_ns(qos_)),
-      estimators_(options.config, options.lossless),
+      estimators_(
+          options.config, options.lossless,
+          options.learned_file ? read_known(*options.learned_file, clocks::host_now()) : KnownOfBeacons{}),
       pose_publisher_(participant_, qos_, delivery_, options.standby, input_deadline_ns_, overload_,
                       endpoints_, stopping_),
       status_publisher_(participant_, qos_, estimators_, pose_publisher_, overload_, endpoints_,
                         transition_log_),
       settings_server_(participant_, qos_, estimators_, options.addresses) {
+  if (options.learned_file) learned_file_.emplace(*options.learned_file);
   receiver_.emplace(participant_, qos_, delivery_, admission_,
                     EventReceiver::Targets{estimators_, pose_publisher_, settings_server_},
                     input_deadline_ns_, overload_, endpoints_, stopping_);
@@ -210,6 +215,7 @@ void FusionNode::Impl::log_transitions(SteadyTime now) {
 void FusionNode::Impl::finish_log() {
   log_transitions(clocks::steady_now());
   transition_log_.finish();
+  if (learned_file_) learned_file_->finish(estimators_);
   status_publisher_.log_losses(unwritten(), true);
 }
 
@@ -245,6 +251,7 @@ void FusionNode::Impl::publish_statuses() {
   const SteadyTime now = clocks::steady_now();
   log_transitions(now);
   transition_log_.update(now);
+  if (learned_file_) learned_file_->update(estimators_, now);
   logging::report_left_out();
   status_publisher_.publish_all(unwritten());
   if (lossless_) status_publisher_.log_gaps(pose_publisher_.take_waited());

@@ -140,7 +140,7 @@ void FileSeries::write_head() {
       throw std::logic_error("channel " + channel.topic + " has another number than in the queue");
   }
   mcap::TextMap about = options_.about;
-  about["file_index"] = std::to_string(removed_files_ + complete_.size() + 1);
+  about["file_index"] = std::to_string(finished_files_ + 1);
   current_->writer.write_metadata({"sonopose.recording", about});
 }
 
@@ -172,14 +172,16 @@ void FileSeries::prepare_for(const mcap::Chunk& chunk, const ArrivalSpan& taken)
 
 void FileSeries::remove_old(std::uint64_t current_bytes) {
   std::uint64_t total = current_bytes;
-  for (const Complete& each : complete_) total += each.bytes;
-  while (!complete_.empty()) {
-    const bool are_too_many = options_.max_files > 0 && complete_.size() >= options_.max_files;
+  for (const RecordedFile& each : options_.earlier) total += each.bytes;
+  for (const RecordedFile& each : complete_) total += each.bytes;
+  while (const std::size_t count = options_.earlier.size() + complete_.size()) {
+    const bool are_too_many = options_.max_files > 0 && count >= options_.max_files;
     const bool are_too_large = options_.max_total_bytes > 0 && total > options_.max_total_bytes;
     if (!are_too_many && !are_too_large) return;
-    total -= complete_.front().bytes;
-    const std::filesystem::path file = std::move(complete_.front().file);
-    complete_.pop_front();
+    std::deque<RecordedFile>& oldest = options_.earlier.empty() ? complete_ : options_.earlier;
+    total -= oldest.front().bytes;
+    const std::filesystem::path file = std::move(oldest.front().file);
+    oldest.pop_front();
     ++removed_files_;
     std::error_code error;
     std::filesystem::remove(file, error);
@@ -302,6 +304,7 @@ void FileSeries::end_file(const std::string& reason, const TapCounts& counts, co
   current_.reset();
   name.commit();
   complete_.push_back({name.file(), bytes});
+  ++finished_files_;
   if (failure) std::rethrow_exception(failure);
 }
 
@@ -318,7 +321,7 @@ void FileSeries::count_lost(std::uint64_t messages) {
 std::vector<std::filesystem::path> FileSeries::files() const {
   const threads::Lock lock(mutex_);
   std::vector<std::filesystem::path> names;
-  for (const Complete& each : complete_) names.push_back(each.file);
+  for (const RecordedFile& each : complete_) names.push_back(each.file);
   return names;
 }
 

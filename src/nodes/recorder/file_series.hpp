@@ -6,6 +6,7 @@
 #include "mcap/file_sink.hpp"
 #include "mcap/writer.hpp"
 #include "recorder/arrival_span.hpp"
+#include "recorder/earlier_files.hpp"
 #include "recorder/settings_log.hpp"
 #include "recorder/topic_tap.hpp"
 #include "recording/part_file.hpp"
@@ -37,13 +38,14 @@ struct ChannelSpec {
 struct SeriesOptions {
   std::filesystem::path file;
   mcap::WriterOptions writer;
-  std::vector<ChannelSpec> channels;  ///< their ids are 1, 2, …, in this order
-  mcap::TextMap about;                ///< metadata of the recording; each file adds its number
-  bool is_numbered = false;           ///< FILE_001, FILE_002, … instead of one file
-  std::uint64_t max_size_bytes = 0;   ///< limit of a file; 0: none
-  std::int64_t max_duration_ns = 0;   ///< limit of a file; 0: none
-  std::size_t max_files = 0;          ///< limit, beyond which the oldest files are removed; 0: none
-  std::uint64_t max_total_bytes = 0;  ///< limit of all files, of which the oldest are removed; 0: none
+  std::vector<ChannelSpec> channels;      ///< their ids are 1, 2, …, in this order
+  mcap::TextMap about;                    ///< metadata of the recording; each file adds its number
+  bool is_numbered = false;               ///< FILE_001, FILE_002, … instead of one file
+  std::uint64_t max_size_bytes = 0;       ///< limit of a file; 0: none
+  std::int64_t max_duration_ns = 0;       ///< limit of a file; 0: none
+  std::size_t max_files = 0;              ///< limit, beyond which the oldest files are removed; 0: none
+  std::uint64_t max_total_bytes = 0;      ///< limit of all files, of which the oldest are removed; 0: none
+  std::deque<RecordedFile> earlier = {};  ///< files of earlier recordings that the limits include
 };
 
 /// The files of a recording. All members may be called from any thread, and throw files::IoError.
@@ -78,7 +80,7 @@ public:
   /// Ends and closes the current file, and gives it its name. `reason` is written to it.
   void finish(const std::string& reason, const TapCounts& counts, const mcap::TextMap& more = {});
 
-  /// Number of messages in all files, including open ones, without those that files repeat.
+  /// Number of messages in all files of this recording, including open ones, without those that files repeat.
   [[nodiscard]] std::uint64_t message_count() const;
   [[nodiscard]] std::uint64_t byte_count() const;
   [[nodiscard]] std::uint64_t lost_disk() const;
@@ -148,11 +150,8 @@ private:
   std::uint64_t repeated_ SONOPOSE_GUARDED_BY(mutex_) = 0;
   /// Repeated messages that the disk lost: an earlier file has them.
   std::uint64_t repeated_lost_ SONOPOSE_GUARDED_BY(mutex_) = 0;
-  struct Complete {
-    std::filesystem::path file;
-    std::uint64_t bytes = 0;
-  };
-  std::deque<Complete> complete_ SONOPOSE_GUARDED_BY(mutex_);  ///< files that were not removed
+  std::deque<RecordedFile> complete_ SONOPOSE_GUARDED_BY(mutex_);  ///< files that were not removed
+  std::size_t finished_files_ SONOPOSE_GUARDED_BY(mutex_) = 0;     ///< including removed ones
   std::size_t removed_files_ SONOPOSE_GUARDED_BY(mutex_) = 0;
   /// Number of the current file, or of the previous one.
   std::size_t last_number_ SONOPOSE_GUARDED_BY(mutex_) = 0;

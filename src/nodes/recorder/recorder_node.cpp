@@ -6,6 +6,7 @@
 #include "logging/log.hpp"
 #include "process/host_name.hpp"
 #include "process/service.hpp"
+#include "recorder/earlier_files.hpp"
 #include "recorder/foreign_topics.hpp"
 #include "recorder/pipeline.hpp"
 #include "recorder/ros2_topics.hpp"
@@ -66,15 +67,22 @@ void check_limits(const RecorderOptions& options) {
     throw std::invalid_argument(
         "--max-files: there is one file without --max-size, --max-duration, --max-total or --keep-last");
   }
+  if (options.includes_earlier && options.max_files == 0 && options.max_total_bytes == 0) {
+    throw std::invalid_argument("--include-earlier: needs --max-files or --max-total");
+  }
   if (options.max_total_bytes > 0 && options.max_size_bytes > options.max_total_bytes / 2) {
     throw std::invalid_argument("--max-total: must be at least twice --max-size");
   }
 }
 
-SeriesOptions series_options(const RecorderOptions& options, std::uint32_t domain_id) {
+/// `suffix` is appended to the name of the file.
+SeriesOptions series_options(const RecorderOptions& options, std::uint32_t domain_id,
+                             const std::string& suffix = {}) {
   constexpr std::uint64_t files_of_total = 10;  // without a limit of a file
+  std::filesystem::path file = options.file;
+  file.replace_filename(file.stem().string() + suffix + file.extension().string());
   return {
-      .file = options.file,
+      .file = file,
       .writer = {.profile = {}, .library = "sonopose " + options.version, .compression = options.compression},
       .channels = {},
       .about = {{"host", process::host_name()},
@@ -86,7 +94,9 @@ SeriesOptions series_options(const RecorderOptions& options, std::uint32_t domai
           options.max_size_bytes > 0 ? options.max_size_bytes : options.max_total_bytes / files_of_total,
       .max_duration_ns = to_ns(options.max_duration_s),
       .max_files = options.max_files,
-      .max_total_bytes = options.max_total_bytes};
+      .max_total_bytes = options.max_total_bytes,
+      .earlier = options.includes_earlier ? find_earlier_files(file, options.is_named_by_time)
+                                          : std::deque<RecordedFile>{}};
 }
 
 Pipeline::Settings native_settings(const RecorderOptions& options, std::uint32_t domain_id,
@@ -103,12 +113,10 @@ Pipeline::Settings native_settings(const RecorderOptions& options, std::uint32_t
 /// Settings for the file of ROS 2 topics. They need a file of their own: players of ROS 2 know no other
 /// encoding, and an MCAP file has one profile.
 Pipeline::Settings ros2_settings(const RecorderOptions& options, std::uint32_t domain_id) {
-  Pipeline::Settings settings{.series = series_options(options, domain_id),
+  Pipeline::Settings settings{.series = series_options(options, domain_id, "_ros2"),
                               .queue_bytes = options.queue_bytes,
                               .ends_channel_id = 0,
                               .last = {}};
-  settings.series.file.replace_filename(options.file.stem().string() + "_ros2" +
-                                        options.file.extension().string());
   settings.series.writer.profile = "ros2";
   return settings;
 }

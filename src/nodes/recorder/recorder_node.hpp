@@ -33,6 +33,8 @@ struct RecorderOptions {
   double max_duration_s = 0;              ///< limit of a file; 0: none
   std::size_t max_files = 0;              ///< limit, beyond which the oldest files are removed; 0: none
   std::uint64_t max_total_bytes = 0;      ///< limit of all files, of which the oldest are removed; 0: none
+  bool includes_earlier = false;          ///< these two limits include the files of earlier recordings
+  bool is_named_by_time = false;          ///< `file` has the time of the start in its name
   double keep_last_s = 0;                 ///< length of the memory; 0: write everything immediately
   std::size_t keep_bytes = 256UL << 20U;  ///< memory for the last seconds
   std::string trigger_topic = {};         ///< short or full name; any sample of it writes the last seconds

@@ -19,6 +19,7 @@
 #include "web/page_requests.hpp"
 #include "web/request_worker.hpp"
 #include "web/site_files.hpp"
+#include "web/status_hook.hpp"
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/text/count_text.hpp>
@@ -216,11 +217,13 @@ private:
 /// Sends the pages their content at its rates.
 class Broadcast {
 public:
-  Broadcast(observation::bus::BusWatch& bus, std::size_t max_beacons, live::LiveState& state, LiveSite& site)
+  Broadcast(observation::bus::BusWatch& bus, const WebOptions& options, live::LiveState& state,
+            LiveSite& site)
       : bus_(bus),
         state_(state),
         site_(site),
-        latched_(bus, max_beacons, site.pages()),
+        hook_(options.on_status),
+        latched_(bus, options.max_beacons, site.pages()),
         log_lines_(bus.participant(), bus.qos()) {}
 
   /// Sends new samples. Call it 25 times a second.
@@ -246,6 +249,7 @@ public:
   void send_second() {
     const observation::bus::BusSnapshot second = bus_.take_snapshot();
     site_.metrics().update(second.beacons, clocks::host_now(), clocks::steady_now());
+    hook_.update(second, clocks::steady_now());
     silence_log_.update(clocks::steady_now());
     pose_log_.update(clocks::steady_now());
     show_held_events();
@@ -311,6 +315,7 @@ private:
   observation::bus::BusWatch& bus_;
   live::LiveState& state_;
   LiveSite& site_;
+  StatusHook hook_;
   LatchedTopics latched_;
   LogLines log_lines_;
   HeldEvents held_events_;
@@ -339,7 +344,7 @@ void serve(const WebOptions& options, const http::OnReady& on_ready, const proce
   const http::Serving serving(server, site);
   on_ready(server.urls());
   process::report_ready();
-  Broadcast broadcast(bus, options.max_beacons, state, site);
+  Broadcast broadcast(bus, options, state, site);
   SteadyTime next = clocks::steady_now() + frame_period_ns;
   for (int frame = 1; !stop.wait_until(next); ++frame) {
     process::report_progress(clocks::steady_now());

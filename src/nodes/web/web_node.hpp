@@ -23,7 +23,8 @@ struct WebOptions {
   http::ServerOptions server;
   bool allows_changes = false;  ///< permits changes of settings, and resets
   MapLayers map;
-  Examine examine;  ///< the doctor that the page starts
+  Examine examine;        ///< the doctor that the page starts
+  std::string on_status;  ///< command for StatusHook
   std::string version;
 };
 

@@ -317,4 +317,49 @@ TEST_CASE("The oldest files of a recording are removed") {
   CHECK(exists(folder / "run_000.mcap"));
 }
 
+SCENARIO("The limits can include the files of earlier recordings") {
+  const TemporaryFolder folder;
+  const auto make = [&folder](const char* name, int age_h) {
+    sonopose::test::write_text(folder / name, std::string(4'000, 'x'));
+    last_write_time(folder / name, std::filesystem::file_time_type::clock::now() - std::chrono::hours(age_h));
+  };
+  GIVEN("two files of an earlier recording, an interrupted one, and others") {
+    make("run_007.mcap", 3);
+    make("run_002.mcap", 2);
+    make("run_003.mcap.part", 1);
+    make("run.mcap", 9);
+    make("runs_001.mcap", 9);
+    make("run_ros2_001.mcap", 9);
+    make("run_001.txt", 9);
+    SeriesOptions options = options_for(folder / "run.mcap");
+    options.is_numbered = true;
+    options.earlier = find_earlier_files(folder / "run.mcap", false);
+    WHEN("a recording of this name may have two files") {
+      options.max_files = 2;
+      FileSeries series(options);
+      write(series, chunk_of(1, second, command_cdr(7, 1)), {});
+      series.finish("stopped", {});
+      THEN("the oldest ones of this name are removed, and nothing else") {
+        CHECK_FALSE(exists(folder / "run_007.mcap"));
+        CHECK_FALSE(exists(folder / "run_002.mcap"));
+        CHECK(exists(folder / "run_003.mcap.part"));
+        CHECK(exists(folder / "run.mcap"));
+        CHECK(exists(folder / "runs_001.mcap"));
+        CHECK(exists(folder / "run_ros2_001.mcap"));
+        CHECK(exists(folder / "run_001.txt"));
+        CHECK(series.files() == std::vector{folder / "run_001.mcap"});
+        CHECK(metadata_of(folder / "run_001.mcap", "sonopose.recording")["file_index"] == "1");
+      }
+    }
+  }
+  GIVEN("a recording that is named by its time, and one of another day") {
+    make("sonopose_2026-11-29_10-00-00_001.mcap", 2);
+    const auto today = folder / "sonopose_2026-11-30_08-30-00.mcap";
+    THEN("both have one name") {
+      CHECK(find_earlier_files(today, true).size() == 1);
+      CHECK(find_earlier_files(today, false).empty());
+    }
+  }
+}
+
 }  // namespace sonopose::recorder::test::file_series_test

@@ -66,6 +66,9 @@ public:
   /// Removes all events and states.
   void clear();
 
+  /// Begins with known errors of the sensors. Has no effect after the first sample.
+  void start_from(const aiding::KnownSensors& known);
+
   /// Current state. After `add` of a fix or heading it includes this event; after `add` of a sample it
   /// excludes it; after `finish_pending_work` it includes all events.
   [[nodiscard]] const State& now() const { return now_; }

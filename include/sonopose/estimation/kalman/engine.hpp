@@ -39,6 +39,9 @@ public:
 
   explicit Engine(const settings::Settings& settings);
 
+  /// Begins with known errors of the sensors. Call it before the first event; a reset forgets them.
+  void start_from(const aiding::KnownSensors& known) noexcept { buffer_.start_from(known); }
+
   void configure(const settings::Settings& settings) noexcept;
   std::optional<FusedPose> predict(const ImuSample& raw) noexcept;
   FixReport correct(const UltrasonicFix& fix) noexcept;

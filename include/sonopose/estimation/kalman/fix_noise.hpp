@@ -113,6 +113,9 @@ struct MeasurementNoise {
 
   MeasurementNoise();
 
+  /// Begins with this horizontal deviation of a fix instead of with the usual guess.
+  void start_from(double fix_std_m);
+
   /// Covariance of a fix of this quality; a negative quality is unknown.
   [[nodiscard]] Eigen::Matrix3d fix_covariance_m2(double quality_percent) const;
 

@@ -4,6 +4,7 @@
 /// depends on nothing else: events that arrive in another order give the same state.
 
 #include <sonopose/estimation/aiding/default_position.hpp>
+#include <sonopose/estimation/aiding/known_sensors.hpp>
 #include <sonopose/estimation/kalman/fix_noise.hpp>
 #include <sonopose/estimation/kalman/frozen_track.hpp>
 #include <sonopose/estimation/kalman/heading_gate.hpp>
@@ -95,7 +96,8 @@ struct State {
   aiding::DefaultPosition default_position;
   WrongTracks wrong_tracks;
   ImuFaultDetector imu_fault;
-  AtMostOne<TwistGate> twist;  ///< there once a velocity was measured
+  AtMostOne<TwistGate> twist;             ///< there once a velocity was measured
+  AtMostOne<aiding::KnownSensors> known;  ///< errors of the sensors before the first sample, if known
 
   bool operator==(const State&) const = default;
 
@@ -178,6 +180,7 @@ void for_each_field(IsFieldsOf<State> auto& state, const auto& visit) {
   visit("wrong_tracks", state.wrong_tracks);
   visit("imu_fault", state.imu_fault);
   visit("twist", state.twist);
+  visit("known", state.known);
 }
 
 }  // namespace sonopose::estimation::kalman

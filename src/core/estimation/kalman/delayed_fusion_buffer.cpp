@@ -31,6 +31,12 @@ void DelayedFusionBuffer::clear() {
   stamps_are_ahead_ = has_pending_work_ = false;
 }
 
+void DelayedFusionBuffer::start_from(const aiding::KnownSensors& known) {
+  if (!checkpoints_.empty()) return;
+  now_.known.push(known);
+  now_.noise.start_from(known.fix_std_m);
+}
+
 bool DelayedFusionBuffer::add(const settings::Settings& settings, const ImuMeasurement& imu) {
   if (end_imu_ - first_imu_ == imu_capacity) {
     replay(settings, nullptr);

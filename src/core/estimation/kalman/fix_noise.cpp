@@ -190,6 +190,11 @@ MeasurementNoise::MeasurementNoise() {
   heading_rad2 = {heading_limits_rad2.initial, prior_headings, heading_limits_rad2.initial};
 }
 
+void MeasurementNoise::start_from(double fix_std_m) {
+  any_quality.horizontal_m2.variance =
+      std::clamp(fix_std_m * fix_std_m, fix_limits_m2.min, fix_limits_m2.max);
+}
+
 Eigen::Matrix3d MeasurementNoise::fix_covariance_m2(double quality_percent) const {
   // The fewer fixes a range has seen, the more it resembles the others.
   constexpr double common_fixes = 8;

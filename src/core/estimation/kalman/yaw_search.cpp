@@ -12,6 +12,15 @@
 namespace sonopose::estimation::kalman {
 namespace {
 
+void set_known(Filter& start, const aiding::KnownSensors& known) {
+  start.gyro_bias_body_radps = known.gyro_bias_body_radps.value;
+  start.accel_bias_body_mps2 = known.accel_bias_body_mps2.value;
+  start.lever_arm_body_m = known.lever_arm_body_m.value;
+  start.decorrelate(at_gyro_bias, known.gyro_bias_body_radps.std.cwiseAbs2());
+  start.decorrelate(at_accel_bias, known.accel_bias_body_mps2.std.cwiseAbs2());
+  start.decorrelate(at_lever_arm, known.lever_arm_body_m.std.cwiseAbs2());
+}
+
 /// Filter with the biases, lever arm and delay known so far, and the variances of a start except for yaw.
 Filter initial_filter(const State& state, bool at_rest) {
   // The attitude of an abandoned estimate is less certain than that from the mean force.
@@ -25,7 +34,10 @@ Filter initial_filter(const State& state, bool at_rest) {
   variances.segment<3>(at_gyro_bias).setConstant(square(start_gyro_bias_std_radps));
   variances.segment<3>(at_accel_bias).setConstant(square(start_accel_bias_std_mps2));
   variances.segment<3>(at_lever_arm).setConstant(square(start_lever_arm_std_m));
-  if (state.phase == Phase::waiting) return start;
+  if (state.phase == Phase::waiting) {
+    if (state.known) set_known(start, *state.known);
+    return start;
+  }
   const Filter& before = state.filter();
   start.gyro_bias_body_radps = before.gyro_bias_body_radps;
   start.accel_bias_body_mps2 = before.accel_bias_body_mps2;
