@@ -13,7 +13,7 @@
 namespace sonopose::fusion {
 namespace {
 
-constexpr std::chrono::nanoseconds save_period = std::chrono::minutes(1);
+constexpr TimeNs save_period_ns = 60'000'000'000;
 
 /// Replaces the beacons of the file by these. Returns the error, if any.
 std::string write(const std::filesystem::path& file, const config::LearnedSensors& learned) {
@@ -51,14 +51,14 @@ KnownOfBeacons read_known(const std::filesystem::path& file, TimeNs host_now_ns)
 }
 
 LearnedSensorsFile::LearnedSensorsFile(const std::filesystem::path& file)
-    : file_(file), due_(clocks::steady_now() + save_period) {}
+    : file_(file), due_(clocks::steady_now() + save_period_ns) {}
 
 void LearnedSensorsFile::update(threads::Guarded<BeaconEstimators>& estimators, SteadyTime now) {
   using std::chrono::seconds;
   if (now < due_) return;
   if (writing_.valid() && writing_.wait_for(seconds(0)) != std::future_status::ready) return;  // a slow disk
   report_error();
-  due_ = now + save_period;
+  due_ = now + save_period_ns;
   save(estimators);
 }
 

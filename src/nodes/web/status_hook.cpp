@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <cerrno>
-#include <chrono>
 #include <csignal>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -16,8 +15,8 @@
 namespace sonopose::web {
 namespace {
 
-constexpr std::chrono::seconds min_interval{10};
-constexpr std::chrono::seconds usual_duration{60};
+constexpr TimeNs min_interval_ns = 10'000'000'000;
+constexpr TimeNs usual_duration_ns = 60'000'000'000;
 
 /// The environment of this process and these variables.
 std::vector<std::string> environment_with(std::vector<std::string> variables) {
@@ -84,7 +83,7 @@ void StatusHook::reap(SteadyTime now) {
   if (running_.process == 0) return;
   int status = 0;
   if (::waitpid(running_.process, &status, WNOHANG) == 0) {
-    if (!running_.is_slow && now - running_.began > usual_duration) {
+    if (!running_.is_slow && now - running_.began > usual_duration_ns) {
       running_.is_slow = true;
       logging::warning("the command of --on-status runs for more than a minute; no other is started before");
     }
@@ -103,7 +102,7 @@ void StatusHook::run(BeaconAddress address, Beacon& beacon, SteadyTime now) {
       command_,
       environment_with({fmt::format("SONOPOSE_BEACON={}", address), "SONOPOSE_STATUS=" + beacon.words,
                         "SONOPOSE_STATUS_BEFORE=" + std::exchange(beacon.reported, beacon.words)}));
-  beacon.due = now + min_interval;
+  beacon.due = now + min_interval_ns;
   if (process == 0) {
     logging::warning("the command of --on-status cannot be started: " +
                      std::generic_category().message(errno));

@@ -7,14 +7,14 @@
 
 #include <catch2/catch.hpp>
 
-#include <chrono>
 #include <filesystem>
 #include <string>
 
 namespace status_hook_test {
 
 using namespace sonopose;
-using namespace std::chrono_literals;
+
+constexpr TimeNs second_ns = 1'000'000'000;
 
 observation::bus::BusSnapshot second_with(BeaconAddress address, std::uint32_t status) {
   observation::BeaconView view;
@@ -44,7 +44,7 @@ struct Hook {
   std::filesystem::path file = folder / "lines";
   web::StatusHook hook{"echo \"$SONOPOSE_BEACON: $SONOPOSE_STATUS_BEFORE, now $SONOPOSE_STATUS\" >> " +
                        file.string()};
-  SteadyTime now{1h};
+  SteadyTime now{3600 * second_ns};
 };
 
 SCENARIO("a command learns of each change of a status, at most every ten seconds") {
@@ -52,7 +52,7 @@ SCENARIO("a command learns of each change of a status, at most every ten seconds
     Hook hook;
     REQUIRE(hook.update_until(second_with(7, status_stale), "7: ok, now stale\n"));
     WHEN("it stays stale") {
-      hook.now += 60s;
+      hook.now += 60 * second_ns;
       hook.update_alone(second_with(7, status_stale));
       THEN("the command does not run again before another change") {
         CHECK(hook.update_until(second_with(7, status_low_trust),
@@ -60,19 +60,19 @@ SCENARIO("a command learns of each change of a status, at most every ten seconds
       }
     }
     WHEN("it changes twice within ten seconds") {
-      hook.now += 3s;
+      hook.now += 3 * second_ns;
       hook.update_alone(second_with(7, status_low_trust));
-      hook.now += 3s;
+      hook.now += 3 * second_ns;
       hook.update_alone(second_with(7, 0));
       THEN("the command runs once, later, with the last status") {
-        hook.now += 10s;
+        hook.now += 10 * second_ns;
         CHECK(hook.update_until(second_with(7, 0), "7: ok, now stale\n7: stale, now ok\n"));
       }
     }
     WHEN("it is gone") {
       auto second = second_with(7, status_stale);
       std::swap(second.beacons, second.gone);
-      hook.now += 10s;
+      hook.now += 10 * second_ns;
       THEN("the command learns that too") {
         CHECK(hook.update_until(second, "7: ok, now stale\n7: stale, now gone\n"));
       }
