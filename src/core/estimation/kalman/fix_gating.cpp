@@ -77,8 +77,7 @@ void learn_noise(State& state, const JudgedFix& judged) {
 void learn_from_scatter(State& state, const JudgedFix& judged, const Innovation& innovation) {
   constexpr int min_scattered_fixes = 6;
   constexpr double max_m = 2.0;  // four times the largest noise that is learned
-  FixGate& gate = state.fixes;
-  gate.misfits_in_row = innovation.squared_norm > chi2_huber_threshold ? gate.misfits_in_row + 1 : 0;
+  const FixGate& gate = state.fixes;
   const Hypothesis* const other = find_other_track(state);
   const bool is_track = other != nullptr && other->explained >= min_track_fixes;
   if (state.phase != Phase::tracking || judged.fix.has_covariance || gate.since_start < proven_fixes ||
@@ -115,6 +114,8 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
   const bool is_used = innovation.squared_norm <= chi2_reject_threshold;
   constexpr double trust_memory = 8.0;
   state.fixes.trust += ((is_used ? 1.0 : 0.0) - state.fixes.trust) / trust_memory;
+  const bool fits_badly = innovation.squared_norm > chi2_huber_threshold;
+  state.fixes.misfits_in_row = fits_badly ? state.fixes.misfits_in_row + 1 : 0;
   if (state.phase == Phase::tracking) update_evidence(state, judged);
   if (is_used) {
     const double scale = scale_of(innovation);
@@ -124,13 +125,14 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
     outcome.weight = 1.0 / scale;
     outcome.covariance_world_m2 += more_covariance_m2;
     outcome.flags = fix_used;
-    if (state.imu_fault.is_undecided && innovation.squared_norm <= chi2_huber_threshold)
-      end_comparison(state);
+    if (state.imu_fault.is_undecided && !fits_badly) end_comparison(state);
     const bool is_tracking = state.phase == Phase::tracking;
     correct_followed(state, judged, more_covariance_m2);
     if (is_tracking) learn_noise(state, judged);
     note_used(state, fix);
     if (is_tracking) state.imu_fault.add_used(innovation);
+    // A wrong IMU may lead the estimate away so slowly that every fix is used with less weight.
+    if (fits_badly) switch_to_distrustful_model(state);
   } else {
     ++state.fixes.rejected_in_row;
     if (state.fixes.rejected_in_row >= min_rejected_in_row) state.imu_fault.is_undecided = true;

@@ -78,6 +78,7 @@ void adopt_distrustful_model(State& state, Hypothesis& chosen) {
     }
   }
   detector.forget_innovations();
+  state.fixes.misfits_in_row = 0;
   state.headings.accept();
   rest::restart(state.rest);
 }
@@ -152,13 +153,12 @@ void update_distrustful_models(State& state, bool is_suspicious) {
 }
 
 bool switch_to_distrustful_model(State& state) {
-  constexpr double min_evidence_margin = 10.0;    // prior odds: most IMUs are right
-  constexpr double min_margin_over_tracks = 4.0;  // wrong tracks are more frequent
+  constexpr double min_evidence_margin = 10.0;  // prior odds: most IMUs are right
   // A start that is not proven is more likely to be wrong than the IMU, unless nothing else explains the
   // fixes.
   if (state.phase != Phase::tracking ||
       std::max(state.fixes.since_start, state.fixes.rejected_in_row / 2) < proven_fixes ||
-      std::max(state.fixes.rejected_in_row, state.headings.rejected_in_row) < min_rejected_in_row)
+      std::max(state.fixes.misfits_in_row, state.headings.rejected_in_row) < min_rejected_in_row)
     return false;
   Hypothesis* chosen = nullptr;
   for (Hypothesis& each : state.bank) {
@@ -170,8 +170,7 @@ bool switch_to_distrustful_model(State& state) {
   double max_evidence = state.imu_fault.shifted.evidence;
   if (const Hypothesis* const other = find_other_track(state))
     max_evidence = std::max(max_evidence, other->evidence);
-  if (!(chosen->evidence >
-        std::max(state.bank.best().evidence + min_evidence_margin, max_evidence + min_margin_over_tracks)))
+  if (!(chosen->evidence > std::max(state.bank.best().evidence + min_evidence_margin, max_evidence)))
     return false;
   const Hypothesis* const without_headings = state.bank.find(ImuModel::wrong_headings);
   if (without_headings != nullptr && without_headings->evidence > chosen->evidence) return false;
