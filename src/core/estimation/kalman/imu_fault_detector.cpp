@@ -98,7 +98,10 @@ void choose_model(State& state) {
     const bool best_is_distrustful = is_distrustful(bank.best().imu);
     if (is_distrustful(each.imu) && !best_is_distrustful) continue;
     if (each.imu == ImuModel::other_clock && !has_other_clock(each.filter)) continue;
-    if (each.imu == ImuModel::wrong_headings && !contradicts_headings(state, each.filter)) continue;
+    // A wrong gyroscope also contradicts the headings.
+    if (each.imu == ImuModel::wrong_headings &&
+        (best_is_distrustful || !contradicts_headings(state, each.filter)))
+      continue;
     const double score_margin = each.imu == ImuModel::wrong_headings ? headings_score_margin
                                 : each.imu > bank.best().imu         ? noisier_score_margin
                                                                      : quieter_score_margin;
