@@ -53,6 +53,17 @@ struct ShockDetector {
   bool operator==(const ShockDetector&) const = default;
 };
 
+/// Detects a gyroscope at the end of its range, where a reading repeats its largest value. The body may turn
+/// faster then.
+struct ClipDetector {
+  Vector3d largest_body_radps = Vector3d::Zero();  ///< largest magnitude of a reading so far
+  Vector3d repeats = Vector3d::Zero();             ///< number of consecutive readings at it
+
+  /// Adds a reading. Returns the rate that it may miss, per axis.
+  Vector3d add(const Vector3d& reading_body_radps);
+  bool operator==(const ClipDetector&) const = default;
+};
+
 /// Updates the usual interval between samples with another one.
 [[nodiscard]] double nominal_imu_period_s(double before_s, double step_s);
 
@@ -97,6 +108,11 @@ void for_each_field(IsFieldsOf<ShockDetector> auto& shocks, const auto& visit) {
   visit("open_integral_body", shocks.open_integral_body);
   visit("reading_before_body", shocks.reading_body[0]);
   visit("reading_last_body", shocks.reading_body[1]);
+}
+
+void for_each_field(IsFieldsOf<ClipDetector> auto& clip, const auto& visit) {
+  visit("largest_body_radps", clip.largest_body_radps);
+  visit("repeats", clip.repeats);
 }
 
 }  // namespace sonopose::estimation::kalman

@@ -52,6 +52,7 @@ struct ImuInput {
   bool in_gap = false;                               ///< true if the sample ended a silence
   ShockDetector shocks;                              ///< shocks of the accelerometer
   ShockDetector turn_shocks;                         ///< shocks of the gyroscope
+  ClipDetector gyro_clip;                            ///< end of the gyroscope's range
   ImuPreintegrator pending_steps;  ///< steps not yet applied to the filters; none in a checkpoint
 
   bool operator==(const ImuInput&) const = default;
@@ -149,6 +150,7 @@ void for_each_field(IsFieldsOf<ImuInput> auto& imu, const auto& visit) {
   visit("in_gap", imu.in_gap);
   visit("shocks", imu.shocks);
   visit("turn_shocks", imu.turn_shocks);
+  visit("gyro_clip", imu.gyro_clip);
 }
 
 void for_each_field(IsFieldsOf<FixGate> auto& fixes, const auto& visit) {

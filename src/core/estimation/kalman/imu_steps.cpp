@@ -1,6 +1,7 @@
 #include <sonopose/estimation/kalman/imu_steps.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 namespace sonopose::estimation::kalman {
 
@@ -39,6 +40,21 @@ double ShockDetector::density_rthz() const {
   constexpr double of_white_noise = 3.9;  // mean second difference of three axes, in standard deviations
   constexpr double usual_interval_rts = 0.1;
   return roughness / of_white_noise * usual_interval_rts;
+}
+
+Vector3d ClipDetector::add(const Vector3d& reading_body_radps) {
+  constexpr double min_range_radps = 2.0;  // the smallest range of a usual gyroscope is 125 °/s
+  constexpr double min_repeats = 2;        // noise repeats a value by chance
+  constexpr double max_repeats = 1000;
+  constexpr double missed_share = 0.3;
+  Vector3d missed_radps = Vector3d::Zero();
+  for (int i = 0; i < 3; ++i) {
+    const double magnitude = std::abs(reading_body_radps[i]);
+    repeats[i] = magnitude == largest_body_radps[i] ? std::min(repeats[i] + 1.0, max_repeats) : 0.0;
+    largest_body_radps[i] = std::max(largest_body_radps[i], magnitude);
+    if (repeats[i] >= min_repeats && magnitude > min_range_radps) missed_radps[i] = missed_share * magnitude;
+  }
+  return missed_radps;
 }
 
 ImuStep step_between(const ImuMeasurement& last, const ImuMeasurement& next, double usual_s) {

@@ -87,6 +87,16 @@ void update_rest(State& state, const ImuMeasurement& sample, ImuOutcome& outcome
   outcome.zero_velocity_variance = rest::still_velocity_variance(rest, sample.time_ns);
 }
 
+/// Adds the variance of a turn beyond the range of the gyroscope.
+void add_missed_turn(State& state, const Vector3d& missed_body_radps, double duration_s) {
+  constexpr double memory_s = 0.1;  // time for which its rate is alike
+  if (missed_body_radps.isZero(0.0)) return;
+  state.propagate();
+  for (Hypothesis& each : state.bank) {
+    each.filter.add_variance(at_attitude, 2.0 * memory_s * duration_s * missed_body_radps.cwiseAbs2());
+  }
+}
+
 /// Noise of a model. A rough IMU is at least as noisy as its samples show.
 ProcessNoise process_noise(const ImuInput& imu, ImuModel model) {
   ProcessNoise noise = parameters_of(model).noise;
@@ -168,6 +178,7 @@ ImuOutcome State::on_imu(const settings::Settings& settings, const ImuMeasuremen
       propagate();
       for (Hypothesis& each : bank) add_missed_motion(each.filter, step);
     }
+    add_missed_turn(*this, imu.gyro_clip.add(sample.rate_body_radps), dt_s);
   }
   if (!is_first && !imu.in_gap) {
     imu.nominal_imu_period_s = kalman::nominal_imu_period_s(imu.nominal_imu_period_s, dt_s);

@@ -118,6 +118,31 @@ SCENARIO("only a shock makes the velocity uncertain") {
   }
 }
 
+SCENARIO("a gyroscope at the end of its range misses a part of the rate") {
+  GIVEN("a turn about Z that exceeds the range") {
+    constexpr double range_radps = 6.0;
+    ClipDetector clip;
+    CHECK(clip.add({0.1, 0.2, 5.9}).isZero());
+    THEN("the first reading at the largest value may be right, and repeated ones miss something about Z") {
+      CHECK(clip.add({0.1, 0.2, range_radps}).isZero());
+      CHECK(clip.add({0.2, 0.1, range_radps}).isZero());
+      const Vector3d missed_radps = clip.add({0.1, 0.3, range_radps});
+      CHECK(missed_radps.x() == 0.0);
+      CHECK(missed_radps.y() == 0.0);
+      CHECK(missed_radps.z() > 0.5);
+      AND_THEN("a smaller reading is right again") {
+        CHECK(clip.add({0.1, 0.2, 5.8}).isZero());
+      }
+    }
+  }
+  GIVEN("a gyroscope at rest whose noise is below its resolution") {
+    ClipDetector clip;
+    THEN("its constant readings miss nothing") {
+      for (int i = 0; i < 100; ++i) CHECK(clip.add({0.0, 0.01, -0.01}).isZero());
+    }
+  }
+}
+
 SCENARIO("the roughness of the readings gives the density of their noise") {
   const double rate_hz = GENERATE(100.0, 1000.0);
   GIVEN("white noise of 3 m/s² at " + std::to_string(rate_hz) + " Hz") {

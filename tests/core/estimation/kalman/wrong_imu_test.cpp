@@ -162,6 +162,28 @@ SCENARIO("clocks of IMU and fixes that differ are found, and the offset is taken
   }
 }
 
+SCENARIO("the yaw of a body that turns faster than its gyroscope measures is known to be uncertain") {
+  const std::uint64_t seed = GENERATE(7111U, 7112U, 7113U);
+  GIVEN("turns of 9 rad/s with a gyroscope that ends at 6 rad/s, seed " << seed) {
+    const auto moments =
+        moments_of("spin", seed, [](sim::Scenario& scenario) { scenario.sensors.gyro_limit_radps = 6.0; });
+    THEN("the mean squared error of the yaw is about its variance, and headings soon correct it") {
+      double normalised = 0.0;
+      double squares_rad2 = 0.0;
+      for (const Moment& moment : moments) {
+        normalised += std::pow(moment.yaw_error_rad / yaw_std_rad(moment.pose), 2);
+        squares_rad2 += std::pow(moment.yaw_error_rad, 2);
+      }
+      const auto count = static_cast<double>(moments.size());
+      CHECK(normalised / count < 4.0);
+      CHECK(std::sqrt(squares_rad2 / count) < 20.0 * geometry::radians_per_degree);
+    }
+    THEN("the position stays within decimetres") {
+      CHECK(largest_error_m(moments, 6.0) < 0.3);
+    }
+  }
+}
+
 SCENARIO("a pair that is swapped for some seconds turns nothing") {
   const std::string motion = GENERATE("walk", "kart", "drone", "spin");
   GIVEN("the scenario " + motion + " with headings that are opposite for 2 and for 6 s") {
