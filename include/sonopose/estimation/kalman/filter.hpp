@@ -129,6 +129,7 @@ public:
   double delay_variance_s2 = 0;                        ///< 0: not estimated
   StateVector delay_covariance = StateVector::Zero();  ///< covariance of the state with the delay
   AtMostOne<VelocityScale> scale;                      ///< there once a velocity was measured
+  bool ignores_force = false;                          ///< the velocity stays; the accelerometer is not used
   Transition pending;                                  ///< transition since the covariance was propagated
 
   bool operator==(const Filter&) const = default;
@@ -308,6 +309,7 @@ void for_each_field(IsFieldsOf<Filter> auto& filter, const auto& visit) {
   visit("acceleration_world_mps2", filter.acceleration_world_mps2);
   visit("angular_velocity_body_radps", filter.angular_velocity_body_radps);
   visit("velocity_scale", filter.scale);
+  visit("ignores_force", filter.ignores_force);
 }
 
 }  // namespace sonopose::estimation::kalman

@@ -47,7 +47,7 @@ struct ImuInput {
   TimeNs time_ns = 0;  ///< time of the sample; 0 before the first
   Vector3d rate_body_radps = Vector3d::Zero();
   Vector3d force_body_mps2 = Vector3d::Zero();
-  Vector3d mean_force_body_mps2 = Vector3d::Zero();  ///< low-pass filtered until the first fix
+  Vector3d mean_force_body_mps2 = Vector3d::Zero();  ///< mean of the last seconds, turned with the body
   double nominal_imu_period_s = 0;                   ///< usual interval between samples; 0: unknown
   bool in_gap = false;                               ///< true if the sample ended a silence
   ShockDetector shocks;                              ///< shocks of the accelerometer

@@ -43,9 +43,16 @@ void correct_followed(State& state, const JudgedFix& judged, const Matrix3d& mor
     if (!missed) each.filter.correct_fix(innovation, more_covariance_m2);
   }
   if (state.phase == Phase::searching_yaw) {
-    prune_starts(state);
-  } else {
-    choose_model(state);
+    if (!restart_search(state)) prune_starts(state);
+    return;
+  }
+  choose_model(state);
+  // The models that trust the IMU have not recovered from the attitude of this one.
+  constexpr int min_distrusted_fixes = 60;
+  const Hypothesis& best = state.bank.best();
+  if (best.imu == ImuModel::distrusts_imu && best.explained_in_row >= min_distrusted_fixes) {
+    search_yaw_again(state);
+    state.bank.best_index = start_count;
   }
 }
 
@@ -116,7 +123,7 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
   state.fixes.trust += ((is_used ? 1.0 : 0.0) - state.fixes.trust) / trust_memory;
   const bool fits_badly = innovation.squared_norm > chi2_huber_threshold;
   state.fixes.misfits_in_row = fits_badly ? state.fixes.misfits_in_row + 1 : 0;
-  if (state.phase == Phase::tracking) update_evidence(state, judged);
+  update_evidence(state, judged);
   if (is_used) {
     const double scale = scale_of(innovation);
     // After rejected fixes the estimate is uncertain too.

@@ -41,12 +41,9 @@ const ImuModelParameters& parameters_of(ImuModel model) {
       {.noise = {.accel_mps2_rthz = 1.5, .gyro_radps_rthz = 2.4e-3, .accel_bias_mps2_rts = 2.0},
        .inflation = {.velocity_mps = wrong_mps, .accel_bias_mps2 = 1.0},
        .dead_reckoning_mps_rts = 0.3},
-      {.noise = {.accel_mps2_rthz = 3.0, .gyro_radps_rthz = 0.05, .accel_bias_mps2_rts = 2.0},
-       .inflation = {.velocity_mps = 1.0,
-                     .tilt_rad = radians(5.0),
-                     .yaw_rad = radians(15.0),
-                     .gyro_bias_radps = 0.1,
-                     .accel_bias_mps2 = 5.0},
+      {.noise = {.accel_mps2_rthz = 3.0, .gyro_radps_rthz = 0.05},
+       .inflation =
+           {.velocity_mps = 1.0, .tilt_rad = radians(5.0), .yaw_rad = radians(15.0), .gyro_bias_radps = 0.1},
        .dead_reckoning_mps_rts = 1.5},
       {.noise = {.gyro_radps_rthz = 2.4e-3, .gyro_bias_radps_rts = 1e-3},
        .inflation =
@@ -59,6 +56,7 @@ const ImuModelParameters& parameters_of(ImuModel model) {
 
 void set_imu_model(Hypothesis& hypothesis, ImuModel model) {
   hypothesis.imu = model;
+  hypothesis.filter.ignores_force = model == ImuModel::distrusts_imu;
   inflate(hypothesis.filter, parameters_of(model).inflation);
   hypothesis.filter.apply_past_errors(parameters_of(model).wrong_for_s);
   const double offset_std_s = parameters_of(model).clock_offset_std_s;

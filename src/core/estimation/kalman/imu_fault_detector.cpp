@@ -12,8 +12,9 @@ constexpr TimeNs fault_memory_ns = 3'000'000'000;  // an IMU that was wrong a mo
 
 /// Restarts a hypothesis from the best one. If that is distrustful, the new one trusts the IMU as before the
 /// fault.
-void restart(Hypothesis& hypothesis, const Hypothesis& best, const ImuFaultDetector& detector) {
+void restart(Hypothesis& hypothesis, const Hypothesis& best, const State& state) {
   constexpr double restart_penalty = 2.0;
+  const ImuFaultDetector& detector = state.imu_fault;
   const ImuModel model = hypothesis.imu;
   hypothesis = best;
   set_imu_model(hypothesis, model);
@@ -25,6 +26,14 @@ void restart(Hypothesis& hypothesis, const Hypothesis& best, const ImuFaultDetec
   f.accel_bias_body_mps2 = detector.trusted_accel_bias_body_mps2;
   f.decorrelate(at_gyro_bias, Vector3d::Constant(square(start_gyro_bias_std_radps)));
   f.decorrelate(at_accel_bias, Vector3d::Constant(square(start_accel_bias_std_mps2)));
+  const auto up_body = best.imu == ImuModel::distrusts_imu ? up_by_mean_force(state) : std::nullopt;
+  if (!up_body) return;
+  const Vector3d tracked_world_m = f.tracked_position_world_m();
+  const double yaw_variance_rad2 = f.yaw_variance_rad2();
+  f.q_body_to_world = geometry::level_with(*up_body, geometry::yaw_of(f.q_body_to_world));
+  f.position_world_m = tracked_world_m + f.q_body_to_world * f.lever_arm_body_m;
+  f.decorrelate(at_attitude, Vector3d::Constant(square(radians(10.0))));
+  f.add_yaw_variance(yaw_variance_rad2);
 }
 
 /// True if it has explained enough fixes in a row to trust the IMU again; each fault doubles their number.
@@ -74,7 +83,7 @@ void adopt_distrustful_model(State& state, Hypothesis& chosen) {
     Hypothesis& best = *state.bank.find(model);
     state.bank.best_index = state.bank.index_of(best);
     for (Hypothesis& each : state.bank) {
-      if (each.track == Track::followed && &each != &best) restart(each, best, detector);
+      if (each.track == Track::followed && &each != &best) restart(each, best, state);
     }
   }
   detector.forget_innovations();
@@ -94,7 +103,7 @@ void choose_model(State& state) {
   HypothesisBank& bank = state.bank;
   for (Hypothesis& each : bank) {
     if (each.track != Track::followed || &each == &bank.best()) continue;
-    if (each.missed_in_row >= restart_after_misses) restart(each, bank.best(), state.imu_fault);
+    if (each.missed_in_row >= restart_after_misses) restart(each, bank.best(), state);
     const bool best_is_distrustful = is_distrustful(bank.best().imu);
     if (is_distrustful(each.imu) && !best_is_distrustful) continue;
     if (each.imu == ImuModel::other_clock && !has_other_clock(each.filter)) continue;
@@ -156,7 +165,6 @@ void update_distrustful_models(State& state, bool is_suspicious) {
 }
 
 bool switch_to_distrustful_model(State& state) {
-  constexpr double min_evidence_margin = 10.0;  // prior odds: most IMUs are right
   // A start that is not proven is more likely to be wrong than the IMU, unless nothing else explains the
   // fixes.
   if (state.phase != Phase::tracking ||

@@ -101,8 +101,12 @@ NominalStep Filter::step(const NominalState& from, const Vector3d& rate_body_rad
   const Quaterniond half = geometry::rotation_by((0.5 * dt_s * after.angular_velocity_body_radps).eval());
   const Quaterniond q_middle = from.q_body_to_world * half;
   step.rotation_middle = q_middle.toRotationMatrix();
-  step.force_world_mps2 = step.rotation_middle * (specific_force_body_mps2 - accel_bias_body_mps2);
-  after.acceleration_world_mps2 = step.force_world_mps2 + gravity_world_mps2;
+  step.force_world_mps2.setZero();
+  after.acceleration_world_mps2.setZero();
+  if (!ignores_force) {
+    step.force_world_mps2 = step.rotation_middle * (specific_force_body_mps2 - accel_bias_body_mps2);
+    after.acceleration_world_mps2 = step.force_world_mps2 + gravity_world_mps2;
+  }
   after.position_world_m = from.position_world_m + dt_s * from.velocity_world_mps +
                            0.5 * dt_s * dt_s * after.acceleration_world_mps2;
   after.velocity_world_mps = from.velocity_world_mps + dt_s * after.acceleration_world_mps2;

@@ -19,6 +19,7 @@ void set_latest(NominalState& state, const Filter& filter, const ImuStep& latest
   const Quaterniond q_middle =
       state.q_body_to_world * geometry::rotation_by((-0.5 * latest.duration_s * rate_body_radps).eval());
   state.angular_velocity_body_radps = rate_body_radps;
+  if (filter.ignores_force) return;
   state.acceleration_world_mps2 =
       q_middle * (latest.force_body_mps2 - filter.accel_bias_body_mps2) + gravity_world_mps2;
 }
@@ -59,6 +60,21 @@ void turn_last_heading(State& state, const ImuMeasurement& sample) {
   const double dt_s = seconds_between(state.imu.time_ns, sample.time_ns);
   state.imu.rate_body_radps = sample.rate_body_radps;
   gate.heading_world_rad += 0.5 * (before_radps + yaw_rate_radps(state)) * dt_s;
+}
+
+/// Updates the mean force. Over some seconds the acceleration of a body that stays in a room averages out, so
+/// it shows gravity even if no attitude is known, as long as the gyroscope is right.
+void update_mean_force(State& state, const ImuMeasurement& sample, double dt_s) {
+  Vector3d& mean = state.imu.mean_force_body_mps2;
+  if (dt_s <= 0.0 || state.imu.in_gap) {
+    if (mean.isZero() || state.imu.in_gap) mean = sample.force_body_mps2;
+    return;
+  }
+  const double time_constant_s = state.phase == Phase::waiting ? 0.5 : 3.0;
+  const Vector3d bias =
+      state.phase == Phase::waiting ? Vector3d::Zero() : state.filter().gyro_bias_body_radps;
+  mean = geometry::rotation_by((-dt_s * (sample.rate_body_radps - bias)).eval()) * mean;
+  mean += std::min(1.0, std::max(dt_s, 0.005) / time_constant_s) * (sample.force_body_mps2 - mean);
 }
 
 void update_rest(State& state, const ImuMeasurement& sample, ImuOutcome& outcome) {
@@ -133,6 +149,13 @@ void update_zero_velocity(State& state, double variance_m2ps2) {
 
 }  // namespace
 
+std::optional<Vector3d> up_by_mean_force(const State& state) {
+  constexpr double max_error_mps2 = 1.0;
+  const Vector3d& mean = state.imu.mean_force_body_mps2;
+  if (!(std::abs(mean.norm() - gravity_world_mps2.norm()) < max_error_mps2)) return std::nullopt;
+  return mean;
+}
+
 bool stands_still(const State& state, int min_fixes) {
   const Vector3d fix_std_m =
       state.noise.fix_covariance_m2(state.fixes.quality_percent).diagonal().cwiseSqrt();
@@ -157,13 +180,10 @@ ImuOutcome State::on_imu(const settings::Settings& settings, const ImuMeasuremen
   const double dt_s = is_first ? 0.0 : seconds_between(imu.time_ns, sample.time_ns);
   imu.in_gap = dt_s > settings.outage.imu_gap_s;
   if (imu.in_gap) headings.is_current = false;  // no rate shows how the body turned meanwhile
-  if (phase == Phase::waiting) {
-    constexpr double time_constant_s = 0.5;
-    const double smoothing_factor = is_first ? 1.0 : std::min(1.0, std::max(dt_s, 0.005) / time_constant_s);
-    imu.mean_force_body_mps2 += smoothing_factor * (sample.force_body_mps2 - imu.mean_force_body_mps2);
-  } else if (imu.in_gap) {
+  update_mean_force(*this, sample, dt_s);
+  if (phase != Phase::waiting && imu.in_gap) {
     end_imu_gap(*this, sample.time_ns);
-  } else if (dt_s > 0.0) {
+  } else if (phase != Phase::waiting && dt_s > 0.0) {
     ImuStep step = step_between({.time_ns = imu.time_ns,
                                  .rate_body_radps = imu.rate_body_radps,
                                  .force_body_mps2 = imu.force_body_mps2},

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 namespace sonopose::estimation::kalman {
 
@@ -21,6 +22,7 @@ inline constexpr double wrong_fix_likelihood = -4.5;       // logarithm; the fix
 inline constexpr TimeNs max_heading_age_ns = 500'000'000;  // age at which a start may still use a heading
 inline constexpr int min_rejected_in_row = 3;              // fewer may be outliers
 inline constexpr int min_track_fixes = 3;                  // number of fixes that make a track
+inline constexpr double min_evidence_margin = 10.0;        // prior odds: most IMUs are right
 inline constexpr int min_rest_fixes = 2;  // enough to distinguish a rest from a smooth cruise
 
 constexpr double square(double x) {
@@ -81,6 +83,8 @@ struct JudgedFix {
 [[nodiscard]] bool stands_still(const State& state, int min_fixes);
 /// Holds a planar body in its plane, several times a second. `before_ns`: time of the previous sample.
 void hold_plane(State& state, const settings::PlanarSettings& settings, TimeNs before_ns);
+/// Vertical in the body by the mean force; empty if that is not gravity.
+[[nodiscard]] std::optional<Vector3d> up_by_mean_force(const State& state);
 /// Rate of the body about the vertical.
 [[nodiscard]] double yaw_rate_radps(const State& state);
 /// Registers that the followed track jumped to this fix.
@@ -92,6 +96,8 @@ void note_used(State& state, const FixMeasurement& fix);
 void start_at(State& state, const FixMeasurement& fix, const settings::Settings& settings);
 void prune_starts(State& state);
 void search_yaw_again(State& state);
+/// Searches again from the fixes alone if they contradict every start. Returns true if so.
+bool restart_search(State& state);
 
 // Headings.
 /// Variance of the source, or the learned one.

@@ -61,6 +61,7 @@ void search(State& state, const Filter& from, const Vector3d& up_body, double fi
     const bool is_fixes_alone = i == directions;
     if (is_fixes_alone && directions == 1) break;
     Hypothesis& start = state.bank.spawn({.filter = from});
+    start.filter.ignores_force = is_fixes_alone;
     if (is_fixes_alone) start.imu = ImuModel::distrusts_imu;
     start.filter.q_body_to_world =
         geometry::level_with(up_body, first_yaw_rad + i * 2.0 * std::numbers::pi / start_count);
@@ -81,11 +82,42 @@ double yaw_of_last_heading_rad(const State& state, TimeNs fix_ns, const settings
 
 void search_yaw_again(State& state) {
   Filter from = state.filter();
-  const Vector3d up_body = geometry::up_in_body(from.q_body_to_world);
+  const bool knows_up = state.bank.best().imu != ImuModel::distrusts_imu;
+  const Vector3d up_of_filter = geometry::up_in_body(from.q_body_to_world);
+  const Vector3d up_body = knows_up ? up_of_filter : up_by_mean_force(state).value_or(up_of_filter);
   const double yaw_rad = geometry::yaw_of(from.q_body_to_world);
-  from.decorrelate(at_attitude, Vector3d::Constant(square(radians(5.0))));
+  from.decorrelate(at_attitude, Vector3d::Constant(square(radians(knows_up ? 5.0 : 10.0))));
+  if (!knows_up) {
+    from.decorrelate(at_gyro_bias, Vector3d::Constant(square(start_gyro_bias_std_radps)));
+    from.decorrelate(at_accel_bias, Vector3d::Constant(square(start_accel_bias_std_mps2)));
+    if (state.imu_fault.faults > 0) {
+      from.gyro_bias_body_radps = state.imu_fault.trusted_gyro_bias_body_radps;
+      from.accel_bias_body_mps2 = state.imu_fault.trusted_accel_bias_body_mps2;
+    }
+  }
   from.add_yaw_variance(square(radians(15.0)));
   search(state, from, up_body, yaw_rad, start_count);
+}
+
+bool restart_search(State& state) {
+  const Hypothesis* fixes_alone = nullptr;
+  double start_evidence = -std::numeric_limits<double>::infinity();
+  for (const Hypothesis& each : state.bank) {
+    if (each.track != Track::followed) continue;
+    if (each.imu == ImuModel::distrusts_imu) {
+      fixes_alone = &each;
+    } else {
+      start_evidence = std::max(start_evidence, each.evidence);
+    }
+  }
+  if (fixes_alone == nullptr || fixes_alone->explained_in_row < min_track_fixes ||
+      fixes_alone->evidence <
+          std::max(start_evidence + min_evidence_margin, state.imu_fault.shifted.evidence))
+    return false;
+  state.bank.best_index = state.bank.index_of(*fixes_alone);
+  search_yaw_again(state);
+  state.bank.best_index = start_count;
+  return true;
 }
 
 void start_at(State& state, const FixMeasurement& fix, const settings::Settings& settings) {

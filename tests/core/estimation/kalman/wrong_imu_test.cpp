@@ -103,6 +103,23 @@ SCENARIO("an IMU that turns in its mount is found, and trusted again") {
   }
 }
 
+SCENARIO("an IMU that turns in its mount is found while the yaw is unknown") {
+  const std::uint64_t seed = GENERATE(7071U, 7072U, 7073U);
+  constexpr double turns_s = 15.0;
+  GIVEN("a single beacon that sways from the start, and whose IMU turns by 12 degrees, seed " << seed) {
+    const auto moments = moments_of("swaying", seed, [&](sim::Scenario& scenario) {
+      constexpr double turn_rad = 12.0 * geometry::radians_per_degree;
+      scenario.sensors.pair_heading = false;
+      scenario.disturbances.imu_faults = {
+          {.begin_s = turns_s, .duration_s = without_end_s, .turned_by_rad = {turn_rad, 0.0, 0.0}}};
+    });
+    THEN("the position stays within a metre, and is soon as good as that of the fixes") {
+      CHECK(largest_error_m(moments, 6.0) < 1.0);
+      CHECK(largest_error_m(moments, turns_s + 10.0) < 0.2);
+    }
+  }
+}
+
 SCENARIO("an accelerometer whose bias steps costs decimetres at most, and the covariance says so") {
   const std::uint64_t seed = GENERATE(7071U, 7072U, 7073U);
   const double step_mps2 = GENERATE(0.15, 0.3, 0.8);
