@@ -147,8 +147,8 @@ struct RunawaySettings {
 struct MotionSettings {
   double accel_linear_threshold_mps2 = 30.0;  ///< item 25
   bool gyro_gate = true;                      ///< item 35
-  double gyro_gate_projection_radps = 4.0;    ///< item 36
-  double gyro_gate_freeze_radps = 4.5;        ///< item 37
+  double gyro_gate_projection_radps = 7.0;    ///< item 36
+  double gyro_gate_freeze_radps = 8.0;        ///< item 37
 };
 
 /// Motion in a horizontal plane.

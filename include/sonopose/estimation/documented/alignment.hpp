@@ -24,6 +24,7 @@ struct AlignmentState {
   Vector3d known_acceleration_world_mps2 = Vector3d::Zero();
   bool aiding = false;  ///< true while the filter uses the acceleration
   TimeNs aided_ns = 0;  ///< time when the filter last used it; 0: never
+  TimeNs gated_ns = 0;  ///< time when the gate (items 35–37) last withheld acceleration; 0: never
 
   bool operator==(const AlignmentState&) const = default;
 };
@@ -46,6 +47,10 @@ void correct_tilt(const AlignmentSettings& settings, AlignmentState& state, atti
 /// correct.
 void set_known_acceleration(const AlignmentSettings& settings, AlignmentState& state,
                             const Vector3d& gained_world_mps, TimeNs now_ns, double dt_s);
+
+/// Performs one IMU step whose acceleration the gate withheld: it is unknown, and fixes that measure the
+/// missing velocity show no error of the attitude.
+void suspend(AlignmentState& state, TimeNs now_ns);
 
 /// Marks the acceleration as unknown, like the velocity.
 void clear_known_acceleration(AlignmentState& state);

@@ -74,7 +74,8 @@ private:
   void reset_position(const TimedFix& fix, FixReport& report);
   bool reset_velocity(TimedFix& fix, FixReport& report);
   void correct_pose(const TimedFix& fix, FixReport& report);
-  void align(const FixVelocity& measured, const VelocityChange& change, FixReport& report);
+  void align(const TimedFix& fix, const FixVelocity& measured, const VelocityChange& change,
+             FixReport& report);
 
   [[nodiscard]] FusedPose pose_at(const ImuSample& imu) const;
   [[nodiscard]] std::uint32_t status() const;

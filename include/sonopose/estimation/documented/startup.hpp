@@ -17,12 +17,15 @@ struct StartupState {
   Vector3d gyro_squares = Vector3d::Zero();  ///< Welford's sum of squared deviations
   Vector3d accel_mean = Vector3d::Zero();
   Vector3d accel_squares = Vector3d::Zero();
-  bool window_has_fix = false;
-  Vector3d window_fix_world_m = Vector3d::Zero();  ///< first fix of the window
-  Vector3d window_moved_m = Vector3d::Zero();  ///< largest distance of a later fix from the first, per axis
-  bool waiting = true;                         ///< true while the start waits for stillness
-  bool calibrated = false;                     ///< true once the offset was measured
-  TimeNs ended_ns = 0;                         ///< end of the rest that calibrated
+  int window_fixes = 0;
+  double fix_time_mean_s = 0;  ///< since the window began
+  double fix_time_squares_s2 = 0;
+  Vector3d fix_mean_world_m = Vector3d::Zero();
+  Vector3d fix_squares_m2 = Vector3d::Zero();
+  Vector3d fix_products_ms = Vector3d::Zero();  ///< sum of the products of time and position, as deviations
+  bool waiting = true;                          ///< true while the start waits for stillness
+  bool calibrated = false;                      ///< true once the offset was measured
+  TimeNs ended_ns = 0;                          ///< end of the rest that calibrated
   Vector3d gyro_offset_body_radps = Vector3d::Zero();
 
   bool operator==(const StartupState&) const = default;
@@ -40,12 +43,10 @@ enum class Progress {
 /// Starts a new window at `time_ns`.
 void begin_window(StartupState& state, TimeNs time_ns);
 
-/// Adds one IMU sample to the window. Without a rest at the start, the first later rest calibrates. Fixes
-/// scattered by no more than their noise show no motion.
-Progress update(const StartupSettings& settings, StartupState& state, const ImuSample& imu,
-                const Vector3d& fix_noise_world_m = Vector3d::Zero());
+/// Adds one IMU sample to the window. Without a rest at the start, the first later rest calibrates.
+Progress update(const StartupSettings& settings, StartupState& state, const ImuSample& imu);
 
-/// Adds an admitted fix. Fixes that are far apart show motion.
+/// Adds an admitted fix. A trend of the fixes that exceeds their scatter shows motion.
 void update(StartupState& state, const UltrasonicFix& fix);
 
 }  // namespace startup

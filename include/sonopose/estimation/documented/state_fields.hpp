@@ -44,9 +44,12 @@ void for_each_field(IsFieldsOf<State> auto& state, const auto& visit) {
   visit("startup.gyro_squares", state.startup.gyro_squares);
   visit("startup.accel_mean", state.startup.accel_mean);
   visit("startup.accel_squares", state.startup.accel_squares);
-  visit("startup.window_has_fix", state.startup.window_has_fix);
-  visit("startup.window_fix_world_m", state.startup.window_fix_world_m);
-  visit("startup.window_moved_m", state.startup.window_moved_m);
+  visit("startup.window_fixes", state.startup.window_fixes);
+  visit("startup.fix_time_mean_s", state.startup.fix_time_mean_s);
+  visit("startup.fix_time_squares_s2", state.startup.fix_time_squares_s2);
+  visit("startup.fix_mean_world_m", state.startup.fix_mean_world_m);
+  visit("startup.fix_squares_m2", state.startup.fix_squares_m2);
+  visit("startup.fix_products_ms", state.startup.fix_products_ms);
   visit("startup.waiting", state.startup.waiting);
   visit("startup.calibrated", state.startup.calibrated);
   visit("startup.ended_ns", state.startup.ended_ns);
@@ -110,6 +113,7 @@ void for_each_field(IsFieldsOf<State> auto& state, const auto& visit) {
   visit("alignment.known_acceleration_world_mps2", state.alignment.known_acceleration_world_mps2);
   visit("alignment.aiding", state.alignment.aiding);
   visit("alignment.aided_ns", state.alignment.aided_ns);
+  visit("alignment.gated_ns", state.alignment.gated_ns);
 
   visit("heading.known", state.heading.known);
   visit("heading.last_received_ns", state.heading.last_received_ns);

@@ -63,7 +63,7 @@ namespace trust {
 /// Weight w = 1 / (1 + (r/σ)²): one half at r = σ (item 13).
 [[nodiscard]] double weight_of(double innovation_m, double sigma_m);
 
-/// Share of each axis of a fix that counts, by its noise: 1 up to half of item 13, then falling as 1/noise.
+/// Share of each axis of a fix that counts, by its noise: 1 up to 35 % of item 13, then falling as 1/noise.
 [[nodiscard]] Vector3d share_of(const TrustSettings& settings, const Vector3d& noise_world_m);
 
 /// True if a pose at this distance from its fix is still converging: the fix's weight would be below one
@@ -73,9 +73,10 @@ namespace trust {
 /// Assesses a fix by its innovation. This is its distance to the position predicted from the previous fix and
 /// the IMU's velocity or, while trust is not full, to the fused position (item 15). `velocities` is the
 /// number of velocity corrections of this run if the velocity still averages them. The fewer there are, the
-/// less certain the prediction.
+/// less certain the prediction. `yaw_error_mps` is the velocity that an uncertain yaw may have misdirected.
 FixAssessment assess(const TrustSettings& settings, TrustState& state, const Kinematics& body,
-                     const TimedFix& fix, std::optional<int> velocities = std::nullopt);
+                     const TimedFix& fix, std::optional<int> velocities = std::nullopt,
+                     double yaw_error_mps = 0.0);
 
 /// Restarts at `fix` with full trust, at the start and after stale mode.
 void restart(TrustState& state, const TimedFix& fix);

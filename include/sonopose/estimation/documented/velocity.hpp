@@ -54,6 +54,7 @@ struct FixVelocity {
       1;  ///< agreement of the two fixes along the IMU's path: the weight (item 13) of their distance to it
   bool by_rivals = false;             ///< true if measured between two outliers that agree with each other
   Vector3d share = Vector3d::Ones();  ///< share of each axis that counts (scatter)
+  double usual_fixes = 1;  ///< number of fixes at the wanted interval that would have come since the latest
 };
 
 /// Velocity correction by one fix.
@@ -64,6 +65,9 @@ struct VelocityChange {
 };
 
 namespace velocity {
+
+/// Share that so many corrections with this share each correct together.
+[[nodiscard]] double share_of_several(double share, double fixes);
 
 /// Begins a run of fixes with `fix`.
 void restart(VelocityState& state, const TimedFix& fix, bool velocity_known);

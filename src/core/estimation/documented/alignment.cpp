@@ -38,6 +38,12 @@ void set_known_acceleration(const AlignmentSettings& settings, AlignmentState& s
   state.aided_ns = now_ns;
 }
 
+void suspend(AlignmentState& state, TimeNs now_ns) {
+  state.known_acceleration_world_mps2.setZero();
+  state.aiding = false;
+  state.gated_ns = now_ns;
+}
+
 void clear_known_acceleration(AlignmentState& state) {
   state.pending_world_mps.setZero();
   state.known_acceleration_world_mps2.setZero();
@@ -61,12 +67,13 @@ YawTurn correct_yaw(const AlignmentSettings& settings, AlignmentState& state, Ki
   const double signal = by_imu.squaredNorm();
   const double yaw_noise_m2ps2 = settings.yaw_noise_mps * settings.yaw_noise_mps;
   const double certainty = signal / (signal + yaw_noise_m2ps2);
-  const double turn_rad = settings.yaw_gain * certainty * angle_rad;
+  const double yaw_gain = velocity::share_of_several(settings.yaw_gain, measured.usual_fixes);
+  const double turn_rad = yaw_gain * certainty * angle_rad;
   YawTurn result{.turn_rad = turn_rad};
   // Noise in the IMU's gain alone is no signal: only the common part of both gains measures yaw.
   const double common = std::min(signal, by_imu.dot(by_fixes));
   if (common > 0.0) {
-    result.share = settings.yaw_gain * common / (common + yaw_noise_m2ps2);
+    result.share = yaw_gain * common / (common + yaw_noise_m2ps2);
     // Consecutive fixes measure the same gain, so their errors are not independent.
     constexpr double correlation = 1.5;
     result.std_rad = correlation * std::sqrt(yaw_noise_m2ps2 / common);

@@ -112,9 +112,7 @@ void Engine::start(const ImuSample& imu) {
 
 void Engine::calibrate_at_rest(const ImuSample& imu) {
   const bool at_start = state_.startup.waiting;
-  if (startup::update(settings_.startup, state_.startup, imu, state_.scatter.noise_world_m) !=
-      startup::Progress::calibrated)
-    return;
+  if (startup::update(settings_.startup, state_.startup, imu) != startup::Progress::calibrated) return;
   // The mean of a second at rest is more accurate than the filter's vertical at that time.
   const double yaw_rad = geometry::yaw_of(state_.filter.orientation());
   state_.filter.reset(geometry::level_with(state_.startup.accel_mean, yaw_rad));
@@ -171,7 +169,9 @@ void Engine::integrate_velocity(const ImuSample& imu, double dt_s) {
                     dt_s);  // 25, 35–37
   const Vector3d gained_world_mps = body.velocity_world_mps - velocity_before_world_mps;
   state_.alignment.gained_world_mps += gained_world_mps;
-  if (state_.outage.init_phase == InitPhase::tracking && state_.velocity.settled()) {
+  if (motion::is_gated(settings_.motion, body)) {
+    alignment::suspend(state_.alignment, body.time_ns);
+  } else if (state_.outage.init_phase == InitPhase::tracking && state_.velocity.settled()) {
     alignment::set_known_acceleration(settings_.alignment, state_.alignment, gained_world_mps, body.time_ns,
                                       dt_s);
   } else {

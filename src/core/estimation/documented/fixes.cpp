@@ -78,8 +78,8 @@ UltrasonicFix Engine::of_tracked_point(const UltrasonicFix& fix) const {
   return moved;
 }
 
-/// Detects a position that the source reports when it has none. A pose that is there at the detection has
-/// started at it, so the next fix starts a new run.
+/// Detects a position that the source reports when it has none. A pose that is there at the detection, or
+/// that such fixes have misled, starts a new run at the next fix.
 bool Engine::is_default_position(const UltrasonicFix& fix) {
   constexpr double near_m = 0.5;
   aiding::DefaultPosition& found = state_.default_position;
@@ -87,7 +87,8 @@ bool Engine::is_default_position(const UltrasonicFix& fix) {
   if (!found.add(aiding::measured_at(settings_.delay, fix), fix.position_world_m)) return false;
   const bool is_there = (state_.body.position_world_m - fix.position_world_m).norm() < near_m;
   if (!was_known) state_.scatter = ScatterState{};  // learned from default positions
-  if (!was_known && is_there) state_.outage.init_phase = InitPhase::no_position;
+  const bool is_misled = is_there || state_.trust.trust < 1.0 || !state_.velocity.settled();
+  if (!was_known && is_misled) state_.outage.init_phase = InitPhase::no_position;
   return true;
 }
 
@@ -141,8 +142,11 @@ void Engine::correct_pose(const TimedFix& fix, FixReport& report) {
   Kinematics& body = state_.body;
   const std::optional<int> velocities =
       state_.velocity.settled() ? std::nullopt : std::optional(state_.velocity.velocities);
+  constexpr double max_yaw_std_rad = 1.0;
+  const double yaw_error_mps = std::min(max_yaw_std_rad, state_.uncertainty.yaw_std_rad) *
+                               state_.alignment.gained_world_mps.head<2>().norm();
   const FixAssessment assessment =
-      trust::assess(settings_.trust, state_.trust, body, fix, velocities);  // 13–22
+      trust::assess(settings_.trust, state_.trust, body, fix, velocities, yaw_error_mps);  // 13–22
   // A velocity from two fixes may be grossly wrong: the second outlier restarts the run.
   if (velocities && assessment.outlier && state_.trust.outliers_in_row > 1) {
     reset_position(fix, report);
@@ -169,7 +173,7 @@ void Engine::correct_pose(const TimedFix& fix, FixReport& report) {
     if (measured->by_rivals) {
       state_.alignment.gained_world_mps *= 1.0 - change.share;  // outliers may be wrong
     } else {
-      align(*measured, change, report);
+      align(fix, *measured, change, report);
       report.yaw_change_rad += heading::correct_from_course(settings_.heading, state_.heading, body,
                                                             state_.filter, *measured);  // 31–33
     }
@@ -181,9 +185,12 @@ void Engine::correct_pose(const TimedFix& fix, FixReport& report) {
 }
 
 /// Corrects the attitude from a velocity correction.
-void Engine::align(const FixVelocity& measured, const VelocityChange& change, FixReport& report) {
-  // A snap and the first fixes of a run correct an unknown velocity, which says nothing about the attitude.
-  if (change.flags != 0 || !state_.velocity.settled()) {
+void Engine::align(const TimedFix& fix, const FixVelocity& measured, const VelocityChange& change,
+                   FixReport& report) {
+  // A snap and the first fixes of a run correct an unknown velocity, and others what the gate withheld. That
+  // says nothing about the attitude.
+  const bool was_gated = seconds_between(state_.alignment.gated_ns, fix.measured_ns) <= measured.interval_s;
+  if (change.flags != 0 || !state_.velocity.settled() || was_gated) {
     state_.alignment.gained_world_mps.setZero();
     return;
   }

@@ -7,7 +7,7 @@ namespace sonopose::estimation::documented::scatter {
 
 void learn(ScatterState& state, const Kinematics& body, const TimedFix& fix) {
   constexpr double median = 1.65;         // of |n₁ − 2 n₂ + n₃|, in standard deviations of n
-  constexpr double max_interval_s = 0.6;  // over a longer interval the acceleration of an IMU is wrong too
+  constexpr double max_interval_s = 0.3;  // over a longer interval the acceleration of an IMU is wrong too
   constexpr double max_m = 10.0;
   const double interval_s = seconds_between(state.last_measured_ns, fix.measured_ns);
   const auto moved_world_m = body.displacement_between(state.last_measured_ns, fix.measured_ns);

@@ -89,7 +89,8 @@ bool moves_away(const TrustState& state, const Kinematics& body, const TimedFix&
 
 /// Factor on item 13 while a fix's place is less certain than usual: after a pause of the fixes, and while
 /// the velocity is an average of a few. 1 on an ordinary track.
-double tolerance_for(const TrustState& state, const TimedFix& fix, std::optional<int> velocities) {
+double tolerance_for(const TrustSettings& settings, const TrustState& state, const TimedFix& fix,
+                     std::optional<int> velocities, double yaw_error_mps) {
   constexpr double ordinary_pause_s = 0.25;
   constexpr double growth_hz = 4.0;
   constexpr double first_velocity_tolerance = 4.0;
@@ -97,7 +98,8 @@ double tolerance_for(const TrustState& state, const TimedFix& fix, std::optional
   if (velocities) tolerance += first_velocity_tolerance / (1 + *velocities);
   if (!state.has_last) return tolerance;
   const double pause_s = seconds_between(state.last_measured_ns, fix.measured_ns);
-  return tolerance + growth_hz * std::max(0.0, pause_s - ordinary_pause_s);
+  return tolerance + growth_hz * std::max(0.0, pause_s - ordinary_pause_s) +
+         yaw_error_mps * pause_s / settings.sigma_m;
 }
 
 /// Items 16–19: N = clamp(n_base · jump / reference, n_min, n_max).
@@ -151,7 +153,7 @@ double weight_of(double innovation_m, double sigma_m) {
 }
 
 Vector3d share_of(const TrustSettings& settings, const Vector3d& noise_world_m) {
-  constexpr double ordinary_noise = 0.5;  // in units of item 13
+  constexpr double ordinary_noise = 0.35;  // in units of item 13
   return (ordinary_noise * settings.sigma_m * noise_world_m.cwiseInverse()).cwiseMin(1.0);
 }
 
@@ -167,13 +169,13 @@ void restart(TrustState& state, const TimedFix& fix) {
 }
 
 FixAssessment assess(const TrustSettings& settings, TrustState& state, const Kinematics& body,
-                     const TimedFix& fix, std::optional<int> velocities) {
+                     const TimedFix& fix, std::optional<int> velocities, double yaw_error_mps) {
   const bool against_imu = settings.enabled && state.trust < 1.0;
   const bool was_forced = state.forced;
   FixAssessment assessment;
   assessment.innovation_world_m = innovation_of(state, body, fix, against_imu);
   assessment.innovation_m = assessment.innovation_world_m.norm();
-  assessment.sigma_m = tolerance_for(state, fix, velocities) * settings.sigma_m;
+  assessment.sigma_m = tolerance_for(settings, state, fix, velocities, yaw_error_mps) * settings.sigma_m;
   const double limit_m = settings.outlier_sigmas * assessment.sigma_m;
   assessment.outlier = assessment.innovation_m > limit_m;
   const double ratio = assessment.innovation_m / limit_m;

@@ -2,6 +2,7 @@
 #include <sonopose/samples/pose.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace sonopose::estimation::documented::velocity {
@@ -24,11 +25,13 @@ std::uint32_t snap_for(const VelocitySettings& settings, const FixVelocity& meas
   return 0;
 }
 
-/// Share by item 3. The first velocities of a run are averaged: the n-th has a share of at least 1/n. If item
-/// 3 is zero, the velocity is not corrected.
-double blend_of(const VelocitySettings& settings, const VelocityState& state) {
-  if (state.settled() || settings.blend_weight <= 0.0) return settings.blend_weight;
-  return std::max(settings.blend_weight, 1.0 / (state.velocities + 1));
+/// Share by item 3. A fix after a longer pause than interval_wanted_s corrects as much as several at that
+/// interval: with fewer fixes the loop through the attitude would oscillate. The first velocities of a run
+/// are averaged: the n-th has a share of at least 1/n. If item 3 is zero, the velocity is not corrected.
+double blend_of(const VelocitySettings& settings, const VelocityState& state, const FixVelocity& measured) {
+  const double share = share_of_several(settings.blend_weight, measured.usual_fixes);
+  if (state.settled() || settings.blend_weight <= 0.0) return share;
+  return std::max(share, 1.0 / (state.velocities + 1));
 }
 
 /// Gate by items 26 and 27: one at rest, one half at the threshold, zero from twice the threshold on.
@@ -81,6 +84,11 @@ std::optional<FixVelocity> measure_from(const PastFix* reference, const Kinemati
   return measured;
 }
 
+/// Number of fixes at the wanted interval that would have come since `last`, at least one.
+double usual_fixes_since(const VelocitySettings& settings, const PastFix& last, const TimedFix& fix) {
+  return std::max(1.0, seconds_between(last.measured_ns, fix.measured_ns) / settings.interval_wanted_s);
+}
+
 void remember(PastFixes& fixes, int& count, const TimedFix& fix) {
   std::copy_backward(fixes.begin(), fixes.end() - 1, fixes.end());
   fixes[0] = {fix.measured_ns, fix.measured_position_world_m};
@@ -111,6 +119,7 @@ std::optional<FixVelocity> measure_rivals(const VelocitySettings& settings, Velo
   if (assessment.rivals == 0) return std::nullopt;
   state.rival_count = std::min(state.rival_count, assessment.rivals - 1);
   auto measured = measure_from(reference_for(settings, state.rivals, state.rival_count, fix), body, fix);
+  if (measured) measured->usual_fixes = usual_fixes_since(settings, state.rivals[0], fix);
   remember(state.rivals, state.rival_count, fix);
   if (!measured) return std::nullopt;
   measured->by_rivals = true;
@@ -131,6 +140,10 @@ double reliability_of(const FixVelocity& measured, const FixAssessment& assessme
 }
 
 }  // namespace
+
+double share_of_several(double share, double fixes) {
+  return 1.0 - std::pow(1.0 - share, fixes);
+}
 
 void restart(VelocityState& state, const TimedFix& fix, bool velocity_known) {
   state.fixes[0] = {fix.measured_ns, fix.measured_position_world_m};
@@ -160,6 +173,7 @@ std::optional<FixVelocity> measure(const VelocitySettings& settings, VelocitySta
   if (assessment.outlier && !assessment.forced) return by_rivals;
   auto measured = measure_from(reference_for(settings, state.fixes, state.count, fix), body, fix);
   if (measured) {
+    measured->usual_fixes = usual_fixes_since(settings, state.fixes[0], fix);
     measured->bend_m = bend_of(state, fix);
     measured->agreement =
         std::max(agreement_of(*measured, assessment.sigma_m),
@@ -179,13 +193,13 @@ VelocityChange correct(const VelocitySettings& settings, VelocityState& state, K
   } else {
     // A forced convergence would not end without a correction of the velocity.
     const double reliability = std::max(reliability_of(measured, assessment), assessment.weight_floor);
-    done.share =
-        blend_of(settings, state) * reliability * accel_gate(settings, body.acceleration_world_mps2.norm());
+    done.share = blend_of(settings, state, measured) * reliability *
+                 accel_gate(settings, body.acceleration_world_mps2.norm());
     done.change_world_mps =
         done.share * measured.share.cwiseProduct(measured.ultrasonic_world_mps - measured.inertial_world_mps);
   }
   body.correct_velocity(done.change_world_mps);
-  if (!state.settled()) ++state.velocities;
+  if (!state.settled()) state.velocities += static_cast<int>(std::lround(measured.usual_fixes));
   return done;
 }
 

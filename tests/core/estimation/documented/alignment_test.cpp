@@ -132,6 +132,22 @@ TEST_CASE("a single beacon that moves back and forth finds its heading") {
   CHECK(moment.position_error_m() < 0.03);
 }
 
+TEST_CASE("a velocity that the gate withheld does not tilt the attitude") {
+  // The body drives a circle at 2 m/s and 2 rad/s: a gate at 1 rad/s leaves all of its turn to the fixes.
+  Settings settings;
+  settings.motion.gyro_gate_projection_radps = 1.0;
+  settings.motion.gyro_gate_freeze_radps = 1.5;
+  EngineDriver driver(settings, test::departure(2.0, 1.0), test::with_headings());
+  driver.run(12.0);
+  CHECK(driver.moments.back().has(status_rotating_fast));
+  double worst_tilt_rad = 0.0;
+  for (const test::Moment& moment : driver.moments) {
+    const Vector3d up = geometry::up_in_body(moment.pose.q_body_to_world);
+    worst_tilt_rad = std::max(worst_tilt_rad, std::acos(std::min(1.0, up.z())));
+  }
+  CHECK(worst_tilt_rad < 0.05);
+}
+
 TEST_CASE("a start with a wrong tilt is levelled by the fixes, without the accelerometer") {
   // The offset looks like a tilt of 2°; without the fixes the body would seem to accelerate by 0.34 m/s²
   // forever.

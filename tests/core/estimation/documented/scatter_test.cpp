@@ -68,10 +68,10 @@ SCENARIO("the noise of the fixes is learned per axis") {
   }
 }
 
-SCENARIO("item 13: an axis counts fully up to a noise of half of it, and then by less in proportion") {
+SCENARIO("item 13: an axis counts fully up to a noise of 35 % of it, and then by less in proportion") {
   settings::TrustSettings settings;
   settings.sigma_m = 0.1;
-  const Vector3d share = trust::share_of(settings, {0.02, 0.05, 0.2});
+  const Vector3d share = trust::share_of(settings, {0.02, 0.035, 0.14});
   CHECK(share.isApprox(Vector3d(1.0, 1.0, 0.25)));
   GIVEN("a fix 1 m from the pose along each axis") {
     const Kinematics body = test::moving_body(Vector3d::Zero());

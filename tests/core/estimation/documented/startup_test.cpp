@@ -112,6 +112,16 @@ TEST_CASE("constant velocity equals rest for an IMU: the fixes distinguish them"
   }
 }
 
+TEST_CASE("fixes whose height scatters by half a metre do not hide a rest") {
+  EngineDriver driver(Settings{}, test::at_rest());
+  std::mt19937 random(5);
+  std::normal_distribution<double> noise_m(0.0, 0.5);
+  driver.alter_fix = [&](UltrasonicFix& fix, double) { fix.position_world_m.z() += noise_m(random); };
+  const auto moment = driver.run(1.5);
+  CHECK_FALSE(moment.has(status_uncalibrated));
+  CHECK(std::abs(moment.pose.velocity_world_mps.z()) < 0.2);
+}
+
 TEST_CASE("a late calibration does not subtract an offset twice") {
   // The paired heading teaches a yaw-rate offset while the body rocks; the later rest measures the same one.
   test::Sensors sensors;

@@ -260,6 +260,25 @@ TEST_CASE("a stray fix, far from the extrapolation of the two before it, causes 
   }
 }
 
+TEST_CASE("item 3: a fix after a long pause corrects as much as several at the wanted interval") {
+  VelocitySettings settings = plain();
+  settings.interval_wanted_s = 0.1;
+  const auto share_after = [&settings](double pause_s) {
+    auto body = test::moving_body(Vector3d::Zero());
+    for (int i = 0; i <= 100; ++i)
+      body.history.push({epoch_ns - to_ns(1.0 - 0.01 * i), Vector3d::Zero(), 0.0});
+    body.time_ns = epoch_ns;
+    VelocityState state = after(fix_at(-pause_s, Vector3d::Zero()));
+    state.settle();
+    const auto measured =
+        velocity::measure(settings, state, body, fix_at(0.0, {0.01, 0, 0}), assessment_with(1.0));
+    REQUIRE(measured.has_value());
+    return velocity::correct(settings, state, body, *measured, assessment_with(1.0)).share;
+  };
+  CHECK(share_after(0.08) == Approx(0.4));
+  CHECK(share_after(0.3) == Approx(1.0 - 0.6 * 0.6 * 0.6));
+}
+
 TEST_CASE("the first velocities of a run are averaged, until item 3 counts more") {
   VelocitySettings settings = plain();
   settings.blend_weight = 0.3;
