@@ -5,6 +5,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <support/engine_driver.hpp>
 
 namespace alignment_test {
@@ -137,7 +139,7 @@ TEST_CASE("a velocity that the gate withheld does not tilt the attitude") {
   Settings settings;
   settings.motion.gyro_gate_projection_radps = 1.0;
   settings.motion.gyro_gate_freeze_radps = 1.5;
-  EngineDriver driver(settings, test::departure(2.0, 1.0), test::with_headings());
+  test::EngineDriver driver(settings, test::departure(2.0, 1.0), test::with_headings());
   driver.run(12.0);
   CHECK(driver.moments.back().has(status_rotating_fast));
   double worst_tilt_rad = 0.0;

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <random>
 #include <support/engine_driver.hpp>
 
 namespace startup_test {
