@@ -23,6 +23,7 @@ inline constexpr std::array verbs{
     Verb{"play", "Publishes a recording in MCAP as it was received."},
     Verb{"doctor", "Diagnoses a running system and suggests remedies."},
     Verb{"settings", "Shows and changes the settings of a running sonopose-fusion."},
+    Verb{"security", "Makes and checks the keys and permissions of a bus with DDS Security."},
     Verb{"simulate", "Writes a run of the built-in simulator, with its truth, as a sensor-log folder."},
     Verb{"import", "Makes a sensor-log folder of tables of an IMU and of positions."},
     Verb{"mcap", "Shows, selects, merges, repairs and exports recordings of the bus."},

@@ -3,8 +3,11 @@
 #include "files/append_file.hpp"
 #include "files/error.hpp"
 
+#include <cerrno>
+#include <fcntl.h>
 #include <span>
 #include <system_error>
+#include <unistd.h>
 
 namespace sonopose::files {
 
@@ -34,6 +37,20 @@ void Replacement::commit() {
 void write_whole(const fs::path& file, std::string_view text) {
   Replacement replacement(file);
   AppendFile(replacement.part(), AppendFile::Existing::replace).append(std::as_bytes(std::span(text)));
+  replacement.commit();
+}
+
+void write_private(const fs::path& file, std::string_view text) {
+  Replacement replacement(file);
+  const fs::path& part = replacement.part();
+  std::error_code none_yet;
+  fs::remove(part, none_yet);
+  const int descriptor = ::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (descriptor < 0) {
+    throw IoError(part.string() + ": cannot be created: " + std::generic_category().message(errno));
+  }
+  ::close(descriptor);
+  AppendFile(part, AppendFile::Existing::extend).append(std::as_bytes(std::span(text)));
   replacement.commit();
 }
 

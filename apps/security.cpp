@@ -1,0 +1,64 @@
+// sonopose-security: makes and checks the key store of a secured bus.
+
+#include "security/roles.hpp"
+#include "support/choice.hpp"
+#include "support/run.hpp"
+#include "support/security_commands.hpp"
+
+#include <string>
+#include <vector>
+
+using namespace sonopose;
+
+int main(int argc, char** argv) {
+  apps::SecurityOptions options;
+  apps::Program app("security", "The key store has the layout of SROS2. SECURITY.md describes its use.");
+  app.require_subcommand(1);
+  const auto command = [&](const char* name, const char* description) {
+    CLI::App* const added = app.add_subcommand(name, description);
+    added->add_option("STORE", options.store, "Folder of the key store")->required()->type_name("DIR");
+    return added;
+  };
+  const auto protection = [&](CLI::App* to) {
+    apps::add_choice<security::Protection>(
+        *to, "--protect", options.protection,
+        {{"sign", security::Protection::sign}, {"encrypt", security::Protection::encrypt}},
+        "sign: strangers cannot write; encrypt: nor read");
+  };
+  const auto days = [&](CLI::App* to) {
+    to->add_option("--days", options.days, "Days until the certificates expire")
+        ->check(CLI::Range(1, 3650))
+        ->capture_default_str();
+  };
+  CLI::App* const making = command("init", "Make a key store");
+  protection(making);
+  CLI::App* const adding = command("enclave", "Make enclaves, each for one process or several of its kind");
+  adding->add_option("NAME", options.names, "Names; that of a role needs no --role")->required();
+  adding->add_option("--role", options.roles, "What it may do; may be repeated")
+      ->check(
+          CLI::IsMember(std::vector<std::string>(security::role_names.begin(), security::role_names.end())))
+      ->option_text("bridge|fusion|monitor|operator|ros2|recorder|web|consumer")
+      ->allow_extra_args(false);
+  adding
+      ->add_option("--partition", options.partitions,
+                   "Partition it may use, or a pattern; may be repeated (default: no partition)")
+      ->allow_extra_args(false);
+  days(adding);
+  CLI::App* const listing = command("list", "Print what each enclave may do, and until when");
+  CLI::App* const checking = command("check", "Check dates, signatures and keys; exit code 1 for a problem");
+  CLI::App* const renewing = command("renew", "Make new keys and certificates, and sign permissions.xml");
+  renewing->add_option("NAME", options.names, "Enclaves (default: all)");
+  days(renewing);
+  CLI::App* const revoking = command("revoke", "Revoke every certificate of enclaves, and remove them");
+  revoking->add_option("NAME", options.names, "Enclaves")->required();
+  CLI::App* const governing = command("governance", "Change how the bus is protected");
+  protection(governing);
+  return apps::run(app, argc, argv, [&] {
+    if (making->parsed()) return make_store(options);
+    if (adding->parsed()) return add_enclaves(options);
+    if (listing->parsed()) return list_enclaves(options);
+    if (checking->parsed()) return check_store(options);
+    if (renewing->parsed()) return renew_enclaves(options);
+    return revoking->parsed() ? revoke_enclaves(options) : set_governance(options);
+  });
+}

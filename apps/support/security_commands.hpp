@@ -1,0 +1,30 @@
+#pragma once
+// The commands of sonopose-security.
+
+#include "security/permissions.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace sonopose::apps {
+
+struct SecurityOptions {
+  std::filesystem::path store;
+  std::vector<std::string> names;
+  std::vector<std::string> roles;
+  std::vector<std::string> partitions;
+  int days = 365;
+  security::Protection protection = security::Protection::sign;
+};
+
+/// Each prints what it did, and returns the exit code.
+int make_store(const SecurityOptions& options);
+int add_enclaves(const SecurityOptions& options);
+int list_enclaves(const SecurityOptions& options);
+int check_store(const SecurityOptions& options);
+int renew_enclaves(const SecurityOptions& options);
+int revoke_enclaves(const SecurityOptions& options);
+int set_governance(const SecurityOptions& options);
+
+}  // namespace sonopose::apps

@@ -1,0 +1,21 @@
+#pragma once
+/// \file
+/// The two authorities of a key store, and the certificates that the first one issues.
+
+#include "security/certificate.hpp"
+
+#include <string>
+
+namespace sonopose::security {
+
+/// Makes an authority that issues certificates. It can issue no further authorities.
+KeyPair make_identity_authority(const std::string& common_name, const Validity& validity);
+
+/// Makes an authority that signs documents. Its certificate forbids the issue of certificates: Cyclone DDS
+/// would accept permissions signed with any of those (CVE-2023-24011).
+KeyPair make_permissions_authority(const std::string& common_name, const Validity& validity);
+
+/// Issues a certificate with a new key (EC P-256). Throws SecurityError for a name of more than 64 bytes.
+KeyPair issue(const KeyPair& authority, const std::string& common_name, const Validity& validity);
+
+}  // namespace sonopose::security

@@ -1,0 +1,61 @@
+#include "security/certificate.hpp"
+
+#include "security/openssl.hpp"
+
+#include <fmt/format.h>
+
+namespace sonopose::security {
+namespace {
+
+std::string text_of(const X509_NAME* name) {
+  const openssl::Bio text = openssl::writing();
+  openssl::check(X509_NAME_print_ex(text.get(), name, 0, XN_FLAG_RFC2253) + 1, "X509_NAME_print_ex");
+  return openssl::text_in(text.get());
+}
+
+std::tm calendar_of(std::int64_t time_s) {
+  const openssl::Time time =
+      openssl::owned<openssl::Time>(ASN1_TIME_set(nullptr, static_cast<time_t>(time_s)), "ASN1_TIME_set");
+  std::tm calendar{};
+  openssl::check(ASN1_TIME_to_tm(time.get(), &calendar), "ASN1_TIME_to_tm");
+  return calendar;
+}
+
+}  // namespace
+
+CertificateFacts facts_of(const std::string& certificate_pem, const std::string& origin) {
+  const openssl::Cert certificate = openssl::certificate_of(certificate_pem, origin);
+  return {.subject = text_of(X509_get_subject_name(certificate.get())),
+          .issuer = text_of(X509_get_issuer_name(certificate.get())),
+          .serial = openssl::hexadecimal(X509_get0_serialNumber(certificate.get())),
+          .validity = {openssl::seconds_of(X509_get0_notBefore(certificate.get())),
+                       openssl::seconds_of(X509_get0_notAfter(certificate.get()))}};
+}
+
+bool is_issued_by(const std::string& certificate_pem, const std::string& authority_pem) {
+  const openssl::Cert certificate = openssl::certificate_of(certificate_pem, "certificate");
+  const openssl::Cert authority = openssl::certificate_of(authority_pem, "authority");
+  const bool is_signed = X509_verify(certificate.get(), X509_get0_pubkey(authority.get())) == 1;
+  ERR_clear_error();
+  return is_signed;
+}
+
+bool is_key_of(const std::string& key_pem, const std::string& certificate_pem, const std::string& origin) {
+  const openssl::Key key = openssl::key_of(key_pem, origin);
+  const openssl::Cert certificate = openssl::certificate_of(certificate_pem, origin);
+  const bool fits = X509_check_private_key(certificate.get(), key.get()) == 1;
+  ERR_clear_error();
+  return fits;
+}
+
+std::string date_text(std::int64_t time_s) {
+  return date_time_text(time_s).substr(0, 10);
+}
+
+std::string date_time_text(std::int64_t time_s) {
+  const std::tm at = calendar_of(time_s);
+  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}", at.tm_year + 1900, at.tm_mon + 1, at.tm_mday,
+                     at.tm_hour, at.tm_min, at.tm_sec);
+}
+
+}  // namespace sonopose::security

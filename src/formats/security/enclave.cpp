@@ -1,0 +1,142 @@
+#include "security/enclave.hpp"
+
+#include "security/error.hpp"
+#include "security/revocation.hpp"
+#include "security/signed_document.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+namespace sonopose::security {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The files of one enclave, with the errors that name them.
+class Files {
+public:
+  explicit Files(const fs::path& folder) : folder_(folder) {
+    std::error_code error;
+    if (!fs::is_directory(folder, error)) fail(folder.string(), "no such enclave", "enclave");
+  }
+
+  [[nodiscard]] std::string path(const char* file) const { return (folder_ / file).string(); }
+
+  [[nodiscard]] std::string read(const char* file) const {
+    return read_file(folder_ / file, "make it with " + command_for(folder_, "enclave"));
+  }
+
+  [[noreturn]] void fail(const std::string& what, const std::string& why, const std::string& verb) const {
+    throw SecurityError(fmt::format("{}: {}; run {}", what, why, command_for(folder_, verb)));
+  }
+
+  void check_dates(const std::string& what, const Validity& validity, std::int64_t now_s,
+                   const std::string& verb) const {
+    if (now_s >= validity.not_after_s) {
+      fail(what, "expired on " + date_text(validity.not_after_s), verb);
+    }
+    if (now_s < validity.not_before_s) {
+      throw SecurityError(fmt::format("{}: not valid before {}: is the clock of this machine right?", what,
+                                      date_time_text(validity.not_before_s)));
+    }
+  }
+
+  /// Others who can read the key can pass for this process.
+  void check_key_mode() const {
+    std::error_code error;
+    const fs::perms mode = fs::status(folder_ / key_file, error).permissions();
+    constexpr fs::perms others = fs::perms::group_all | fs::perms::others_all;
+    if (!error && (mode & others) != fs::perms::none) {
+      fail(path(key_file), "readable by other users",
+           "renew, which makes a new key, or if nobody has read it: chmod 600 " + path(key_file) +
+               ". The command");
+    }
+  }
+
+private:
+  fs::path folder_;
+};
+
+}  // namespace
+
+std::string read_file(const fs::path& file, const std::string& remedy) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) {
+    const std::string reason = std::generic_category().message(errno);
+    throw SecurityError(fmt::format("{}: {}; {}", file.string(), reason, remedy));
+  }
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::string command_for(const fs::path& folder, const std::string& verb) {
+  fs::path store = folder;
+  std::string name;
+  while (store.has_parent_path() && store != store.parent_path() && store.filename() != "enclaves") {
+    name = store.filename().string() + (name.empty() ? "" : "/" + name);
+    store = store.parent_path();
+  }
+  return fmt::format("sonopose-security {} {} {}", verb, store.parent_path().string(), name);
+}
+
+Enclave read_enclave(const fs::path& folder, std::int64_t now_s) {
+  const Files files(folder);
+  const std::string identity_ca = files.read(identity_ca_file);
+  const std::string permissions_ca = files.read(permissions_ca_file);
+  const std::string certificate = files.read(certificate_file);
+  const CertificateFacts facts = facts_of(certificate, files.path(certificate_file));
+  files.check_key_mode();
+  const std::string key = files.read(key_file);
+  if (!is_key_of(key, certificate, files.path(key_file))) {
+    files.fail(files.path(key_file), "not the key of cert.pem", "renew");
+  }
+  if (!is_issued_by(certificate, identity_ca)) {
+    files.fail(files.path(certificate_file), "not issued by identity_ca.cert.pem", "enclave");
+  }
+  files.check_dates(files.path(certificate_file), facts.validity, now_s, "renew");
+  const auto authority = facts_of(identity_ca, files.path(identity_ca_file));
+  files.check_dates(files.path(identity_ca_file), authority.validity, now_s, "init");
+  const auto signer = facts_of(permissions_ca, files.path(permissions_ca_file));
+  files.check_dates(files.path(permissions_ca_file), signer.validity, now_s, "init");
+
+  const std::string permissions = files.path(permissions_file);
+  const Grant grant =
+      grant_of(verified_document(files.read(permissions_file), permissions_ca, permissions), permissions);
+  if (grant.subject != facts.subject) {
+    files.fail(permissions, fmt::format("of {}, but the certificate of {}", grant.subject, facts.subject),
+               "renew");
+  }
+  files.check_dates(permissions, grant.validity, now_s, "renew");
+  const std::string governance = files.path(governance_file);
+  const std::string protection =
+      protection_in(verified_document(files.read(governance_file), permissions_ca, governance), governance);
+
+  std::error_code absent;
+  if (fs::exists(folder / revocation_file, absent)) {
+    const auto revoked =
+        revoked_serials(files.read(revocation_file), identity_ca, files.path(revocation_file));
+    if (std::ranges::find(revoked, facts.serial) != revoked.end()) {
+      files.fail(files.path(certificate_file), "revoked", "enclave");
+    }
+  }
+  return {.subject = facts.subject,
+          .serial = facts.serial,
+          .expires_s = std::min({facts.validity.not_after_s, authority.validity.not_after_s,
+                                 signer.validity.not_after_s, grant.validity.not_after_s}),
+          .grant = grant,
+          .protection = protection,
+          .has_common_authority = identity_ca == permissions_ca};
+}
+
+std::string expiry_warning(std::int64_t expires_s, std::int64_t now_s) {
+  const std::int64_t days = (expires_s - now_s) / day_s;
+  if (days > warning_days) return {};
+  if (now_s >= expires_s) return "expired on " + date_text(expires_s);
+  return fmt::format("expires in {} days, at {}", days, date_time_text(expires_s));
+}
+
+}  // namespace sonopose::security

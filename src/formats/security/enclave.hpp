@@ -1,0 +1,52 @@
+#pragma once
+/// \file
+/// The files of one process, in a folder as SROS2 lays it out.
+
+#include "security/permissions.hpp"
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace sonopose::security {
+
+inline constexpr const char* certificate_file = "cert.pem";
+inline constexpr const char* key_file = "key.pem";
+inline constexpr const char* identity_ca_file = "identity_ca.cert.pem";
+inline constexpr const char* permissions_ca_file = "permissions_ca.cert.pem";
+inline constexpr const char* governance_file = "governance.p7s";
+inline constexpr const char* permissions_file = "permissions.p7s";
+inline constexpr const char* revocation_file = "crl.pem";  ///< may be absent
+
+/// State of an enclave that can be used.
+struct Enclave {
+  std::string subject;       ///< "CN=/bridge"
+  std::string serial;        ///< of the certificate
+  std::int64_t expires_s{};  ///< first date after which one of its files is invalid
+  Grant grant;
+  std::string protection;  ///< "sign" or "encrypt"
+  /// True if the authority of the identities also signs permissions: any enclave can then sign its own
+  /// (CVE-2023-24011). SROS2 makes such stores.
+  bool has_common_authority = false;
+};
+
+/// Days before the expiry from which on programs warn.
+inline constexpr std::int64_t warning_days = 30;
+
+/// Reads and checks the files of an enclave. Throws SecurityError with the file and the verb that mends it:
+/// a file is missing or unreadable, the key is readable by others, a certificate or the permissions are not
+/// valid now, or files do not belong together.
+Enclave read_enclave(const std::filesystem::path& folder, std::int64_t now_s);
+
+/// Returns the content of a file. Throws SecurityError with the file and `remedy`.
+std::string read_file(const std::filesystem::path& file, const std::string& remedy);
+
+/// Returns "sonopose-security VERB STORE NAME" for an enclave's folder.
+std::string command_for(const std::filesystem::path& folder, const std::string& verb);
+
+/// Returns "expires in 12 days, on 2026-12-11" if that is within the days of a warning, otherwise nothing.
+std::string expiry_warning(std::int64_t expires_s, std::int64_t now_s);
+
+}  // namespace sonopose::security

@@ -1,0 +1,213 @@
+#include "security/key_store.hpp"
+
+#include "files/replacement.hpp"
+#include "security/authority.hpp"
+#include "security/enclave.hpp"
+#include "security/error.hpp"
+#include "security/revocation.hpp"
+#include "security/signed_document.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <sstream>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+namespace sonopose::security {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* identity_authority = "identity_ca";
+constexpr const char* permissions_authority = "permissions_ca";
+constexpr const char* governance_source = "governance.xml";
+constexpr const char* permissions_source = "permissions.xml";
+constexpr std::int64_t authority_days = 3653;  // ten years, as SROS2
+
+fs::path certificate_path(const fs::path& store, const char* authority) {
+  return store / "public" / (std::string(authority) + ".cert.pem");
+}
+
+fs::path key_path(const fs::path& store, const char* authority) {
+  return store / "private" / (std::string(authority) + ".key.pem");
+}
+
+/// The certificates that the identity authority issued: lines of a serial number and the enclave.
+fs::path issued_path(const fs::path& store) {
+  return store / "private" / "issued.txt";
+}
+
+void write_pair(const fs::path& certificate, const fs::path& key, const KeyPair& pair) {
+  files::write_private(key, pair.key_pem);
+  files::write_whole(certificate, pair.certificate_pem);
+}
+
+/// Links an enclave's file to one of the whole store, as SROS2 does: copy enclaves with `cp -rL`.
+void link(const fs::path& target, const fs::path& link) {
+  std::error_code error;
+  fs::remove(link, error);
+  fs::create_symlink(fs::relative(target, link.parent_path()), link, error);
+  if (error) throw SecurityError(fmt::format("{}: {}", link.string(), error.message()));
+}
+
+void make_folder(const fs::path& folder, fs::perms mode) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!error) fs::permissions(folder, mode, error);
+  if (error) throw SecurityError(fmt::format("{}: {}", folder.string(), error.message()));
+}
+
+void check_name(const std::string& name) {
+  constexpr std::string_view allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./";
+  const bool is_path = name.starts_with('/') || name.ends_with('/') || name.find("..") != name.npos ||
+                       name.find("//") != name.npos;
+  if (name.empty() || is_path || name.find_first_not_of(allowed) != name.npos) {
+    throw SecurityError(fmt::format("'{}': no name of an enclave, such as bridge or hall/robot", name));
+  }
+}
+
+}  // namespace
+
+KeyStore KeyStore::create(const fs::path& folder, Protection protection, std::int64_t now_s) {
+  std::error_code absent;
+  if (fs::exists(folder, absent) && !fs::is_empty(folder, absent)) {
+    throw SecurityError(folder.string() + ": not empty; a key store needs a folder of its own");
+  }
+  constexpr auto all_read = fs::perms::owner_all | fs::perms::group_read | fs::perms::group_exec |
+                            fs::perms::others_read | fs::perms::others_exec;
+  make_folder(folder, all_read);
+  make_folder(folder / "private", fs::perms::owner_all);
+  make_folder(folder / "public", all_read);
+  make_folder(folder / "enclaves", all_read);
+  const Validity validity{now_s - day_s, now_s + authority_days * day_s};
+  const KeyPair identity = make_identity_authority("sonopose identity CA", validity);
+  write_pair(certificate_path(folder, identity_authority), key_path(folder, identity_authority), identity);
+  write_pair(certificate_path(folder, permissions_authority), key_path(folder, permissions_authority),
+             make_permissions_authority("sonopose permissions CA", validity));
+  files::write_whole(folder / "public" / revocation_file, revocation_list(identity, {}, now_s));
+  files::write_private(issued_path(folder), "");
+  KeyStore store(folder);
+  store.set_protection(protection);
+  return store;
+}
+
+KeyStore::KeyStore(const fs::path& folder) : folder_(fs::absolute(folder).lexically_normal()) {
+  if (!folder_.has_filename()) folder_ = folder_.parent_path();
+  std::error_code error;
+  if (!fs::is_directory(folder_ / "enclaves", error) || !fs::is_directory(folder_ / "public", error)) {
+    throw SecurityError(fmt::format("{}: no key store; make one with sonopose-security init {}",
+                                    folder_.string(), folder_.string()));
+  }
+}
+
+fs::path KeyStore::enclave_folder(const std::string& name) const {
+  return folder_ / "enclaves" / name;
+}
+
+std::vector<std::string> KeyStore::enclaves() const {
+  std::vector<std::string> names;
+  const fs::path root = folder_ / "enclaves";
+  for (const auto& entry : fs::recursive_directory_iterator(root)) {
+    if (entry.path().filename() != certificate_file) continue;
+    names.push_back(fs::relative(entry.path().parent_path(), root).string());
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
+KeyPair KeyStore::authority(const char* name) const {
+  const std::string remedy = "this needs the whole key store, with its private keys";
+  return {read_file(certificate_path(folder_, name), remedy), read_file(key_path(folder_, name), remedy)};
+}
+
+void KeyStore::write_identity(const std::string& name, const Validity& validity) const {
+  const fs::path folder = enclave_folder(name);
+  const KeyPair pair = issue(authority(identity_authority), "/" + name, validity);
+  const std::string serial = facts_of(pair.certificate_pem, certificate_file).serial;
+  std::error_code absent;
+  const fs::path issued = issued_path(folder_);
+  const std::string earlier = fs::exists(issued, absent) ? read_file(issued, "") : "";
+  files::write_private(issued, fmt::format("{}{} {}\n", earlier, serial, name));
+  write_pair(folder / certificate_file, folder / key_file, pair);
+}
+
+void KeyStore::sign(const fs::path& document, const fs::path& file) const {
+  files::write_whole(file, signed_document(read_file(document, "it is the source of " + file.string()),
+                                           authority(permissions_authority)));
+}
+
+void KeyStore::add(const std::string& name, const EnclaveOptions& options) const {
+  check_name(name);
+  const fs::path folder = enclave_folder(name);
+  std::error_code absent;
+  if (fs::exists(folder / certificate_file, absent)) {
+    throw SecurityError(
+        fmt::format("{}: there is such an enclave; sonopose-security renew {} {} gives it "
+                    "a new certificate, revoke removes it",
+                    folder.string(), folder_.string(), name));
+  }
+  const Grant grant{.subject = "CN=/" + name,
+                    .validity = options.validity,
+                    .access = access_of(options.roles),
+                    .partitions = options.partitions};
+  make_folder(folder, fs::perms::owner_all);
+  link(certificate_path(folder_, identity_authority), folder / identity_ca_file);
+  link(certificate_path(folder_, permissions_authority), folder / permissions_ca_file);
+  link(folder_ / "enclaves" / governance_file, folder / governance_file);
+  link(folder_ / "public" / revocation_file, folder / revocation_file);
+  files::write_whole(folder / permissions_source, permissions_xml(grant));
+  sign(folder / permissions_source, folder / permissions_file);
+  write_identity(name, options.validity);  // last: its certificate makes the folder an enclave
+}
+
+void KeyStore::renew(const std::string& name, const Validity& validity) const {
+  const fs::path folder = enclave_folder(name);
+  const fs::path source = folder / permissions_source;
+  const std::string permissions = read_file(source, "make it with " + command_for(folder, "enclave"));
+  files::write_whole(source, with_validity(permissions, validity, source.string()));
+  sign(source, folder / permissions_file);
+  write_identity(name, validity);
+}
+
+std::size_t KeyStore::revoke(const std::string& name, std::int64_t now_s) const {
+  const fs::path folder = enclave_folder(name);
+  const fs::path list = folder_ / "public" / revocation_file;
+  const KeyPair issuer = authority(identity_authority);
+  std::error_code absent;
+  std::vector<std::string> serials;
+  if (fs::exists(list, absent)) {
+    serials = revoked_serials(read_file(list, ""), issuer.certificate_pem, list.string());
+  }
+  const std::size_t earlier = serials.size();
+  const auto add_serial = [&serials](const std::string& serial) {
+    if (std::ranges::find(serials, serial) == serials.end()) serials.push_back(serial);
+  };
+  const fs::path certificate = folder / certificate_file;
+  if (fs::exists(certificate, absent)) {
+    add_serial(facts_of(read_file(certificate, ""), certificate.string()).serial);
+  }
+  if (const fs::path issued = issued_path(folder_); fs::exists(issued, absent)) {
+    std::istringstream lines(read_file(issued, ""));
+    for (std::string serial, enclave; lines >> serial >> enclave;) {
+      if (enclave == name) add_serial(serial);
+    }
+  }
+  if (serials.size() == earlier) {
+    throw SecurityError(fmt::format("{}: no such enclave, or it has been revoked", folder.string()));
+  }
+  files::write_whole(list, revocation_list(issuer, serials, now_s));
+  fs::remove_all(folder);
+  // The others of a store of SROS2 have no link to the list yet.
+  for (const std::string& other : enclaves()) link(list, enclave_folder(other) / revocation_file);
+  return serials.size() - earlier;
+}
+
+void KeyStore::set_protection(Protection protection) const {
+  const fs::path folder = folder_ / "enclaves";
+  files::write_whole(folder / governance_source, governance_xml(protection));
+  sign(folder / governance_source, folder / governance_file);
+}
+
+}  // namespace sonopose::security

@@ -1,0 +1,69 @@
+#pragma once
+/// \file
+/// A key store in the layout of SROS2: `public/`, `private/` and `enclaves/NAME/`.
+
+#include "security/certificate.hpp"
+#include "security/permissions.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace sonopose::security {
+
+/// A key store with its authorities. Every member throws SecurityError or files::IoError with the file. Files
+/// are replaced one by one, each atomically; private keys are readable by their owner only.
+class KeyStore {
+public:
+  /// Makes a key store in a folder that is absent or empty.
+  static KeyStore create(const std::filesystem::path& folder, Protection protection, std::int64_t now_s);
+
+  /// Opens a key store. Throws SecurityError if the folder is none.
+  explicit KeyStore(const std::filesystem::path& folder);
+
+  [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
+  [[nodiscard]] std::filesystem::path enclave_folder(const std::string& name) const;
+
+  /// Names of all enclaves, sorted: "bridge", "hall/robot".
+  [[nodiscard]] std::vector<std::string> enclaves() const;
+
+  /// What a new enclave may do, and for how long.
+  struct EnclaveOptions {
+    std::vector<std::string> roles;
+    std::vector<std::string> partitions = {};
+    Validity validity = {};
+  };
+
+  /// Makes an enclave. Throws SecurityError if it exists, and for an unusable name.
+  void add(const std::string& name, const EnclaveOptions& options) const;
+
+  /// Makes a new key and certificate for an enclave, and signs its permissions.xml again.
+  void renew(const std::string& name, const Validity& validity) const;
+
+  /// Puts every certificate that the enclave had on the list of revoked ones, and deletes the enclave.
+  /// Returns the number of certificates.
+  std::size_t revoke(const std::string& name, std::int64_t now_s) const;
+
+  /// Signs the governance of all enclaves again.
+  void set_protection(Protection protection) const;
+
+private:
+  [[nodiscard]] KeyPair authority(const char* name) const;
+  void write_identity(const std::string& name, const Validity& validity) const;
+  void sign(const std::filesystem::path& document, const std::filesystem::path& file) const;
+
+  std::filesystem::path folder_;
+};
+
+/// One line of check(): an enclave or a file, and what is wrong with it.
+struct StoreProblem {
+  std::string subject;
+  std::string text;
+};
+
+/// Checks every enclave, and that the permissions authority issued no certificate (CVE-2023-24011).
+std::vector<StoreProblem> check(const KeyStore& store, std::int64_t now_s);
+
+}  // namespace sonopose::security

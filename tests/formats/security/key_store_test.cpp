@@ -1,0 +1,242 @@
+#include "security/key_store.hpp"
+
+#include "security/authority.hpp"
+#include "security/enclave.hpp"
+#include "security/error.hpp"
+#include "security/revocation.hpp"
+#include "security/signed_document.hpp"
+#include "support/temporary_folder.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace key_store_test {
+
+using namespace sonopose::security;
+using namespace sonopose::test;
+using Catch::Contains;
+namespace fs = std::filesystem;
+
+constexpr std::int64_t now_s = 1'800'000'000;  // 2027-01-15
+constexpr Validity year{now_s - day_s, now_s + 365 * day_s};
+
+struct Store {
+  TemporaryFolder folder;
+  KeyStore keys = KeyStore::create(folder / "keys", Protection::sign, now_s);
+
+  void add(const std::string& name, const std::vector<std::string>& roles) const {
+    keys.add(name, {.roles = roles, .validity = year});
+  }
+  [[nodiscard]] Enclave read(const std::string& name, std::int64_t at_s = now_s) const {
+    return read_enclave(keys.enclave_folder(name), at_s);
+  }
+  [[nodiscard]] std::vector<StoreProblem> problems(std::int64_t at_s = now_s) const {
+    return check(keys, at_s);
+  }
+};
+
+SCENARIO("A new enclave has the files of SROS2") {
+  const Store store;
+  store.add("bridge", {"bridge"});
+  const fs::path enclave = store.keys.enclave_folder("bridge");
+  for (const char* const file : {"cert.pem", "key.pem", "identity_ca.cert.pem", "permissions_ca.cert.pem",
+                                 "governance.p7s", "permissions.p7s", "permissions.xml"}) {
+    CAPTURE(file);
+    CHECK(fs::exists(enclave / file));
+  }
+  CHECK(fs::exists(store.keys.folder() / "enclaves/governance.xml"));
+  THEN("only their owner can read the private keys") {
+    for (const fs::path& key : {enclave / "key.pem", store.keys.folder() / "private/identity_ca.key.pem",
+                                store.keys.folder() / "private/permissions_ca.key.pem"}) {
+      CAPTURE(key);
+      CHECK(fs::status(key).permissions() == (fs::perms::owner_read | fs::perms::owner_write));
+    }
+  }
+  THEN("it is in order, and expires with its certificate") {
+    CHECK(store.problems().empty());
+    CHECK(store.read("bridge").subject == "CN=/bridge");
+    CHECK(store.read("bridge").expires_s == year.not_after_s);
+    CHECK(store.read("bridge").protection == "sign");
+    CHECK(store.keys.enclaves() == std::vector<std::string>{"bridge"});
+  }
+  THEN("30 days before, it is a problem that names the verb") {
+    const auto problems = store.problems(year.not_after_s - 29 * day_s);
+    REQUIRE(problems.size() == 1);
+    CHECK_THAT(problems.front().text, Contains("expires in 29 days") && Contains("sonopose-security renew"));
+    CHECK(store.problems(year.not_after_s - 32 * day_s).empty());
+  }
+  THEN("it is not made twice, and a key store not in a folder that has files") {
+    CHECK_THROWS_WITH(store.add("bridge", {"bridge"}), Contains("renew"));
+    CHECK_THROWS_AS(KeyStore::create(store.keys.folder(), Protection::sign, now_s), SecurityError);
+  }
+}
+
+SCENARIO("Roles have the least privilege") {
+  const auto writes = [](const char* role) {
+    const Access access = access_of({role});
+    return std::set<std::string>(access.writes.begin(), access.writes.end());
+  };
+  THEN("consumers, monitors and recorders write nothing") {
+    for (const char* const role : {"consumer", "monitor", "recorder"}) CHECK(writes(role).empty());
+  }
+  THEN("only a fusion writes poses, only a bridge samples, only operator and relay ask for settings") {
+    for (const char* const role : role_names) {
+      CAPTURE(role);
+      const std::string name = role;
+      CHECK(writes(role).contains("sonopose/pose") == (name == "fusion"));
+      CHECK(writes(role).contains("sonopose/imu") == (name == "bridge"));
+      CHECK(writes(role).contains("sonopose/settings_request") == (name == "operator" || name == "ros2"));
+      CHECK(writes(role).contains("sonopose/reset") == (name == "operator"));
+      CHECK_FALSE(writes(role).contains("*"));
+    }
+  }
+  THEN("two roles have the rights of both") {
+    CHECK(access_of({"bridge", "fusion"}).writes.size() == 16);  // 9 and 8, the log is common
+    CHECK_THROWS_WITH(access_of({"pilot"}), Contains("pilot") && Contains("consumer"));
+  }
+}
+
+SCENARIO("Permissions read back as they were written") {
+  const Grant grant{
+      .subject = "CN=/x", .validity = year, .access = access_of({"fusion"}), .partitions = {"hall-*"}};
+  const Grant read = grant_of(permissions_xml(grant), "permissions.xml");
+  CHECK(read.subject == grant.subject);
+  CHECK(read.access.writes == grant.access.writes);
+  CHECK(read.access.reads == grant.access.reads);
+  CHECK(read.partitions == grant.partitions);
+  CHECK(read.validity.not_after_s == year.not_after_s);
+  CHECK_THAT(words_of(read), Contains("writes sonopose/") && Contains("in partitions hall-*"));
+  CHECK_THROWS_WITH(grant_of("<dds/>", "permissions.xml"), Contains("permissions.xml"));
+  CHECK_THROWS_WITH(grant_of("text", "permissions.xml"), Contains("permissions.xml"));
+  CHECK(protection_in(governance_xml(Protection::encrypt), "governance.xml") == "encrypt");
+}
+
+SCENARIO("An unusable enclave is refused with the file and the verb that mends it") {
+  const Store store;
+  store.add("fusion", {"fusion"});
+  store.add("consumer", {"consumer"});
+  const fs::path enclave = store.keys.enclave_folder("fusion");
+  const fs::path other = store.keys.enclave_folder("consumer");
+  const auto refusal = [&](const std::string& file, const std::string& why, std::int64_t at_s = now_s) {
+    CHECK_THROWS_WITH(store.read("fusion", at_s), Contains((enclave / file).string()) && Contains(why));
+    CHECK(store.problems(at_s).size() >= 1);
+  };
+  WHEN("a file is missing") {
+    const std::string file = GENERATE("cert.pem", "key.pem", "governance.p7s", "permissions.p7s",
+                                      "identity_ca.cert.pem", "permissions_ca.cert.pem");
+    fs::remove(enclave / file);
+    CHECK_THROWS_WITH(store.read("fusion"),
+                      Contains((enclave / file).string()) &&
+                          Contains("sonopose-security enclave " + store.keys.folder().string() + " fusion"));
+  }
+  WHEN("the enclave is missing") {
+    CHECK_THROWS_WITH(store.read("nobody"), Contains("no such enclave"));
+  }
+  WHEN("others can read the key") {
+    fs::permissions(enclave / "key.pem", fs::perms::group_read, fs::perm_options::add);
+    refusal("key.pem", "readable by other users");
+  }
+  WHEN("the certificate has expired, or is from the future") {
+    refusal("cert.pem", "expired on 2028-01-15; run sonopose-security renew", year.not_after_s + 1);
+    refusal("cert.pem", "clock", year.not_before_s - 10);
+  }
+  WHEN("the permissions are those of another") {
+    fs::copy(other / "permissions.p7s", enclave / "permissions.p7s", fs::copy_options::overwrite_existing);
+    refusal("permissions.p7s", "of CN=/consumer");
+  }
+  WHEN("the permissions were changed") {
+    std::string text = read_text(enclave / "permissions.p7s");
+    text.replace(text.find("sonopose/pose"), 13, "sonopose/PoSe");
+    write_text(enclave / "permissions.p7s", text);
+    refusal("permissions.p7s", "changed");
+  }
+  WHEN("the key is that of another") {
+    write_text(enclave / "key.pem", read_text(other / "key.pem"));
+    refusal("key.pem", "not the key");
+  }
+  WHEN("the certificate is of another key store") {
+    const Store foreign;
+    foreign.add("fusion", {"fusion"});
+    for (const char* const file : {"cert.pem", "key.pem"}) {
+      write_text(enclave / file, read_text(foreign.keys.enclave_folder("fusion") / file));
+    }
+    refusal("cert.pem", "not issued");
+  }
+}
+
+SCENARIO("Renewed and revoked enclaves") {
+  const Store store;
+  store.add("robot/fusion", {"fusion"});
+  store.add("bridge", {"bridge"});
+  const std::string first = store.read("robot/fusion").serial;
+  WHEN("one is renewed") {
+    const Validity later{now_s, now_s + 700 * day_s};
+    store.keys.renew("robot/fusion", later);
+    THEN("it has a new certificate and the same rights") {
+      const Enclave renewed = store.read("robot/fusion");
+      CHECK(renewed.serial != first);
+      CHECK(renewed.expires_s == later.not_after_s);
+      CHECK(renewed.grant.access.writes == access_of({"fusion"}).writes);
+    }
+    THEN("a revocation is of both certificates, and the others go on") {
+      const std::string certificate = read_text(store.keys.enclave_folder("robot/fusion") / "cert.pem");
+      CHECK(store.keys.revoke("robot/fusion", now_s) == 2);
+      CHECK(store.keys.enclaves() == std::vector<std::string>{"bridge"});
+      CHECK(store.problems().empty());
+      const auto revoked =
+          revoked_serials(read_text(store.keys.enclave_folder("bridge") / "crl.pem"),
+                          read_text(store.keys.folder() / "public/identity_ca.cert.pem"), "crl.pem");
+      CHECK(std::set<std::string>(revoked.begin(), revoked.end()) ==
+            std::set<std::string>{first, facts_of(certificate, "cert.pem").serial});
+      CHECK_THROWS_AS(store.keys.revoke("robot/fusion", now_s), SecurityError);
+    }
+  }
+  WHEN("the protection changes") {
+    store.keys.set_protection(Protection::encrypt);
+    CHECK(store.read("bridge").protection == "encrypt");
+  }
+}
+
+SCENARIO("A leaf under the permissions authority is refused (CVE-2023-24011)") {
+  const Store store;
+  store.add("consumer", {"consumer"});
+  const fs::path shared = store.keys.folder() / "public";
+  const KeyPair common = make_identity_authority("sros2CA", year);  // one that may issue, as of SROS2
+  const KeyPair leaf = issue(common, "/consumer", year);
+  const std::string document = signed_document("<dds/>", leaf);
+  WHEN("a store has such an authority, and a certificate under it") {
+    write_text(shared / "permissions_ca.cert.pem", common.certificate_pem);
+    const std::size_t before = store.problems().size();
+    write_text(shared / "other.pem", leaf.certificate_pem);
+    THEN("check names the certificate") {
+      const auto problems = store.problems();
+      CHECK(problems.size() == before + 1);
+      CHECK(problems.front().subject == (shared / "other.pem").string());
+      CHECK_THAT(problems.front().text, Contains("CVE-2023-24011"));
+    }
+  }
+  WHEN("it signs a document") {
+    THEN("its signature is refused, also by name") {
+      CHECK_THROWS_WITH(verified_document(document, common.certificate_pem, "permissions.p7s"),
+                        Contains("permissions.p7s"));
+    }
+  }
+  WHEN("our permissions authority issues one all the same") {
+    const KeyPair ours{read_text(shared / "permissions_ca.cert.pem"),
+                       read_text(store.keys.folder() / "private/permissions_ca.key.pem")};
+    const KeyPair forbidden = issue(ours, "/consumer", year);
+    THEN("its certificate already forbids that") {
+      CHECK_THROWS_WITH(
+          verified_document(signed_document("<dds/>", forbidden), ours.certificate_pem, "permissions.p7s"),
+          Contains("not signed by the permissions authority"));
+      CHECK_THAT(verified_document(signed_document("<dds/>\n", ours), ours.certificate_pem, "x"),
+                 Contains("<dds/>"));
+    }
+  }
+}
+
+}  // namespace key_store_test
