@@ -3,6 +3,7 @@
 
 #include "ros2/relay/log.hpp"
 #include "support/ros2_command_line.hpp"
+#include "support/security_options.hpp"
 
 #include <exception>
 #include <utility>
@@ -13,8 +14,9 @@ using namespace sonopose;
 
 /// Returns the options of the relay. Without --network, the discovery range follows the environment variables
 /// of ROS 2.
-ros2::relay::RelayOptions relay_options(const apps::Ros2Program& program) {
+ros2::relay::RelayOptions relay_options(apps::Ros2Program& program) {
   const ros2::Variables environment = dds::environment_variables(ros2::variable_names());
+  program.ros2.enclave = apps::announced_enclave(program.bus);
   auto options = apps::relay_options(program.ros2, environment);
   options.domain = program.bus.domain;
   if (program.app.count("--network") == 0) {

@@ -55,6 +55,7 @@ int run(const CLI::App& app, const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
+  options.bus.joins_bus = false;
   apps::Program app(
       "run",
       "It passes its options on. When one of the three programs ends, or at Ctrl-C, the others end "

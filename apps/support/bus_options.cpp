@@ -4,6 +4,7 @@
 #include "clocks/clocks.hpp"
 #include "logging/log.hpp"
 #include "process/service.hpp"
+#include "security_options.hpp"
 #include <sonopose/dds/binding/domain.hpp>
 #include <sonopose/dds/binding/network_interfaces.hpp>
 #include <sonopose/samples/samples.hpp>
@@ -59,10 +60,12 @@ void add_bus_options(CLI::App& app, BusOptions& options) {
                  "File of QoS policies that override the project's (default: SONOPOSE_QOS, else none)")
       ->type_name("FILE")
       ->group(bus_group);
+  add_security_options(app, options);
 }
 
 bool wait_for_network(const dds::DomainOptions& domain, const process::StopSignal& stop) {
   constexpr TimeNs period_ns = 500'000'000;
+  watch_expiry(domain);
   std::string missing;
   dds::NetworkChoice choice = dds::choose_network(domain);
   for (; !choice.is_ready; choice = dds::choose_network(domain)) {

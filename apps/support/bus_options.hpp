@@ -16,6 +16,9 @@ namespace sonopose::apps {
 struct BusOptions {
   dds::DomainOptions domain;
   std::optional<std::filesystem::path> qos_file;
+  std::optional<std::filesystem::path> key_store;
+  std::optional<std::string> enclave;  ///< absent: named after the program's role
+  bool joins_bus = true;  ///< false for a program that only passes the options on, which each have an enclave
 };
 
 /// Throws std::invalid_argument if a publishing program has a pattern as partition: no reader with a plain
@@ -25,13 +28,13 @@ void check_publisher(const BusOptions& options);
 /// The group of these options.
 inline constexpr const char* bus_group = "Bus";
 
-/// Adds --domain, --network, --interface, --partition and --qos. From now on, messages of DDS are lines of
-/// the log.
+/// Adds --domain, --network, --interface, --partition, --qos, --security and --enclave. From now on, messages
+/// of DDS are lines of the log.
 void add_bus_options(CLI::App& app, BusOptions& options);
 
 /// Waits until the network is there: with `--network lan` any interface besides loopback, with --interface
 /// the named ones. Meanwhile, it reports to the service manager. Logs what is missing, then the interfaces
-/// and why they are used. Returns false if the stop came first.
+/// and why they are used, and the security in use. Returns false if the stop came first.
 bool wait_for_network(const dds::DomainOptions& domain, const process::StopSignal& stop);
 
 /// Adds --max-beacons. `verb` says what the program does with beacons: "Serve".

@@ -147,7 +147,8 @@ private:
            option.check_name("--enclave") || &option == app_.get_help_ptr() ||
            &option == app_.get_help_all_ptr() || option.check_name("--version") ||
            option.check_name("--print-config") || option.check_name("--interface") ||
-           option.check_name("--partition") || option.check_name("--qos");
+           option.check_name("--partition") || option.check_name("--qos") ||
+           option.check_name("--security");
   }
 
   template <class Takes>

@@ -25,7 +25,7 @@ std::string option_name(const std::string& parameter) {
 
 /// True unless ROS 2 has another argument for this option.
 bool is_parameter(const CLI::Option& option) {
-  constexpr std::array others{"--name", "--namespace", "--remap", "--enclave"};
+  constexpr std::array others{"--name", "--namespace", "--remap", "--enclave", "--security"};
   return is_key(option) &&
          std::ranges::none_of(others, [&](const char* name) { return option.check_name(name); });
 }

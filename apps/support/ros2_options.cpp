@@ -17,9 +17,6 @@ void add_node_options(CLI::App& app, Ros2Options& options) {
                  "Remap a name, as in ROS 2: /hedge_7/odom:=/odom; may be repeated")
       ->type_name("FROM:=TO")
       ->group(group);
-  app.add_option("--enclave", options.enclave, "Security enclave to announce")
-      ->capture_default_str()
-      ->group(group);
   app.add_flag("--use-sim-time", options.use_sim_time,
                "Use the time of the topic /clock, of a simulator or of a recording that is played back")
       ->group(group);

@@ -17,7 +17,7 @@ struct Ros2Options {
   ros2::NodeName node;
   std::vector<std::string> remap;
   std::optional<ros2::Distro> distro;
-  std::string enclave = "/";
+  std::string enclave = "/";  ///< name to announce
   std::optional<std::string> addresses;
   std::size_t max_beacons = presence::BeaconAdmission::default_max_beacons;
   ros2::relay::Output output;

@@ -197,6 +197,8 @@ std::string& program_name() {
 
 std::atomic<bool> is_serving = false;
 
+std::atomic<int> code_of_success = 0;
+
 std::string restart_words() {
   return fmt::format("restart {}; no other program needs a restart", program_name());
 }
@@ -259,6 +261,10 @@ CLI::Validator natural_number() {
   return CLI::Range(std::uint64_t{0}, std::uint64_t{1'000'000'000});
 }
 
+void end_with(int code) {
+  code_of_success = code;
+}
+
 void serve(const std::function<void()>& node) {
   is_serving = true;
   try {
@@ -314,7 +320,7 @@ int run(CLI::App& app, const std::vector<std::string>& arguments, const std::fun
   try {
     const int code = body();
     flush_output();
-    return code;
+    return code == 0 ? code_of_success.load() : code;
   } catch (const config::ConfigError& error) {
     logging::failure(error.what());
     return wrong_configuration;

@@ -43,6 +43,9 @@ CLI::Validator natural_number();
 /// manager need not try again.
 inline constexpr int wrong_configuration = 78;
 
+/// Lets run() return this code instead of 0. For any thread.
+void end_with(int code);
+
 /// Parses the command line, with the options of a file (options_file.hpp), and runs `body`. Returns the exit
 /// code: 0 for success, help and a stop by signal; CLI11's own numbers for errors of the command line;
 /// `wrong_configuration` for config::ConfigError and for a wrong option of a file. Returns 1 for any

@@ -194,6 +194,10 @@ std::vector<std::vector<std::string>> helps_of(const std::string& program) {
   std::vector<std::vector<std::string>> helps{{}};
   if (program == "sonopose-settings")
     helps.insert(helps.end(), {{"get"}, {"set"}, {"watch"}, {"save"}, {"reset"}});
+  if (program == "sonopose-security") {
+    helps.insert(helps.end(),
+                 {{"init"}, {"enclave"}, {"list"}, {"check"}, {"renew"}, {"revoke"}, {"governance"}});
+  }
   if (program == "sonopose-calibrate") helps.insert(helps.end(), {{"imu"}, {"allan"}, {"all"}});
   return helps;
 }
@@ -301,15 +305,25 @@ TEST_CASE("The settings have a help of their own") {
 
 TEST_CASE("Every program suggests the option that a misspelt one resembles") {
   const std::map<std::string, std::pair<std::string, std::string>> misspelt{
-      {"run", {"--scenrio", "--scenario"}},        {"bridge", {"--sorce", "--source"}},
-      {"fusion", {"--adresses", "--addresses"}},   {"monitor", {"--duraton", "--duration"}},
-      {"ros2", {"--fix-mesage", "--fix-message"}}, {"doctor", {"--domian", "--domain"}},
-      {"settings", {"--timout", "--timeout"}},     {"simulate", {"--duraton", "--duration"}},
-      {"import", {"--postions", "--positions"}},   {"replay", {"--smoth", "--smooth"}},
-      {"evaluate", {"--sedes", "--seeds"}},        {"tune", {"--ronds", "--rounds"}},
-      {"attitude", {"--filtre", "--filter"}},      {"calibrate", {"--verson", "--version"}},
-      {"mcap", {"--verson", "--version"}},         {"record", {"--exlude", "--exclude"}},
-      {"play", {"--restmp", "--restamp"}},         {"web", {"--lisen", "--listen"}}};
+      {"run", {"--scenrio", "--scenario"}},
+      {"bridge", {"--sorce", "--source"}},
+      {"fusion", {"--adresses", "--addresses"}},
+      {"monitor", {"--duraton", "--duration"}},
+      {"ros2", {"--fix-mesage", "--fix-message"}},
+      {"doctor", {"--domian", "--domain"}},
+      {"settings", {"--timout", "--timeout"}},
+      {"simulate", {"--duraton", "--duration"}},
+      {"import", {"--postions", "--positions"}},
+      {"replay", {"--smoth", "--smooth"}},
+      {"evaluate", {"--sedes", "--seeds"}},
+      {"tune", {"--ronds", "--rounds"}},
+      {"attitude", {"--filtre", "--filter"}},
+      {"calibrate", {"--verson", "--version"}},
+      {"mcap", {"--verson", "--version"}},
+      {"record", {"--exlude", "--exclude"}},
+      {"play", {"--restmp", "--restamp"}},
+      {"security", {"--verson", "--version"}},
+      {"web", {"--lisen", "--listen"}}};
   for (const std::string& program : programs()) {
     const auto found = misspelt.find(program.substr(prefix.size()));
     CAPTURE(program);

@@ -47,7 +47,15 @@ struct DomainOptions {
   bool wait_for_readers = false;
   /// True if samples are batched until DataWriter::flush or a full packet.
   bool batch_writes = false;
+  /// Folder of a security enclave, with the files of SROS2. Empty: as ROS 2's variables say
+  /// (enclave_by_environment), otherwise without security.
+  std::string enclave_folder = {};
 };
+
+/// Returns the folder of the enclave `name` in ROS_SECURITY_KEYSTORE; of ROS_SECURITY_ENCLAVE_OVERRIDE, or
+/// else of `consumer`, for an empty name. Empty unless ROS_SECURITY_ENABLE is true, and for a missing folder
+/// unless ROS_SECURITY_STRATEGY is Enforce. Throws std::invalid_argument without a key store.
+std::string enclave_by_environment(const std::string& name = {});
 
 /// Domain id for `options`. Throws std::invalid_argument unless it is a number of 0…232, naming the option or
 /// ROS_DOMAIN_ID, and its value.

@@ -1,15 +1,14 @@
+#include "dds/binding/logged_errors.hpp"
 #include "dds/binding/system_checks.hpp"
 #include <sonopose/dds/binding/domain.hpp>
 #include <sonopose/dds/binding/error.hpp>
 #include <sonopose/dds/binding/network_interfaces.hpp>
 
 #include <charconv>
-#include <cstdio>
 #include <cstdlib>
 #include <map>
 #include <mutex>
 #include <stdexcept>
-#include <string_view>
 #include <utility>
 
 namespace sonopose::dds {
@@ -42,56 +41,6 @@ Registry& registry() {
   return *instance;
 }
 
-/// Set once, before there is a domain.
-MessageSink& message_sink() {
-  static auto* const sink = new MessageSink;  // never destroyed: threads of Cyclone DDS use it
-  return *sink;
-}
-
-MessageLevel level_of(std::uint32_t priority) {
-  if (priority == DDS_LC_INFO) return MessageLevel::info;
-  if (priority == DDS_LC_FATAL) return MessageLevel::fatal;
-  return priority == DDS_LC_WARNING ? MessageLevel::warning : MessageLevel::error;
-}
-
-/// Passes a message to the sink of the process, or to standard error as Cyclone DDS does.
-void pass_on(void* /*arg*/, const dds_log_data_t* data) {
-  if (const MessageSink& sink = message_sink())
-    return sink(level_of(data->priority), {data->message, data->size});
-  std::fwrite(data->message - data->hdrsize, 1, data->hdrsize + data->size + 1, stderr);
-}
-
-/// Collects the errors that Cyclone DDS logs: its return codes do not have the reason. Passes other messages
-/// on.
-class LoggedErrors {
-public:
-  LoggedErrors() { dds_set_log_sink(on_message, this); }
-  LoggedErrors(const LoggedErrors&) = delete;
-  LoggedErrors& operator=(const LoggedErrors&) = delete;
-  ~LoggedErrors() { dds_set_log_sink(message_sink() ? pass_on : nullptr, nullptr); }
-
-  /// Returns the errors so far in one line.
-  std::string text() {
-    const std::lock_guard lock(mutex_);
-    return text_;
-  }
-
-private:
-  static void on_message(void* self, const dds_log_data_t* data) {
-    if (data->priority != DDS_LC_ERROR) {
-      pass_on(nullptr, data);
-      return;
-    }
-    auto& logged = *static_cast<LoggedErrors*>(self);
-    const std::lock_guard lock(logged.mutex_);
-    if (!logged.text_.empty()) logged.text_ += "; ";
-    logged.text_.append(data->message, data->size);
-  }
-
-  std::mutex mutex_;  ///< threads of other domains log too
-  std::string text_;
-};
-
 dds_entity_t create_domain(std::uint32_t id, const DomainOptions& options) {
   const std::string uri = environment("CYCLONEDDS_URI");
   const UserNetwork user = network_named_by(uri, id);
@@ -110,11 +59,7 @@ dds_entity_t create_domain(std::uint32_t id, const DomainOptions& options) {
   if (reason.empty()) return check("dds_create_domain", about, domain);
   if (domain >= 0) {
     const std::string text = "domain " + std::to_string(id) + ": " + reason;
-    if (const MessageSink& sink = message_sink()) {
-      sink(MessageLevel::error, text);
-    } else {
-      std::fprintf(stderr, "%s\n", text.c_str());
-    }
+    report_error(text);
     return domain;
   }
   if (reason.find("interface") != std::string::npos) reason += "; " + interface_advice(options.network, user);
@@ -122,11 +67,6 @@ dds_entity_t create_domain(std::uint32_t id, const DomainOptions& options) {
 }
 
 }  // namespace
-
-void send_messages_to(MessageSink sink) {
-  message_sink() = std::move(sink);
-  dds_set_log_sink(message_sink() ? pass_on : nullptr, nullptr);
-}
 
 std::uint32_t resolve_domain_id(const DomainOptions& options) {
   const auto fail = [](const std::string& name, const std::string& value) {

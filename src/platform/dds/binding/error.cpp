@@ -2,7 +2,17 @@
 
 namespace sonopose::dds {
 
-Error::Error(const std::string& call, ReturnCode code) : Error(call, code, dds_strretcode(-code)) {}
+namespace {
+
+std::string reason_of(ReturnCode code) {
+  const std::string text = dds_strretcode(-code);
+  if (code != DDS_RETCODE_NOT_ALLOWED_BY_SECURITY) return text;
+  return text + ": the permissions of the enclave do not include it (sonopose-security list)";
+}
+
+}  // namespace
+
+Error::Error(const std::string& call, ReturnCode code) : Error(call, code, reason_of(code)) {}
 
 Error::Error(const std::string& call, ReturnCode code, const std::string& reason)
     : std::runtime_error(call + ": " + reason), code_(code) {}

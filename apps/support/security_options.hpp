@@ -1,0 +1,23 @@
+#pragma once
+// The options of DDS Security, common to all programs on the bus (SECURITY.md).
+
+#include "bus_options.hpp"
+
+#include <CLI/CLI.hpp>
+
+namespace sonopose::apps {
+
+/// Adds --security and --enclave. After the parsing, the files of the enclave are checked, and
+/// config::ConfigError names the file that cannot be used, and the verb that mends it. `options` must outlive
+/// the parsing.
+void add_security_options(CLI::App& app, BusOptions& options);
+
+/// Returns the name of the enclave for ROS 2: that in use, without security the given one, "/" if there is
+/// none.
+std::string announced_enclave(const BusOptions& options);
+
+/// Logs which enclave is in use. Warns each day of an expiry within 30 days, and ends the program in good
+/// order with the code of a wrong configuration when it comes: Cyclone DDS then removes the participant.
+void watch_expiry(const dds::DomainOptions& domain);
+
+}  // namespace sonopose::apps

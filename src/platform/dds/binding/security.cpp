@@ -1,0 +1,70 @@
+#include "dds/binding/security.hpp"
+
+#include <sonopose/dds/binding/domain.hpp>
+
+#include <array>
+#include <filesystem>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+namespace sonopose::dds {
+
+Qos secured(const Qos& qos, const std::string& enclave_folder) {
+  Qos all(qos);
+  if (enclave_folder.empty()) return all;
+  using Pair = std::pair<const char*, const char*>;
+  constexpr std::array plugins{
+      Pair{"dds.sec.auth.library.path", "dds_security_auth"},
+      Pair{"dds.sec.auth.library.init", "init_authentication"},
+      Pair{"dds.sec.auth.library.finalize", "finalize_authentication"},
+      Pair{"dds.sec.crypto.library.path", "dds_security_crypto"},
+      Pair{"dds.sec.crypto.library.init", "init_crypto"},
+      Pair{"dds.sec.crypto.library.finalize", "finalize_crypto"},
+      Pair{"dds.sec.access.library.path", "dds_security_ac"},
+      Pair{"dds.sec.access.library.init", "init_access_control"},
+      Pair{"dds.sec.access.library.finalize", "finalize_access_control"},
+  };
+  constexpr std::array files{
+      Pair{"dds.sec.auth.identity_ca", "identity_ca.cert.pem"},
+      Pair{"dds.sec.auth.identity_certificate", "cert.pem"},
+      Pair{"dds.sec.auth.private_key", "key.pem"},
+      Pair{"dds.sec.access.permissions_ca", "permissions_ca.cert.pem"},
+      Pair{"dds.sec.access.governance", "governance.p7s"},
+      Pair{"dds.sec.access.permissions", "permissions.p7s"},
+      Pair{"org.eclipse.cyclonedds.sec.auth.crl", "crl.pem"},
+  };
+  for (const auto& [name, value] : plugins) dds_qset_prop(all.get(), name, value);
+  const std::filesystem::path folder = enclave_folder;
+  for (const auto& [name, file] : files) {
+    std::error_code absent;
+    const std::filesystem::path path = folder / file;
+    const bool is_optional = std::string_view(file) == "crl.pem";
+    if (is_optional && !std::filesystem::exists(path, absent)) continue;
+    dds_qset_prop(all.get(), name, ("file:" + path.string()).c_str());
+  }
+  return all;
+}
+
+std::string enclave_by_environment(const std::string& name) {
+  const std::string enable = "ROS_SECURITY_ENABLE";
+  const std::string key_store = "ROS_SECURITY_KEYSTORE";
+  const std::string strategy = "ROS_SECURITY_STRATEGY";
+  const std::string override = "ROS_SECURITY_ENCLAVE_OVERRIDE";
+  auto variables = environment_variables({enable, key_store, strategy, override});
+  if (variables[enable] != "true") return {};
+  if (variables[key_store].empty()) {
+    throw std::invalid_argument(enable + " is true, but " + key_store + " names no key store");
+  }
+  std::string enclave = !name.empty()                  ? name
+                        : !variables[override].empty() ? variables[override]
+                                                       : "consumer";
+  enclave.erase(0, enclave.find_first_not_of('/'));
+  const std::filesystem::path folder = std::filesystem::path(variables[key_store]) / "enclaves" / enclave;
+  std::error_code error;
+  const bool may_be_absent = variables[strategy] != "Enforce";
+  if (may_be_absent && !std::filesystem::is_directory(folder, error)) return {};
+  return folder.string();
+}
+
+}  // namespace sonopose::dds

@@ -1,0 +1,259 @@
+/// A bus with DDS Security: members work, everybody else is refused, and the pose is not disturbed.
+
+#include "security/authority.hpp"
+#include "security/signed_document.hpp"
+#include "standby_pair.hpp"
+#include "support/secured_bus.hpp"
+#include "support/wait_until.hpp"
+
+#include <fmt/format.h>
+
+#include <csignal>
+#include <filesystem>
+#include <set>
+#include <string>
+
+namespace security_test {
+
+using namespace sonopose;
+using namespace sonopose::test;
+using Catch::Contains;
+namespace fs = std::filesystem;
+namespace topics = dds::topics;
+
+const Arguments rest{"--scenario", "rest", "--imu-rate", "200"};
+const Environment unsecured{{"ROS_SECURITY_ENABLE", ""}};
+
+/// A secured bridge, a fusion, and a consumer of their poses.
+struct Chain {
+  KeyStoreOfRoles keys;
+  SecuredByEnvironment environment{keys.store};
+  Bus bus;
+  PoseTap tap{bus};
+  std::unique_ptr<Process> bridge = bus.bridge(rest);
+  std::unique_ptr<Process> fusion = bus.fusion();
+  std::set<std::uint64_t> owners = wait_for_owners();
+
+  std::set<std::uint64_t> wait_for_owners() {
+    REQUIRE(tap.wait_for_count(0, 100).size() >= 100);
+    return tap.writers();
+  }
+
+  Arguments in_domain(Arguments arguments) const {
+    arguments.insert(arguments.end(), {"--domain", std::to_string(bus.domain_id())});
+    return arguments;
+  }
+
+  /// Arguments of a fusion that would be the strongest of all.
+  Arguments usurping(Arguments further) const {
+    further.insert(further.end(), {"--standby-strength", "1000000", "--warm-up", "0"});
+    return in_domain(further);
+  }
+
+  /// Checks that the poses go on and are all of the fusion.
+  void check_undisturbed(std::size_t since) const {
+    for (const TappedPose& each : tap.wait_for_count(since, tap.count() - since + 400)) {
+      REQUIRE(owners.contains(each.writer));
+    }
+    CHECK(tap.writers() == owners);
+  }
+};
+
+SCENARIO("a secured chain serves its members alone") {
+  Chain chain;
+  const std::size_t before = chain.tap.count();
+  THEN("a process without a certificate sees and disturbs nothing, which the fusion logs") {
+    Process usurper(SONOPOSE_TEST_FUSION, chain.usurping({}), unsecured);
+    REQUIRE(usurper.wait_for_line(Stream::error, "serving"));
+    const Result stranger =
+        run(SONOPOSE_TEST_MONITOR, chain.in_domain({"--duration", "3", "--json"}), unsecured);
+    CHECK(stranger.code == 1);
+    CHECK_THAT(stranger.output, !Contains("\"address\":7"));
+    chain.check_undisturbed(before);
+  }
+  THEN("members of another key store are refused, which both sides log") {
+    const KeyStoreOfRoles foreign;
+    Process usurper(SONOPOSE_TEST_FUSION, chain.usurping(foreign.arguments("fusion")));
+    REQUIRE(chain.fusion->wait_for_line(Stream::error, "refused a process"));
+    REQUIRE(usurper.wait_for_line(Stream::error, "refused a process"));
+    chain.check_undisturbed(before);
+  }
+  THEN("a consumer can neither write poses nor change settings, an operator can") {
+    const Result usurper = run(SONOPOSE_TEST_FUSION, chain.usurping({"--enclave", "consumer"}));
+    CHECK(usurper.code == 1);
+    CHECK_THAT(usurper.error, Contains("sonopose/") && Contains("Not Allowed By Security"));
+    const Arguments change{"set", "admission.min_quality_percent=61"};
+    Arguments as_consumer = change;
+    as_consumer.insert(as_consumer.end(), {"--enclave", "consumer"});
+    const Result refused = chain.bus.settings(as_consumer);
+    CHECK(refused.code == 1);
+    CHECK_THAT(refused.error, Contains("Not Allowed By Security"));
+    const Result accepted = chain.bus.settings(change);
+    CAPTURE(accepted.error);
+    CHECK(accepted.code == 0);
+    chain.check_undisturbed(before);
+  }
+}
+
+/// Copies the enclave of a consumer, to be forged.
+fs::path copied_consumer(const KeyStoreOfRoles& keys) {
+  const fs::path forged = keys.store.enclave_folder("forged");
+  fs::copy(keys.store.enclave_folder("consumer"), forged);
+  return forged;
+}
+
+/// Returns true if a writer of poses with this enclave cannot be made, or is not heard.
+bool is_harmless(const Chain& chain, const fs::path& enclave) {
+  const std::size_t before = chain.tap.count();
+  try {
+    const dds::DomainParticipant participant(
+        {.domain_id = chain.bus.domain_id(), .enclave_folder = enclave.string()});
+    auto writer = topics::make_writer(participant, dds::qos::Provider(), topics::pose);
+    writer.ownership_strength(1'000'000);
+    sonopose_FusedPose pose = topics::to_idl(chain.tap.since(before - 1).front().pose);
+    pose.position.x += 100.0;
+    for (int i = 0; i < 400; ++i) {
+      writer.try_write(pose);
+      chain.tap.wait_for_count(before, static_cast<std::size_t>(i) + 1);
+    }
+  } catch (const dds::Error& error) {
+    fmt::print("refused locally: {}\n", error.what());
+  }
+  chain.check_undisturbed(before);
+  return true;
+}
+
+SCENARIO("stolen and forged permissions are refused") {
+  Chain chain;
+  const fs::path forged = copied_consumer(chain.keys);
+  WHEN("a consumer has the permissions of a fusion") {
+    fs::copy(chain.keys.store.enclave_folder("fusion") / "permissions.p7s", forged / "permissions.p7s",
+             fs::copy_options::overwrite_existing);
+    CHECK(is_harmless(chain, forged));
+  }
+  WHEN("it has an authority of its own for its permissions and governance") {
+    const security::KeyPair own = security::make_permissions_authority("own", valid_for(1000));
+    security::Grant grant{.subject = "CN=/consumer",
+                          .validity = valid_for(1000),
+                          .access = {.writes = {"*"}, .reads = {"*"}},
+                          .partitions = {}};
+    const std::map<std::string, std::string> files{
+        {"permissions_ca.cert.pem", own.certificate_pem},
+        {"permissions.p7s", security::signed_document(security::permissions_xml(grant), own)},
+        {"governance.p7s",
+         security::signed_document(security::governance_xml(security::Protection::sign), own)}};
+    for (const auto& [name, text] : files) {
+      fs::remove(forged / name);
+      write_text(forged / name, text);
+    }
+    CHECK(is_harmless(chain, forged));
+    CHECK(chain.fusion->wait_for_line(Stream::error, "refused a process"));
+  }
+  WHEN("a leaf under the permissions authority signs its permissions (CVE-2023-24011)") {
+    const fs::path root = chain.keys.store.folder();
+    const security::KeyPair authority{read_text(root / "public/permissions_ca.cert.pem"),
+                                      read_text(root / "private/permissions_ca.key.pem")};
+    const security::KeyPair leaf = security::issue(authority, "/consumer", valid_for(1000));
+    const security::Grant grant{.subject = "CN=/consumer",
+                                .validity = valid_for(1000),
+                                .access = {.writes = {"*"}, .reads = {"*"}},
+                                .partitions = {}};
+    write_text(forged / "permissions.p7s", security::signed_document(security::permissions_xml(grant), leaf));
+    CHECK(is_harmless(chain, forged));
+  }
+}
+
+SCENARIO("a certificate that expires") {
+  Chain chain;
+  WHEN("it has expired before the start") {
+    chain.keys.add("late", "monitor", -10);
+    const Result result = run(SONOPOSE_TEST_MONITOR, chain.in_domain({"--enclave", "late"}));
+    THEN("the program names file and verb, and a service does not try again") {
+      CHECK(result.code == 78);
+      CHECK_THAT(result.error, Contains("late/cert.pem: expired on") && Contains("sonopose-security renew"));
+    }
+  }
+  WHEN("it expires while a program and a consumer run") {
+    chain.keys.add("brief", "monitor", 8);
+    chain.keys.add("short", "consumer", 8);
+    Process monitor(SONOPOSE_TEST_MONITOR, chain.in_domain({"--json", "--enclave", "brief"}));
+    const dds::DomainParticipant participant(
+        {.domain_id = chain.bus.domain_id(),
+         .enclave_folder = chain.keys.store.enclave_folder("short").string()});
+    auto reader = topics::make_reader(participant, dds::qos::Provider(), topics::pose);
+    REQUIRE(wait_until([&] { return reader.subscription_matched_status().current_count > 0; }));
+    THEN("the program warns, and ends with the reason; the consumer loses its poses; the others go on") {
+      CHECK(monitor.wait_for_line(Stream::error, "expires in 0 days"));
+      CHECK(monitor.wait_for_exit() == 78);
+      CHECK_THAT(monitor.text(Stream::error), Contains("expired on") && Contains("renew"));
+      CHECK(wait_until([&] { return reader.subscription_matched_status().current_count == 0; }));
+      chain.check_undisturbed(chain.tap.count());
+    }
+  }
+}
+
+SCENARIO("a revoked certificate is refused by whoever starts later") {
+  KeyStoreOfRoles keys;
+  const fs::path copy = keys.store.folder() / "stolen";
+  fs::create_directory(copy);
+  for (const auto& entry : fs::directory_iterator(keys.store.enclave_folder("fusion"))) {
+    if (entry.path().filename() != "crl.pem") fs::copy(entry.path(), copy);
+  }
+  keys.store.revoke("fusion", time_now_s());
+  keys.add("fusion", "fusion", security::day_s);
+  const SecuredByEnvironment environment(keys.store);
+  const Bus bus;
+  const PoseTap tap(bus);
+  const auto bridge = bus.bridge(rest);
+  const auto fusion = bus.fusion();
+  REQUIRE(tap.wait_for_count(0, 100).size() >= 100);
+  const auto owners = tap.writers();
+  const dds::DomainParticipant participant({.domain_id = bus.domain_id(), .enclave_folder = copy.string()});
+  const auto writer = topics::make_writer(participant, dds::qos::Provider(), topics::pose);
+  CHECK(fusion->wait_for_line(Stream::error, "refused a process"));
+  CHECK(bridge->wait_for_line(Stream::error, "revoked"));
+  CHECK(tap.writers() == owners);
+}
+
+SCENARIO("secured processes return, and a standby takes over") {
+  const KeyStoreOfRoles keys(security::Protection::encrypt);
+  const SecuredByEnvironment environment(keys.store);
+  WHEN("each is killed and started again") {
+    const char* const number = std::getenv("SONOPOSE_KILLS");
+    const int kills = number == nullptr ? 2 : std::atoi(number);
+    const Bus bus;
+    const PoseTap tap(bus);
+    auto bridge = bus.bridge(rest);
+    auto fusion = bus.fusion();
+    REQUIRE(tap.wait_for_count(0, 1).size() == 1);
+    double longest_s = 0;
+    for (int i = 0; i < kills; ++i) {
+      for (std::unique_ptr<Process>* const process : {&bridge, &fusion}) {
+        (*process)->send(SIGKILL);
+        REQUIRE((*process)->wait_for_exit() == -SIGKILL);
+        wait_until([&] { return tap.count() > 0; });
+        const std::size_t before = tap.count();
+        const SteadyTime started = clocks::steady_now();
+        *process = process == &bridge ? bus.bridge(rest) : bus.fusion();
+        const auto poses = tap.wait_for_count(before, 20);
+        REQUIRE(poses.size() >= 20);
+        longest_s = std::max(longest_s, seconds_between(started, poses[19].received));
+      }
+    }
+    fmt::print("{} restarts: poses again within {:.2f} s\n", 2 * kills, longest_s);
+  }
+  WHEN("the stronger of two fusions is killed") {
+    UnequalPair pair;
+    pair.wait_until_served_by(pair.strong);
+    const std::size_t before = pair.tap.count();
+    const SteadyTime killed = clocks::steady_now();
+    pair.strong.process->send(SIGKILL);
+    const auto first = pair.tap.wait_for(
+        [&](const TappedPose& tapped) { return tapped.pose.address == contested && pair.weak.wrote(tapped); },
+        before);
+    REQUIRE(first);
+    fmt::print("taken over after {:.0f} ms\n", seconds_between(killed, first->received) * 1e3);
+  }
+}
+
+}  // namespace security_test
