@@ -2,13 +2,14 @@
 
 #include "clocks/clocks.hpp"
 #include "pulse.hpp"
-#include <sonopose/dds/binding/domain.hpp>
+#include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/idl/sonopose.h>
 
 #include <dds/dds.h>
 
 #include <array>
+#include <cstdlib>
 #include <poll.h>
 #include <stdexcept>
 #include <string>
@@ -33,10 +34,11 @@ const dds_qos_t* writer_qos(const char* profile) {
   return profiles().datawriter_qos(profile).get();
 }
 
-dds_entity_t join(std::uint32_t domain) {
-  const std::string config = dds::domain_configuration(domain, {}, "");
-  checked(dds_create_domain(domain, config.c_str()));
-  return checked(dds_create_participant(domain, nullptr, nullptr));
+/// Joins with the configuration of the real chain; secured as that one if the environment says so.
+dds_entity_t join(std::uint32_t domain, const char* role) {
+  ::setenv("ROS_SECURITY_ENCLAVE_OVERRIDE", role, 1);
+  static const dds::DomainParticipant participant({.domain_id = domain});
+  return participant.handle();
 }
 
 dds_entity_t imu_topic(dds_entity_t participant) {
@@ -67,14 +69,14 @@ void on_imu(dds_entity_t reader, void* writer) {
 }  // namespace
 
 void run_bare_source(std::uint32_t domain, double rate_hz) {
-  const dds_entity_t participant = join(domain);
+  const dds_entity_t participant = join(domain, "bridge");
   const dds_entity_t writer = checked(
       dds_create_writer(participant, imu_topic(participant), writer_qos(topics::imu.profile), nullptr));
   run_source(rate_hz, [writer](const sonopose_ImuSample& imu) { dds_write(writer, &imu); });
 }
 
 void run_bare_relay(std::uint32_t domain) {
-  const dds_entity_t participant = join(domain);
+  const dds_entity_t participant = join(domain, "fusion");
   const dds_entity_t pose_topic =
       checked(dds_create_topic(participant, &sonopose_FusedPose_desc, topics::pose.name, nullptr, nullptr));
   dds_entity_t writer =

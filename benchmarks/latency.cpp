@@ -3,14 +3,19 @@
 // them equally; the ratios are the result.
 
 #include "chains.hpp"
+#include "clocks/clocks.hpp"
 #include "latency_report.hpp"
 #include "process/stop_signal.hpp"
+#include "security/key_store.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
+#include <optional>
 
 namespace {
 
@@ -25,6 +30,7 @@ struct Options {
   int rounds = 10;
   double round_s = 3.0;
   unsigned fusion_cpu = 1;
+  std::string protection;  ///< of DDS Security; empty: none
 };
 
 std::vector<Chain> chains_of(const Options& options) {
@@ -63,6 +69,26 @@ Results rounds_of(const Options& options, double rate_hz, const process::StopSig
   return results;
 }
 
+/// A key store that all processes of the chains on DDS find by the environment.
+class Secured {
+public:
+  explicit Secured(const std::string& protection) {
+    const std::int64_t now_s = clocks::host_now() / 1'000'000'000;
+    const auto kind = protection == "encrypt" ? security::Protection::encrypt : security::Protection::sign;
+    const auto store = security::KeyStore::create(folder_ / "keys", kind, now_s);
+    const security::Validity validity{now_s - security::day_s, now_s + security::day_s};
+    for (const char* const role : {"bridge", "fusion", "consumer"}) {
+      store.add(role, {.roles = {role}, .validity = validity});
+    }
+    ::setenv("ROS_SECURITY_KEYSTORE", store.folder().c_str(), 1);
+    ::setenv("ROS_SECURITY_ENABLE", "true", 1);
+    ::setenv("ROS_SECURITY_STRATEGY", "Enforce", 1);
+  }
+
+private:
+  test::TemporaryFolder folder_;
+};
+
 void add_options(CLI::App& app, Options& options) {
   app.add_option("--domain", options.domain, "DDS domain")->capture_default_str();
   app.add_option("--rates", options.rates_hz, "IMU rates in Hz")->capture_default_str();
@@ -80,6 +106,8 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--other-fusion", options.other_fusion,
                  "Another build of sonopose-fusion, with both engines, compared with this one")
       ->check(CLI::ExistingFile);
+  app.add_option("--secured", options.protection, "Secure all chains but udp by DDS Security")
+      ->check(CLI::IsMember({"sign", "encrypt"}));
   app.add_option("--fusion-cpu", options.fusion_cpu, "Core for the variant pinned")->capture_default_str();
 }
 
@@ -93,11 +121,14 @@ int main(int argc, char** argv) {
   add_options(app, options);
   CLI11_PARSE(app, argc, argv);
   try {
+    std::optional<Secured> secured;
+    if (!options.protection.empty()) secured.emplace(options.protection);
     process::StopSignal stop;
     stop.listen_to_signals();
     for (const double rate_hz : options.rates_hz) {
       const Results results = rounds_of(options, rate_hz, stop);
-      if (!results.front().rounds.empty()) print_report(rate_hz, options.round_s, results);
+      if (!results.front().rounds.empty())
+        print_report(rate_hz, options.round_s, results, secured.has_value());
       if (stop.requested()) break;
     }
   } catch (const std::exception& error) {

@@ -20,7 +20,8 @@ struct ChainResult {
 using Results = std::vector<ChainResult>;
 
 /// Prints percentiles pooled over the rounds, the median of the ratios per round with its 95 % confidence
-/// interval, and the verdict on the limits.
-void print_report(double rate_hz, double round_s, const Results& results);
+/// interval, and the verdict on the limits. If all are secured, the limit is 1.25 times the secured bare
+/// chain.
+void print_report(double rate_hz, double round_s, const Results& results, bool is_secured);
 
 }  // namespace sonopose::benchmarks

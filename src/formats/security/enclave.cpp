@@ -132,6 +132,17 @@ Enclave read_enclave(const fs::path& folder, std::int64_t now_s) {
           .has_common_authority = identity_ca == permissions_ca};
 }
 
+std::map<std::string, std::int64_t> expiries_beside(const fs::path& folder) {
+  std::map<std::string, std::int64_t> expiries;
+  std::error_code unreadable;
+  for (const auto& entry : fs::directory_iterator(folder.parent_path(), unreadable)) {
+    if (folder.empty() || !fs::exists(entry.path() / certificate_file, unreadable)) continue;
+    const auto facts = facts_of(read_file(entry.path() / certificate_file, ""), certificate_file);
+    expiries[entry.path().filename().string()] = facts.validity.not_after_s;
+  }
+  return expiries;
+}
+
 std::string expiry_warning(std::int64_t expires_s, std::int64_t now_s) {
   const std::int64_t days = (expires_s - now_s) / day_s;
   if (days > warning_days) return {};

@@ -145,7 +145,8 @@ void add_counters(Writer& out, const Counters& counters, std::string_view proces
 
 }  // namespace
 
-std::string metrics_text(const Views& beacons, TimeNs now_ns) {
+std::string metrics_text(const Views& beacons, TimeNs now_ns,
+                         const std::map<std::string, std::int64_t>& expiries_s) {
   Writer out(beacons);
   add_pose(out, beacons, now_ns);
   add_fixes(out);
@@ -156,7 +157,15 @@ std::string metrics_text(const Views& beacons, TimeNs now_ns) {
   add_counters(
       out, observation::fusion_counters, "fusion",
       [](const BeaconView& view) -> const auto& { return view.fusion; });
-  return out.take();
+  std::string text = out.take();
+  if (expiries_s.empty()) return text;
+  text +=
+      "# HELP sonopose_enclave_expiry_seconds Time since 1970 at which a certificate expires.\n"
+      "# TYPE sonopose_enclave_expiry_seconds gauge\n";
+  for (const auto& [enclave, expires_s] : expiries_s) {
+    text += fmt::format("sonopose_enclave_expiry_seconds{{enclave=\"{}\"}} {}\n", enclave, expires_s);
+  }
+  return text;
 }
 
 std::string why_not_ready(const Views& beacons) {
@@ -169,7 +178,7 @@ std::string why_not_ready(const Views& beacons) {
 }
 
 void Metrics::update(const Views& beacons, TimeNs now_ns, SteadyTime now) {
-  std::string text = metrics_text(beacons, now_ns);
+  std::string text = metrics_text(beacons, now_ns, expiries_s_);
   std::string reason = why_not_ready(beacons);
   const threads::Lock lock(mutex_);
   text_ = std::move(text);

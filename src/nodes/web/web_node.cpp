@@ -6,6 +6,7 @@
 #include "observation/bus/views_json.hpp"
 #include "presence/beacon_admission.hpp"
 #include "process/service.hpp"
+#include "security/enclave.hpp"
 #include "threads/mutex.hpp"
 #include "transitions/transition_log.hpp"
 #include "web/foxglove/topic_feed.hpp"
@@ -47,6 +48,7 @@ public:
       : server_(server),
         state_(state),
         files_(options.map),
+        metrics_(security::expiries_beside(options.domain.enclave_folder)),
         hello_{.version = options.version,
                .allows_changes = options.allows_changes,
                .domain_id = bus.participant().domain_id(),

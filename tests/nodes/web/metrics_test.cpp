@@ -46,6 +46,9 @@ SCENARIO("each metric has a row for each beacon that knows it") {
   CHECK_THAT(text, Contains("sonopose_battery_volts{beacon=\"7\"} 3.75\n"));
   CHECK_THAT(text, Contains("sonopose_fusion_fixes_used_total{beacon=\"7\"} 3\n"));
   CHECK_THAT(text, !Contains("sonopose_pose_age_seconds{beacon=\"9\"}"));
+  CHECK_THAT(text, !Contains("enclave"));
+  CHECK_THAT(metrics_text({}, now_ns, {{"web", 1'800'000'000}}),
+             Contains("sonopose_enclave_expiry_seconds{enclave=\"web\"} 1800000000\n"));
 }
 
 SCENARIO("the page is ready if every beacon has poses, and healthy while it observes") {
@@ -74,7 +77,7 @@ SCENARIO("promtool finds no mistake in the metrics") {
     return;
   }
   const test::TemporaryFolder folder;
-  test::write_text(folder / "metrics", metrics_text({view_of(7), view_of(8)}, now_ns));
+  test::write_text(folder / "metrics", metrics_text({view_of(7), view_of(8)}, now_ns, {{"web", 1}}));
   CHECK(std::system(("promtool check metrics < " + (folder / "metrics").string()).c_str()) == 0);
   const std::string rules = SONOPOSE_SOURCE_DIR "/share/prometheus/sonopose.rules.yml";
   CHECK(std::system(("promtool check rules " + rules).c_str()) == 0);

@@ -6,6 +6,7 @@
 #include "observation/bus/line_observer.hpp"
 #include "observation/own_reports.hpp"
 #include "presence/instance_limit.hpp"
+#include <sonopose/dds/binding/refused_peer.hpp>
 #include <sonopose/dds/binding/waitset.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
@@ -43,6 +44,26 @@ struct Subscription {
   dds::DataReader<T> reader;
   dds::ReadCondition has_data;
 };
+
+/// Names the processes that DDS Security refused: those of reported certificates, and those that are there
+/// but whose endpoints it hides. `early` were there when the observation began.
+std::vector<std::string> refused_of(const dds::Discovery& discovery, const Processes& processes,
+                                    const Processes& early) {
+  std::vector<std::string> texts;
+  for (const dds::RefusedPeer& peer : dds::refused_peers()) {
+    const bool has_subject = !peer.subject.empty();
+    texts.push_back((has_subject ? "certificate " + peer.subject : "key " + peer.key_prefix) + ": " +
+                    peer.reason);
+  }
+  std::set<std::string> admitted{discovery.own_key()};
+  for (const auto& endpoint : discovery.writers()) admitted.insert(endpoint.participant_key);
+  for (const auto& endpoint : discovery.readers()) admitted.insert(endpoint.participant_key);
+  for (const auto& [key, process] : processes) {
+    if (admitted.contains(key) || !early.contains(key)) continue;
+    texts.push_back(observation::text_of(process) + ": it has no certificate of this key store");
+  }
+  return texts;
+}
 
 class SystemObserver {
 public:
@@ -247,6 +268,7 @@ rules::Observations SystemObserver::run(const process::StopSignal& stop) {
   listen_until(clocks::steady_now() + discovery_ns, stop);
   began_ = clocks::steady_now();
   for (auto& entry : probes_) entry.second.begin(began_->ns, deadlines_);
+  const Processes early = processes_in(discovery_.participants());
   listen_for_window(stop);
   const SteadyTime ended = clocks::steady_now();
 
@@ -258,6 +280,7 @@ rules::Observations SystemObserver::run(const process::StopSignal& stop) {
     observations.cut_from_s = options_.duration_s;
   }
   observations.bus = bus_of(options_.domain);
+  if (observations.bus.is_secured) observations.bus.refused = refused_of(discovery_, processes, early);
   observations.own_host = process_of(processes, own_key).host;
   observations.native_topics = native_topics();
   observations.writers = others_of(discovery_.writers(), processes, own_key);

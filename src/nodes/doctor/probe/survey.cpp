@@ -1,6 +1,7 @@
 #include "doctor/probe/survey.hpp"
 
 #include "clocks/clocks.hpp"
+#include "security/enclave.hpp"
 #include <sonopose/dds/binding/network_interfaces.hpp>
 #include <sonopose/dds/binding/participant.hpp>
 #include <sonopose/dds/topics/topics.hpp>
@@ -117,6 +118,11 @@ rules::BusObservation bus_of(const dds::DomainOptions& options) {
   bus.interfaces_in_use = used.text;
   bus.is_network_missing = !used.is_ready;
   bus.has_peers = user.peers;
+  bus.is_secured = !options.enclave_folder.empty();
+  for (const auto& [enclave, expires_s] : security::expiries_beside(options.enclave_folder)) {
+    const std::string warning = security::expiry_warning(expires_s, clocks::host_now() / 1'000'000'000);
+    if (!warning.empty()) bus.expiring.push_back("enclave " + enclave + " " + warning);
+  }
   return bus;
 }
 

@@ -38,6 +38,22 @@ void check_coverage(const Observations& observations, Findings& findings) {
   }
 }
 
+void check_security(const BusObservation& bus, Findings& findings) {
+  if (bus.is_secured) findings.push_back({Severity::ok, "bus", "DDS Security is in use", {}});
+  if (!bus.is_secured && !bus.loopback_only) {
+    findings.push_back({Severity::warning, "bus",
+                        "no security: anybody on the network can write poses and change settings",
+                        "let all processes use --security (SECURITY.md), or keep strangers off the network"});
+  }
+  for (const std::string& text : bus.refused) {
+    findings.push_back({Severity::warning, "bus", "DDS Security refused " + text,
+                        "if it is yours, give it --security with the same key store"});
+  }
+  for (const std::string& text : bus.expiring) {
+    findings.push_back({Severity::warning, "bus", text, "sonopose-security renew, and restart the programs"});
+  }
+}
+
 void check_network(const BusObservation& bus, Findings& findings) {
   if (bus.is_network_missing) {
     findings.push_back(
@@ -145,6 +161,7 @@ void check_processes(const Observations& observations, Findings& findings) {
 void check_bus(const Observations& observations, Findings& findings) {
   check_coverage(observations, findings);
   check_network(observations.bus, findings);
+  check_security(observations.bus, findings);
   check_processes(observations, findings);
   if (observations.beacons_refused) {
     findings.push_back({Severity::warning, "bus", *observations.beacons_refused,

@@ -128,11 +128,18 @@ std::string lease(const DomainOptions& options) {
   return "<LeaseDuration>" + std::to_string(options.lease->count()) + " s</LeaseDuration>";
 }
 
+/// A participant without its permissions yet, which takes tens of milliseconds after it begins to listen,
+/// refuses secured ones. Those that start together would find each other 8 s later.
+std::string announcements(const DomainOptions& options) {
+  return options.enclave_folder.empty() ? "" : "<SPDPInterval>2 s</SPDPInterval>";
+}
+
 std::string defaults(std::uint32_t domain_id, const DomainOptions& options, const UserNetwork& user,
                      const NetworkChoice& network) {
   const std::string discovery = "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>" +
                                 std::to_string(max_participant_index(domain_id)) +
-                                "</MaxAutoParticipantIndex>" + lease(options) + peers(options, user);
+                                "</MaxAutoParticipantIndex>" + lease(options) + announcements(options) +
+                                peers(options, user);
   // Limits the time that a deleted writer waits for readers that do not respond. The default of 1 s, one
   // writer after the other, would delay the exit of a process by seconds.
   std::string internal = "<WriterLingerDuration>100 ms</WriterLingerDuration>";

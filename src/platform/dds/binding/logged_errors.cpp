@@ -1,5 +1,7 @@
 #include "dds/binding/logged_errors.hpp"
 
+#include "dds/binding/refusals.hpp"
+
 #include <cstdio>
 #include <string_view>
 #include <utility>
@@ -19,10 +21,20 @@ MessageLevel level_of(std::uint32_t priority) {
   return priority == DDS_LC_WARNING ? MessageLevel::warning : MessageLevel::error;
 }
 
+Refusals& refusals() {
+  static auto* const all = new Refusals;  // never destroyed, likewise
+  return *all;
+}
+
 /// Passes a message to the sink of the process, or to standard error as Cyclone DDS does.
 void pass_on(void* /*arg*/, const dds_log_data_t* data) {
-  if (const MessageSink& sink = message_sink())
-    return sink(level_of(data->priority), {data->message, data->size});
+  const std::string_view message(data->message, data->size);
+  const Refusals::Verdict verdict = refusals().on_message(message);
+  if (const MessageSink& sink = message_sink()) {
+    if (!verdict.text.empty()) sink(MessageLevel::warning, verdict.text);
+    if (!verdict.is_about_refusal) sink(level_of(data->priority), message);
+    return;
+  }
   std::fwrite(data->message - data->hdrsize, 1, data->hdrsize + data->size + 1, stderr);
 }
 
@@ -42,7 +54,8 @@ std::string LoggedErrors::text() {
 }
 
 void LoggedErrors::on_message(void* self, const dds_log_data_t* data) {
-  if (data->priority != DDS_LC_ERROR) {
+  if (data->priority != DDS_LC_ERROR ||
+      std::string_view(data->message, data->size).starts_with("handshake (")) {
     pass_on(nullptr, data);
     return;
   }
@@ -58,6 +71,10 @@ void report_error(const std::string& text) {
   } else {
     std::fprintf(stderr, "%s\n", text.c_str());
   }
+}
+
+std::vector<RefusedPeer> refused_peers() {
+  return refusals().peers();
 }
 
 void send_messages_to(MessageSink sink) {

@@ -8,10 +8,14 @@
 namespace sonopose::dds {
 namespace {
 
+DomainOptions with_enclave(DomainOptions options) {
+  if (options.enclave_folder.empty()) options.enclave_folder = enclave_by_environment();
+  return options;
+}
+
 dds_entity_t create(std::uint32_t domain_id, const DomainOptions& options, const Qos& qos) {
   const std::string call = "dds_create_participant(domain " + std::to_string(domain_id);
-  const std::string enclave =
-      options.enclave_folder.empty() ? enclave_by_environment() : options.enclave_folder;
+  const std::string enclave = with_enclave(options).enclave_folder;
   if (enclave.empty())
     return check((call + ")").c_str(), dds_create_participant(domain_id, qos.get(), nullptr));
   const auto uri = environment_variables({"CYCLONEDDS_URI"});
@@ -29,7 +33,9 @@ dds_entity_t create(std::uint32_t domain_id, const DomainOptions& options, const
 }  // namespace
 
 DomainParticipant::DomainParticipant(const DomainOptions& options, const Qos& qos)
-    : DomainLease(options), Entity(create(domain_id(), options, qos)), partition_(options.partition) {}
+    : DomainLease(with_enclave(options)),
+      Entity(create(domain_id(), options, qos)),
+      partition_(options.partition) {}
 
 DomainParticipant& DomainParticipant::operator=(DomainParticipant&& other) noexcept {
   // Delete the old participant before releasing its reference to the domain.

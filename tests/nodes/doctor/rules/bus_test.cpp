@@ -47,6 +47,20 @@ TEST_CASE("A system on loopback beside an empty network is named") {
         "beacons are published on loopback of this machine: use --network loopback");
 }
 
+TEST_CASE("A system on a network without security is a warning, a secured one is not") {
+  Observations observations = healthy();
+  observations.bus.loopback_only = false;
+  CHECK(found(diagnose(observations), "no security").severity == Severity::warning);
+  CHECK_THAT(found(diagnose(observations), "no security").remedy, Contains("--security"));
+  observations.bus.is_secured = true;
+  CHECK_FALSE(has_problems(diagnose(observations)));
+  observations.bus.refused = {"sonopose-monitor (process 812 on rover): it has no certificate"};
+  observations.bus.expiring = {"enclave fusion expires in 12 days, at 2026-12-11T00:00:00"};
+  const auto findings = diagnose(observations);
+  CHECK_THAT(found(findings, "DDS Security refused sonopose-monitor").what, Contains("no certificate"));
+  CHECK_THAT(found(findings, "enclave fusion expires").remedy, Contains("sonopose-security renew"));
+}
+
 TEST_CASE("A missing network is an error with the interfaces there are") {
   Observations observations = healthy();
   observations.bus.is_network_missing = true;

@@ -1,0 +1,48 @@
+#include "dds/binding/refusals.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <string>
+
+namespace refusals_test {
+
+using sonopose::dds::Refusals;
+
+// The messages are those of Cyclone DDS 0.10.2.
+
+SCENARIO("a refused certificate is named once, with the reason in plain words") {
+  Refusals refusals;
+  const std::string message =
+      "Begin handshake reply failed: Certificate not valid: error: certificate signature failure; subject: "
+      "/CN=\\/fusion(code: 200)";
+  const auto first = refusals.on_message(message);
+  CHECK(first.is_about_refusal);
+  CHECK(first.text ==
+        "security: refused a process (certificate /CN=/fusion): its certificate is of another key store");
+  const auto repeated = refusals.on_message(message);
+  CHECK(repeated.is_about_refusal);
+  CHECK(repeated.text.empty());
+  CHECK(refusals.peers().size() == 1);
+}
+
+SCENARIO("another governance is reported when the process is refused again") {
+  Refusals refusals;
+  const std::string message = "Remote secure participant 83f0a0a6:36b864f1:34fcf8:1c1 not allowed";
+  CHECK(refusals.on_message(message).text.empty());  // usual while both sides start
+  CHECK_THAT(refusals.on_message(message).text, Catch::Contains("83f0a0a636b864f10034fcf8"));
+  CHECK(refusals.peers().front().key_prefix == "83f0a0a636b864f10034fcf8");
+}
+
+SCENARIO("other messages stay as they are, and a forger of refusals fills no memory") {
+  Refusals refusals;
+  CHECK_FALSE(refusals.on_message("selected interface \"lo\" is not multicast-capable").is_about_refusal);
+  for (int i = 0; i < 1000; ++i) {
+    refusals.on_message(
+        "Process handshake failed: Certificate not valid: error: certificate revoked; "
+        "subject: /CN=\\/" +
+        std::to_string(i) + "(code: 200)");
+  }
+  CHECK(refusals.peers().size() == 64);
+}
+
+}  // namespace refusals_test
