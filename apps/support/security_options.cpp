@@ -46,11 +46,15 @@ std::string selected_folder(const CLI::App& app, const BusOptions& options) {
   const bool is_overridden =
       !options.enclave && !dds::environment_variables({"ROS_SECURITY_ENCLAVE_OVERRIDE"}).empty();
   const std::string folder = dds::enclave_by_environment(is_overridden ? "" : name);
-  // The relay announces the name to ROS 2 in any case.
-  if (folder.empty() && options.enclave && own_name(app) != "ros2") {
+  if (!folder.empty()) return folder;
+  if (!dds::environment_variables({"ROS_SECURITY_KEYSTORE"}).empty() &&
+      dds::environment_variables({"ROS_SECURITY_ENABLE"})["ROS_SECURITY_ENABLE"] == "true") {
+    logging::warning("security: ROS_SECURITY_KEYSTORE has no enclave " + name +
+                     ", so this program joins without security; ROS_SECURITY_STRATEGY=Enforce forbids that");
+  } else if (options.enclave && own_name(app) != "ros2") {  // the relay announces the name in any case
     throw std::invalid_argument("--enclave " + *options.enclave + ": needs --security");
   }
-  return folder;
+  return {};
 }
 
 /// Warns of an expiry, and ends the program when it comes.

@@ -51,11 +51,11 @@ public:
     std::error_code error;
     const fs::perms mode = fs::status(folder_ / key_file, error).permissions();
     constexpr fs::perms others = fs::perms::group_all | fs::perms::others_all;
-    if (!error && (mode & others) != fs::perms::none) {
-      fail(path(key_file), "readable by other users",
-           "renew, which makes a new key, or if nobody has read it: chmod 600 " + path(key_file) +
-               ". The command");
-    }
+    if (error || (mode & others) == fs::perms::none) return;
+    throw SecurityError(
+        fmt::format("{0}: readable by other users; if nobody has read it, run chmod 600 {0}, "
+                    "otherwise {1}",
+                    path(key_file), command_for(folder_, "renew")));
   }
 
 private:

@@ -1,0 +1,61 @@
+// A process that joins a secured bus with the files of a folder, which it does not check as our programs do:
+// security_intruder DOMAIN FOLDER writes poses as the strongest of all, or with a third argument reads them.
+
+#include <sonopose/dds/topics/topics.hpp>
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <thread>
+
+namespace {
+
+using namespace sonopose;
+
+void print(const char* text) {
+  std::puts(text);
+  std::fflush(stdout);
+}
+
+void pause() {
+  std::this_thread::sleep_for(std::chrono::milliseconds(5));
+}
+
+[[noreturn]] void write_poses(const dds::DomainParticipant& participant) {
+  auto writer = dds::topics::make_writer(participant, dds::qos::Provider(), dds::topics::pose);
+  writer.ownership_strength(1'000'000);
+  sonopose_FusedPose pose{};
+  pose.address = 7;
+  print("writing");
+  for (;; pause()) {
+    pose.time = pose.fusion_out_time =
+        std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
+    ++pose.event_sequence;
+    writer.try_write(pose);
+  }
+}
+
+[[noreturn]] void read_poses(const dds::DomainParticipant& participant) {
+  auto reader = dds::topics::make_reader(participant, dds::qos::Provider(), dds::topics::pose);
+  const auto writers = [&reader] { return reader.subscription_matched_status().current_count; };
+  while (writers() == 0) pause();
+  print("receives poses");
+  while (writers() > 0) pause();
+  print("receives no poses");
+  for (;;) pause();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  if (argc < 3) return 2;
+  const dds::DomainParticipant participant(
+      {.domain_id = static_cast<std::uint32_t>(std::strtoul(argv[1], nullptr, 10)),
+       .enclave_folder = argv[2]});
+  if (argc > 3) read_poses(participant);
+  write_poses(participant);
+} catch (const std::exception& error) {
+  std::printf("refused: %s\n", error.what());
+  return 1;
+}
