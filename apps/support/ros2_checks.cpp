@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <numbers>
 #include <stdexcept>
 #include <utility>
 #include <variant>
@@ -135,6 +136,16 @@ void add_aiding_inputs(const Ros2Options& options, ros2::relay::RelayOptions& re
   }
 }
 
+std::optional<ros2::relay::AutopilotOptions> px4_options(const Ros2Options& options) {
+  if (!options.px4) {
+    if (options.north_deg) throw std::invalid_argument("--north only works with --px4");
+    return std::nullopt;
+  }
+  ros2::relay::AutopilotOptions px4{.name_space = *options.px4, .rate_hz = options.autopilot_rate_hz};
+  if (options.north_deg) px4.north_rad = *options.north_deg * std::numbers::pi / 180;
+  return px4;
+}
+
 }  // namespace
 
 ros2::NodeName node_name(const Ros2Options& options) {
@@ -168,9 +179,15 @@ ros2::relay::RelayOptions relay_options(const Ros2Options& options, const ros2::
   for (const auto& text : options.fix_in) relay.inputs.push_back(ros2::Input::parse(Kind::fix, text));
   check(relay.inputs);
   add_aiding_inputs(options, relay);
+  relay.px4 = px4_options(options);
   relay.use_sim_time = options.use_sim_time;
   if (options.imu_meaning && options.imu_in.empty()) {
     throw std::invalid_argument("--imu-meaning only works with --imu-in");
+  }
+  for (const ros2::Input& input : relay.inputs) {
+    if (!options.imu_meaning || input.imu_type == ros2::ImuType::ros) continue;
+    throw std::invalid_argument(text_of(input) +
+                                ": its samples state what they are, so --imu-meaning has no meaning");
   }
   return relay;
 }

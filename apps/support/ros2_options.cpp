@@ -158,8 +158,9 @@ void add_aiding_options(CLI::App& app, Ros2Options& options) {
 void add_input_options(CLI::App& app, Ros2Options& options) {
   const char* const group = "From ROS 2";
   app.add_option("--imu-in", options.imu_in,
-                 "Use a driver's sensor_msgs/Imu as the samples of a beacon: /imu/data=7")
-      ->type_name("TOPIC=ADDRESS")
+                 "Use a driver's sensor_msgs/Imu as the samples of a beacon: /imu/data=7; or PX4's "
+                 "/fmu/out/sensor_combined:SensorCombined=7")
+      ->option_text("TOPIC[:TYPE]=ADDRESS")
       ->group(group);
   add_choice<std::optional<ImuMeaning>>(
       app, "--imu-meaning", options.imu_meaning, imu_meaning_choices(),
@@ -174,6 +175,28 @@ void add_input_options(CLI::App& app, Ros2Options& options) {
       ->option_text("TOPIC[:TYPE]=ADDRESS[@PLACE]")
       ->group(group);
   add_aiding_options(app, options);
+}
+
+void add_autopilot_options(CLI::App& app, Ros2Options& options) {
+  const char* const group = "Autopilots";
+  app.add_option(
+         "--px4", options.px4,
+         "Send poses to PX4 over uXRCE-DDS, on NAMESPACE/fmu/in/vehicle_visual_odometry; '/': without "
+         "a namespace")
+      ->type_name("NAMESPACE")
+      ->group(group);
+  app.add_option("--autopilot-rate", options.autopilot_rate_hz, "Poses per second to the autopilot")
+      ->check(number_between(1.0, 1000.0))
+      ->type_name("HZ")
+      ->capture_default_str()
+      ->group(group);
+  app.add_option(
+         "--north", options.north_deg,
+         "Direction of north in the map, counter-clockwise from x: 90 if y is north (default: unknown; "
+         "the autopilot's heading is then that of the map)")
+      ->check(number_between(-360.0, 360.0))
+      ->type_name("DEG")
+      ->group(group);
 }
 
 /// Describes a different default: other programs use loopback, the relay the network of the ROS 2 nodes.
@@ -195,6 +218,7 @@ void add_ros2_options(CLI::App& app, Ros2Options& options) {
   add_frame_options(app, options);
   add_static_option(app, options);
   add_input_options(app, options);
+  add_autopilot_options(app, options);
 }
 
 }  // namespace sonopose::apps

@@ -19,6 +19,7 @@ inline constexpr std::array verbs{
     Verb{"monitor", "Shows the rates, pose, status and latency of every beacon once a second."},
     Verb{"web", "Serves a live page of every beacon for the browser, and all topics for Foxglove."},
     Verb{"ros2", "Publishes poses and samples as ROS 2 messages, and reads the samples of ROS 2 drivers."},
+    Verb{"mavlink", "Sends the poses of a beacon to an autopilot over MAVLink."},
     Verb{"record", "Records the topics on the bus to MCAP files."},
     Verb{"play", "Publishes a recording in MCAP as it was received."},
     Verb{"doctor", "Diagnoses a running system and suggests remedies."},

@@ -319,6 +319,7 @@ TEST_CASE("Every program suggests the option that a misspelt one resembles") {
       {"tune", {"--ronds", "--rounds"}},
       {"attitude", {"--filtre", "--filter"}},
       {"calibrate", {"--verson", "--version"}},
+      {"mavlink", {"--divice", "--device"}},
       {"mcap", {"--verson", "--version"}},
       {"record", {"--exlude", "--exclude"}},
       {"play", {"--restmp", "--restamp"}},

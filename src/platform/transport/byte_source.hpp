@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace sonopose::transport {
 
@@ -68,6 +69,17 @@ public:
 
   /// A description for messages, such as "/dev/ttyACM0 at 500000 baud".
   [[nodiscard]] virtual std::string description() const { return name(); }
+};
+
+/// A line in both directions.
+class ByteLink : public ByteSource {
+public:
+  /// Sends bytes from the thread that reads, which this wakes. Any thread may call it. They are dropped while
+  /// the line is closed or takes no more.
+  virtual void send(std::vector<std::uint8_t> bytes) = 0;
+
+  /// Number of messages that were dropped, at least in part. Thread-safe.
+  [[nodiscard]] virtual std::uint64_t unsent() const = 0;
 };
 
 }  // namespace sonopose::transport

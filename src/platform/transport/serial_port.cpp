@@ -11,6 +11,7 @@
 #include <asio/steady_timer.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <fcntl.h>
 #include <filesystem>
@@ -65,6 +66,14 @@ public:
   }
 
   void stop() { loop_.stop(); }
+  void send(std::vector<std::uint8_t> bytes) {
+    asio::post(loop_.context(), [this, bytes = std::move(bytes)] {
+      const bool is_sent = port_.is_open() && ::write(port_.native_handle(), bytes.data(), bytes.size()) ==
+                                                  static_cast<ssize_t>(bytes.size());
+      if (!is_sent) ++unsent_;
+    });
+  }
+  [[nodiscard]] std::uint64_t unsent() const { return unsent_; }
   [[nodiscard]] const std::string& name() const { return device_; }
   [[nodiscard]] std::string description() const {
     const std::string line = device_ + " at " + std::to_string(baud_) + " baud";
@@ -185,6 +194,7 @@ private:
   std::string others_;  ///< other processes that had the device open when this one opened it
   std::pair<LineState, std::string> reported_{LineState::closed, {}};  ///< state and its cause
   steady_clock::time_point next_attempt_;
+  std::atomic<std::uint64_t> unsent_ = 0;
 };
 
 SerialPort::SerialPort(std::string device, unsigned baud)
@@ -198,6 +208,14 @@ ReadResult SerialPort::read(std::span<std::uint8_t> buffer, std::chrono::millise
 
 void SerialPort::stop() {
   line_->stop();
+}
+
+void SerialPort::send(std::vector<std::uint8_t> bytes) {
+  line_->send(std::move(bytes));
+}
+
+std::uint64_t SerialPort::unsent() const {
+  return line_->unsent();
 }
 
 std::string SerialPort::name() const {

@@ -13,7 +13,7 @@ namespace sonopose::transport {
 /// absent or unplugged and opens it again: read() returns `disconnected` once, `timeout` while it waits, and
 /// `connected` when the device is back. The path is resolved each time, so a udev link (/dev/serial/by-id/…)
 /// follows a device that returns under another number.
-class SerialPort : public ByteSource {
+class SerialPort : public ByteLink {
 public:
   /// The first read() opens the device. Throws files::IoError for a baud rate of 0, for a path that exists
   /// and is not a serial device, and for a relative path of nothing.
@@ -24,6 +24,8 @@ public:
 
   ReadResult read(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) override;
   void stop() override;
+  void send(std::vector<std::uint8_t> bytes) override;
+  [[nodiscard]] std::uint64_t unsent() const override;
   /// The device's path.
   [[nodiscard]] std::string name() const override;
   [[nodiscard]] std::string description() const override;

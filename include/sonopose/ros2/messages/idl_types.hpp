@@ -6,6 +6,7 @@
 #include <sonopose/idl/ros2/diagnostic_msgs.h>
 #include <sonopose/idl/ros2/geometry_msgs.h>
 #include <sonopose/idl/ros2/nav_msgs.h>
+#include <sonopose/idl/ros2/px4_msgs.h>
 #include <sonopose/idl/ros2/rmw_dds_common.h>
 #include <sonopose/idl/ros2/rmw_dds_common_humble.h>
 #include <sonopose/idl/ros2/rosgraph_msgs.h>
@@ -38,6 +39,9 @@ using TFMessage = tf2_msgs_msg_dds__TFMessage_;
 using KeyValue = diagnostic_msgs_msg_dds__KeyValue_;
 using DiagnosticStatus = diagnostic_msgs_msg_dds__DiagnosticStatus_;
 using DiagnosticArray = diagnostic_msgs_msg_dds__DiagnosticArray_;
+using VehicleOdometry = px4_msgs_msg_dds__VehicleOdometry_;
+using TimesyncStatus = px4_msgs_msg_dds__TimesyncStatus_;
+using SensorCombined = px4_msgs_msg_dds__SensorCombined_;
 using ParticipantEntitiesInfo = rmw_dds_common_msg_dds__ParticipantEntitiesInfo_;
 using HumbleParticipantEntitiesInfo = rmw_dds_common_humble_msg_dds__ParticipantEntitiesInfo_;
 
@@ -117,6 +121,21 @@ struct TopicTraits<ros2::TFMessage> {
 template <>
 struct TopicTraits<ros2::DiagnosticArray> {
   static const dds_topic_descriptor_t& descriptor() { return diagnostic_msgs_msg_dds__DiagnosticArray__desc; }
+};
+
+template <>
+struct TopicTraits<ros2::VehicleOdometry> {
+  static const dds_topic_descriptor_t& descriptor() { return px4_msgs_msg_dds__VehicleOdometry__desc; }
+};
+
+template <>
+struct TopicTraits<ros2::TimesyncStatus> {
+  static const dds_topic_descriptor_t& descriptor() { return px4_msgs_msg_dds__TimesyncStatus__desc; }
+};
+
+template <>
+struct TopicTraits<ros2::SensorCombined> {
+  static const dds_topic_descriptor_t& descriptor() { return px4_msgs_msg_dds__SensorCombined__desc; }
 };
 
 template <>

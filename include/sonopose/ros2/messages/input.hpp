@@ -24,6 +24,11 @@ struct ReceivedImu {
 /// not used. Empty for a non-finite value or an invalid stamp.
 std::optional<ReceivedImu> imu_sample(const Imu& imu, BeaconAddress address, TimeNs received_ns);
 
+/// Converts px4_msgs/SensorCombined, from FRD. PX4 states means over an interval that ends at the stamp, and
+/// its client leaves samples out, so a sample is an instant in the middle of its interval. Empty for a
+/// non-finite value or an invalid stamp.
+std::optional<ReceivedImu> imu_sample(const SensorCombined& imu, BeaconAddress address);
+
 /// Converts a position in the map (m), with the measured delay from its stamp to `received_ns`. The
 /// orientation is not used. A stamp after `received_ns`, of a clock slightly ahead, means no delay. Empty for
 /// a non-finite position or an invalid stamp.

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <stdexcept>
 #include <string_view>
 #include <utility>
 
@@ -49,6 +50,9 @@ Parsed parse(const TopicChoice& choice, BeaconAddress address) {
     for (const std::string& text : texts) {
       parsed.inputs.push_back(Input::parse(kind, with_address(text, address)));
       parsed.inputs.back().imu_meaning = choice.imu_meaning;
+      if (parsed.inputs.back().imu_type != ImuType::ros) {
+        throw std::invalid_argument(text_of(parsed.inputs.back()) + " is read live alone, by sonopose-ros2");
+      }
     }
   };
   add(Input::Kind::imu, choice.imu);

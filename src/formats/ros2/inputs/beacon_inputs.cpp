@@ -36,32 +36,44 @@ bool BeaconInputs::on(const Imu& message, MonitoredInput& input, Moment moment, 
                       Lines& lines) {
   auto received = imu_sample(message, input.option.address, moment.received_ns);
   if (!received) return false;
+  received->sample.meaning = input.option.imu_meaning;
+  take(*received, message.header.frame_id, input, moment, ready, lines);
+  return true;
+}
+
+bool BeaconInputs::on(const SensorCombined& message, MonitoredInput& input, Moment moment,
+                      std::vector<ImuSample>& ready, Lines& lines) {
+  auto received = imu_sample(message, input.option.address);
+  if (received) take(*received, "", input, moment, ready, lines);
+  return received.has_value();
+}
+
+void BeaconInputs::take(ReceivedImu& received, std::string_view frame, MonitoredInput& input, Moment moment,
+                        std::vector<ImuSample>& ready, Lines& lines) {
   // Of two topics, one whose other values are exactly zero is that of one sensor that does not say so.
-  const bool is_unmarked = received->has_angular_velocity && received->has_specific_force;
+  const bool is_unmarked = received.has_angular_velocity && received.has_specific_force;
   if (imus_ > 1 && is_unmarked) {
-    received->has_specific_force = !received->sample.specific_force_body_mps2.isZero(0);
-    received->has_angular_velocity = !received->sample.angular_velocity_body_radps.isZero(0);
+    received.has_specific_force = !received.sample.specific_force_body_mps2.isZero(0);
+    received.has_angular_velocity = !received.sample.angular_velocity_body_radps.isZero(0);
   }
   const auto cause = [is_unmarked] { return is_unmarked ? "it is zero" : "its covariance[0] is -1"; };
-  if (!received->has_angular_velocity) input.monitor.on_notice(Notice::no_angular_velocity, cause, lines);
-  if (!received->has_specific_force) input.monitor.on_notice(Notice::no_specific_force, cause, lines);
-  const bool is_complete = received->has_angular_velocity && received->has_specific_force;
+  if (!received.has_angular_velocity) input.monitor.on_notice(Notice::no_angular_velocity, cause, lines);
+  if (!received.has_specific_force) input.monitor.on_notice(Notice::no_specific_force, cause, lines);
+  const bool is_complete = received.has_angular_velocity && received.has_specific_force;
   if (is_complete && complete_ == nullptr) complete_ = &input;
   if (complete_ != nullptr && complete_ != &input) {
     input.monitor.on_notice(
         Notice::second_imu, [&] { return complete_->option.topic; }, lines);
-    return true;
+    return;
   }
-  if (received->has_angular_velocity) gyroscope_ = &input;
-  received->sample.meaning = input.option.imu_meaning;
-  stamp_clock_.on_imu(received->sample.sensor_time_ns, moment.received_ns);
-  offset_.add(seconds_between(received->sample.sensor_time_ns, moment.received_ns), moment.now);
+  if (received.has_angular_velocity) gyroscope_ = &input;
+  stamp_clock_.on_imu(received.sample.sensor_time_ns, moment.received_ns);
+  offset_.add(seconds_between(received.sample.sensor_time_ns, moment.received_ns), moment.now);
   if (!imu_topic_) imu_topic_ = input.option.topic;
   const bool is_used = is_complete || joiner_.joined() > 0;
-  if (is_used) input.monitor.on_sample(message.header.frame_id, moment.now, lines);
-  joiner_.on(*received, moment.now, ready);
+  if (is_used) input.monitor.on_sample(frame, moment.now, lines);
+  joiner_.on(received, moment.now, ready);
   notice_joined(lines);
-  return true;
 }
 
 template <class Position>

@@ -9,9 +9,11 @@
 #include "ros2/inputs/input_option.hpp"
 #include "ros2/inputs/stamp_clock.hpp"
 #include <sonopose/ros2/messages/idl_types.hpp>
+#include <sonopose/ros2/messages/input.hpp>
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -46,6 +48,8 @@ public:
   /// Takes a message of an IMU, and appends the samples that are complete. Returns false if it is invalid.
   bool on(const Imu& message, MonitoredInput& input, Moment moment, std::vector<ImuSample>& ready,
           Lines& lines);
+  bool on(const SensorCombined& message, MonitoredInput& input, Moment moment, std::vector<ImuSample>& ready,
+          Lines& lines);
 
   struct TakenFix {
     bool is_valid = false;
@@ -72,6 +76,8 @@ public:
   [[nodiscard]] TimeNs stamp_at(TimeNs received_ns) const { return stamp_clock_.at(received_ns); }
 
 private:
+  void take(ReceivedImu& received, std::string_view frame, MonitoredInput& input, Moment moment,
+            std::vector<ImuSample>& ready, Lines& lines);
   template <class Position>
   TakenFix take(const Position& message, MonitoredInput& input, Moment moment, const InputFrames& frames,
                 Lines& lines);

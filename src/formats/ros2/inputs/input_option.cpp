@@ -31,6 +31,8 @@ const std::array<FixTypeName, 2>& fix_type_names() {
   return names;
 }
 
+constexpr std::string_view px4_imu = "SensorCombined";
+
 /// Parses a name with or without the package: "PointStamped", "geometry_msgs/PointStamped" or
 /// "geometry_msgs/msg/PointStamped".
 std::optional<FixType> parse_fix_type(std::string_view text) {
@@ -96,10 +98,14 @@ std::string text_of(const Input& input) {
   for (const FixTypeName& known : fix_type_names()) {
     if (input.fix_type == known.type) type = fmt::format(":{}", known.name);
   }
+  if (input.imu_type == ImuType::px4) type = fmt::format(":{}", px4_imu);
   return fmt::format("{} {}{}={}", option_name(input.kind), input.topic, type, input.address);
 }
 
 std::string message_type_of(const Input& input) {
+  if (input.kind == Input::Kind::imu && input.imu_type == ImuType::px4) {
+    return dds::TopicTraits<SensorCombined>::descriptor().m_typename;
+  }
   if (input.kind == Input::Kind::imu) return dds::TopicTraits<Imu>::descriptor().m_typename;
   for (const FixTypeName& known : fix_type_names()) {
     if (input.fix_type == known.type) return known.dds_name;
@@ -143,6 +149,17 @@ Input Input::parse(Kind kind, std::string_view text) {
       throw std::invalid_argument(fmt::format("{} {}: '{}' is not PointStamped or PoseWithCovarianceStamped",
                                               option_name(kind), text, input.topic.substr(colon + 1)));
     }
+    input.topic.resize(colon);
+  }
+  if (kind == Kind::imu && colon != std::string::npos) {
+    const std::string type = input.topic.substr(colon + 1);
+    const bool is_px4 =
+        type == px4_imu || type == "px4_msgs/SensorCombined" || type == "px4_msgs/msg/SensorCombined";
+    if (!is_px4 && type != "Imu") {
+      throw std::invalid_argument(
+          fmt::format("{} {}: '{}' is not Imu or {}", option_name(kind), text, type, px4_imu));
+    }
+    if (is_px4) input.imu_type = ImuType::px4;
     input.topic.resize(colon);
   }
   return input;

@@ -15,6 +15,9 @@ namespace sonopose::ros2 {
 /// The type of a topic of fixes: PointStamped or PoseWithCovarianceStamped of geometry_msgs.
 enum class FixType : std::uint8_t { point, pose };
 
+/// The type of a topic of an IMU: sensor_msgs/Imu, or px4_msgs/SensorCombined.
+enum class ImuType : std::uint8_t { ros, px4 };
+
 /// One input topic, and the address of its beacon.
 struct Input {
   enum class Kind : std::uint8_t { imu, fix, twist, heading, pose };
@@ -22,13 +25,14 @@ struct Input {
   std::string topic;
   BeaconAddress address = 0;
   ImuMeaning imu_meaning = ImuMeaning::unknown;  ///< not defined by sensor_msgs/Imu
-  std::optional<FixType> fix_type = {};          ///< empty: type of the topic's first publisher
-  std::string tag_frame = {};                    ///< frame of the located point; empty: `tag_base_m`
-  std::optional<Vector3d> tag_base_m = {};       ///< its place on the base; empty: it is the tracked point
+  ImuType imu_type = ImuType::ros;
+  std::optional<FixType> fix_type = {};     ///< empty: type of the topic's first publisher
+  std::string tag_frame = {};               ///< frame of the located point; empty: `tag_base_m`
+  std::optional<Vector3d> tag_base_m = {};  ///< its place on the base; empty: it is the tracked point
 
-  /// Parses "/imu/data=7", or for a fix also "/tag/pose:PointStamped=7", "/tag/pose=7@tag_link" with the
-  /// frame of the tag and "/tag/pose=7@0.2,0,0.5" with its place on the base (m). Throws
-  /// std::invalid_argument.
+  /// Parses "/imu/data=7", "/fmu/out/sensor_combined:SensorCombined=7", or for a fix also
+  /// "/tag/pose:PointStamped=7", "/tag/pose=7@tag_link" with the frame of the tag and "/tag/pose=7@0.2,0,0.5"
+  /// with its place on the base (m). Throws std::invalid_argument.
   static Input parse(Kind kind, std::string_view text);
 };
 

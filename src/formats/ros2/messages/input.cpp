@@ -135,6 +135,28 @@ std::optional<ReceivedImu> imu_sample(const Imu& imu, BeaconAddress address, Tim
   return received;
 }
 
+std::optional<ReceivedImu> imu_sample(const SensorCombined& imu, BeaconAddress address) {
+  constexpr std::int32_t no_accelerometer = std::numeric_limits<std::int32_t>::max();
+  constexpr std::uint32_t max_interval_us = 1'000'000;
+  const auto from_frd = [](const float(&v)[3]) {  // NOLINT(modernize-avoid-c-arrays): the IDL's
+    return Vector3d(v[0], -v[1], -v[2]);
+  };
+  if (imu.timestamp >= static_cast<std::uint64_t>(end_of_time_ns / 1000)) return std::nullopt;
+  const auto half_interval_us = std::min(imu.gyro_integral_dt, max_interval_us) / 2;
+  ReceivedImu received;
+  received.sample.address = address;
+  received.sample.sensor_time_ns = (static_cast<TimeNs>(imu.timestamp) - half_interval_us) * 1000;
+  received.sample.meaning = ImuMeaning::instant;
+  received.sample.angular_velocity_body_radps = from_frd(imu.gyro_rad);
+  received.has_specific_force = imu.accelerometer_timestamp_relative != no_accelerometer;
+  if (received.has_specific_force)
+    received.sample.specific_force_body_mps2 = from_frd(imu.accelerometer_m_s2);
+  const bool is_valid = received.sample.sensor_time_ns > 0 &&
+                        received.sample.angular_velocity_body_radps.allFinite() &&
+                        received.sample.specific_force_body_mps2.allFinite();
+  return is_valid ? std::optional(received) : std::nullopt;
+}
+
 std::optional<UltrasonicFix> fix(const PointStamped& point, BeaconAddress address, TimeNs received_ns) {
   return fix_at(point.header, point.point, address, received_ns);
 }

@@ -42,11 +42,19 @@ void NativeReceiver::take(dds::DataReader<T>& reader) {
       });
 }
 
-/// Passes on samples, fixes, reports and poses.
+/// Passes on samples, fixes and reports.
 template <class Sample>
 void NativeReceiver::on(const Sample& sample) {
   const auto publishers = targets_.beacons.find_or_request(sample.address, clocks::steady_now());
   if (publishers) publishers->on(sample);
+}
+
+void NativeReceiver::on(const FusedPose& pose) {
+  const auto publishers = targets_.beacons.find_or_request(pose.address, clocks::steady_now());
+  if (!publishers) return;
+  publishers->on(pose);
+  if (targets_.px4 == nullptr) return;
+  if (const auto mount = publishers->mount()) targets_.px4->on(pose, *mount);
 }
 
 void NativeReceiver::on(const Estimate& estimate) {

@@ -6,6 +6,7 @@
 #include "presence/beacon_admission.hpp"
 #include "presence/instance_limit.hpp"
 #include "process/endpoint_counters.hpp"
+#include "ros2/relay/px4_output.hpp"
 #include "ros2/relay/relay.hpp"
 #include "ros2/relay/relayed_beacons.hpp"
 #include "threads/mutex.hpp"
@@ -27,6 +28,7 @@ public:
     RelayedBeacons& beacons;
     observation::BeaconObservers& observers;  ///< for diagnostics
     process::EndpointCounters& endpoints;
+    Px4Output* px4;  ///< null: none
   };
 
   /// Starts receiving. `admission` must outlive the receiver. Throws dds::Error.
@@ -89,6 +91,7 @@ private:
   void take(dds::DataReader<T>& reader);
   template <class Sample>
   void on(const Sample& sample);
+  void on(const FusedPose& pose);
   void on(const Estimate& estimate);
   void on(const EffectiveSettings& settings);
   void on(const BeaconStatus& /*status*/) {}

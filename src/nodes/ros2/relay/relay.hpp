@@ -67,6 +67,13 @@ struct Output {
   }
 };
 
+/// Poses for an autopilot.
+struct AutopilotOptions {
+  std::string name_space;  ///< of its topics: "uav_1"; empty: none
+  double rate_hz = 30;
+  std::optional<double> north_rad = {};  ///< direction of north in the map, counter-clockwise from x
+};
+
 struct RelayOptions {
   dds::DomainOptions domain;
   std::optional<std::filesystem::path> qos_file;
@@ -79,6 +86,7 @@ struct RelayOptions {
   Output output;
   std::vector<Input> inputs;
   std::vector<AidingInput> aiding_inputs;
+  std::optional<AutopilotOptions> px4 = {};
   bool use_sim_time = false;  ///< takes the time of ROS 2 from /clock
   ServicesMode services = ServicesMode::automatic;
   std::vector<StartupSetting> startup_settings;  ///< sent when a fusion appears and no other is known

@@ -134,6 +134,7 @@ private:
 
   struct AllStreams {
     Streams<ros2::Imu> imus;
+    Streams<ros2::SensorCombined> px4_imus;
     Streams<ros2::PointStamped> points;
     Streams<ros2::PoseWithCovarianceStamped> poses;
   };
@@ -153,7 +154,9 @@ private:
   }
 
   void subscribe(InputState& input) {
-    if (input.is_imu) {
+    if (input.is_imu && input.option.imu_type == ImuType::px4) {
+      subscribe(&AllStreams::px4_imus, input);
+    } else if (input.is_imu) {
       subscribe(&AllStreams::imus, input);
     } else if (input.option.fix_type == FixType::point) {
       subscribe(&AllStreams::points, input);
@@ -177,6 +180,7 @@ private:
     };
     const threads::Lock lock(mutex_);
     move(new_streams_.imus, streams_.imus);
+    move(new_streams_.px4_imus, streams_.px4_imus);
     move(new_streams_.points, streams_.points);
     move(new_streams_.poses, streams_.poses);
   }
@@ -184,6 +188,7 @@ private:
   template <class Action>
   void for_all_streams(const Action& action) {
     for (const auto& stream : streams_.imus) action(*stream);
+    for (const auto& stream : streams_.px4_imus) action(*stream);
     for (const auto& stream : streams_.points) action(*stream);
     for (const auto& stream : streams_.poses) action(*stream);
   }
@@ -199,9 +204,19 @@ private:
     });
   }
 
-  /// Processes a message of an IMU. Returns false if it is invalid.
   bool process(const ros2::Imu& message, InputState& input, Beacon& beacon, TimeNs received_ns,
                publication::SampleSink& sink) {
+    return process_imu(message, input, beacon, received_ns, sink);
+  }
+  bool process(const ros2::SensorCombined& message, InputState& input, Beacon& beacon, TimeNs received_ns,
+               publication::SampleSink& sink) {
+    return process_imu(message, input, beacon, received_ns, sink);
+  }
+
+  /// Processes a message of an IMU. Returns false if it is invalid.
+  template <class Message>
+  bool process_imu(const Message& message, InputState& input, Beacon& beacon, TimeNs received_ns,
+                   publication::SampleSink& sink) {
     const bool is_valid =
         beacon.inputs.on(message, input, {received_ns, clocks::steady_now()}, ready_, lines_);
     pass_ready(sink);

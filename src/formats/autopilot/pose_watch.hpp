@@ -1,0 +1,55 @@
+#pragma once
+/// \file
+/// Decides whether an autopilot gets a pose, with which quality, and whether it has jumped.
+
+#include <sonopose/samples/pose.hpp>
+
+#include <cstdint>
+#include <optional>
+
+namespace sonopose::autopilot {
+
+/// Reason why an autopilot gets no pose. Its own estimator then coasts, and its failsafe takes over.
+enum class Silence : std::uint8_t {
+  none,
+  no_position,   ///< initialising, or the position's deviation is unknown
+  late,          ///< the IMU sample of the pose is old
+  doubtful,      ///< stale, untrusted or inconsistent for `silent_after_s`
+  yaw_unknown,   ///< and the axes of the frame mean nothing without it
+  no_autopilot,  ///< no heartbeats of an autopilot
+  no_clock,      ///< the autopilot's clock is not known, or no longer
+  unix_clock,    ///< the autopilot's clock counts from 1970, where it needs the time since its start
+};
+
+/// Text for the log: "no position yet".
+const char* text_of(Silence silence);
+
+/// Watch of the poses of one beacon. Give it each of them, also those that are not sent.
+class PoseWatch {
+public:
+  /// Doubt after which nothing is sent. The quality falls linearly until then.
+  static constexpr double silent_after_s = 3;
+  /// Steps between two poses, beyond their motion, that count as a jump.
+  static constexpr double jump_m = 0.3;
+  static constexpr double jump_rad = 0.17;
+
+  struct Verdict {
+    Silence silence = Silence::none;
+    std::uint8_t quality_percent = 1;  ///< 1…100
+  };
+  Verdict on(const FusedPose& pose);
+
+  /// Counter for the pose that is sent now: one more if the estimate has jumped since the last call, however
+  /// often.
+  std::uint8_t take_reset_counter();
+
+private:
+  [[nodiscard]] bool has_jumped(const FusedPose& pose) const;
+
+  std::optional<FusedPose> last_;  ///< with or without a position
+  std::optional<TimeNs> doubtful_since_;
+  bool jumped_ = false;
+  std::uint8_t reset_counter_ = 0;
+};
+
+}  // namespace sonopose::autopilot

@@ -1,0 +1,207 @@
+#include "mavlink/sender/sender.hpp"
+
+#include "autopilot/pose_watch.hpp"
+#include "clocks/clocks.hpp"
+#include "logging/log.hpp"
+#include "mavlink/messages.hpp"
+#include "mavlink/sender/autopilot_watch.hpp"
+#include "presence/beacon_admission.hpp"
+#include "process/service.hpp"
+#include "process_log/log_publisher.hpp"
+#include "threads/mutex.hpp"
+#include "transport/serial_port.hpp"
+#include "transport/udp_peer.hpp"
+#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/dds/topics/conversions.hpp>
+#include <sonopose/dds/topics/topics.hpp>
+#include <sonopose/ros2/messages/time.hpp>
+
+#include <fmt/format.h>
+
+#include <array>
+#include <chrono>
+#include <exception>
+#include <thread>
+
+namespace sonopose::mavlink::sender {
+namespace {
+
+using autopilot::Silence;
+
+constexpr TimeNs heartbeat_period_ns = 1'000'000'000;
+
+std::unique_ptr<transport::ByteLink> make_link(const SenderOptions& options) {
+  if (options.udp) return std::make_unique<transport::UdpPeer>(*options.udp, options.local_port);
+  return std::make_unique<transport::SerialPort>(options.device, options.baud);
+}
+
+/// The line to the autopilot: reads on a thread of its own.
+class Line {
+public:
+  explicit Line(const SenderOptions& options) : link_(make_link(options)) {
+    thread_ = std::jthread([this] { read(); });
+  }
+  Line(const Line&) = delete;
+  Line& operator=(const Line&) = delete;
+  Line(Line&&) = delete;
+  Line& operator=(Line&&) = delete;
+  ~Line() { link_->stop(); }
+
+  void send(const Frame& frame) {
+    const threads::Lock lock(mutex_);
+    link_->send(encode(frame, sequence_++));
+  }
+
+  struct Known {
+    Identity own;
+    std::optional<std::uint8_t> autopilot;
+  };
+  Known known() {
+    const threads::Lock lock(mutex_);
+    return {watch_.own(), watch_.kind(clocks::steady_now())};
+  }
+
+  [[nodiscard]] std::string name() const { return link_->name(); }
+  [[nodiscard]] std::uint64_t unsent() const { return link_->unsent(); }
+  /// Throws what ended the reading.
+  void check() {
+    const threads::Lock lock(mutex_);
+    if (failure_) std::rethrow_exception(failure_);
+  }
+
+private:
+  void read() {
+    constexpr std::chrono::milliseconds period{1000};
+    std::array<std::uint8_t, 2048> buffer{};
+    try {
+      for (;;) {
+        const auto result = link_->read(buffer, period);
+        if (result.status == transport::ReadStatus::stopped) return;
+        if (result.status == transport::ReadStatus::disconnected) {
+          logging::warning(link_->name() + ": " + link_->last_error());
+        }
+        if (result.status == transport::ReadStatus::connected) logging::info(link_->name() + ": open");
+        if (result.status != transport::ReadStatus::data) continue;
+        decoder_.feed({buffer.data(), result.size}, [this](const Frame& frame) { on(frame); });
+      }
+    } catch (...) {
+      const threads::Lock lock(mutex_);
+      failure_ = std::current_exception();
+    }
+  }
+
+  void on(const Frame& frame) {
+    const TimeNs now_ns = clocks::host_now();
+    Identity own;
+    {
+      const threads::Lock lock(mutex_);
+      watch_.on(frame, clocks::steady_now());
+      own = watch_.own();
+    }
+    if (const auto answer = timesync_answer(frame, own, now_ns)) send(*answer);
+  }
+
+  std::unique_ptr<transport::ByteLink> link_;
+  Decoder decoder_;  ///< used by the reading thread only
+  threads::Mutex mutex_;
+  AutopilotWatch watch_ SONOPOSE_GUARDED_BY(mutex_);
+  std::uint8_t sequence_ SONOPOSE_GUARDED_BY(mutex_) = 0;
+  std::exception_ptr failure_ SONOPOSE_GUARDED_BY(mutex_);
+  std::jthread thread_;  ///< last, so that it ends first
+};
+
+/// Decides on each pose and logs why there are none.
+class Sender {
+public:
+  explicit Sender(const SenderOptions& options) : options_(options), line_(options), rate_(options.rate_hz) {}
+
+  void on(const FusedPose& pose) {
+    const auto verdict = watch_.on(pose);
+    const Line::Known known = line_.known();
+    const auto odometry = autopilot::external_odometry(pose, options_.mount, options_.north);
+    address_ = pose.address;
+    state_ = state_of(verdict, odometry, known);
+    if (state_ != Silence::none || !stamp_.next(pose.time_ns) || !rate_.admits(pose.time_ns)) return;
+    const Sent sent{.time_ns = pose.time_ns,
+                    .in_ned = odometry.is_ned && known.autopilot == autopilot_px4,
+                    .reset_counter = watch_.take_reset_counter(),
+                    .quality_percent = verdict.quality_percent};
+    line_.send(options_.message == Message::odometry ? mavlink::odometry(odometry, known.own, sent)
+                                                     : vision_position_estimate(odometry, known.own, sent));
+  }
+
+  /// Sends a heartbeat and logs changes. Once a second.
+  void tick() {
+    line_.check();
+    line_.send(heartbeat(line_.known().own));
+    if (!line_.known().autopilot && (!state_ || state_ == Silence::none)) state_ = Silence::no_autopilot;
+    if (line_.unsent() > unsent_ && unsent_ == 0) {
+      logging::warning(fmt::format("{}: takes fewer bytes than are sent; use a lower --rate or a faster line",
+                                   line_.name()));
+    }
+    unsent_ = line_.unsent();
+    if (state_ == logged_) return;
+    logged_ = state_;
+    if (state_ == Silence::none) {
+      logging::info(
+          fmt::format("{}: the poses of beacon {} are sent to the autopilot", line_.name(), address_));
+    } else {
+      logging::warning(fmt::format("{}: no poses are sent: {}", line_.name(), text_of(*state_)));
+    }
+  }
+
+private:
+  [[nodiscard]] Silence state_of(const autopilot::PoseWatch::Verdict& verdict,
+                                 const autopilot::ExternalOdometry& odometry,
+                                 const Line::Known& known) const {
+    if (!known.autopilot) return Silence::no_autopilot;
+    if (verdict.silence != Silence::none) return verdict.silence;
+    // ArduPilot would take NaN into its filter.
+    const bool needs_yaw = !options_.north || known.autopilot == autopilot_ardupilot;
+    return needs_yaw && !odometry.q_body_to_frame ? Silence::yaw_unknown : Silence::none;
+  }
+
+  const SenderOptions& options_;
+  Line line_;
+  autopilot::PoseWatch watch_;
+  ros2::RateLimit rate_;
+  ros2::RisingStamp stamp_{0};
+  BeaconAddress address_ = 0;
+  std::optional<Silence> state_;
+  std::optional<Silence> logged_;
+  std::uint64_t unsent_ = 0;
+};
+
+}  // namespace
+
+void run(const SenderOptions& options, const process::StopSignal& stop) {
+  namespace topics = dds::topics;
+  const dds::DomainParticipant participant(options.domain);
+  const dds::qos::Provider qos(options.qos_file);
+  const process_log::LogPublisher log(participant, qos);
+  presence::BeaconAdmission admission(options.addresses, 1);
+  auto reader =
+      topics::make_reader(participant, qos, topics::pose, nullptr, topics::Delivery::live, &admission);
+  const dds::ReadCondition has_data(reader);
+  dds::WaitSet waitset;
+  waitset += has_data;
+  Sender sender(options);
+  logging::info("serving");
+  process::report_ready();
+  SteadyTime due = clocks::steady_now();
+  while (!stop.requested()) {
+    waitset.wait(std::chrono::milliseconds(100));
+    for (const auto sample : reader.take()) {
+      if (sample.info().valid()) sender.on(topics::from_idl(sample.data()));
+    }
+    const SteadyTime now = clocks::steady_now();
+    process::report_progress(now);
+    if (now < due) continue;
+    due = now + heartbeat_period_ns;
+    sender.tick();
+    if (const auto refused = admission.refusals()) logging::warning(*refused);
+  }
+}
+
+}  // namespace sonopose::mavlink::sender

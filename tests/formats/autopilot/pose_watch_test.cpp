@@ -1,0 +1,175 @@
+#include "autopilot/pose_watch.hpp"
+
+#include <sonopose/geometry/rotation.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+namespace pose_watch_test {
+
+using namespace sonopose;
+using autopilot::PoseWatch;
+using autopilot::Silence;
+
+/// A fusion at 100 Hz: a body on its way along x at 1 m/s that turns left at 0.5 rad/s.
+class Fusion {
+public:
+  FusedPose next() {
+    time_ns_ += 10'000'000;
+    const double time_s = to_s(time_ns_);
+    FusedPose pose;
+    pose.time_ns = time_ns_;
+    pose.position_world_m = Vector3d(time_s, 0, 1) + offset_m;
+    pose.velocity_world_mps = {1, 0, 0};
+    pose.angular_velocity_body_radps = {0, 0, 0.5};
+    pose.q_body_to_world = geometry::rotation_about_z(0.5 * time_s + turned_rad);
+    pose.pose_covariance = Covariance<6>::from_diagonal(Eigen::Matrix<double, 6, 1>::Constant(1e-3));
+    pose.trust = trust;
+    pose.status = status;
+    pose.reset_counter = resets;
+    return pose;
+  }
+
+  Vector3d offset_m = Vector3d::Zero();
+  double turned_rad = 0;
+  double trust = 0.9;
+  std::uint32_t status = 0;
+  std::uint32_t resets = 0;
+
+private:
+  static double to_s(TimeNs time_ns) { return static_cast<double>(time_ns) * 1e-9; }
+  TimeNs time_ns_ = 1'000'000'000;
+};
+
+/// Watches poses for a second; returns the counter afterwards.
+int counter_after(PoseWatch& watch, Fusion& fusion) {
+  for (int i = 0; i < 100; ++i) {
+    watch.on(fusion.next());
+    if (i % 3 == 0) static_cast<void>(watch.take_reset_counter());
+  }
+  return watch.take_reset_counter();
+}
+
+SCENARIO("a jump raises the reset counter once") {
+  GIVEN("a moving body that is watched for a second") {
+    PoseWatch watch;
+    Fusion fusion;
+    REQUIRE(counter_after(watch, fusion) == 0);
+    WHEN("nothing happens") {
+      THEN("the counter stays") {
+        CHECK(counter_after(watch, fusion) == 0);
+      }
+    }
+    WHEN("a fix corrects the position by 5 cm") {
+      fusion.offset_m = {0, 0.05, 0};
+      THEN("that is no jump") {
+        CHECK(counter_after(watch, fusion) == 0);
+      }
+    }
+    WHEN("the estimate moves by a metre") {
+      fusion.offset_m = {0, 1, 0};
+      THEN("it counts once") {
+        CHECK(counter_after(watch, fusion) == 1);
+      }
+    }
+    WHEN("the yaw turns by 20°") {
+      fusion.turned_rad = 0.35;
+      THEN("it counts once") {
+        CHECK(counter_after(watch, fusion) == 1);
+      }
+    }
+    WHEN("the engine starts again, is without a position for a second, and is then elsewhere") {
+      fusion.resets = 1;
+      fusion.status = status_initialising;
+      for (int i = 0; i < 100; ++i) watch.on(fusion.next());
+      fusion.status = 0;
+      fusion.offset_m = {3, 1, 0};
+      THEN("it counts once") {
+        CHECK(counter_after(watch, fusion) == 1);
+      }
+    }
+    WHEN("another fusion, which has counted no reset either, begins anew") {
+      fusion.status = status_initialising;
+      for (int i = 0; i < 10; ++i) watch.on(fusion.next());
+      fusion.status = 0;
+      THEN("it counts once") {
+        CHECK(counter_after(watch, fusion) == 1);
+      }
+    }
+    WHEN("it jumps twice between two messages") {
+      fusion.offset_m = {0, 1, 0};
+      watch.on(fusion.next());
+      fusion.offset_m = {0, 2, 0};
+      watch.on(fusion.next());
+      THEN("that is one reset for the autopilot") {
+        CHECK(int{watch.take_reset_counter()} == 1);
+      }
+    }
+    WHEN("an unknown yaw becomes known elsewhere") {
+      fusion.status = status_heading_unknown;
+      static_cast<void>(counter_after(watch, fusion));
+      fusion.turned_rad = 2;
+      watch.on(fusion.next());
+      fusion.status = 0;
+      THEN("that is no jump: there was no yaw before") {
+        CHECK(counter_after(watch, fusion) == 0);
+      }
+    }
+  }
+}
+
+SCENARIO("the quality falls while the poses are doubtful, and then there are none") {
+  GIVEN("poses with a trust of 90 %") {
+    PoseWatch watch;
+    Fusion fusion;
+    REQUIRE(int{watch.on(fusion.next()).quality_percent} == 90);
+    WHEN("they are stale or untrusted") {
+      fusion.status = GENERATE(std::uint32_t{status_stale}, std::uint32_t{status_low_trust});
+      int last = 90;
+      int sent = 0;
+      PoseWatch::Verdict verdict;
+      for (; sent < 1000; ++sent) {
+        verdict = watch.on(fusion.next());
+        if (verdict.silence != Silence::none) break;
+        REQUIRE(int{verdict.quality_percent} <= last);
+        last = verdict.quality_percent;
+      }
+      THEN("the quality falls to 1 %, and after 3 s there is silence") {
+        CHECK(last == 1);
+        CHECK(sent == 300);
+        CHECK(verdict.silence == Silence::doubtful);
+      }
+      AND_WHEN("they are good again") {
+        fusion.status = 0;
+        THEN("they are sent with full quality") {
+          const auto good = watch.on(fusion.next());
+          CHECK(good.silence == Silence::none);
+          CHECK(int{good.quality_percent} == 90);
+        }
+      }
+    }
+    WHEN("they are late") {
+      fusion.status = status_late;
+      THEN("there is silence at once") {
+        CHECK(watch.on(fusion.next()).silence == Silence::late);
+      }
+    }
+    WHEN("there is no position") {
+      fusion.status = status_initialising;
+      THEN("there is silence") {
+        CHECK(watch.on(fusion.next()).silence == Silence::no_position);
+      }
+    }
+    WHEN("the trust is zero or no number") {
+      THEN("the quality is 1 %, because 0 means unknown") {
+        fusion.trust = 0;
+        CHECK(int{watch.on(fusion.next()).quality_percent} == 1);
+        fusion.trust = std::nan("");
+        CHECK(int{watch.on(fusion.next()).quality_percent} == 1);
+      }
+    }
+  }
+}
+
+}  // namespace pose_watch_test

@@ -1,0 +1,129 @@
+/// Autopilots get the poses of the running system.
+
+#include "clocks/clocks.hpp"
+#include "support/ros2.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <set>
+#include <stop_token>
+#include <thread>
+
+namespace autopilot_test {
+
+using namespace sonopose;
+using namespace sonopose::test;
+using Catch::Contains;
+
+/// PX4's client and its agent: sends timesync_status ten times a second, `offset_ns` ahead of this host.
+class Px4 {
+public:
+  explicit Px4(const Bus& bus, TimeNs offset_ns = 0)
+      : offset_ns_(offset_ns),
+        status_(bus, "/uav_1/fmu/out/timesync_status", false),
+        odometry(bus, "/uav_1/fmu/in/vehicle_visual_odometry", Subscription::sensor_data) {}
+
+  void stop_its_clock() { thread_ = {}; }
+
+private:
+  void run(const std::stop_token& end) {
+    while (!end.stop_requested()) {
+      ros2::TimesyncStatus status{};
+      status.timestamp = static_cast<std::uint64_t>((clocks::host_now() + offset_ns_) / 1000);
+      status.source_protocol = 2;
+      status_.write(status);
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+  }
+
+  TimeNs offset_ns_;
+  RosWriter<ros2::TimesyncStatus> status_;
+
+public:
+  RosReader<ros2::VehicleOdometry> odometry;
+
+private:
+  std::jthread thread_{[this](const std::stop_token& end) { run(end); }};
+};
+
+bool is_sane(const ros2::VehicleOdometry& message) {
+  const double norm =
+      std::hypot(std::hypot(message.q[0], message.q[1]), std::hypot(message.q[2], message.q[3]));
+  return std::isfinite(message.position[0]) && std::abs(norm - 1) < 1e-5 &&
+         message.position_variance[0] > 0 && message.quality >= 1;
+}
+
+SCENARIO("PX4 gets the pose of a drone, in its own clock") {
+  const Bus bus;
+  const auto fusion = bus.fusion();
+  const auto bridge = bus.bridge({"--source", "sim", "--scenario", "drone"});
+  GIVEN("a relay for the PX4 of a vehicle, and no PX4") {
+    const auto relay = bus.ros2({"--px4", "uav_1"});
+    THEN("it sends nothing, and says why") {
+      CHECK(relay->wait_for_line(Stream::error, "nothing arrives on /uav_1/fmu/out/timesync_status"));
+    }
+  }
+  GIVEN("a relay, and a PX4 whose agent is on this machine") {
+    const auto relay = bus.ros2({"--px4", "/uav_1", "--autopilot-rate", "50"});
+    Px4 px4(bus);
+    REQUIRE(px4.odometry.wait_for(is_sane));
+    CHECK(relay->wait_for_line(Stream::error, "are sent on /uav_1/fmu/in/vehicle_visual_odometry"));
+    THEN("its stamps are those of the host, and rise") {
+      std::uint64_t last_us = 0;
+      REQUIRE(px4.odometry.wait_for_count(100, [&](const ros2::VehicleOdometry& message) {
+        CHECK(message.timestamp_sample > last_us);
+        CHECK(message.timestamp >= message.timestamp_sample);
+        CHECK(std::llabs(static_cast<TimeNs>(message.timestamp) * 1000 - clocks::host_now()) <
+              60'000'000'000);
+        CHECK(int{message.pose_frame} == 2);
+        last_us = message.timestamp_sample;
+      }));
+    }
+    WHEN("the engine is started again") {
+      std::set<int> counters;
+      px4.odometry.take([&](const ros2::VehicleOdometry&) {});
+      REQUIRE(px4.odometry.wait_for([&](const ros2::VehicleOdometry& message) {
+        counters.insert(message.reset_counter);
+        return true;
+      }));
+      const int before = *counters.rbegin();
+      REQUIRE(bus.settings({"reset", "7"}).code == 0);
+      THEN("the reset counter rises by one") {
+        REQUIRE(px4.odometry.wait_for(
+            [&](const ros2::VehicleOdometry& message) { return message.reset_counter != before; }));
+        int after = 0;
+        REQUIRE(px4.odometry.wait_for_count(
+            100, [&](const ros2::VehicleOdometry& message) { after = message.reset_counter; }));
+        CHECK(after == before + 1);
+      }
+    }
+    WHEN("its clock is lost") {
+      px4.stop_its_clock();
+      THEN("nothing is sent any more, and the log says so") {
+        CHECK(relay->wait_for_line(Stream::error, "no poses are sent, because its clock is unknown"));
+        px4.odometry.take([](const ros2::VehicleOdometry&) {});
+        CHECK_FALSE(px4.odometry.wait_for([](const ros2::VehicleOdometry&) { return true; },
+                                          std::chrono::milliseconds(500)));
+      }
+    }
+  }
+  GIVEN("a PX4 that does not convert its stamps, and started 1000 s ago") {
+    const TimeNs offset_ns = 1000'000'000'000 - clocks::host_now();
+    const auto relay = bus.ros2({"--px4", "uav_1", "--north", "90"});
+    Px4 px4(bus, offset_ns);
+    THEN("the stamps are in its clock, in axes north, east, down") {
+      ros2::VehicleOdometry got{};
+      REQUIRE(px4.odometry.wait_for([&](const ros2::VehicleOdometry& message) {
+        got = message;
+        return is_sane(message);
+      }));
+      const TimeNs there_ns = clocks::host_now() + offset_ns;
+      CHECK(std::llabs(static_cast<TimeNs>(got.timestamp_sample) * 1000 - there_ns) < 60'000'000'000);
+      CHECK(int{got.pose_frame} == 1);
+      CHECK(int{got.velocity_frame} == 1);
+    }
+  }
+}
+
+}  // namespace autopilot_test
