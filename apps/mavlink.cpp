@@ -67,13 +67,13 @@ int main(int argc, char** argv) {
   auto* const udp = app.add_option("--udp", given.udp,
                                    "Send to this endpoint, and then to the port that its host last sent from")
                         ->check(apps::readable_by(transport::parse_endpoint))
-                        ->type_name("ADDRESS:PORT");
+                        ->option_text("ADDRESS:PORT");
   app.add_option("--local-port", options.local_port, "With --udp: receive on this port; 0: any")
       ->capture_default_str()
       ->type_name("PORT")
       ->needs(udp);
   app.add_option("--device", given.device, "Serial line to the autopilot (default: 921600 baud)")
-      ->type_name("PATH[:BAUD]")
+      ->option_text("PATH[:BAUD]")
       ->excludes(udp);
   app.add_option("--addresses", given.addresses,
                  "Send the poses of the first of these beacons that is heard: 7 or 7-131 (default: all)")

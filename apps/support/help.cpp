@@ -144,11 +144,12 @@ private:
   bool is_left_out(const CLI::Option& option) const {
     const auto is_deviation = [](const std::string& name) { return name.ends_with("-std"); };
     return std::any_of(option.get_lnames().begin(), option.get_lnames().end(), is_deviation) ||
-           option.check_name("--enclave") || &option == app_.get_help_ptr() ||
-           &option == app_.get_help_all_ptr() || option.check_name("--version") ||
-           option.check_name("--print-config") || option.check_name("--interface") ||
-           option.check_name("--partition") || option.check_name("--qos") ||
-           option.check_name("--security");
+           option.check_name("--enclave") || option.check_name("--services") ||
+           option.check_name("--imu-meaning") || option.check_name("--max-beacons") ||
+           &option == app_.get_help_ptr() || &option == app_.get_help_all_ptr() ||
+           option.check_name("--version") || option.check_name("--print-config") ||
+           option.check_name("--interface") || option.check_name("--partition") ||
+           option.check_name("--qos") || option.check_name("--security");
   }
 
   template <class Takes>

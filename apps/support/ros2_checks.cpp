@@ -136,14 +136,17 @@ void add_aiding_inputs(const Ros2Options& options, ros2::relay::RelayOptions& re
   }
 }
 
-std::optional<ros2::relay::AutopilotOptions> px4_options(const Ros2Options& options) {
-  if (!options.px4) {
-    if (options.north_deg) throw std::invalid_argument("--north only works with --px4");
+std::optional<ros2::relay::AutopilotOptions> autopilot_options(const Ros2Options& options) {
+  using Autopilot = ros2::relay::AutopilotOptions;
+  if (!options.px4 && !options.ardupilot) {
+    if (options.north_deg) throw std::invalid_argument("--north needs --px4 or --ardupilot");
     return std::nullopt;
   }
-  ros2::relay::AutopilotOptions px4{.name_space = *options.px4, .rate_hz = options.autopilot_rate_hz};
-  if (options.north_deg) px4.north_rad = *options.north_deg * std::numbers::pi / 180;
-  return px4;
+  Autopilot autopilot{.kind = options.px4 ? Autopilot::Kind::px4 : Autopilot::Kind::ardupilot,
+                      .name_space = options.px4 ? *options.px4 : *options.ardupilot};
+  if (options.output.rate_hz > 0) autopilot.rate_hz = options.output.rate_hz;
+  if (options.north_deg) autopilot.north_rad = *options.north_deg * std::numbers::pi / 180;
+  return autopilot;
 }
 
 }  // namespace
@@ -179,7 +182,7 @@ ros2::relay::RelayOptions relay_options(const Ros2Options& options, const ros2::
   for (const auto& text : options.fix_in) relay.inputs.push_back(ros2::Input::parse(Kind::fix, text));
   check(relay.inputs);
   add_aiding_inputs(options, relay);
-  relay.px4 = px4_options(options);
+  relay.autopilot = autopilot_options(options);
   relay.use_sim_time = options.use_sim_time;
   if (options.imu_meaning && options.imu_in.empty()) {
     throw std::invalid_argument("--imu-meaning only works with --imu-in");

@@ -178,22 +178,20 @@ void add_input_options(CLI::App& app, Ros2Options& options) {
 }
 
 void add_autopilot_options(CLI::App& app, Ros2Options& options) {
-  const char* const group = "Autopilots";
-  app.add_option(
-         "--px4", options.px4,
-         "Send poses to PX4 over uXRCE-DDS, on NAMESPACE/fmu/in/vehicle_visual_odometry; '/': without "
-         "a namespace")
+  const char* const group = "Messages";
+  auto* const px4 = app.add_option("--px4", options.px4,
+                                   "Send poses to PX4: on NAMESPACE/fmu/in/vehicle_visual_odometry; "
+                                   "'/' without a namespace. 30 Hz, unless --rate")
+                        ->type_name("NAMESPACE")
+                        ->group(group);
+  app.add_option("--ardupilot", options.ardupilot,
+                 "Send poses to ArduPilot: on NAMESPACE/tf; usually /ap. 30 Hz, unless --rate")
       ->type_name("NAMESPACE")
+      ->excludes(px4)
       ->group(group);
-  app.add_option("--autopilot-rate", options.autopilot_rate_hz, "Poses per second to the autopilot")
-      ->check(number_between(1.0, 1000.0))
-      ->type_name("HZ")
-      ->capture_default_str()
-      ->group(group);
-  app.add_option(
-         "--north", options.north_deg,
-         "Direction of north in the map, counter-clockwise from x: 90 if y is north (default: unknown; "
-         "the autopilot's heading is then that of the map)")
+  app.add_option("--north", options.north_deg,
+                 "Direction of north in the map for an autopilot, counter-clockwise from x: 90 if y is north "
+                 "(default: unknown; its heading is then that of the map)")
       ->check(number_between(-360.0, 360.0))
       ->type_name("DEG")
       ->group(group);

@@ -33,7 +33,7 @@ struct Ros2Options {
   std::vector<std::string> set_pose_in;
   std::optional<ImuMeaning> imu_meaning;
   std::optional<std::string> px4;
-  double autopilot_rate_hz = ros2::relay::AutopilotOptions{}.rate_hz;
+  std::optional<std::string> ardupilot;
   std::optional<double> north_deg;
   bool use_sim_time = false;
   ros2::relay::ServicesMode services = ros2::relay::ServicesMode::automatic;

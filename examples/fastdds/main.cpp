@@ -14,6 +14,7 @@
 #include "message_text.hpp"
 #include "nav_msgsPubSubTypes.h"
 #include "peer.hpp"
+#include "px4_msgsPubSubTypes.h"
 #include "rmw_dds_commonPubSubTypes.h"
 #include "rosgraph_msgsPubSubTypes.h"
 #include "sensor_msgsPubSubTypes.h"
@@ -87,10 +88,12 @@ void listen(const std::string& topic, const std::string& type, const ListenOptio
   if (type == "point") return listen<geometry_msgs::msg::dds_::PointStamped_PubSubType>(topic, options);
   if (type == "mag") return listen<sensor_msgs::msg::dds_::MagneticField_PubSubType>(topic, options);
   if (type == "path") return listen<nav_msgs::msg::dds_::Path_PubSubType>(topic, options);
+  if (type == "px4_odometry") return listen<px4_msgs::msg::dds_::VehicleOdometry_PubSubType>(topic, options);
   if (type == "discovery")
     return listen<rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_PubSubType>(topic, options);
   throw std::invalid_argument("the type is '" + type +
-                              "': it is imu, odometry, tf, diagnostics, pose, point, mag, path or discovery");
+                              "': it is imu, odometry, tf, diagnostics, pose, point, mag, path, "
+                              "px4_odometry or discovery");
 }
 
 void send(const std::string& type, const std::string& topic, std::uint64_t count,
@@ -101,7 +104,8 @@ void send(const std::string& type, const std::string& topic, std::uint64_t count
     return send<geometry_msgs::msg::dds_::PoseWithCovarianceStamped_PubSubType>(topic, count, filler);
   if (type == "tf") return send<tf2_msgs::msg::dds_::TFMessage_PubSubType>(topic, count, filler);
   if (type == "clock") return send<rosgraph_msgs::msg::dds_::Clock_PubSubType>(topic, count, filler);
-  throw std::invalid_argument("the type is '" + type + "': it is imu, point, pose, tf or clock");
+  if (type == "timesync") return send<px4_msgs::msg::dds_::TimesyncStatus_PubSubType>(topic, count, filler);
+  throw std::invalid_argument("the type is '" + type + "': it is imu, point, pose, tf, clock or timesync");
 }
 
 }  // namespace
@@ -128,9 +132,10 @@ int main(int argc, char** argv) try {
     send(arguments[2], arguments[1], number("COUNT", arguments[3]), MessageFiller(bits));
     return 0;
   }
-  std::cerr << "fastdds_peer listen TOPIC imu|odometry|tf|diagnostics|pose|point|mag|path|discovery [COUNT] "
+  std::cerr << "fastdds_peer listen TOPIC imu|odometry|tf|diagnostics|pose|point|mag|path|px4_odometry|"
+               "discovery [COUNT] "
                "[--best-effort] [--bits]\n"
-               "fastdds_peer send TOPIC imu|point|pose|tf|clock COUNT [BITS ...]\n";
+               "fastdds_peer send TOPIC imu|point|pose|tf|clock|timesync COUNT [BITS ...]\n";
   return 2;
 } catch (const std::exception& error) {
   std::cerr << "fastdds_peer: " << error.what() << '\n';

@@ -3,6 +3,7 @@
 /// Fills ROS 2 messages of Fast DDS: the present time, and numbers.
 
 #include "geometry_msgs.h"
+#include "px4_msgs.h"
 #include "rosgraph_msgs.h"
 #include "sensor_msgs.h"
 #include "tf2_msgs.h"
@@ -52,6 +53,14 @@ public:
     fill(transform.transform().rotation());
   }
   void fill(rosgraph_msgs::msg::dds_::Clock_& m) { fill(m.clock()); }
+  /// The clock of the agent's machine.
+  static void fill(px4_msgs::msg::dds_::TimesyncStatus_& m) {
+    using std::chrono::microseconds;
+    const auto now = std::chrono::system_clock::now().time_since_epoch();
+    m.timestamp(static_cast<std::uint64_t>(std::chrono::duration_cast<microseconds>(now).count()));
+    m.remote_timestamp(m.timestamp());
+    m.source_protocol(2);
+  }
 
 private:
   double next() { return std::bit_cast<double>(bits_[next_++ % bits_.size()]); }

@@ -4,6 +4,7 @@
 
 #include "diagnostic_msgs.h"
 #include "nav_msgs.h"
+#include "px4_msgs.h"
 #include "rmw_dds_common.h"
 #include "rosgraph_msgs.h"
 #include "sensor_msgs.h"
@@ -39,6 +40,10 @@ private:
       out_ << ' ' << value;
     }
   }
+  void add(float value) { add(double{value}); }
+  void add(std::int64_t value) { out_ << ' ' << value; }
+  void add(std::uint64_t value) { out_ << ' ' << value; }
+  void add(std::int8_t value) { out_ << ' ' << +value; }
   void add(std::int32_t value) { out_ << ' ' << value; }
   void add(std::uint32_t value) { out_ << ' ' << value; }
   void add(std::uint8_t value) { out_ << ' ' << +value; }
@@ -89,6 +94,15 @@ private:
   }
   void add(const nav_msgs::msg::dds_::Path_& m) { fields(m.header(), m.poses()); }
   void add(const rosgraph_msgs::msg::dds_::Clock_& m) { fields(m.clock()); }
+  void add(const px4_msgs::msg::dds_::VehicleOdometry_& m) {
+    fields(m.timestamp(), m.timestamp_sample(), m.pose_frame(), m.position(), m.q(), m.velocity_frame(),
+           m.velocity(), m.angular_velocity(), m.position_variance(), m.orientation_variance(),
+           m.velocity_variance(), m.reset_counter(), m.quality());
+  }
+  void add(const px4_msgs::msg::dds_::TimesyncStatus_& m) {
+    fields(m.timestamp(), m.source_protocol(), m.remote_timestamp(), m.observed_offset(),
+           m.estimated_offset(), m.round_trip_time());
+  }
   void add(const rmw_dds_common::msg::dds_::Gid_& m) { fields(m.data()); }
   void add(const rmw_dds_common::msg::dds_::NodeEntitiesInfo_& m) {
     fields(m.node_namespace(), m.node_name(), m.reader_gid_seq(), m.writer_gid_seq());

@@ -61,7 +61,7 @@ build_together() { # NAME FOLDERS CMAKE-ARGUMENTS
   "$cmake" --build "$work/$1/build"
 }
 examples=$source/examples
-build_together on_the_bus "$examples/consumer $examples/producer $examples/ros2_listener_cyclone
+build_together on_the_bus "$examples/autopilot $examples/consumer $examples/producer $examples/ros2_listener_cyclone
   $examples/c_consumer $work/readme $work/pages" -DSONOPOSE_IDL="$share/idl/sonopose.idl"
 build_together without_dds "$examples/embedded $work/optional" "${eigen_only[@]}"
 bus=$work/on_the_bus/build

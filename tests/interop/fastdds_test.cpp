@@ -1,5 +1,6 @@
 /// Interoperation with another vendor's DDS between processes, in both directions, bit for bit.
 
+#include "clocks/clocks.hpp"
 #include "support/ros2.hpp"
 #include "support/ros2_fields.hpp"
 #include "support/wait_until.hpp"
@@ -112,6 +113,7 @@ TEST_CASE("Fast DDS hears what we write as ROS 2's messages") {
   check_heard<ros2::PoseWithCovarianceStamped>("pose", {0});
   check_heard<ros2::PointStamped>("point", {0});
   check_heard<ros2::MagneticField>("mag", {0});
+  check_heard<ros2::VehicleOdometry>("px4_odometry", {0});
   for (const std::uint32_t length : {0U, 1U, 100U}) check_heard<ros2::Path>("path", {length});
 }
 
@@ -254,6 +256,29 @@ SCENARIO("the relay takes the positions of a driver in Fast DDS") {
         CHECK(fix.position_world_m == Vector3d::Constant(std::bit_cast<double>(0x3fd5555555555555)));
         CHECK_FALSE(fix.covariance_world_m2);  // equal values everywhere are not positive definite
         CHECK(fix.measured_delay_s.value_or(-1) >= 0);
+      }
+    }
+  }
+}
+
+SCENARIO("PX4's agent, which is a Fast DDS, gets the pose of a drone") {
+  GIVEN("a drone, a relay for PX4, and a peer that sends PX4's clock") {
+    const Bus bus;
+    const auto fusion = bus.fusion();
+    const auto bridge = bus.bridge({"--source", "sim", "--scenario", "drone"});
+    const auto relay = bus.ros2({"--px4", "/"});
+    const auto clock = driver(bus, "rt/fmu/out/timesync_status", "timesync", {});
+    WHEN("it listens as PX4's client does, with best effort") {
+      const auto odometry =
+          listener(bus, "rt/fmu/in/vehicle_visual_odometry", "px4_odometry", 50, {"--best-effort"});
+      THEN("it gets stamped poses") {
+        REQUIRE(odometry->wait_for_exit() == 0);
+        const auto fields = fields_of(odometry->lines(Stream::output).back());
+        REQUIRE(fields.size() == 2 + 1 + 3 + 4 + 1 + 5 * 3 + 2);
+        const auto sample_us = std::stoll(fields[1]);
+        CHECK(std::llabs(sample_us * 1000 - clocks::host_now()) < 60'000'000'000);
+        CHECK(fields[2] == "2");                   // FRD
+        CHECK(std::stod(fields[11 + 6 + 1]) > 0);  // variances
       }
     }
   }

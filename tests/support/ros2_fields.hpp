@@ -134,6 +134,12 @@ void visit(V& v, ros2::DiagnosticStatus& m) {
   visit_all(v, m.level, m.name, m.message, m.hardware_id, m.values);
 }
 template <class V>
+void visit(V& v, ros2::VehicleOdometry& m) {
+  visit_all(v, m.timestamp, m.timestamp_sample, m.pose_frame, m.position, m.q, m.velocity_frame, m.velocity,
+            m.angular_velocity, m.position_variance, m.orientation_variance, m.velocity_variance,
+            m.reset_counter, m.quality);
+}
+template <class V>
 void visit(V& v, ros2::DiagnosticArray& m) {
   visit_all(v, m.header, m.status);
 }
@@ -222,7 +228,9 @@ class Describer : public FieldVisitor {
 public:
   template <class Number>
   void number(Number value) {
-    if constexpr (std::is_same_v<Number, double>) {
+    if constexpr (std::is_same_v<Number, float>) {
+      number(double{value});
+    } else if constexpr (std::is_same_v<Number, double>) {
       out_ << ' ' << std::hex << std::setw(16) << std::setfill('0') << std::bit_cast<std::uint64_t>(value)
            << std::dec;
     } else {

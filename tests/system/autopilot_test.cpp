@@ -6,6 +6,8 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <csignal>
+#include <filesystem>
 #include <set>
 #include <stop_token>
 #include <thread>
@@ -65,7 +67,7 @@ SCENARIO("PX4 gets the pose of a drone, in its own clock") {
     }
   }
   GIVEN("a relay, and a PX4 whose agent is on this machine") {
-    const auto relay = bus.ros2({"--px4", "/uav_1", "--autopilot-rate", "50"});
+    const auto relay = bus.ros2({"--px4", "/uav_1", "--rate", "50"});
     Px4 px4(bus);
     REQUIRE(px4.odometry.wait_for(is_sane));
     CHECK(relay->wait_for_line(Stream::error, "are sent on /uav_1/fmu/in/vehicle_visual_odometry"));
@@ -124,6 +126,72 @@ SCENARIO("PX4 gets the pose of a drone, in its own clock") {
       CHECK(int{got.velocity_frame} == 1);
     }
   }
+}
+
+/// ArduPilot's client and its agent: sends its clock a hundred times a second.
+class ArduPilot {
+public:
+  ArduPilot(const Bus& bus, TimeNs offset_ns)
+      : offset_ns_(offset_ns), clock_(bus, "/ap/clock"), tf(bus, "/ap/tf", Subscription::sensor_data) {}
+
+private:
+  void run(const std::stop_token& end) {
+    while (!end.stop_requested()) {
+      clock_.write({ros2::to_ros(clocks::host_now() + offset_ns_)});
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+  }
+
+  TimeNs offset_ns_;
+  RosWriter<ros2::Clock> clock_;
+
+public:
+  RosReader<ros2::TFMessage> tf;
+
+private:
+  std::jthread thread_{[this](const std::stop_token& end) { run(end); }};
+};
+
+SCENARIO("ArduPilot gets the pose of a drone as a transform, in the time since its start") {
+  const Bus bus;
+  const auto fusion = bus.fusion();
+  const auto bridge = bus.bridge({"--source", "sim", "--scenario", "drone"});
+  const auto relay = bus.ros2({"--ardupilot", "/ap"});
+  GIVEN("an ArduPilot that started 1000 s ago") {
+    const TimeNs offset_ns = 1000'000'000'000 - clocks::host_now();
+    ArduPilot ardupilot(bus, offset_ns);
+    THEN("it gets the frames that it takes, in its time") {
+      TimeNs stamp_ns = 0;
+      REQUIRE(ardupilot.tf.wait_for([&](const ros2::TFMessage& message) {
+        const ros2::TransformStamped& transform = message.transforms._buffer[0];
+        CHECK(std::string(transform.header.frame_id) == "odom");
+        CHECK(std::string(transform.child_frame_id) == "base_link");
+        CHECK(std::isfinite(transform.transform.translation.x));
+        stamp_ns = stamp_of(transform.header);
+        return true;
+      }));
+      CHECK(std::llabs(stamp_ns - (clocks::host_now() + offset_ns)) < 60'000'000'000);
+    }
+  }
+  GIVEN("one whose clock was set") {
+    const ArduPilot ardupilot(bus, 0);
+    THEN("it gets nothing, and the log has the remedy") {
+      CHECK(relay->wait_for_line(Stream::error, "BRD_RTC_TYPES"));
+    }
+  }
+}
+
+TEST_CASE("The example of an autopilot prints what PX4 would get") {
+  const Bus bus;
+  const std::string domain = std::to_string(bus.domain_id());
+  const std::filesystem::path programs = std::filesystem::path(SONOPOSE_TEST_ROS2).parent_path();
+  Process drone("/bin/sh", {SONOPOSE_SOURCE_DIR "/examples/autopilot/drone.sh", "--domain", domain},
+                {{"SONOPOSE_BIN", programs.string()}});
+  Process px4(SONOPOSE_TEST_PX4_SIDE, {"30"}, {{"ROS_DOMAIN_ID", domain}});
+  REQUIRE(px4.wait_for_exit() == 0);
+  CHECK_THAT(px4.text(Stream::output),
+             Contains("FRD ") && Contains(" m, quality ") && Contains(" %, resets "));
+  CHECK(drone.end_by(SIGTERM).code == 0);
 }
 
 }  // namespace autopilot_test

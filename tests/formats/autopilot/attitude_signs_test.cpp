@@ -2,6 +2,7 @@
 /// them, have the signs of the autopilots' documents: nose up, right side down and a turn to the right are
 /// positive.
 
+#include "autopilot/ardupilot.hpp"
 #include "autopilot/px4.hpp"
 #include "sim/simulator.hpp"
 #include "support/poses_of.hpp"
@@ -127,6 +128,17 @@ SCENARIO("an autopilot gets the attitude with its own signs") {
       CHECK(angles_of(odometry).yaw_rad == Approx(-std::numbers::pi / 2).margin(close_rad));
       CHECK(odometry.velocity_frame_mps.y() < -1);
       CHECK(odometry.velocity_body_mps.x() > 1);
+    }
+  }
+  GIVEN("ArduPilot's transform of the drone with its nose up, 3 m up") {
+    const autopilot::ArduPilotFrames frames;
+    const auto transform = autopilot::ardupilot_transform(in_ned(8), 1, frames).transform;
+    THEN("it is north, west, up, where nose up is a turn about minus y") {
+      CHECK(transform.translation.x == Approx(2).margin(0.02));
+      CHECK(transform.translation.y == Approx(-1).margin(0.02));
+      CHECK(transform.translation.z == Approx(3).margin(0.02));
+      CHECK(transform.rotation.w == Approx(std::cos(pitch_rad / 2)).margin(close_rad));
+      CHECK(transform.rotation.y == Approx(-std::sin(pitch_rad / 2)).margin(close_rad));
     }
   }
   GIVEN("PX4's message of the drone with its nose up") {

@@ -81,6 +81,10 @@ private:
         if (result.status == transport::ReadStatus::disconnected) {
           logging::warning(link_->name() + ": " + link_->last_error());
         }
+        if (result.status == transport::ReadStatus::refused && !refused_) {
+          logging::warning(link_->name() + ": what other machines send is not used");
+          refused_ = true;
+        }
         if (result.status == transport::ReadStatus::connected) logging::info(link_->name() + ": open");
         if (result.status != transport::ReadStatus::data) continue;
         decoder_.feed({buffer.data(), result.size}, [this](const Frame& frame) { on(frame); });
@@ -103,7 +107,8 @@ private:
   }
 
   std::unique_ptr<transport::ByteLink> link_;
-  Decoder decoder_;  ///< used by the reading thread only
+  Decoder decoder_;       ///< used by the reading thread only, like the next one
+  bool refused_ = false;  ///< a datagram of another machine
   threads::Mutex mutex_;
   AutopilotWatch watch_ SONOPOSE_GUARDED_BY(mutex_);
   std::uint8_t sequence_ SONOPOSE_GUARDED_BY(mutex_) = 0;
@@ -117,6 +122,7 @@ public:
   explicit Sender(const SenderOptions& options) : options_(options), line_(options), rate_(options.rate_hz) {}
 
   void on(const FusedPose& pose) {
+    posed_ = clocks::steady_now();
     const auto verdict = watch_.on(pose);
     const Line::Known known = line_.known();
     const auto odometry = autopilot::external_odometry(pose, options_.mount, options_.north);
@@ -136,6 +142,8 @@ public:
     line_.check();
     line_.send(heartbeat(line_.known().own));
     if (!line_.known().autopilot && (!state_ || state_ == Silence::none)) state_ = Silence::no_autopilot;
+    constexpr TimeNs silent_ns = 3'000'000'000;
+    if (state_ == Silence::none && clocks::steady_now() - posed_ > silent_ns) state_ = Silence::no_position;
     if (line_.unsent() > unsent_ && unsent_ == 0) {
       logging::warning(fmt::format("{}: takes fewer bytes than are sent; use a lower --rate or a faster line",
                                    line_.name()));
@@ -168,6 +176,7 @@ private:
   ros2::RateLimit rate_;
   ros2::RisingStamp stamp_{0};
   BeaconAddress address_ = 0;
+  SteadyTime posed_;  ///< time of the last pose
   std::optional<Silence> state_;
   std::optional<Silence> logged_;
   std::uint64_t unsent_ = 0;

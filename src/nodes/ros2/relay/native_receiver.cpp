@@ -53,8 +53,8 @@ void NativeReceiver::on(const FusedPose& pose) {
   const auto publishers = targets_.beacons.find_or_request(pose.address, clocks::steady_now());
   if (!publishers) return;
   publishers->on(pose);
-  if (targets_.px4 == nullptr) return;
-  if (const auto mount = publishers->mount()) targets_.px4->on(pose, *mount);
+  if (targets_.autopilot == nullptr) return;
+  if (const auto mount = publishers->mount()) targets_.autopilot->on(pose, *mount);
 }
 
 void NativeReceiver::on(const Estimate& estimate) {

@@ -6,7 +6,7 @@
 #include "presence/beacon_admission.hpp"
 #include "presence/instance_limit.hpp"
 #include "process/endpoint_counters.hpp"
-#include "ros2/relay/px4_output.hpp"
+#include "ros2/relay/autopilot_output.hpp"
 #include "ros2/relay/relay.hpp"
 #include "ros2/relay/relayed_beacons.hpp"
 #include "threads/mutex.hpp"
@@ -28,7 +28,7 @@ public:
     RelayedBeacons& beacons;
     observation::BeaconObservers& observers;  ///< for diagnostics
     process::EndpointCounters& endpoints;
-    Px4Output* px4;  ///< null: none
+    AutopilotOutput* autopilot;  ///< null: none
   };
 
   /// Starts receiving. `admission` must outlive the receiver. Throws dds::Error.

@@ -15,7 +15,7 @@
 #include "ros2/relay/open_topics.hpp"
 #include "ros2/relay/parameter_server.hpp"
 #include "ros2/relay/peer_monitor.hpp"
-#include "ros2/relay/px4_output.hpp"
+#include "ros2/relay/autopilot_output.hpp"
 #include "ros2/relay/relayed_beacons.hpp"
 #include "ros2/relay/ros_clock.hpp"
 #include "ros2/relay/transform_tree.hpp"
@@ -139,7 +139,7 @@ private:
                            .wakeup = wakeup_,
                            .log = log_}};
 
-  std::unique_ptr<Px4Output> px4_;  ///< null: none
+  std::unique_ptr<AutopilotOutput> autopilot_;  ///< null: none
 
   // Readers are last, so that they are destroyed first and no callback uses a destroyed member.
   TfListener tf_listener_{*this};
@@ -190,10 +190,10 @@ Relay::Impl::Impl(const RelayOptions& options)
   if (options.output.publishes_mount()) {
     foreign_mounts_ = std::make_unique<ForeignMounts>(node_, log_, [this] { wakeup_.wake(); });
   }
-  if (options.px4) px4_ = std::make_unique<Px4Output>(node_, *options.px4, log_);
+  if (options.autopilot) autopilot_ = std::make_unique<AutopilotOutput>(node_, *options.autopilot, log_);
   node_.announce();
   receiver_.emplace(participant_, qos_, options, admission_,
-                    NativeReceiver::Targets{beacons_, observers_, endpoints_, px4_.get()});
+                    NativeReceiver::Targets{beacons_, observers_, endpoints_, autopilot_.get()});
 }
 
 /// Calls `action` without the lock.
@@ -311,7 +311,7 @@ void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>
     peers_.check_processes(receiver_->has_bridge(), receiver_->has_fusion());
     log_transitions();
     if (source_) source_->log_changes();
-    if (px4_) px4_->log_changes();
+    if (autopilot_) autopilot_->log_changes();
     remove_gone();
     diagnostics_.publish(beacons_.all(), source_.get());
     replace_tree_owner();

@@ -69,7 +69,9 @@ struct Output {
 
 /// Poses for an autopilot.
 struct AutopilotOptions {
-  std::string name_space;  ///< of its topics: "uav_1"; empty: none
+  enum class Kind : std::uint8_t { px4, ardupilot };
+  Kind kind = Kind::px4;
+  std::string name_space;  ///< of its topics: "uav_1", "ap"; empty: none
   double rate_hz = 30;
   std::optional<double> north_rad = {};  ///< direction of north in the map, counter-clockwise from x
 };
@@ -86,7 +88,7 @@ struct RelayOptions {
   Output output;
   std::vector<Input> inputs;
   std::vector<AidingInput> aiding_inputs;
-  std::optional<AutopilotOptions> px4 = {};
+  std::optional<AutopilotOptions> autopilot = {};
   bool use_sim_time = false;  ///< takes the time of ROS 2 from /clock
   ServicesMode services = ServicesMode::automatic;
   std::vector<StartupSetting> startup_settings;  ///< sent when a fusion appears and no other is known

@@ -233,4 +233,14 @@ SCENARIO("the clock offset is the minimum of the last second") {
   CHECK(offset.value_s() == 0.004);
 }
 
+TEST_CASE("the type of an IMU's topic may be given") {
+  CHECK(Input::parse(Kind::imu, "/imu=7").imu_type == ros2::ImuType::ros);
+  CHECK(Input::parse(Kind::imu, "/imu:Imu=7").topic == "/imu");
+  const Input px4 = Input::parse(Kind::imu, "/fmu/out/sensor_combined:px4_msgs/msg/SensorCombined=7");
+  CHECK(px4.imu_type == ros2::ImuType::px4);
+  CHECK(text_of(px4) == "--imu-in /fmu/out/sensor_combined:SensorCombined=7");
+  CHECK(message_type_of(px4) == "px4_msgs::msg::dds_::SensorCombined_");
+  CHECK_THROWS_WITH(Input::parse(Kind::imu, "/imu:Odometry=7"), Contains("'Odometry' is not Imu or"));
+}
+
 }  // namespace input_option_test

@@ -4,6 +4,8 @@
 #include "ros2/relay/source_rig.hpp"
 #include <sonopose/ros2/messages/input.hpp>
 
+#include <limits>
+
 namespace driver_messages_test {
 
 using namespace source_rig;
@@ -143,6 +145,55 @@ SCENARIO("fixes of another clock than the IMU are named with the difference") {
         rig.source->log_changes();
         return rig.has_logged("s newer than those of /imu, each against its arrival, so their clocks differ");
       }));
+    }
+  }
+}
+
+SCENARIO("PX4's sensor_combined is the IMU of a beacon") {
+  // FRD: at rest and level, the accelerometer reads -9.81 down; a turn to the right is positive.
+  ros2::SensorCombined message{};
+  const TimeNs end_ns = clocks::host_now() / 1000 * 1000;
+  message.timestamp = static_cast<std::uint64_t>(end_ns / 1000);
+  message.gyro_integral_dt = 5000;
+  message.gyro_rad[0] = 0.1F;
+  message.gyro_rad[2] = 0.3F;
+  message.accelerometer_m_s2[2] = -9.81F;
+  GIVEN("a beacon with this input") {
+    Rig rig({Input::parse(Kind::imu, "/fmu/out/sensor_combined:SensorCombined=7")});
+    // As PX4's client writes.
+    const dds::Qos qos = dds::Qos() << dds::policy::Reliability::best_effort();
+    auto px4 = rig.driver<ros2::SensorCombined>("/fmu/out/sensor_combined", qos);
+    rig.run();
+    WHEN("PX4 is level and turns right") {
+      REQUIRE(wait_until([&] {
+        px4.write(message);
+        return rig.sink.count() > 0;
+      }));
+      const ImuSample sample = rig.sink.imu_samples().front();
+      THEN("the sample is that of a level body with z up, in the middle of its interval") {
+        CHECK(sample.address == 7);
+        CHECK(sample.specific_force_body_mps2.isApprox(Vector3d(0, 0, 9.81), 1e-6));
+        CHECK(sample.angular_velocity_body_radps.isApprox(Vector3d(0.1, 0, -0.3), 1e-6));
+        CHECK(sample.sensor_time_ns == end_ns - 2'500'000);
+        CHECK(sample.meaning == ImuMeaning::instant);
+      }
+    }
+    WHEN("the accelerometer has no data") {
+      message.accelerometer_timestamp_relative = 0x7fffffff;
+      px4.write(message);
+      THEN("there is no sample, for a reason") {
+        CHECK(rig.logs("the messages on /fmu/out/sensor_combined have only one of"));
+        CHECK(rig.sink.count() == 0);
+      }
+    }
+    WHEN("a value is not finite, or the stamp is beyond all times") {
+      message.gyro_rad[1] = std::numeric_limits<float>::infinity();
+      CHECK_FALSE(ros2::imu_sample(message, 7));
+      message.gyro_rad[1] = 0;
+      message.timestamp = std::numeric_limits<std::uint64_t>::max();
+      THEN("it is not used") {
+        CHECK_FALSE(ros2::imu_sample(message, 7));
+      }
     }
   }
 }

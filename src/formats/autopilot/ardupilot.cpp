@@ -1,0 +1,16 @@
+#include "autopilot/ardupilot.hpp"
+
+#include <sonopose/ros2/messages/messages.hpp>
+
+namespace sonopose::autopilot {
+
+ros2::TransformStamped ardupilot_transform(const ExternalOdometry& odometry, TimeNs measured_ns,
+                                           const ArduPilotFrames& frames) {
+  // Half a turn about x makes x, −y, −z of both frames: up of down, and left of right.
+  const Vector3d& p = odometry.position_frame_m;
+  const Quaterniond q = odometry.q_body_to_frame.value_or(Quaterniond::Identity());
+  return ros2::transform({{p.x(), -p.y(), -p.z()}, {q.w(), q.x(), -q.y(), -q.z()}}, measured_ns,
+                         frames.parent, frames.child);
+}
+
+}  // namespace sonopose::autopilot

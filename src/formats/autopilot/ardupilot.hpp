@@ -1,0 +1,23 @@
+#pragma once
+/// \file
+/// Poses as ArduPilot's AP_DDS takes them: the transform from odom to base_link on /ap/tf, where the odom
+/// frame is north, west, up. Source: ArduPilot, AP_DDS_External_Odom.cpp.
+
+#include "autopilot/external_odometry.hpp"
+#include <sonopose/ros2/messages/idl_types.hpp>
+
+#include <string>
+
+namespace sonopose::autopilot {
+
+/// Names of the frames, which a message borrows.
+struct ArduPilotFrames {
+  std::string parent = "odom";
+  std::string child = "base_link";
+};
+
+/// The pose with a known yaw. `measured_ns`: its time since the start of the autopilot.
+ros2::TransformStamped ardupilot_transform(const ExternalOdometry& odometry, TimeNs measured_ns,
+                                           const ArduPilotFrames& frames);
+
+}  // namespace sonopose::autopilot

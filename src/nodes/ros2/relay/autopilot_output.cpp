@@ -1,0 +1,131 @@
+#include "ros2/relay/autopilot_output.hpp"
+
+#include "autopilot/ardupilot.hpp"
+#include "autopilot/px4.hpp"
+#include "clocks/clocks.hpp"
+
+#include <fmt/format.h>
+
+namespace sonopose::ros2::relay {
+namespace {
+
+using autopilot::Silence;
+
+/// "uav_1", "/uav_1" or "/" for none → "/uav_1" or "".
+std::string prefix_of(const std::string& name_space) {
+  if (name_space.empty() || name_space == "/") return "";
+  const std::string absolute = name_space.starts_with('/') ? name_space : "/" + name_space;
+  ros2::check_namespace(absolute);
+  return absolute;
+}
+
+}  // namespace
+
+AutopilotOutput::AutopilotOutput(ros2::Node& node, const AutopilotOptions& options, Log& log)
+    : is_px4_(options.kind == AutopilotOptions::Kind::px4),
+      name_(is_px4_ ? "PX4" : "ArduPilot"),
+      pose_topic_(prefix_of(options.name_space) + (is_px4_ ? "/fmu/in/vehicle_visual_odometry" : "/tf")),
+      clock_topic_(prefix_of(options.name_space) + (is_px4_ ? "/fmu/out/timesync_status" : "/clock")),
+      north_(options.north_rad),
+      log_(log),
+      rate_(options.rate_hz) {
+  if (is_px4_) {
+    odometry_writer_ = node.make_writer<ros2::VehicleOdometry>(pose_topic_, "ros2::Default");
+    timesync_reader_ = node.make_reader<ros2::TimesyncStatus>(clock_topic_, "ros2::Input", &px4_listener_);
+  } else {
+    tf_writer_ = node.make_writer<ros2::TFMessage>(pose_topic_, "ros2::Default");
+    clock_reader_ = node.make_reader<ros2::Clock>(clock_topic_, "ros2::Input", &clock_listener_);
+  }
+}
+
+void AutopilotOutput::on(const ros2::TimesyncStatus& status) {
+  if (status.timestamp >= static_cast<std::uint64_t>(end_of_time_ns / 1000)) return;
+  on_stamp(static_cast<TimeNs>(status.timestamp) * 1000);
+}
+
+void AutopilotOutput::on(const ros2::Clock& message) {
+  if (const auto time_ns = ros2::from_ros(message.clock)) on_stamp(*time_ns);
+}
+
+void AutopilotOutput::on_stamp(TimeNs stamp_ns) {
+  constexpr TimeNs year_2001_ns = 1'000'000'000'000'000'000;
+  const threads::Lock lock(mutex_);
+  clock_.on(stamp_ns, clocks::host_now(), clocks::steady_now());
+  has_unix_clock_ = stamp_ns > year_2001_ns;
+}
+
+void AutopilotOutput::on(const FusedPose& pose, const ros2::Mount& mount) {
+  const auto due_pose = due(pose, mount);
+  if (!due_pose) return;
+  if (is_px4_) {
+    odometry_writer_.try_write(autopilot::vehicle_odometry(due_pose->odometry, due_pose->measured_ns,
+                                                           due_pose->now_ns, due_pose->reset_counter,
+                                                           due_pose->quality_percent));
+    return;
+  }
+  static const autopilot::ArduPilotFrames frames;
+  ros2::TransformStamped transform =
+      autopilot::ardupilot_transform(due_pose->odometry, due_pose->measured_ns, frames);
+  tf_writer_.try_write(ros2::TFMessage{{1, 1, &transform, false}});
+}
+
+std::optional<AutopilotOutput::Due> AutopilotOutput::due(const FusedPose& pose, const ros2::Mount& mount) {
+  const threads::Lock lock(mutex_);
+  if (!address_) address_ = pose.address;
+  if (*address_ != pose.address) {
+    other_ = pose.address;
+    return std::nullopt;
+  }
+  const SteadyTime now = clocks::steady_now();
+  const auto verdict = watch_.on(pose);
+  const auto odometry = autopilot::external_odometry(pose, mount, north_);
+  const auto measured_ns = clock_.at(pose.time_ns, now);
+  const auto now_ns = clock_.at(clocks::host_now(), now);
+  const bool has_clock = measured_ns && now_ns;
+  state_ = verdict.silence != Silence::none ? verdict.silence : silence_of(odometry, has_clock);
+  if (state_ != Silence::none || !stamp_.next(pose.time_ns) || !rate_.admits(pose.time_ns)) {
+    return std::nullopt;
+  }
+  return Due{odometry, *measured_ns, *now_ns, watch_.take_reset_counter(), verdict.quality_percent};
+}
+
+/// Reason to send nothing that does not lie in the poses.
+Silence AutopilotOutput::silence_of(const autopilot::ExternalOdometry& odometry, bool has_clock) const {
+  if (!has_clock) return Silence::no_clock;
+  if (!is_px4_ && has_unix_clock_) return Silence::unix_clock;
+  const bool needs_yaw = !is_px4_ || !north_;
+  return needs_yaw && !odometry.q_body_to_frame ? Silence::yaw_unknown : Silence::none;
+}
+
+void AutopilotOutput::log_changes() {
+  std::optional<Silence> state;
+  std::optional<BeaconAddress> other;
+  BeaconAddress address = 0;
+  {
+    const threads::Lock lock(mutex_);
+    state = state_;
+    other = other_;
+    address = address_.value_or(address);
+  }
+  if (other && !logged_others_) {
+    log_.warning(
+        fmt::format("{} gets the poses of beacon {}; those of others, such as {}, are not sent: "
+                    "--addresses selects it",
+                    name_, address, *other));
+    logged_others_ = true;
+  }
+  if (state == logged_) return;
+  logged_ = state;
+  if (state == Silence::none) {
+    log_.info(fmt::format("{}: the poses of beacon {} are sent on {}", name_, address, pose_topic_));
+  } else if (state == Silence::no_clock) {
+    log_.warning(
+        fmt::format("{}: no poses are sent, because its clock is unknown: nothing arrives on {}; "
+                    "are autopilot and Micro-XRCE-DDS agent connected?",
+                    name_, clock_topic_));
+  } else {
+    log_.warning(fmt::format("{}: no poses of beacon {} are sent: {}", name_, address, text_of(*state)));
+  }
+}
+
+}  // namespace sonopose::ros2::relay

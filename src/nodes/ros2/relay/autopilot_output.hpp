@@ -1,0 +1,96 @@
+#pragma once
+/// \file
+/// The poses of one beacon for an autopilot, over the agent of uXRCE-DDS.
+
+#include "autopilot/external_odometry.hpp"
+#include "autopilot/pose_watch.hpp"
+#include "autopilot/remote_clock.hpp"
+#include "ros2/relay/log.hpp"
+#include "ros2/relay/relay.hpp"
+#include "threads/mutex.hpp"
+#include <sonopose/ros2/messages/frames.hpp>
+#include <sonopose/ros2/messages/time.hpp>
+#include <sonopose/ros2/node/node.hpp>
+#include <sonopose/samples/pose.hpp>
+
+#include <optional>
+#include <string>
+
+namespace sonopose::ros2::relay {
+
+/// Writes PX4's /fmu/in/vehicle_visual_odometry, in the clock of /fmu/out/timesync_status, or ArduPilot's
+/// /ap/tf, in that of /ap/clock. A vehicle has one beacon: the first that is heard.
+class AutopilotOutput {
+public:
+  /// `node` and `log` must outlive it. Throws std::invalid_argument for an impossible namespace, dds::Error.
+  AutopilotOutput(ros2::Node& node, const AutopilotOptions& options, Log& log);
+  AutopilotOutput(const AutopilotOutput&) = delete;
+  AutopilotOutput& operator=(const AutopilotOutput&) = delete;
+  AutopilotOutput(AutopilotOutput&&) = delete;
+  AutopilotOutput& operator=(AutopilotOutput&&) = delete;
+  ~AutopilotOutput() = default;
+
+  /// Takes every pose, on a receive thread.
+  void on(const FusedPose& pose, const ros2::Mount& mount);
+
+  /// Logs that poses are sent, or why no longer. Main thread, once a second.
+  void log_changes();
+
+private:
+  template <class T>
+  class ClockListener final : public dds::DataReaderListener<T> {
+  public:
+    explicit ClockListener(AutopilotOutput& output) : output_(output) {}
+    void on_data_available(dds::DataReader<T>& reader) noexcept override {
+      reader.try_take_each([this](const T& message, const dds::SampleInfo&) { output_.on(message); });
+    }
+
+  private:
+    AutopilotOutput& output_;
+  };
+
+  /// A pose that is due, with its times in the autopilot's clock.
+  struct Due {
+    autopilot::ExternalOdometry odometry;
+    TimeNs measured_ns = 0;
+    TimeNs now_ns = 0;
+    std::uint8_t reset_counter = 0;
+    std::uint8_t quality_percent = 0;
+  };
+
+  void on(const ros2::TimesyncStatus& status);
+  void on(const ros2::Clock& message);
+  void on_stamp(TimeNs stamp_ns);
+  std::optional<Due> due(const FusedPose& pose, const ros2::Mount& mount);
+  [[nodiscard]] autopilot::Silence silence_of(const autopilot::ExternalOdometry& odometry,
+                                              bool has_clock) const SONOPOSE_REQUIRES(mutex_);
+
+  bool is_px4_;
+  const char* name_;
+  std::string pose_topic_;
+  std::string clock_topic_;
+  autopilot::North north_;
+  Log& log_;
+  std::optional<autopilot::Silence> logged_;  ///< main thread only, like the next one
+  bool logged_others_ = false;
+
+  threads::Mutex mutex_;
+  autopilot::PoseWatch watch_ SONOPOSE_GUARDED_BY(mutex_);
+  autopilot::RemoteClock clock_ SONOPOSE_GUARDED_BY(mutex_);
+  bool has_unix_clock_ SONOPOSE_GUARDED_BY(mutex_) = false;
+  ros2::RateLimit rate_ SONOPOSE_GUARDED_BY(mutex_);
+  ros2::RisingStamp stamp_ SONOPOSE_GUARDED_BY(mutex_){0};
+  std::optional<BeaconAddress> address_ SONOPOSE_GUARDED_BY(mutex_);
+  std::optional<BeaconAddress> other_ SONOPOSE_GUARDED_BY(mutex_);       ///< a beacon that is not sent
+  std::optional<autopilot::Silence> state_ SONOPOSE_GUARDED_BY(mutex_);  ///< empty before the first pose
+
+  ClockListener<ros2::TimesyncStatus> px4_listener_{*this};
+  ClockListener<ros2::Clock> clock_listener_{*this};
+  dds::DataWriter<ros2::VehicleOdometry> odometry_writer_;  ///< PX4's; otherwise nil
+  dds::DataWriter<ros2::TFMessage> tf_writer_;              ///< ArduPilot's; otherwise nil
+  // Last, so that they are destroyed first.
+  dds::DataReader<ros2::TimesyncStatus> timesync_reader_;
+  dds::DataReader<ros2::Clock> clock_reader_;
+};
+
+}  // namespace sonopose::ros2::relay
