@@ -90,7 +90,7 @@ SCENARIO("PX4 gets the pose of a drone, in its own clock") {
         return true;
       }));
       const int before = *counters.rbegin();
-      REQUIRE(bus.settings({"reset", "7"}).code == 0);
+      REQUIRE(bus.settings({"reset", "--beacon", "7"}).code == 0);
       THEN("the reset counter rises by one") {
         REQUIRE(px4.odometry.wait_for(
             [&](const ros2::VehicleOdometry& message) { return message.reset_counter != before; }));

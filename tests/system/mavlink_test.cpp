@@ -152,7 +152,7 @@ SCENARIO("an autopilot gets the poses of a drone over MAVLink") {
       }
       AND_WHEN("the engine is started again") {
         const int before = frame.payload[230];
-        REQUIRE(bus.settings({"reset", "7"}).code == 0);
+        REQUIRE(bus.settings({"reset", "--beacon", "7"}).code == 0);
         REQUIRE(px4.wait_for(odometry_id, 100));
         THEN("the reset counter has risen by one") {
           CHECK(int{px4.frames(odometry_id).back().payload[230]} == before + 1);
