@@ -23,6 +23,7 @@
 #include <thread>
 #include <unistd.h>
 #include <utility>
+#include <vector>
 
 namespace serial_port_test {
 
@@ -59,6 +60,15 @@ public:
   [[nodiscard]] bool got_an_echo() const {
     pollfd poll{descriptor_, POLLIN, 0};
     return ::poll(&poll, 1, 50) > 0 && (poll.revents & POLLIN) != 0;
+  }
+
+  /// Reads what has arrived.
+  [[nodiscard]] std::string received() const {
+    if (!got_an_echo()) return {};
+    std::string text(4096, '\0');
+    const auto size = ::read(descriptor_, text.data(), text.size());
+    text.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
+    return text;
   }
 
 private:
@@ -297,6 +307,45 @@ SCENARIO("a stop ends the reads of a serial port") {
     port.stop();
     THEN("the read ends at once") {
       CHECK(port.read(buffer, 1h).status == ReadStatus::stopped);
+    }
+  }
+}
+
+SCENARIO("a line sends while it reads") {
+  const std::vector<std::uint8_t> message{'p', 'o', 's', 'e', 0, 10, 13};
+  const std::string text(message.begin(), message.end());
+  GIVEN("an open line") {
+    const Beacon autopilot;
+    Host host{.port = {autopilot.device(), 921'600}};
+    REQUIRE(host.next().status == ReadStatus::connected);
+    WHEN("another thread sends") {
+      std::thread sender([&] { host.port.send(message); });
+      sender.join();
+      std::string got;
+      for (int i = 0; i < 100 && got.size() < text.size(); ++i) {
+        host.port.read(host.buffer, 10ms);
+        got += autopilot.received();
+      }
+      THEN("the bytes arrive unchanged") {
+        CHECK(got == text);
+        CHECK(host.port.unsent() == 0);
+      }
+    }
+    WHEN("more is sent than the line takes") {
+      for (int i = 0; i < 100; ++i) host.port.send(std::vector<std::uint8_t>(4096, 'x'));
+      host.port.read(host.buffer, 10ms);
+      THEN("the rest is counted, and nothing waits") {
+        CHECK(host.port.unsent() > 0);
+      }
+    }
+  }
+  GIVEN("a device that is absent") {
+    Host host{.port = {"/dev/sonopose-no-such-device", 921'600}};
+    host.port.send(message);
+    host.port.read(host.buffer, 10ms);
+    host.port.read(host.buffer, 200ms);
+    THEN("what is sent is counted as lost") {
+      CHECK(host.port.unsent() == 1);
     }
   }
 }
