@@ -36,11 +36,17 @@ void check_fix(const std::optional<UltrasonicFix>& fix) {
   promise(covariance.allFinite() && covariance.diagonal().minCoeff() > 0, "variances are positive");
 }
 
-void use(const ros2::Imu& imu) {
-  const auto sample = ros2::imu_sample(imu, address, received_ns);
-  promise(!sample || (sample->angular_velocity_body_radps.allFinite() &&
-                      sample->specific_force_body_mps2.allFinite()),
+void check_imu(const std::optional<ros2::ReceivedImu>& imu) {
+  promise(!imu || (imu->sample.angular_velocity_body_radps.allFinite() &&
+                   imu->sample.specific_force_body_mps2.allFinite()),
           "an IMU sample is finite");
+}
+
+void use(const ros2::Imu& imu) {
+  check_imu(ros2::imu_sample(imu, address, received_ns));
+}
+void use(const ros2::SensorCombined& imu) {
+  check_imu(ros2::imu_sample(imu, address));
 }
 void use(const ros2::PointStamped& point) {
   check_fix(ros2::fix(point, address, received_ns));
@@ -137,7 +143,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                                read_as<ros2::DescribeParameters::Request>,
                                read_as<ros2::GetParameterTypes::Request>,
                                read_as<ros2::SetParametersAtomically::Request>,
-                               read_as<ros2::Trigger::Request>};
+                               read_as<ros2::Trigger::Request>,
+                               read_as<ros2::SensorCombined>};
   if (size == 0) return 0;
   readers.at(data[0] % readers.size())({data + 1, size - 1});
   return 0;
