@@ -54,6 +54,9 @@ void use(const ros2::PointStamped& point) {
 void use(const ros2::PoseWithCovarianceStamped& pose) {
   check_fix(ros2::fix(pose, address, received_ns));
 }
+void use(const ros2::SetPose::Request& request) {
+  check_fix(ros2::fix(request.pose, address, received_ns));
+}
 void use(const ros2::SetParameters::Request& request) {
   for (std::uint32_t i = 0; i < request.parameters._length; ++i) {
     ros2::relay::value_text(request.parameters._buffer[i].value);
@@ -144,7 +147,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                                read_as<ros2::GetParameterTypes::Request>,
                                read_as<ros2::SetParametersAtomically::Request>,
                                read_as<ros2::Trigger::Request>,
-                               read_as<ros2::SensorCombined>};
+                               read_as<ros2::SensorCombined>,
+                               read_as<ros2::SetPose::Request>};
   if (size == 0) return 0;
   readers.at(data[0] % readers.size())({data + 1, size - 1});
   return 0;

@@ -2,6 +2,7 @@
 // The topics of recordings of rosbag2, common to all programs that read the inputs of the fusion.
 
 #include "ros2/bag/topic_choice.hpp"
+#include "ros2/inputs/wheels_file.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -55,10 +56,35 @@ inline void add_bag_options(CLI::App& app) {
       "Topic of PointStamped or PoseWithCovarianceStamped with the fixes; /tag:TYPE chooses (default: the "
       "only one)",
       "TOPIC[=ADDRESS][@PLACE]");
-  add("--odom-in", &TopicChoice::odom, "Topic of Odometry whose twist is the velocity (default: none)",
-      "TOPIC[=ADDRESS]");
-  add("--twist-in", &TopicChoice::twist,
-      "Topic of TwistWithCovarianceStamped, or with :TwistStamped that (default: none)", "TOPIC[=ADDRESS]");
+  const auto add_aiding = [&](ros2::AidingInput::Kind kind, const char* what) {
+    app.add_option_function<std::vector<std::string>>(
+           option_name(kind),
+           [change, kind](const std::vector<std::string>& given) {
+             change([&](TopicChoice& choice) { choice.aiding[kind] = given; });
+           },
+           what)
+        ->type_name("TOPIC[=ADDRESS]")
+        ->allow_extra_args(false)
+        ->group(group);
+  };
+  using Kind = ros2::AidingInput::Kind;
+  add_aiding(Kind::odometry, "Topic of Odometry whose twist is the velocity (default: none)");
+  add_aiding(Kind::twist, "Topic of TwistWithCovarianceStamped, or with :TwistStamped that (default: none)");
+  add_aiding(Kind::wheels, "Topic of JointState with the wheels of --wheels (default: none)");
+  app.add_option_function<std::string>(
+         "--wheels",
+         [change](const std::string& file) {
+           change([&](TopicChoice& choice) { choice.wheels = ros2::read_wheels(file); });
+         },
+         "File with left_joints, right_joints, radius_m and track_m, for --wheel-in")
+      ->type_name("FILE")
+      ->group(group);
+  add_aiding(Kind::heading,
+             "Topic of Imu whose orientation is the heading, or with :PoseWithCovarianceStamped or :Float64 "
+             "(degrees) that (default: none)");
+  add_aiding(Kind::pose,
+             "Topic of PoseWithCovarianceStamped, or with :PoseStamped or :Odometry that, with fixes and "
+             "headings (default: none)");
   add_text(
       "--truth-in", [](TopicChoice& choice, const std::string& topic) { choice.truth = topic; },
       "Topic of Odometry, PoseStamped or PoseWithCovarianceStamped with the truth (default: none)", "TOPIC");

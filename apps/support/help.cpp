@@ -135,7 +135,7 @@ public:
       });
     }
     text += commands();
-    if (brief_) text += "--help-all shows everything about these options; --version shows the version.\n";
+    if (brief_) text += "--help-all shows these in full, and rare options; --version shows the version.\n";
     return text;
   }
 

@@ -1,17 +1,17 @@
 // Conversion and validation of the command line. Each error names its option.
 
-#include "files/toml/toml_leaves.hpp"
 #include "logging/log.hpp"
+#include "ros2/inputs/wheels_file.hpp"
 #include "ros2_options.hpp"
 #include <sonopose/ros2/messages/beacon_topics.hpp>
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <numbers>
 #include <stdexcept>
 #include <utility>
-#include <variant>
 
 namespace sonopose::apps {
 namespace {
@@ -78,37 +78,6 @@ std::optional<ros2::Distro> select_distro(const Ros2Options& options, const ros2
   return found.distro;
 }
 
-/// Reads the wheels of a differential drive. Throws files::IoError with file, line and key.
-ros2::Wheels read_wheels(const std::string& file) {
-  ros2::Wheels wheels;
-  for (const files::toml::Leaf& leaf : files::toml::read_leaves(file)) {
-    const auto fail = [&](const std::string& why) {
-      throw files::IoError(fmt::format("{}:{}: {} {}", file, leaf.line, leaf.key, why));
-    };
-    const bool is_joints = leaf.key == "left_joints" || leaf.key == "right_joints";
-    if (is_joints) {
-      const auto* words = std::get_if<files::toml::Words>(&leaf.value);
-      if (words == nullptr || words->empty()) fail("must be a list of joints, as [\"left_wheel_joint\"]");
-      (leaf.key == "left_joints" ? wheels.left_joints : wheels.right_joints) = *words;
-    } else if (leaf.key == "radius_m" || leaf.key == "track_m") {
-      const auto* whole = std::get_if<std::int64_t>(&leaf.value);
-      const auto* real = std::get_if<double>(&leaf.value);
-      const double value_m = real != nullptr ? *real : whole != nullptr ? static_cast<double>(*whole) : -1.0;
-      if (!(value_m > 0.0 && value_m <= 100.0)) fail("must be a number above 0 and up to 100 m");
-      (leaf.key == "radius_m" ? wheels.radius_m : wheels.track_m) = value_m;
-    } else {
-      fail("is unknown; keys are left_joints, right_joints, radius_m, track_m");
-    }
-  }
-  const char* const missing = wheels.left_joints.empty()    ? "left_joints"
-                              : wheels.right_joints.empty() ? "right_joints"
-                              : wheels.radius_m == 0.0      ? "radius_m"
-                              : wheels.track_m == 0.0       ? "track_m"
-                                                            : nullptr;
-  if (missing != nullptr) throw files::IoError(fmt::format("{}: {} is missing", file, missing));
-  return wheels;
-}
-
 void add_aiding_inputs(const Ros2Options& options, ros2::relay::RelayOptions& relay) {
   using ros2::AidingInput;
   using Kind = AidingInput::Kind;
@@ -126,13 +95,15 @@ void add_aiding_inputs(const Ros2Options& options, ros2::relay::RelayOptions& re
     for (const std::string& text : *texts) relay.aiding_inputs.push_back(AidingInput::parse(kind, text));
   }
   for (AidingInput& input : relay.aiding_inputs) {
-    if (input.kind == Kind::wheels) input.wheels = read_wheels(*options.wheels);
+    if (input.kind == Kind::wheels) input.wheels = ros2::read_wheels(*options.wheels);
   }
   check(relay.aiding_inputs);
-  if (!relay.output.mount_from_tf) return;
-  for (const AidingInput& input : relay.aiding_inputs) {
-    throw std::invalid_argument(fmt::format("{} needs the mount at the start: --mount, not --mount-from-tf",
-                                            option_name(input.kind)));
+  const bool has_service = std::ranges::any_of(relay.aiding_inputs, [](const AidingInput& input) {
+    return input.type == AidingInput::Type::set_pose_service;
+  });
+  if (has_service && options.services == ros2::relay::ServicesMode::off) {
+    throw std::invalid_argument(
+        "--set-pose-in with SetPose is a service, which --services off does not offer");
   }
 }
 

@@ -151,8 +151,9 @@ void add_aiding_options(CLI::App& app, Ros2Options& options) {
   add("--pose-in", options.pose_in, true,
       "Use PoseWithCovarianceStamped, PoseStamped or Odometry as fixes and headings of a beacon: "
       "/vision/odom:Odometry=7");
-  add("--set-pose-in", options.set_pose_in, false,
-      "Start the estimate of a beacon again at each PoseWithCovarianceStamped, as of RViz: /initialpose=7");
+  add("--set-pose-in", options.set_pose_in, true,
+      "Start the estimate of a beacon again at each PoseWithCovarianceStamped, as of RViz, or request of the "
+      "service SetPose: /initialpose=7, /set_pose:SetPose=7");
 }
 
 void add_input_options(CLI::App& app, Ros2Options& options) {

@@ -4,6 +4,7 @@
 #include "support/ros2.hpp"
 #include <sonopose/geometry/rotation.hpp>
 #include <sonopose/ros2/messages/idl_types.hpp>
+#include <sonopose/ros2/messages/service_types.hpp>
 
 #include <chrono>
 #include <cmath>
@@ -47,8 +48,9 @@ SCENARIO("headings and set poses of ROS 2 reach the fusion") {
     const Bus bus;
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
     const auto fusion = bus.fusion();
-    const auto relay = bus.ros2({"--imu-in", "/imu=42", "--fix-in", "/tag=42", "--heading-in",
-                                 "/yaw:Float64=42", "--set-pose-in", "/initialpose=42"});
+    const auto relay =
+        bus.ros2({"--imu-in", "/imu=42", "--fix-in", "/tag=42", "--heading-in", "/yaw:Float64=42",
+                  "--set-pose-in", "/initialpose=42", "--set-pose-in", "/set_pose:SetPose=42"});
     const Drivers drivers(bus);
     RosWriter<ros2::Float64> compass(bus, "/yaw");
     RosWriter<ros2::PoseWithCovarianceStamped> screen(bus, "/initialpose");
@@ -66,14 +68,38 @@ SCENARIO("headings and set poses of ROS 2 reach the fusion") {
       compass.write({.data = 60});
       return faces(60);
     }));
+    std::string map = "map";
+    ros2::PoseWithCovarianceStamped message{};
+    message.header.frame_id = map.data();
+    message.pose.pose.position = {.x = 1, .y = 2, .z = 0};
+    message.pose.pose.orientation = {.x = 0, .y = 0, .z = std::sqrt(0.5), .w = std::sqrt(0.5)};
+    message.pose.covariance[0] = message.pose.covariance[7] = 0.01;
+    message.pose.covariance[35] = 0.0025;
+    WHEN("the compass falls silent and a client of robot_localization's service sets another yaw") {
+      const auto participant = dds::make_participant({.domain_id = bus.domain_id()});
+      const auto qos = dds::Qos() << dds::policy::Reliability::reliable()
+                                  << dds::policy::History::keep_last(10);
+      using Service = ros2::SetPose;
+      dds::DataWriter<Service::Request> requests(participant, {participant, "rq/set_poseRequest"}, qos);
+      dds::DataReader<Service::Response> replies(participant, {participant, "rr/set_poseReply"}, qos);
+      REQUIRE(wait_for_status(requests, dds::StatusMask::publication_matched(),
+                              [&] { return requests.publication_matched_status().current_count > 0; }));
+      REQUIRE(wait_for_status(replies, dds::StatusMask::subscription_matched(),
+                              [&] { return replies.subscription_matched_status().current_count > 0; }));
+      requests.write({.header = {.client = 4711, .sequence_number = 3}, .pose = message});
+      THEN("it has a reply, and the robot faces there") {
+        bool is_answered = false;
+        REQUIRE(wait_for_status(replies, dds::StatusMask::data_available(), [&] {
+          replies.take_each([&](const Service::Response& response, const dds::SampleInfo&) {
+            is_answered = response.header.client == 4711 && response.header.sequence_number == 3;
+          });
+          return is_answered;
+        }));
+        REQUIRE(poses.wait_until([&] { return faces(90); }));
+        CHECK(relay->wait_for_line(Stream::error, "beacon 42: /set_pose sets the pose to (1.000, 2.000) m"));
+      }
+    }
     WHEN("the compass falls silent and the user sets another yaw") {
-      std::string map = "map";
-      ros2::PoseWithCovarianceStamped message{};
-      message.header.frame_id = map.data();
-      message.pose.pose.position = {.x = 1, .y = 2, .z = 0};
-      message.pose.pose.orientation = {.x = 0, .y = 0, .z = std::sqrt(0.5), .w = std::sqrt(0.5)};
-      message.pose.covariance[0] = message.pose.covariance[7] = 0.01;
-      message.pose.covariance[35] = 0.0025;
       THEN("the robot faces there, at the height that it had, without a reset") {
         REQUIRE(poses.wait_until([&] {
           if (!faces(90)) screen.write(message);  // best effort
@@ -83,6 +109,33 @@ SCENARIO("headings and set poses of ROS 2 reach the fusion") {
         CHECK(poses.samples.back().reset_counter == poses.samples.front().reset_counter);
         CHECK(
             relay->wait_for_line(Stream::error, "beacon 42: /initialpose sets the pose to (1.000, 2.000) m"));
+      }
+    }
+  }
+}
+
+SCENARIO("tags on a robot have the mount of its description") {
+  GIVEN("a tag on the base, of a relay that reads the mount from /tf_static") {
+    const Bus bus;
+    Consumer<sonopose_UltrasonicFix> fixes(bus, topics::fix);
+    const auto relay = bus.ros2({"--mount-from-tf", "--imu-in", "/imu=42", "--fix-in", "/tag=42@0,0.4,0.3"});
+    const Drivers drivers(bus);
+    REQUIRE(relay->wait_for_line(Stream::error, "/tf_static does not have the mount of the IMU on the base"));
+    fixes.take();
+    CHECK(fixes.samples.empty());
+    WHEN("the description of the robot comes, with the IMU 0.2 m above the base and turned by 90°") {
+      const std::string base = "base_link";
+      const std::string imu = "imu_link";
+      const ros2::Transform mount{{0, 0, 0.2}, Quaterniond(std::sqrt(0.5), 0, 0, std::sqrt(0.5))};
+      const auto participant = dds::make_participant({.domain_id = bus.domain_id()});
+      dds::DataWriter<ros2::TFMessage> robot(participant,
+                                             dds::Topic<ros2::TFMessage>(participant, "rt/tf_static"),
+                                             qos_of(Subscription::latched));
+      auto transform = ros2::transform(mount, clocks::host_now(), base, imu);
+      robot.write({{1, 1, &transform, false}});
+      THEN("its place is seen from the IMU") {
+        REQUIRE(fixes.wait_until([&] { return !fixes.samples.empty(); }));
+        CHECK(fixes.samples.front().point_body_m.isApprox(Vector3d(0.4, 0, 0.1), 1e-9));
       }
     }
   }

@@ -67,6 +67,8 @@ TEST_CASE("The relay refuses invalid frames, mounts and numbers") {
        {{"--mount", "0", "0", "0", "0", "0", "inf"}, {"--mount: yaw is inf", "360 deg"}},
        {{"--mount-from-tf", "--tf-static", "on"}, {"--mount-from-tf: ", "--tf-static on"}},
        {{"--mount-from-tf", "--mount", "1", "0", "0", "0", "0", "0"}, {"--mount-from-tf: ", "--mount has"}},
+       {{"--set-pose-in", "/set_pose:SetPose=7", "--services", "off"}, {"--set-pose-in", "--services off"}},
+       {{"--set-pose-in", "/set_pose:Pose=7"}, {"'Pose' is not PoseWithCovarianceStamped or SetPose"}},
        {{"--gyro-std", "0"}, {"--gyro-std: ", "0", "1000"}},
        {{"--tilt-std", "181"}, {"--tilt-std: ", "181", "180"}},
        {{"--max-beacons", "1001"}, {"--max-beacons", "1001", "1000"}},

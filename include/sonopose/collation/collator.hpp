@@ -65,7 +65,7 @@ public:
         ++counters_.duplicated;
         return {};
       }
-      restart_numbering(sequence, now);
+      restart_numbering(event, now);
       release_due(now);
     } else if (sequence == next_ && waiting_ == 0) {
       ++next_;
@@ -118,12 +118,19 @@ private:
     return std::span(late_).first(std::min(late_count_, late_.size()));
   }
 
-  /// Follows the new numbering, beginning with the late events that showed it. `sequence`: the last of them.
-  void restart_numbering(std::uint64_t sequence, SteadyTime now) {
+  /// Follows the new numbering, beginning with the late events that showed it. `event`: the last of them.
+  void restart_numbering(const Event& event, SteadyTime now) {
+    const std::uint64_t sequence = sequence_of(event);
     while (waiting_ > 0) skip_to_earliest(now);
+    // An old duplicate may have such a number too, but at another time.
+    constexpr TimeNs disorder_ns = 100'000'000;
+    const TimeNs time_ns = available_at_ns(event);
     const auto is_of_it = [&](const Event& late) {
       const std::uint64_t number = sequence_of(late);
-      return std::max(number, sequence) - std::min(number, sequence) < capacity / 2;
+      const TimeNs before_ns = saturated_difference(number < sequence ? available_at_ns(late) : time_ns,
+                                                    number < sequence ? time_ns : available_at_ns(late));
+      return std::max(number, sequence) - std::min(number, sequence) < capacity / 2 &&
+             before_ns <= disorder_ns;
     };
     next_ = sequence;
     for (const Event& late : late_events()) {

@@ -92,7 +92,7 @@ private:
   };
 
   void on_imu(const ImuSample& imu);
-  void on_fix(TimeNs time_ns, const Vector3d& position_world_m);
+  void on_fix(TimeNs time_ns, const UltrasonicFix& fix);
   void on_direction(TimeNs time_ns, double angle_rad, int min_turns);
   void on_place(const Place& place);
   void on_heading(TimeNs time_ns, double heading_rad);
@@ -116,6 +116,9 @@ private:
   std::complex<double> moved_world_m_{};
   TimeNs last_pose_ns_ = 0;
   TimeNs known_since_ns_ = 0;  ///< since then the heading is known
+  bool yaw_is_known_ = false;  ///< of the latest pose, like the next two
+  Quaterniond q_body_to_world_ = Quaterniond::Identity();
+  double pose_turned_rad_ = 0;  ///< `turned_rad_` at its sample
   Vector3d last_force_body_mps2_ = Vector3d::Zero();
   Ring<Moment, 512> moments_;
   bool has_headings_ = false;

@@ -35,6 +35,7 @@ void InputWatch::restart() {
   moments_.clear();
   directions_.clear();
   places_.clear();
+  yaw_is_known_ = false;
   lags_ = {};
   product_ = 0;
   imu_square_ = fix_square_ = judged_ = 0;
@@ -49,7 +50,7 @@ void InputWatch::on(const Event& event) {
     on_imu(*imu);
   } else if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
     if ((fix->flags & ultrasonic_flag_set_pose) != 0) return;
-    if (fix->position_world_m.allFinite()) on_fix(aiding::measured_at(delay_, *fix), fix->position_world_m);
+    if (fix->position_world_m.allFinite()) on_fix(aiding::measured_at(delay_, *fix), *fix);
   } else if (const auto* heading = std::get_if<PairHeading>(&event)) {
     constexpr int min_turns = 2;
     if ((heading->flags & heading_flag_set_pose) != 0) return;
@@ -129,6 +130,9 @@ void InputWatch::on(const FusedPose& pose) {
   constexpr TimeNs min_step_ns = 4'000'000;  // the ring then holds two seconds
   const TimeNs step_ns = saturated_difference(pose.time_ns, last_pose_ns_);
   last_pose_ns_ = pose.time_ns;
+  yaw_is_known_ = (pose.status & (status_initialising | status_heading_unknown)) == 0;
+  q_body_to_world_ = pose.q_body_to_world;
+  pose_turned_rad_ = turned_rad_;
   // Before the heading is known, accelerations have no direction.
   constexpr std::uint32_t unknown = status_initialising | status_heading_unknown | status_converging;
   if (step_ns < 0 || step_ns > max_step_ns) places_.clear();
@@ -163,13 +167,19 @@ bool InputWatch::moment_at(TimeNs time_ns, Moment& moment) const {
   return false;
 }
 
-void InputWatch::on_fix(TimeNs time_ns, const Vector3d& position_world_m) {
+void InputWatch::on_fix(TimeNs time_ns, const UltrasonicFix& fix) {
   constexpr double step_s = 0.4;
   constexpr double max_step_s = 1.0;
   constexpr double min_step_m = 0.2;  // well above the noise of fixes
   constexpr int min_turns = 3;        // not every body faces where it goes
   Moment moment;
   if (!moment_at(time_ns, moment)) return;
+  Vector3d position_world_m = fix.position_world_m;
+  if (!fix.point_body_m.isZero(0.0)) {  // a tag beside the tracked point
+    if (!yaw_is_known_) return;
+    position_world_m -= geometry::rotation_about_z(moment.turned_rad - pose_turned_rad_) *
+                        (q_body_to_world_ * fix.point_body_m);
+  }
   const Place place{time_ns, horizontal(position_world_m), moment.moved_world_m};
   if (places_.size() > 0 && time_ns <= places_.back(0).time_ns) return;
   places_.add(place);

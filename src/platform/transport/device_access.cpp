@@ -72,6 +72,14 @@ void append(std::string& list, const std::string& item) {
 bool is_other_device(const std::string& device) {
   struct stat status {};
   if (::stat(device.c_str(), &status) != 0 || !S_ISCHR(status.st_mode)) return false;
+  // Numbers of Linux (devices.txt): /dev/null and the like, consoles, /dev/tty and /dev/ptmx.
+  constexpr unsigned memory = 1;
+  constexpr unsigned terminals = 4;
+  constexpr unsigned first_serial_line = 64;
+  constexpr unsigned other_terminals = 5;
+  const unsigned kind = major(status.st_rdev);
+  const bool is_line = minor(status.st_rdev) >= first_serial_line;
+  if (kind == memory || ((kind == terminals || kind == other_terminals) && !is_line)) return true;
   std::error_code unknown;
   const fs::path subsystem = fs::read_symlink("/sys/dev/char/" + std::to_string(major(status.st_rdev)) + ":" +
                                                   std::to_string(minor(status.st_rdev)) + "/subsystem",

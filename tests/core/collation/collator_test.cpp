@@ -162,6 +162,23 @@ TEST_CASE("a bridge that restarts its numbering loses no event if another stream
   CHECK(line.collator.counters().duplicated == 0);
 }
 
+TEST_CASE("an old duplicate is no event of a restarted numbering") {
+  Line line;
+  const auto push_at = [&line](std::uint64_t sequence, TimeNs time_ns) {
+    ImuSample imu;
+    imu.sequence = sequence;
+    imu.sensor_time_ns = time_ns;
+    line.push(Event(imu));
+  };
+  for (std::uint64_t n = 1; n <= 50; ++n) push_at(n, static_cast<TimeNs>(n) * ms);
+  push_at(20, 20 * ms);
+  for (std::uint64_t n = 1; n <= 25; ++n) push_at(n, (10'000 + static_cast<TimeNs>(n)) * ms);
+  CHECK(line.delivered.size() == 75);
+  CHECK(std::is_sorted(line.delivered.begin() + 50, line.delivered.end()));
+  CHECK(line.collator.counters().lost == 0);
+  CHECK(line.collator.counters().duplicated == 1);
+}
+
 TEST_CASE("a stream that lags behind another by more than the timeout is late, and no restart") {
   // Every tenth event arrives immediately, the others 8 ms later, as from two sockets of an overloaded
   // receiver.

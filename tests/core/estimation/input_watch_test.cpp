@@ -8,6 +8,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <functional>
 #include <limits>
 #include <numbers>
@@ -54,6 +55,39 @@ TEST_CASE("a right IMU is never taken for a wrong one") {
         CAPTURE(scenario.name, seed, has_headings);
         CHECK(found_after_s(std::string(scenario.name), seed, has_headings, [](ImuSample&) {}) > 30.0);
       }
+    }
+  }
+}
+
+TEST_CASE("a right IMU is not taken for a wrong one between tags that alternate") {
+  for (const char* const scenario : {"walk", "kart", "forklift"}) {
+    for (const bool has_headings : {true, false}) {
+      CAPTURE(scenario, has_headings);
+      const sim::Run run{.seed = 3, .duration_s = 32.0};
+      sim::Scenario drawn = sim::drawn(sim::find_scenario(scenario), run);
+      drawn.sensors.pair_heading = drawn.sensors.pair_heading && has_headings;
+      const sim::Recording recording = sim::record(drawn, run);
+      const settings::Settings settings;
+      estimation::AnyEstimator estimator(settings);
+      estimation::InputWatch watch(settings);
+      int fixes = 0;
+      int faulty_poses = 0;
+      for (Event event : recording.events) {
+        if (auto* const fix = std::get_if<UltrasonicFix>(&event)) {
+          const auto truth =
+              std::ranges::lower_bound(recording.truth, fix->emission_time_ns, {}, &TruthSample::time_ns);
+          fix->point_body_m = {++fixes % 4 < 2 ? 1.0 : -1.0, 0.4, 0};
+          if (truth != recording.truth.end())
+            fix->position_world_m += truth->q_body_to_world * fix->point_body_m;
+        }
+        watch.on(event);
+        const auto result = estimation::process(estimator, event);
+        const auto* const pose = std::get_if<FusedPose>(&result);
+        if (pose == nullptr) continue;
+        watch.on(*pose);
+        faulty_poses += watch.status(pose->time_ns) != 0 ? 1 : 0;
+      }
+      CHECK(faulty_poses == 0);
     }
   }
 }

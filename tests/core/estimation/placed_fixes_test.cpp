@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 namespace placed_fixes_test {
@@ -132,6 +133,147 @@ SCENARIO("a heading of the body has a noise of its own and no mount offset") {
         CHECK(yaw_std_rad(uncertain) > 4.0 * geometry::radians_per_degree);
         CHECK(yaw_std_rad(unlimited) > yaw_std_rad(uncertain));
         CHECK(unlimited.q_body_to_world.coeffs().allFinite());
+      }
+    }
+  }
+}
+
+SCENARIO("a tag that repeats its position does not end those of the others") {
+  GIVEN("a walk whose first tag alone repeats one position for 5 s, before two tags alternate") {
+    const sim::Recording walk = record("walk", 30.0);
+    const auto engine_kind = GENERATE(EngineKind::kalman, EngineKind::documented);
+    AnyEstimator engine(settings_of(engine_kind));
+    int fixes = 0;
+    std::optional<Vector3d> repeated_m;
+    double last_error_m = 0;
+    bool is_frozen = false;
+    bool was_frozen = false;
+    run(
+        engine, walk,
+        [&](Event& event) {
+          auto* const fix = std::get_if<UltrasonicFix>(&event);
+          if (fix == nullptr) return true;
+          const double time_s = seconds_between(walk.truth.front().time_ns, fix->emission_time_ns);
+          const bool repeats = time_s > 10 && time_s < 15;
+          fix->point_body_m = {0, repeats || ++fixes % 2 == 0 ? 0.5 : -0.5, 0.1};
+          fix->position_world_m += truth_at(walk, fix->emission_time_ns).q_body_to_world * fix->point_body_m;
+          if (repeats && !repeated_m) repeated_m = fix->position_world_m;
+          if (repeats) fix->position_world_m = *repeated_m;
+          return true;
+        },
+        [&](const FusedPose& pose, double) {
+          last_error_m = error_m(pose, truth_at(walk, pose.time_ns));
+          is_frozen = (pose.status & status_frozen_track) != 0;
+          was_frozen = was_frozen || is_frozen;
+        });
+    THEN("the repetition is detected, and then their fixes are used again") {
+      CHECK(was_frozen);
+      CHECK_FALSE(is_frozen);
+      CHECK(last_error_m < (engine_kind == EngineKind::kalman ? 0.1 : 0.4));
+      CHECK(engine.counters().fixes_used > 200);
+    }
+  }
+}
+
+SCENARIO("a planar body has tags and set poses with places") {
+  GIVEN("a forklift whose tag is 1.2 m above and 0.5 m ahead of the IMU, with useless heights") {
+    const sim::Recording drive = record("forklift", 25.0);
+    const auto engine_kind = GENERATE(EngineKind::kalman, EngineKind::documented);
+    settings::Settings settings = settings_of(engine_kind);
+    settings.planar.planar = true;
+    settings.planar.height_m = 1.5;
+    AnyEstimator engine(settings);
+    const Vector3d tag_body_m(0.5, 0, 1.2);
+    FusedPose last;
+    double worst_m = 0;
+    run(
+        engine, drive,
+        [&](Event& event) {
+          if (auto* const fix = std::get_if<UltrasonicFix>(&event)) {
+            fix->point_body_m = tag_body_m;
+            fix->position_world_m += truth_at(drive, fix->emission_time_ns).q_body_to_world * tag_body_m;
+            fix->position_world_m.z() = 40.0;
+          }
+          return true;
+        },
+        [&](const FusedPose& pose, double time_s) {
+          last = pose;
+          if (time_s > 8) worst_m = std::max(worst_m, error_m(pose, truth_at(drive, pose.time_ns)));
+        });
+    THEN("the body is where it is, at its height") {
+      CHECK(worst_m < 0.3);
+    }
+    WHEN("the user sets a pose on the floor, of a point at the same place") {
+      UltrasonicFix fix;
+      fix.address = last.address;
+      fix.emission_time_ns = fix.received_time_ns = last.time_ns;
+      fix.measured_delay_s = 0;
+      fix.flags = ultrasonic_flag_set_pose;
+      fix.position_world_m = {20, 30, 0};
+      fix.covariance_world_m2 = Covariance<3>::from_matrix(0.01 * Eigen::Matrix3d::Identity());
+      fix.point_body_m = tag_body_m;
+      engine.correct(PairHeading{.address = last.address,
+                                 .emission_time_ns = last.time_ns - 1'000'000,
+                                 .received_time_ns = last.time_ns - 1'000'000,
+                                 .heading_world_rad = 0,
+                                 .valid = true,
+                                 .std_rad = 0.1,
+                                 .flags = heading_flag_of_body | heading_flag_set_pose});
+      REQUIRE((engine.correct(fix).flags & fix_used) != 0);
+      ImuSample next;
+      next.sensor_time_ns = last.time_ns + 10'000'000;
+      next.specific_force_body_mps2 = {0, 0, standard_gravity_mps2};
+      const auto pose = engine.predict(next);
+      THEN("it is there, at the height of the settings") {
+        REQUIRE(pose);
+        CHECK((pose->position_world_m - Vector3d(19.5, 30, 1.5)).norm() < 0.2);
+      }
+    }
+  }
+}
+
+SCENARIO("a pose that is refused changes nothing") {
+  GIVEN("two engines in the same walk") {
+    const sim::Recording walk = record("walk", 25.0);
+    const auto engine_kind = GENERATE(EngineKind::kalman, EngineKind::documented);
+    AnyEstimator asked(settings_of(engine_kind));
+    AnyEstimator other(settings_of(engine_kind));
+    WHEN("the user sets one a pose that is too far away") {
+      bool was_asked = false;
+      int later_fixes = 0;
+      for (const Event& event : walk.events) {
+        const auto result = estimation::process(asked, event);
+        const auto expected = estimation::process(other, event);
+        if (was_asked && std::holds_alternative<UltrasonicFix>(event)) ++later_fixes;
+        const auto* const pose = std::get_if<FusedPose>(&result);
+        if (pose == nullptr) continue;
+        const FusedPose& right = std::get<FusedPose>(expected);
+        if (pose->position_world_m != right.position_world_m ||
+            pose->q_body_to_world.coeffs() != right.q_body_to_world.coeffs()) {
+          FAIL_CHECK("differs " << later_fixes << " fixes after the request");
+          break;
+        }
+        if (was_asked || seconds_between(walk.truth.front().time_ns, pose->time_ns) < 15) continue;
+        was_asked = true;
+        asked.correct(PairHeading{.address = pose->address,
+                                  .emission_time_ns = pose->time_ns - 1'000'000,
+                                  .received_time_ns = pose->time_ns - 1'000'000,
+                                  .heading_world_rad = geometry::yaw_of(pose->q_body_to_world) + 2,
+                                  .valid = true,
+                                  .std_rad = 0.1,
+                                  .flags = heading_flag_of_body | heading_flag_set_pose});
+        UltrasonicFix fix;
+        fix.address = pose->address;
+        fix.emission_time_ns = fix.received_time_ns = pose->time_ns;
+        fix.measured_delay_s = 0;
+        fix.flags = ultrasonic_flag_set_pose;
+        fix.position_world_m = {1e9, 0, 0};
+        CHECK(asked.correct(fix).flags == fix_invalid);
+      }
+      THEN("its poses are those of the other one, and fix and heading count as refused") {
+        CHECK(later_fixes > 50);
+        CHECK(asked.counters().fixes_rejected == other.counters().fixes_rejected + 1);
+        CHECK(asked.counters().samples_invalid == other.counters().samples_invalid + 1);
       }
     }
   }

@@ -49,6 +49,15 @@ SCENARIO("what arrives instead of a beacon's frames is named") {
                 "\x36\x0B\x98"s) == "corrections for a GNSS receiver (RTCM 3)");
     }
   }
+  GIVEN("a block of Septentrio: the end of a position, with the CRC of CCITT over all after it") {
+    const std::string block = "\x24\x40\x92\xF0\x21\x17\x10\x00\x00\x70\x99\x14\xBE\x08\x00\x00"s;
+    THEN("it is named, wherever it begins, unless a bit is wrong") {
+      CHECK(named("\x07" + block) == "messages of a Septentrio receiver (SBF)");
+      std::string wrong = block;
+      wrong[12] = '\x01';
+      CHECK(named(wrong).empty());
+    }
+  }
   GIVEN("messages of Xsens: GoToMeasurement and GoToConfig, as in the manual") {
     THEN("two in a row are named") {
       CHECK(named("\xFA\xFF\x10\x00\xF1\xFA\xFF\x30\x00\xD1"s) == "messages of an Xsens IMU");

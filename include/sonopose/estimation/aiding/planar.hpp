@@ -18,7 +18,8 @@ constexpr bool ignores_height(const settings::PlanarSettings& settings) {
 Vector3d position_in_plane(const settings::PlanarSettings& settings, const Vector3d& position_world_m,
                            const Vector3d& point_body_m);
 
-/// Sets height, roll, pitch and vertical motion to 0, if the settings demand it. The covariance stays.
+/// Sets height, roll, pitch, their rates and vertical motion to 0, if the settings demand it. The covariance
+/// stays.
 void flatten(const settings::PlanarSettings& settings, FusedPose& pose);
 
 }  // namespace sonopose::estimation::aiding

@@ -68,6 +68,7 @@ private:
   [[nodiscard]] Vector3d world_acceleration(const ImuSample& imu) const;
 
   std::uint32_t reject(const UltrasonicFix& fix);
+  void use_set_yaw(const UltrasonicFix& fix, bool fix_is_used);
   [[nodiscard]] UltrasonicFix of_tracked_point(const UltrasonicFix& fix) const;
   bool is_default_position(const UltrasonicFix& fix);
   void move_to(const TimedFix& fix, FixReport& report);
@@ -86,6 +87,7 @@ private:
   State state_;
   EstimatorCounters counters_;
   std::uint32_t reset_counter_ = 0;
+  std::optional<PairHeading> set_yaw_;  ///< that of the user, until the fix that comes with it
   bool path_is_behind_ = false;
 };
 

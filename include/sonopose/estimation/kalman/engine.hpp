@@ -75,6 +75,7 @@ private:
   [[nodiscard]] bool is_step(const ImuMeasurement& imu) const;
   [[nodiscard]] FusedPose pose_after_step(const ImuSample& imu, const ImuMeasurement& measured) const;
   FusedPose whole_pose(const ImuSample& imu);
+  void use_set_yaw(const FixMeasurement& fix, bool fix_is_used);
   [[nodiscard]] FusedPose pose_at(const ImuSample& imu, const NominalState& nominal) const;
   void update_uncertainty();
   [[nodiscard]] std::uint32_t status(TimeNs time_ns) const;
@@ -93,6 +94,7 @@ private:
   };
   Uncertainty uncertainty_;
   aiding::AdmissionState admission_;
+  std::optional<HeadingMeasurement> set_yaw_;  ///< that of the user, until the fix that comes with it
   TimeNs last_used_received_ns_ = 0;
   double last_delay_s_ = 0;
   Vector3d last_position_world_m_ = Vector3d::Zero();

@@ -5,6 +5,7 @@
 
 #include <sonopose/dds/binding/topic.hpp>
 #include <sonopose/idl/ros2/rcl_interfaces.h>
+#include <sonopose/idl/ros2/robot_localization.h>
 #include <sonopose/idl/ros2/std_srvs.h>
 
 namespace sonopose::ros2 {
@@ -46,6 +47,10 @@ struct SetParametersAtomically {
 struct Trigger {
   using Request = std_srvs_srv_dds__Trigger_Request_;
   using Response = std_srvs_srv_dds__Trigger_Response_;
+};
+struct SetPose {
+  using Request = robot_localization_srv_dds__SetPose_Request_;
+  using Response = robot_localization_srv_dds__SetPose_Response_;
 };
 
 }  // namespace sonopose::ros2
@@ -154,6 +159,20 @@ struct TopicTraits<ros2::Trigger::Request> {
 template <>
 struct TopicTraits<ros2::Trigger::Response> {
   static const dds_topic_descriptor_t& descriptor() { return std_srvs_srv_dds__Trigger_Response__desc; }
+};
+
+template <>
+struct TopicTraits<ros2::SetPose::Request> {
+  static const dds_topic_descriptor_t& descriptor() {
+    return robot_localization_srv_dds__SetPose_Request__desc;
+  }
+};
+
+template <>
+struct TopicTraits<ros2::SetPose::Response> {
+  static const dds_topic_descriptor_t& descriptor() {
+    return robot_localization_srv_dds__SetPose_Response__desc;
+  }
 };
 
 }  // namespace sonopose::dds

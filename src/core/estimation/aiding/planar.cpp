@@ -14,6 +14,9 @@ void flatten(const settings::PlanarSettings& settings, FusedPose& pose) {
   pose.position_world_m.z() = 0.0;
   pose.velocity_world_mps.z() = 0.0;
   pose.acceleration_world_mps2.z() = 0.0;
+  // A prediction from this pose is flat too.
+  pose.angular_velocity_body_radps = {0.0, 0.0,
+                                      (pose.q_body_to_world * pose.angular_velocity_body_radps).z()};
   pose.q_body_to_world = geometry::rotation_about_z(geometry::yaw_of(pose.q_body_to_world));
 }
 

@@ -49,6 +49,7 @@ void Engine::convert_gyro_offset(const calibration::Calibration& before) {
 
 void Engine::reset() noexcept {
   state_ = State{};
+  set_yaw_.reset();
   path_is_behind_ = false;
   ++reset_counter_;
 }
@@ -57,6 +58,7 @@ void Engine::restore(const Snapshot& snapshot) noexcept {
   state_ = snapshot.state;
   counters_ = snapshot.counters;
   reset_counter_ = snapshot.reset_counter;
+  set_yaw_.reset();
   path_is_behind_ = false;
 }
 
@@ -211,6 +213,10 @@ void Engine::correct(const PairHeading& heading) noexcept {
   const TimeNs measured_ns = aiding::measured_at(settings_.delay, heading);  // 6
   if (!aiding::admission::admits(settings_.admission, state_.body.time_ns, heading, measured_ns)) {
     ++counters_.samples_invalid;
+    return;
+  }
+  if ((heading.flags & heading_flag_set_pose) != 0) {
+    set_yaw_ = heading;
     return;
   }
   ++counters_.headings;

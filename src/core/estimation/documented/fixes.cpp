@@ -7,8 +7,10 @@
 #include <sonopose/geometry/rotation.hpp>
 #include <sonopose/samples/outputs.hpp>
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 namespace sonopose::estimation::documented {
 
@@ -50,8 +52,10 @@ std::uint32_t Engine::reject(const UltrasonicFix& fix) {
   const std::uint32_t flags =
       aiding::admission::rejection_flags(settings_.admission, state_.admission, state_.body.time_ns, fix,
                                          aiding::measured_at(settings_.delay, fix));
+  const bool is_set = (fix.flags & ultrasonic_flag_set_pose) != 0;
+  if (is_set) use_set_yaw(fix, flags == 0);
   if (flags != 0) return flags;
-  if ((fix.flags & ultrasonic_flag_set_pose) != 0) {
+  if (is_set) {
     state_.outage.init_phase = InitPhase::no_position;
     return 0;
   }
@@ -62,6 +66,21 @@ std::uint32_t Engine::reject(const UltrasonicFix& fix) {
   // Repeated fixes before the detection have distorted the pose: this one initialises it.
   if (was_frozen) state_.outage.init_phase = InitPhase::no_position;
   return 0;
+}
+
+/// Uses the yaw of a pose that the user sets, if its fix is used: a refused pose changes nothing.
+void Engine::use_set_yaw(const UltrasonicFix& fix, bool fix_is_used) {
+  constexpr double max_apart_s = 0.1;
+  const auto yaw = std::exchange(set_yaw_, std::nullopt);
+  if (!yaw) return;
+  const TimeNs measured_ns = aiding::measured_at(settings_.delay, *yaw);
+  const double apart_s = seconds_between(measured_ns, aiding::measured_at(settings_.delay, fix));
+  if (!fix_is_used || !(std::abs(apart_s) <= max_apart_s)) {
+    ++counters_.samples_invalid;
+    return;
+  }
+  ++counters_.headings;
+  heading::set_target(settings_.heading, state_.heading, state_.body, state_.filter, *yaw, measured_ns);
 }
 
 /// Moves a fix from its point of the body to the tracked one.

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace sonopose::estimation::kalman {
 
@@ -84,6 +85,7 @@ void Engine::update_uncertainty() {
 
 void Engine::reset() noexcept {
   buffer_.clear();
+  set_yaw_.reset();
   admission_ = {};
   last_used_received_ns_ = 0;
   last_delay_s_ = 0;
@@ -94,6 +96,7 @@ void Engine::reset() noexcept {
 void Engine::restore(const Snapshot& snapshot) noexcept {
   buffer_.restore(settings_, snapshot.history);
   update_uncertainty();
+  set_yaw_.reset();
   admission_ = snapshot.admission;
   last_used_received_ns_ = snapshot.last_used_received_ns;
   last_delay_s_ = snapshot.last_delay_s;
@@ -173,6 +176,7 @@ FixReport Engine::correct(const UltrasonicFix& fix) noexcept {
   report.shifted_position_world_m = fix.position_world_m;
   const FixMeasurement measured = measurement_in(fix);
   report.flags = rejection_flags(fix, measured);
+  if (measured.restarts) use_set_yaw(measured, report.flags == 0);
   if (report.flags != 0) {
     ++counters_.fixes_rejected;
     finish_pending_work();  // a late fix leaves the state in the past
@@ -202,6 +206,20 @@ FixReport Engine::correct(const UltrasonicFix& fix) noexcept {
     ++counters_.fixes_rejected;
   }
   return report;
+}
+
+/// Uses the yaw of a pose that the user sets, if its fix is used: a refused pose changes nothing.
+void Engine::use_set_yaw(const FixMeasurement& fix, bool fix_is_used) {
+  constexpr double max_apart_s = 0.1;
+  const auto yaw = std::exchange(set_yaw_, std::nullopt);
+  if (!yaw) return;
+  const bool is_of_fix = std::abs(seconds_between(yaw->time_ns, fix.time_ns)) <= max_apart_s;
+  if (fix_is_used && is_of_fix && buffer_.can_insert(yaw->time_ns)) {
+    ++counters_.headings;
+    buffer_.add(settings_, *yaw);
+  } else {
+    ++counters_.samples_invalid;
+  }
 }
 
 ImuMeasurement Engine::measurement_in(const ImuSample& raw) const {
@@ -269,6 +287,10 @@ void Engine::correct(const PairHeading& heading) noexcept {
   }
   if (heading.valid && !buffer_.contains(measured) && !buffer_.can_insert(measured.time_ns)) {
     ++counters_.samples_invalid;  // too late
+    return;
+  }
+  if (heading.valid && measured.restarts) {
+    set_yaw_ = measured;
     return;
   }
   ++counters_.headings;

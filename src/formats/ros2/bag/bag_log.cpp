@@ -78,23 +78,21 @@ public:
       monitored_.emplace_back(input.option, "map", TimeNs{0}, SteadyTime{});
       input_of_topic_.emplace(input.topic, &monitored_.back());
     }
-    for (const Inputs::OfTwist& twist : inputs_.twists) {
-      monitored_.emplace_back(
-          Input{.kind = Input::Kind::twist, .topic = twist.option.topic, .address = twist.option.address}, "",
-          TimeNs{0}, SteadyTime{});
-      twist_of_topic_.emplace(twist.topic, std::pair(twist.option, &monitored_.back()));
+    for (const Inputs::OfAiding& aiding : inputs_.aidings) {
+      monitored_.emplace_back(monitored_as(aiding.option), "", TimeNs{0}, SteadyTime{});
+      aidings_of_topic_.emplace(aiding.topic, std::pair(aiding.option, &monitored_.back()));
     }
     const bool has_tags = std::ranges::any_of(inputs_.inputs, [](const Inputs::OfInput& input) {
       return input.option.tag_base_m || !input.option.tag_frame.empty();
     });
     names_.base = choice.base_frame;
-    if (!inputs_.twists.empty() || inputs_.truth || has_tags) find_mount();
+    if (!inputs_.aidings.empty() || inputs_.truth || has_tags) find_mount();
   }
 
   BagLog read() {
     std::set<std::size_t> topics;
     for (const auto& [topic, input] : input_of_topic_) topics.insert(topic);
-    for (const auto& [topic, twist] : twist_of_topic_) topics.insert(topic);
+    for (const auto& [topic, aiding] : aidings_of_topic_) topics.insert(topic);
     if (inputs_.truth) topics.insert(*inputs_.truth);
     storage_.for_each(topics, [this](const BagMessage& message) {
       take(message);
@@ -161,10 +159,10 @@ private:
       mount_ = {found->translation_m, found->rotation};
       return;
     }
-    read_.log.warnings.push_back(
-        fmt::format("{}: has no transform from {} to '{}' in {}: velocities, tags and truth are taken as "
-                    "those of the IMU; --base-frame names another frame",
-                    storage_.name(), names_.base, text::escaped(names_.imu), static_transforms));
+    read_.log.warnings.push_back(fmt::format(
+        "{}: has no transform from {} to '{}' in {}: velocities, headings, poses, tags and truth are "
+        "taken as those of the IMU; --base-frame names another frame",
+        storage_.name(), names_.base, text::escaped(names_.imu), static_transforms));
   }
 
   void take(const BagMessage& message) {
@@ -175,8 +173,8 @@ private:
     if (inputs_.truth == message.topic) take_truth(message, moment.received_ns);
     const auto input = input_of_topic_.find(message.topic);
     if (input != input_of_topic_.end()) take_input(message, moment, *input->second);
-    const auto twist = twist_of_topic_.find(message.topic);
-    if (twist != twist_of_topic_.end()) take_twist(message, moment, twist->second);
+    const auto [first, end] = aidings_of_topic_.equal_range(message.topic);
+    for (auto aiding = first; aiding != end; ++aiding) take_aiding(message, moment, aiding->second);
   }
 
   void take_input(const BagMessage& message, const BeaconInputs::Moment& moment, MonitoredInput& input) {
@@ -198,21 +196,35 @@ private:
     if (!is_valid) ++invalid_[message.topic];
   }
 
-  void take_twist(const BagMessage& message, const BeaconInputs::Moment& moment,
-                  const std::pair<AidingInput, MonitoredInput*>& twist) {
-    const auto convert = [&](const auto& velocity) {
-      const auto samples = samples_of(velocity, twist.first, frames_, beacon_.stamp_at(moment.received_ns));
-      if (!samples.twist) return twist.second->monitor.on_unused(samples.unused, lines_);
-      if (!add(*samples.twist)) ++invalid_[message.topic];
+  void take_aiding(const BagMessage& message, const BeaconInputs::Moment& moment,
+                   const std::pair<AidingInput, MonitoredInput*>& aiding) {
+    const auto convert = [&](const auto& measured) {
+      const auto samples = samples_of(measured, aiding.first, frames_, beacon_.stamp_at(moment.received_ns));
+      if (!samples.unused.empty()) aiding.second->monitor.on_unused(samples.unused, lines_);
+      bool are_valid = !samples.twist || add(*samples.twist);
+      are_valid = (!samples.heading || add(*samples.heading)) && are_valid;
+      are_valid = (!samples.fix || add(*samples.fix)) && are_valid;
+      const bool is_used = samples.twist || samples.heading || samples.fix;
+      if (!is_used || !are_valid) ++invalid_[message.topic];
     };
-    switch (twist.first.type) {
+    switch (aiding.first.type) {
       case AidingInput::Type::odometry:
         return decode<Odometry>(message, convert);
       case AidingInput::Type::twist_with_covariance:
         return decode<TwistWithCovarianceStamped>(message, convert);
       case AidingInput::Type::twist:
         return decode<TwistStamped>(message, convert);
-      default:  // not offered by find_inputs()
+      case AidingInput::Type::joints:
+        return decode<JointState>(message, convert);
+      case AidingInput::Type::imu:
+        return decode<Imu>(message, convert);
+      case AidingInput::Type::pose_with_covariance:
+        return decode<PoseWithCovarianceStamped>(message, convert);
+      case AidingInput::Type::pose:
+        return decode<PoseStamped>(message, convert);
+      case AidingInput::Type::degrees:
+        return decode<Float64>(message, convert);
+      case AidingInput::Type::set_pose_service:  // not recorded
         return;
     }
   }
@@ -267,7 +279,7 @@ private:
     for (const auto& [topic, count] : invalid_) {
       warn(count, "message",
            "of " + text::escaped(storage_.topics()[topic].name) +
-               ", a value is not finite or a stamp is invalid, or the tag has no known place");
+               ", a value is not finite or a stamp is invalid, or a frame or tag has no known place");
     }
     warn(beacon_.dropped(), "sample", "of a gyroscope, without a linear acceleration near it");
     constexpr std::size_t max_listed = 20;
@@ -290,7 +302,7 @@ private:
   BeaconInputs beacon_;
   std::list<MonitoredInput> monitored_;  ///< stay in place
   std::map<std::size_t, MonitoredInput*> input_of_topic_;
-  std::map<std::size_t, std::pair<AidingInput, MonitoredInput*>> twist_of_topic_;
+  std::multimap<std::size_t, std::pair<AidingInput, MonitoredInput*>> aidings_of_topic_;
   std::set<std::size_t> transform_topics_;
   FrameNames names_;
   StaticTransforms transforms_;

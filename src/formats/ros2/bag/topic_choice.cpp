@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <set>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -24,10 +25,16 @@ const Types imu_types{"sensor_msgs/msg/Imu"};
 const Types fix_types{"geometry_msgs/msg/PointStamped", "geometry_msgs/msg/PoseWithCovarianceStamped"};
 const Types truth_types{"nav_msgs/msg/Odometry", "geometry_msgs/msg/PoseStamped",
                         "geometry_msgs/msg/PoseWithCovarianceStamped"};
-/// In the order of AidingInput::Type.
-constexpr std::array<std::string_view, 3> twist_types{"nav_msgs/msg/Odometry",
-                                                      "geometry_msgs/msg/TwistWithCovarianceStamped",
-                                                      "geometry_msgs/msg/TwistStamped"};
+/// In the order of AidingInput::Type. A service is not recorded.
+constexpr std::array<std::string_view, 9> aiding_types{"nav_msgs/msg/Odometry",
+                                                       "geometry_msgs/msg/TwistWithCovarianceStamped",
+                                                       "geometry_msgs/msg/TwistStamped",
+                                                       "sensor_msgs/msg/JointState",
+                                                       "sensor_msgs/msg/Imu",
+                                                       "geometry_msgs/msg/PoseWithCovarianceStamped",
+                                                       "geometry_msgs/msg/PoseStamped",
+                                                       "std_msgs/msg/Float64",
+                                                       "robot_localization/srv/SetPose"};
 
 bool has(const Types& types, const std::string& type) {
   return std::ranges::find(types, type) != types.end();
@@ -41,7 +48,7 @@ std::string with_address(const std::string& text, BeaconAddress address) {
 
 struct Parsed {
   std::vector<Input> inputs;
-  std::vector<AidingInput> twists;
+  std::vector<AidingInput> aidings;
 };
 
 Parsed parse(const TopicChoice& choice, BeaconAddress address) {
@@ -57,14 +64,15 @@ Parsed parse(const TopicChoice& choice, BeaconAddress address) {
   };
   add(Input::Kind::imu, choice.imu);
   add(Input::Kind::fix, choice.fix);
-  for (const std::string& text : choice.odom) {
-    parsed.twists.push_back(AidingInput::parse(AidingInput::Kind::odometry, with_address(text, address)));
-  }
-  for (const std::string& text : choice.twist) {
-    parsed.twists.push_back(AidingInput::parse(AidingInput::Kind::twist, with_address(text, address)));
+  for (const auto& [kind, texts] : choice.aiding) {
+    for (const std::string& text : texts) {
+      AidingInput input = AidingInput::parse(kind, with_address(text, address));
+      if (kind == AidingInput::Kind::wheels) input.wheels = choice.wheels.value_or(Wheels{});
+      parsed.aidings.push_back(std::move(input));
+    }
   }
   check(parsed.inputs);
-  check(parsed.twists);
+  check(parsed.aidings);
   return parsed;
 }
 
@@ -105,12 +113,14 @@ std::size_t find_topic(const Storage& storage, std::string_view option, std::str
                                    fmt::join(types, ", ")));
 }
 
-/// Finds the only topic of these types that has messages; empty if there is none.
-std::optional<std::size_t> only_topic(const Storage& storage, std::string_view option, const Types& types) {
+/// Finds the only topic of these types that has messages, and is not in `except`; empty if there is none.
+std::optional<std::size_t> only_topic(const Storage& storage, std::string_view option, const Types& types,
+                                      const std::set<std::size_t>& except) {
   std::optional<std::size_t> found;
   const auto& topics = storage.topics();
   for (std::size_t i = 0; i < topics.size(); ++i) {
     if (!has(types, topics[i].type) || topics[i].messages == 0 || !is_usable(topics[i])) continue;
+    if (except.contains(i)) continue;
     if (found) {
       throw files::IoError(fmt::format("{}: has several topics of {}; choose with {}: {}", storage.name(),
                                        fmt::join(types, " or "), option, listed(topics, types)));
@@ -120,11 +130,27 @@ std::optional<std::size_t> only_topic(const Storage& storage, std::string_view o
   return found;
 }
 
+/// Finds the topic of an input that was not named; empty if there is none.
+std::optional<std::size_t> topic_of_type(const Storage& storage, const Inputs& named, Input::Kind kind,
+                                         std::string_view option, const Types& types) {
+  const bool has_pose = std::ranges::any_of(named.aidings, [](const Inputs::OfAiding& aiding) {
+    return aiding.option.kind == AidingInput::Kind::pose;
+  });
+  if (kind == Input::Kind::fix && has_pose) return std::nullopt;
+  std::set<std::size_t> others;
+  if (named.truth) others.insert(*named.truth);
+  const std::set<std::size_t> truth = others;
+  for (const Inputs::OfAiding& aiding : named.aidings) others.insert(aiding.topic);
+  // One topic can be that of the IMU and of headings.
+  const auto found = only_topic(storage, option, types, others);
+  return found ? found : only_topic(storage, option, types, truth);
+}
+
 /// Returns the address of the beacon that is read.
 BeaconAddress address_of(const Storage& storage, const Parsed& parsed, std::optional<BeaconAddress> given) {
   std::set<BeaconAddress> addresses;
   for (const Input& input : parsed.inputs) addresses.insert(input.address);
-  for (const AidingInput& twist : parsed.twists) addresses.insert(twist.address);
+  for (const AidingInput& aiding : parsed.aidings) addresses.insert(aiding.address);
   if (addresses.empty()) return given.value_or(recording::default_log_address);
   if (!given && addresses.size() > 1) {
     throw files::IoError(fmt::format("{}: the topics are of {} beacons; choose one with --beacon: {}",
@@ -186,7 +212,7 @@ Inputs find_inputs(const Storage& storage, const TopicChoice& choice, std::optio
       add(option, find_topic(storage, option_name, option.topic, allowed));
     }
     if (is_named) return;
-    const auto topic = only_topic(storage, option_name, types);
+    const auto topic = topic_of_type(storage, found, kind, option_name, types);
     if (!topic) return;
     const BagTopic& chosen = storage.topics()[*topic];
     add({.kind = kind, .topic = chosen.name, .address = found.address, .imu_meaning = choice.imu_meaning},
@@ -195,14 +221,17 @@ Inputs find_inputs(const Storage& storage, const TopicChoice& choice, std::optio
                                       with_type(chosen), kind == Input::Kind::imu ? "the IMU" : "the fixes",
                                       option_name));
   };
-  add_kind(Input::Kind::imu, "--imu-in", imu_types);
-  if (needs_fixes) add_kind(Input::Kind::fix, "--fix-in", fix_types);
-  for (const AidingInput& option : parsed.twists) {
+  if (choice.wheels.has_value() != choice.aiding.contains(AidingInput::Kind::wheels)) {
+    throw files::IoError(fmt::format("{}: --wheel-in and --wheels need each other", storage.name()));
+  }
+  for (const AidingInput& option : parsed.aidings) {
     if (of_other_beacon(option) || !needs_fixes) continue;
-    const Types types{twist_types.at(static_cast<std::size_t>(option.type))};
-    found.twists.push_back({option, find_topic(storage, option_name(option.kind), option.topic, types)});
+    const Types types{aiding_types.at(static_cast<std::size_t>(option.type))};
+    found.aidings.push_back({option, find_topic(storage, option_name(option.kind), option.topic, types)});
   }
   if (choice.truth) found.truth = find_topic(storage, "--truth-in", *choice.truth, truth_types);
+  add_kind(Input::Kind::imu, "--imu-in", imu_types);
+  if (needs_fixes) add_kind(Input::Kind::fix, "--fix-in", fix_types);
   if (found.inputs.empty()) {
     throw files::IoError(fmt::format("{}: has no message of {}, {}; it has: {}", storage.name(),
                                      imu_types.front(), fmt::join(fix_types, ", "),

@@ -6,6 +6,7 @@
 #include "ros2/inputs/aiding_input.hpp"
 #include "ros2/inputs/input_option.hpp"
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,14 +17,14 @@ namespace sonopose::ros2::bag {
 struct TopicChoice {
   std::vector<std::string> imu{};
   std::vector<std::string> fix{};
-  std::vector<std::string> odom{};
-  std::vector<std::string> twist{};
+  std::map<AidingInput::Kind, std::vector<std::string>> aiding{};
+  std::optional<Wheels> wheels{};      ///< of --wheels
   std::optional<std::string> truth{};  ///< of Odometry, PoseStamped or PoseWithCovarianceStamped
   std::string base_frame = "base_link";
   ImuMeaning imu_meaning = ImuMeaning::unknown;
 
   [[nodiscard]] bool is_given() const {
-    return !imu.empty() || !fix.empty() || !odom.empty() || !twist.empty() || truth.has_value();
+    return !imu.empty() || !fix.empty() || !aiding.empty() || wheels.has_value() || truth.has_value();
   }
 };
 
@@ -38,13 +39,13 @@ struct Inputs {
     Input option;
     std::size_t topic = 0;
   };
-  struct OfTwist {
+  struct OfAiding {
     AidingInput option;
     std::size_t topic = 0;
   };
   BeaconAddress address = 0;
   std::vector<OfInput> inputs{};
-  std::vector<OfTwist> twists{};
+  std::vector<OfAiding> aidings{};
   std::optional<std::size_t> truth{};
   std::vector<std::string> notes{};  ///< what was chosen by type
 };

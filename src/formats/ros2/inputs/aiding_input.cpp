@@ -1,7 +1,5 @@
 #include "ros2/inputs/aiding_input.hpp"
 
-#include "ros2/inputs/input_option.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -48,7 +46,10 @@ const Option& option_of(Kind kind) {
              "poses",
              "/vision/pose=7 or /vision/odom:Odometry=7",
              {pose_with_covariance, {Type::pose, "PoseStamped"}, odometry}},
-      Option{"--set-pose-in", "", "/initialpose=7", {pose_with_covariance}}};
+      Option{"--set-pose-in",
+             "",
+             "/initialpose=7 or /set_pose:SetPose=7",
+             {pose_with_covariance, {Type::set_pose_service, "SetPose"}}}};
   return options.at(static_cast<std::size_t>(kind));
 }
 
@@ -60,6 +61,13 @@ bool is_velocity(Kind kind) {
 
 const char* option_name(Kind kind) {
   return option_of(kind).name;
+}
+
+Input monitored_as(const AidingInput& input) {
+  const auto kind = is_velocity(input.kind)       ? Input::Kind::twist
+                    : input.kind == Kind::heading ? Input::Kind::heading
+                                                  : Input::Kind::pose;
+  return {.kind = kind, .topic = input.topic, .address = input.address};
 }
 
 AidingInput AidingInput::parse(Kind kind, std::string_view text) {

@@ -2,6 +2,7 @@
 /// \file
 /// ROS 2 topics of velocities, headings and poses, and the beacons that they belong to.
 
+#include "ros2/inputs/input_option.hpp"
 #include <sonopose/ros2/messages/twist_input.hpp>
 #include <sonopose/samples/samples.hpp>
 
@@ -30,11 +31,12 @@ struct AidingInput {
     imu,
     pose_with_covariance,
     pose,
-    degrees
+    degrees,
+    set_pose_service  ///< SetPose of robot_localization
   };
   Kind kind = Kind::odometry;
   Type type = Type::odometry;
-  std::string topic;
+  std::string topic;  ///< or service
   BeaconAddress address = 0;
   Wheels wheels = {};  ///< of Kind::wheels
 
@@ -47,6 +49,9 @@ struct AidingInput {
 
 /// Name of the option of a kind: "--odom-in".
 [[nodiscard]] const char* option_name(AidingInput::Kind kind);
+
+/// Input as which a topic is monitored.
+[[nodiscard]] Input monitored_as(const AidingInput& input);
 
 /// Throws std::invalid_argument for two topics of one beacon whose errors would be taken for independent: two
 /// of velocities, of headings or of poses.

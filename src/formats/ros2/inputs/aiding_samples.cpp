@@ -11,9 +11,13 @@ namespace {
 
 using Kind = AidingInput::Kind;
 
-AidingSamples of_twist(std::string_view frame, std::optional<TwistSample> twist) {
-  AidingSamples samples{.frame = frame, .twist = std::move(twist)};
-  if (!samples.twist) {
+/// Samples of a velocity that `twist_of` finds for a mount.
+AidingSamples of_twist(std::string_view frame, const std::optional<Mount>& mount, const auto& twist_of) {
+  AidingSamples samples{.frame = frame};
+  if (mount) samples.twist = twist_of(*mount);
+  if (!mount) {
+    samples.unused = mount_unknown;
+  } else if (!samples.twist) {
     samples.unused =
         "a value or stamp is invalid, no axis is measured, or not all three are and the mount is oblique";
   }
@@ -34,8 +38,12 @@ std::optional<PoseFrames> frames_of(const InputFrames& frames, BeaconAddress add
     unused = fmt::format("/tf_static does not connect their frame '{}' with the base", measured);
     return std::nullopt;
   }
-  return PoseFrames{
-      .stated_in_map = *stated_in_map, .measured_in_base = *measured_in_base, .mount = frames.mount(address)};
+  const auto mount = frames.mount(address);
+  if (!mount) {
+    unused = mount_unknown;
+    return std::nullopt;
+  }
+  return PoseFrames{.stated_in_map = *stated_in_map, .measured_in_base = *measured_in_base, .mount = *mount};
 }
 
 /// Marks a pose as the user's word, from now on. The heading comes first, so that the estimate starts with
@@ -100,27 +108,32 @@ AidingSamples samples_of(const Odometry& message, const AidingInput& input, cons
     return of_pose(as_pose(message), message.header.frame_id, message.child_frame_id, input, frames,
                    received_ns);
   }
-  return of_twist(message.child_frame_id,
-                  twist_sample(message, input.address, frames.mount(input.address), received_ns));
+  return of_twist(message.child_frame_id, frames.mount(input.address), [&](const Mount& mount) {
+    return twist_sample(message, input.address, mount, received_ns);
+  });
 }
 
 AidingSamples samples_of(const TwistWithCovarianceStamped& message, const AidingInput& input,
                          const InputFrames& frames, TimeNs received_ns) {
-  return of_twist(message.header.frame_id,
-                  twist_sample(message, input.address, frames.mount(input.address), received_ns));
+  return of_twist(message.header.frame_id, frames.mount(input.address), [&](const Mount& mount) {
+    return twist_sample(message, input.address, mount, received_ns);
+  });
 }
 
 AidingSamples samples_of(const TwistStamped& message, const AidingInput& input, const InputFrames& frames,
                          TimeNs received_ns) {
-  return of_twist(message.header.frame_id,
-                  twist_sample(message, input.address, frames.mount(input.address), received_ns));
+  return of_twist(message.header.frame_id, frames.mount(input.address), [&](const Mount& mount) {
+    return twist_sample(message, input.address, mount, received_ns);
+  });
 }
 
 AidingSamples samples_of(const JointState& message, const AidingInput& input, const InputFrames& frames,
                          TimeNs received_ns) {
-  auto samples = of_twist(
-      {}, twist_sample(message, input.wheels, input.address, frames.mount(input.address), received_ns));
-  if (!samples.twist) {
+  const auto mount = frames.mount(input.address);
+  auto samples = of_twist({}, mount, [&](const Mount& known) {
+    return twist_sample(message, input.wheels, input.address, known, received_ns);
+  });
+  if (mount && !samples.twist) {
     samples.unused =
         "they lack the velocity of a joint of --wheels, or it is not finite, or the mount is oblique";
   }

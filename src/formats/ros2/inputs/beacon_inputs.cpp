@@ -81,10 +81,10 @@ BeaconInputs::TakenFix BeaconInputs::take(const Position& message, MonitoredInpu
                                           const InputFrames& frames, Lines& lines) {
   auto converted = fix(message, input.option.address, stamp_at(moment.received_ns));
   if (!converted) return {};
-  const auto point_body_m = tag_in_body(input.option, frames);
+  std::string unused;
+  const auto point_body_m = tag_in_body(input.option, frames, unused);
   if (!point_body_m) {
-    input.monitor.on_unused(
-        fmt::format("/tf_static does not connect '{}' with the base", input.option.tag_frame), lines);
+    input.monitor.on_unused(unused, lines);
     return {};
   }
   converted->point_body_m = *point_body_m;

@@ -15,8 +15,8 @@ namespace sonopose::ros2 {
 struct InputFrames {
   using Find = std::function<std::optional<Transform>(BeaconAddress address, const std::string& frame)>;
 
-  /// Current mount of the IMU on the base.
-  std::function<Mount(BeaconAddress address)> mount;
+  /// Current mount of the IMU on the base; empty while it is not known.
+  std::function<std::optional<Mount>(BeaconAddress address)> mount;
   Find in_map;   ///< pose of a frame in the map; that of an empty name is the map
   Find in_base;  ///< pose of a frame on the base; that of an empty name is the base
 };
@@ -26,11 +26,14 @@ using FindFrame = std::function<std::optional<Transform>(const std::string& in, 
 
 /// Frames of these names, which must outlive the result, and those that `tf` (empty: none) connects with
 /// them.
-InputFrames input_frames(const FrameNames& names, std::function<Mount(BeaconAddress)> mount,
+InputFrames input_frames(const FrameNames& names, std::function<std::optional<Mount>(BeaconAddress)> mount,
                          const FindFrame& tf);
 
-/// Place of the tag of a topic of fixes in body axes, seen from the IMU. Zero without one; empty if `frames`
-/// does not connect its frame.
-std::optional<Vector3d> tag_in_body(const Input& input, const InputFrames& frames);
+/// Place of the tag of a topic of fixes in body axes, seen from the IMU. Zero without one; empty, with the
+/// reason in `unused`, if its frame or the mount is not known.
+std::optional<Vector3d> tag_in_body(const Input& input, const InputFrames& frames, std::string& unused);
+
+/// Reason why a sample that needs the mount is not used while it is not known.
+inline constexpr const char* mount_unknown = "/tf_static does not have the mount of the IMU on the base yet";
 
 }  // namespace sonopose::ros2

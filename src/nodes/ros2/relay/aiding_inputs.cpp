@@ -3,10 +3,13 @@
 #include "clocks/clocks.hpp"
 #include "ros2/inputs/aiding_samples.hpp"
 #include "ros2/relay/input_reader.hpp"
+#include "threads/mutex.hpp"
 #include <sonopose/ros2/messages/names.hpp>
+#include <sonopose/ros2/messages/service_types.hpp>
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -18,15 +21,13 @@ public:
       : input_(input),
         topic_name_(std::move(dds_name)),
         type_(std::move(type)),
-        monitor_({.kind = is_velocity(input.kind)                    ? Input::Kind::twist
-                          : input.kind == AidingInput::Kind::heading ? Input::Kind::heading
-                                                                     : Input::Kind::pose,
-                  .topic = input.topic,
-                  .address = input.address},
-                 {}, timeout_ns, clocks::steady_now()) {}
+        monitor_(monitored_as(input), {}, timeout_ns, clocks::steady_now()) {}
   Topic(const Topic&) = delete;
   Topic& operator=(const Topic&) = delete;
   virtual ~Topic() = default;
+  /// Takes a request of its service, on any thread.
+  virtual void take_request(const ros2::PoseWithCovarianceStamped& /*pose*/) {}
+  [[nodiscard]] const AidingInput& input() const { return input_; }
   virtual void attach_to(dds::WaitSet& waitset) = 0;
   virtual void take(publication::SampleSink& sink, const Reception& reception, const InputFrames& frames,
                     InputMonitor::Lines& lines) = 0;
@@ -107,6 +108,43 @@ private:
   InputReader<T> reader_;
 };
 
+/// Poses of a service, which another thread receives.
+class AidingInputs::SetPoses final : public Topic {
+public:
+  explicit SetPoses(const AidingInput& input)
+      : Topic(input, {}, dds::TopicTraits<ros2::SetPose::Request>::descriptor().m_typename, 0) {}
+
+  void attach_to(dds::WaitSet& /*waitset*/) override {}  // the waits are short
+
+  void take_request(const ros2::PoseWithCovarianceStamped& pose) override {
+    const threads::Lock lock(mutex_);
+    latest_ = {pose, pose.header.frame_id == nullptr ? "" : pose.header.frame_id};
+  }
+
+  void take(publication::SampleSink& sink, const Reception& reception, const InputFrames& frames,
+            InputMonitor::Lines& lines) override {
+    std::optional<Request> request;
+    {
+      const threads::Lock lock(mutex_);
+      latest_.swap(request);
+    }
+    if (!request) return;
+    request->pose.header.frame_id = request->frame.data();
+    pass(samples_of(request->pose, input_, frames, reception(input_.address)), sink, lines);
+  }
+
+private:
+  struct Request {
+    ros2::PoseWithCovarianceStamped pose{};
+    std::string frame;  ///< that of `pose`
+  };
+
+  [[nodiscard]] std::uint64_t publishers() override { return 0; }
+
+  threads::Mutex mutex_;
+  std::optional<Request> latest_ SONOPOSE_GUARDED_BY(mutex_);
+};
+
 AidingInputs::AidingInputs(ros2::Node& node, const std::vector<AidingInput>& inputs, InputFrames frames,
                            TimeNs timeout_ns)
     : frames_(std::move(frames)) {
@@ -139,11 +177,24 @@ AidingInputs::AidingInputs(ros2::Node& node, const std::vector<AidingInput>& inp
       case AidingInput::Type::degrees:
         add(std::type_identity<ros2::Float64>{});
         break;
+      case AidingInput::Type::set_pose_service:
+        topics_.push_back(std::make_unique<SetPoses>(input));
+        break;
     }
   }
 }
 
 AidingInputs::~AidingInputs() = default;
+
+std::vector<SetPoseService> AidingInputs::services() {
+  std::vector<SetPoseService> services;
+  for (const auto& topic : topics_) {
+    if (topic->input().type != AidingInput::Type::set_pose_service) continue;
+    services.push_back(
+        {topic->input().topic, [topic = topic.get()](const auto& pose) { topic->take_request(pose); }});
+  }
+  return services;
+}
 
 void AidingInputs::attach_to(dds::WaitSet& waitset) {
   for (const auto& topic : topics_) topic->attach_to(waitset);

@@ -9,6 +9,7 @@
 #include "ros2/inputs/input_monitor.hpp"
 #include <sonopose/dds/binding/discovery.hpp>
 #include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/ros2/messages/idl_types.hpp>
 #include <sonopose/ros2/node/node.hpp>
 
 #include <cstdint>
@@ -18,6 +19,12 @@
 #include <vector>
 
 namespace sonopose::ros2::relay {
+
+/// A service by which users set a pose.
+struct SetPoseService {
+  std::string name;
+  std::function<void(const ros2::PoseWithCovarianceStamped& pose)> take;  ///< for any thread
+};
 
 /// Reads and monitors such topics. The constructor, which creates the readers, and check_type() are for the
 /// thread of the node, samples_lost() for any, and the others for the thread that runs the source.
@@ -34,6 +41,8 @@ public:
   AidingInputs(const AidingInputs&) = delete;
   AidingInputs& operator=(const AidingInputs&) = delete;
 
+  /// Services whose requests the owner passes on, while this object exists.
+  [[nodiscard]] std::vector<SetPoseService> services();
   void attach_to(dds::WaitSet& waitset);
   void take(publication::SampleSink& sink, const Reception& reception, InputMonitor::Lines& lines);
   /// Adds lines about silence and losses.
@@ -48,6 +57,7 @@ private:
   class Topic;
   template <class T>
   class TopicOf;
+  class SetPoses;
   InputFrames frames_;
   std::vector<std::unique_ptr<Topic>> topics_;
 };

@@ -114,14 +114,19 @@ struct Description {
 
 }  // namespace
 
-ParameterServer::Services::Services(ros2::Node& node, const std::function<void()>& wake)
+ParameterServer::Services::Services(ros2::Node& node, const std::function<void()>& wake,
+                                    const std::vector<SetPoseService>& set_poses)
     : list(node.make_service<ros2::ListParameters>("~/list_parameters", wake)),
       get(node.make_service<ros2::GetParameters>("~/get_parameters", wake)),
       get_types(node.make_service<ros2::GetParameterTypes>("~/get_parameter_types", wake)),
       describe(node.make_service<ros2::DescribeParameters>("~/describe_parameters", wake)),
       set(node.make_service<ros2::SetParameters>("~/set_parameters", wake)),
       set_atomically(node.make_service<ros2::SetParametersAtomically>("~/set_parameters_atomically", wake)),
-      reset(node.make_service<ros2::Trigger>("~/reset", wake)) {}
+      reset(node.make_service<ros2::Trigger>("~/reset", wake)) {
+  for (const SetPoseService& each : set_poses) {
+    set_pose.push_back(node.make_service<ros2::SetPose>(each.name, wake));
+  }
+}
 
 ParameterServer::ParameterServer(ros2::Node& node, const dds::DomainParticipant& participant,
                                  const ParameterServerOptions& options, Log& log, std::function<void()> wake)
@@ -144,7 +149,7 @@ void ParameterServer::offer_services(ros2::Node& node, bool offered) {
   const threads::Lock lock(services_mutex_);
   if (offered == services_.has_value()) return;
   if (offered) {
-    services_.emplace(node, wake_);
+    services_.emplace(node, wake_, set_poses_);
     return;
   }
   services_->for_each([&](const auto& service) { node.remove(service); });
@@ -166,6 +171,12 @@ bool ParameterServer::serve(const Stopped& stopped) {
   waits |= of.set_atomically.serve(
       [this](const auto& request, const auto& reply) { set_atomically(request, reply); });
   waits |= of.reset.serve([this](const auto& /*request*/, const auto& reply) { reset(reply); });
+  for (std::size_t i = 0; i < of.set_pose.size(); ++i) {
+    waits |= of.set_pose[i].serve([&](const auto& request, const auto& reply) {
+      set_poses_[i].take(request.pose);
+      reply({});
+    });
+  }
   return waits;
 }
 

@@ -1,8 +1,10 @@
 #pragma once
 /// \file
-/// The parameter services of the relay's node (`ros2 param`), and `~/reset`, for clients with rmw_cyclonedds.
+/// The parameter services of the relay's node (`ros2 param`), `~/reset`, and services that set poses, for
+/// clients with rmw_cyclonedds.
 
 #include "presence/beacon_admission.hpp"
+#include "ros2/relay/aiding_inputs.hpp"
 #include "ros2/relay/log.hpp"
 #include "ros2/relay/parameter_changes.hpp"
 #include "ros2/relay/parameter_events.hpp"
@@ -21,6 +23,7 @@
 #include <span>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 namespace sonopose::ros2::relay {
@@ -43,6 +46,9 @@ public:
   ParameterServer(ros2::Node& node, const dds::DomainParticipant& participant,
                   const ParameterServerOptions& options, Log& log, std::function<void()> wake = {});
 
+  /// Adds services. Call it before they are offered.
+  void add(std::vector<SetPoseService> services) { set_poses_ = std::move(services); }
+
   /// Creates or withdraws the services; there are none at first. The node announces the change. May wait for
   /// `serve`.
   void offer_services(ros2::Node& node, bool offered);
@@ -54,11 +60,13 @@ public:
 
 private:
   struct Services {
-    Services(ros2::Node& node, const std::function<void()>& wake);
+    Services(ros2::Node& node, const std::function<void()>& wake,
+             const std::vector<SetPoseService>& set_poses);
     template <class Action>
     void for_each(const Action& action) const {
       std::apply([&](const auto&... service) { (action(service), ...); },
                  std::tie(list, get, get_types, describe, set, set_atomically, reset));
+      for (const auto& service : set_pose) action(service);
     }
 
     ros2::Service<ros2::ListParameters> list;
@@ -68,6 +76,7 @@ private:
     ros2::Service<ros2::SetParameters> set;
     ros2::Service<ros2::SetParametersAtomically> set_atomically;
     ros2::Service<ros2::Trigger> reset;
+    std::vector<ros2::Service<ros2::SetPose>> set_pose;  ///< in the order of `set_poses_`
   };
 
   class SettingsListener final : public dds::DataReaderListener<sonopose_EffectiveSettings> {
@@ -110,6 +119,7 @@ private:
   bool applied_startup_ = false;
   SettingsByBeacon effective_;
   ParameterEvents events_;
+  std::vector<SetPoseService> set_poses_;
   threads::Mutex services_mutex_;
   std::optional<Services> services_ SONOPOSE_GUARDED_BY(services_mutex_);
   // The reader is last, so that its listener is destroyed after it.

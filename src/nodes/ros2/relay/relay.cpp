@@ -354,13 +354,21 @@ void Relay::Impl::run(const process::StopSignal& stop) {
 }
 
 InputFrames Relay::Impl::frames_of_inputs() {
+  const bool mount_from_tf = options_.output.mount_from_tf;
   const bool needs_tf =
+      mount_from_tf ||
       std::ranges::any_of(options_.inputs, [](const Input& input) { return !input.tag_frame.empty(); }) ||
       std::ranges::any_of(options_.aiding_inputs,
                           [](const AidingInput& input) { return !is_velocity(input.kind); });
   if (needs_tf && !fixed_frames_) fixed_frames_ = std::make_unique<FixedFrames>(node_);
-  const auto mount = [this](BeaconAddress address) {  // another node's, once taken over
-    const auto publishers = beacons_.find(address);
+  const auto mount = [this, mount_from_tf](BeaconAddress address) -> std::optional<Mount> {
+    if (mount_from_tf) {
+      const ros2::FrameNames names = ros2::for_beacon(options_.output.frames, address);
+      const auto found = fixed_frames_->find(names.base, names.imu);
+      if (!found) return std::nullopt;
+      return Mount{.imu_in_base_m = found->translation_m, .q_imu_to_base = found->rotation};
+    }
+    const auto publishers = beacons_.find(address);  // has another node's, once taken over
     return (publishers ? publishers->mount() : std::nullopt).value_or(options_.output.mount);
   };
   FindFrame find;
@@ -383,8 +391,10 @@ void Relay::Impl::bridge_while(const std::function<void()>& serve, std::atomic<b
       [this] { return clock_.now_ns(); });
   source_->use(frames_of_inputs());
   if (!options_.aiding_inputs.empty()) {
-    source_->use(std::make_unique<AidingInputs>(node_, options_.aiding_inputs, frames_of_inputs(),
-                                                timeout_ns(topics::twist)));
+    auto aiding = std::make_unique<AidingInputs>(node_, options_.aiding_inputs, frames_of_inputs(),
+                                                 timeout_ns(topics::twist));
+    parameters_.add(aiding->services());
+    source_->use(std::move(aiding));
   }
   publication::SensorPublisher bridge({.domain = options_.domain,
                                        .qos_file = options_.qos_file,

@@ -4,6 +4,7 @@
 #include "sim/simulator.hpp"
 #include <sonopose/estimation/aiding/planar.hpp>
 #include <sonopose/estimation/any_estimator.hpp>
+#include <sonopose/estimation/prediction.hpp>
 #include <sonopose/geometry/rotation.hpp>
 
 #include <catch2/catch.hpp>
@@ -178,6 +179,11 @@ SCENARIO("the output of a planar body can be flat") {
         CHECK(pose.velocity_world_mps.z() == 0.0);
         CHECK(pose.q_body_to_world.x() == 0.0);
         CHECK(pose.q_body_to_world.y() == 0.0);
+        const FusedPose ahead = estimation::predicted(pose, 5'000'000);
+        CHECK(ahead.position_world_m.z() == 0.0);
+        CHECK(ahead.velocity_world_mps.z() == 0.0);
+        CHECK(ahead.q_body_to_world.x() == 0.0);
+        CHECK(ahead.q_body_to_world.y() == 0.0);
         CHECK(pose.position_world_m.x() == whole.poses[i].position_world_m.x());
         CHECK(geometry::yaw_of(pose.q_body_to_world) ==
               Approx(geometry::yaw_of(whole.poses[i].q_body_to_world)).margin(1e-9));

@@ -12,12 +12,14 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <map>
 #include <numbers>
 
 namespace bag_log_test {
 
 using namespace sonopose;
 using Catch::Contains;
+using ros2::AidingInput;
 using ros2::bag::TopicChoice;
 using sonopose::test::RosMessage;
 using sonopose::test::TemporaryFolder;
@@ -32,6 +34,21 @@ std::string joined(const std::vector<std::string>& texts) {
   std::string all;
   for (const std::string& text : texts) all += text + "\n";
   return all;
+}
+
+/// Numbers of events by their index in Event.
+std::map<std::size_t, int> kinds_of(const std::vector<Event>& events) {
+  std::map<std::size_t, int> counts;
+  for (const Event& event : events) ++counts[event.index()];
+  return counts;
+}
+
+template <class Sample>
+Sample first(const std::vector<Event>& events) {
+  const auto found =
+      std::ranges::find_if(events, [](const Event& event) { return std::holds_alternative<Sample>(event); });
+  REQUIRE(found != events.end());
+  return std::get<Sample>(*found);
 }
 
 SCENARIO("a recording of rosbag2 is an input like a log folder") {
@@ -249,7 +266,7 @@ SCENARIO("velocities and truth are those of the base") {
     messages.push_back(test::message_of("/tf_static", tf, start_ns));
     test::write_bag(file, messages);
     THEN("they are moved to the IMU") {
-      const auto bag = read(file, {.odom = {"/odom"}, .truth = "/odom"});
+      const auto bag = read(file, {.aiding = {{AidingInput::Kind::odometry, {"/odom"}}}, .truth = "/odom"});
       CHECK(joined(bag.log.warnings).empty());
       REQUIRE(bag.log.truth.size() == 10);
       const TruthSample& truth = bag.log.truth[3];
@@ -260,6 +277,52 @@ SCENARIO("velocities and truth are those of the base") {
           bag.log.events, [](const Event& event) { return std::holds_alternative<TwistSample>(event); });
       REQUIRE(twist != bag.log.events.end());
       CHECK(std::get<TwistSample>(*twist).velocity_body_mps.isApprox(Vector3d(0.5, 0, 0)));
+    }
+    THEN("their poses are fixes and headings, and one topic may have both kinds of input") {
+      const auto bag = read(file, {.aiding = {{AidingInput::Kind::odometry, {"/odom"}},
+                                              {AidingInput::Kind::pose, {"/odom:Odometry"}}}});
+      CHECK(kinds_of(bag.log.events) == std::map<std::size_t, int>{{0, 10}, {1, 10}, {2, 10}, {3, 10}});
+      CHECK(first<UltrasonicFix>(bag.log.events).position_world_m == Vector3d(3, 4, 0));
+      CHECK(first<UltrasonicFix>(bag.log.events).point_body_m.isApprox(Vector3d(0, 1, 0)));
+      CHECK(first<PairHeading>(bag.log.events).heading_world_rad == Approx(std::numbers::pi / 2));
+    }
+    THEN("headings of a compass and of the IMU itself, and speeds of wheels, are used") {
+      std::vector<std::string> names{"left", "right"};
+      std::vector<char*> joints{names[0].data(), names[1].data()};
+      std::vector<double> speeds{10, 10};
+      ros2::JointState state{};
+      state.header = ros2::header_of(start_ns, base);
+      ros2::borrow_sequence(state.name, joints);
+      ros2::borrow_sequence(state.velocity, speeds);
+      ros2::Imu compass = ros2::raw_imu(imu, start_ns, {}, {});
+      compass.orientation = {0, 0, 0, 1};
+      compass.orientation_covariance[0] = compass.orientation_covariance[8] = 0.01;
+      const TimeNs later_ns = start_ns + 200'000'000;
+      messages.push_back(test::message_of("/yaw", ros2::Float64{.data = 30}, later_ns));
+      messages.push_back(test::message_of("/joints", state, later_ns));
+      messages.push_back(test::message_of("/compass", compass, later_ns));
+      const auto more = folder / "more_0.mcap";
+      test::write_bag(more, messages);
+      const ros2::Wheels wheels{{"left"}, {"right"}, 0.1, 0.5};
+      const auto of_yaw = read(more, {.imu = {"/imu/data"},
+                                      .aiding = {{AidingInput::Kind::heading, {"/yaw:Float64"}},
+                                                 {AidingInput::Kind::wheels, {"/joints"}}},
+                                      .wheels = wheels});
+      // The base faces 30°, and the IMU another 90°.
+      CHECK(first<PairHeading>(of_yaw.log.events).heading_world_rad == Approx(2 * std::numbers::pi / 3));
+      CHECK(first<PairHeading>(of_yaw.log.events).emission_time_ns == later_ns);
+      CHECK(first<TwistSample>(of_yaw.log.events).velocity_body_mps.isApprox(Vector3d(0, -1, 0)));
+      // The IMU is then the other topic of its type.
+      const auto of_compass = read(more, {.aiding = {{AidingInput::Kind::heading, {"/compass"}}}});
+      CHECK(kinds_of(of_compass.log.events) == std::map<std::size_t, int>{{0, 10}, {2, 1}});
+      CHECK(first<PairHeading>(of_compass.log.events).heading_world_rad == Approx(0).margin(1e-9));
+      CHECK(first<PairHeading>(of_compass.log.events).std_rad == Approx(0.1));
+      CHECK_THROWS_WITH(
+          read(more, {.imu = {"/imu/data"}, .aiding = {{AidingInput::Kind::wheels, {"/joints"}}}}),
+          Contains("--wheel-in and --wheels need each other"));
+      CHECK_THROWS_WITH(
+          read(more, {.imu = {"/imu/data"}, .aiding = {{AidingInput::Kind::heading, {"/joints"}}}}),
+          Contains("/joints is of type sensor_msgs/msg/JointState; --heading-in takes sensor_msgs/msg/Imu"));
     }
     THEN("a tag on the left of the base is seen from the IMU") {
       UltrasonicFix at_start;

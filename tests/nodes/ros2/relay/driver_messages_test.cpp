@@ -4,7 +4,9 @@
 #include "ros2/relay/source_rig.hpp"
 #include <sonopose/ros2/messages/input.hpp>
 
+#include <atomic>
 #include <limits>
+#include <optional>
 
 namespace driver_messages_test {
 
@@ -126,6 +128,32 @@ SCENARIO("two tags on one robot have their places") {
         REQUIRE(wait_until([&] { return rig.sink.count() == 2; }));
         CHECK(rig.sink.fixes().front().point_body_m.isZero(0));
         CHECK(rig.sink.fixes().back().point_body_m.isApprox(Vector3d(0, 0.4, 0.1)));
+      }
+    }
+  }
+}
+
+SCENARIO("a tag with a place waits for the mount of the IMU") {
+  GIVEN("a tag on the base, and a mount that tf does not have yet") {
+    std::atomic<bool> is_known = false;
+    Rig rig({Input::parse(Kind::fix, "/b:PointStamped=7@0,0.4,0.3")});
+    rig.source->use(ros2::InputFrames{.mount = [&](BeaconAddress) -> std::optional<ros2::Mount> {
+                                        if (!is_known) return std::nullopt;
+                                        return ros2::Mount{.imu_in_base_m = {0, 0, 0.2}};
+                                      },
+                                      .in_map = {},
+                                      .in_base = {}});
+    auto tag = rig.driver<ros2::PointStamped>("/b");
+    rig.run();
+    const TimeNs begin_ns = clocks::host_now();
+    WHEN("it sends a position before and after") {
+      tag.write(fix_at(begin_ns, {}));
+      REQUIRE(wait_until([&] { return rig.logs("does not have the mount of the IMU on the base yet"); }));
+      is_known = true;
+      tag.write(fix_at(begin_ns + second_ns / 10, {}));
+      THEN("only the second is used, with its place seen from the IMU") {
+        REQUIRE(wait_until([&] { return rig.sink.count() == 1; }));
+        CHECK(rig.sink.fixes().front().point_body_m.isApprox(Vector3d(0, 0.4, 0.1)));
       }
     }
   }
