@@ -2,6 +2,7 @@
 
 #include "motion/imu_summary.hpp"
 #include "motion/turn_gain.hpp"
+#include "recording/truth_check.hpp"
 #include <sonopose/geometry/rotation.hpp>
 #include <sonopose/text/count_text.hpp>
 
@@ -53,6 +54,8 @@ void InputCheck::add(const ImuSample& imu) {
 }
 
 void InputCheck::add(const UltrasonicFix& fix) {
+  if (!point_body_m_) point_body_m_ = fix.point_body_m;
+  if (fix.point_body_m != *point_body_m_) return;  // of another tag
   fixes_.push_back(fix.emission_time_ns);
   if (fix.position_world_m.allFinite()) window_.fixes.push_back({fix.emission_time_ns, fix.position_world_m});
   fix_ages_ns_.push_back(fix.received_time_ns - fix.emission_time_ns);
@@ -77,7 +80,7 @@ void InputCheck::add(const TwistSample& twist) {
 }
 
 void InputCheck::add(const TruthSample& truth) {
-  truths_.push_back(truth.time_ns);
+  truths_.push_back(truth);
 }
 
 void InputCheck::add(const Event& event) {
@@ -142,9 +145,28 @@ std::optional<std::string> InputCheck::overlap(const char* what, const Stamps& s
       what, before_s > 0 ? "before" : "after", seconds_text(std::max(before_s, after_s)));
 }
 
+/// Suspects another clock if a stream begins and ends later or earlier than the IMU, by the same time.
+std::optional<std::string> InputCheck::shift(const char* what, const Stamps& stamps) const {
+  constexpr double min_s = 1.5;
+  constexpr double max_difference_s = 0.3;  // people who start and stop two programs differ by more
+  constexpr double leap_seconds_s = 18.0;
+  if (imu_.empty() || stamps.empty()) return std::nullopt;
+  const auto [first_imu, last_imu] = std::ranges::minmax(imu_);
+  const auto [first, last] = std::ranges::minmax(stamps);
+  const double begin_s = seconds_between(first_imu, first);
+  const double end_s = seconds_between(last_imu, last);
+  const double least_s = std::min(std::abs(begin_s), std::abs(end_s));
+  if (begin_s * end_s <= 0.0 || least_s < min_s || std::abs(begin_s - end_s) > max_difference_s)
+    return std::nullopt;
+  return fmt::format("the {} begin {} and end {} {} the IMU samples: are their stamps of one clock?{}", what,
+                     seconds_text(std::abs(begin_s)), seconds_text(std::abs(end_s)),
+                     begin_s > 0 ? "after" : "before",
+                     std::abs(least_s - leap_seconds_s) < 1.0 ? " GPS time is 18 s ahead of UTC." : "");
+}
+
 /// Suspects times of reception that do not belong to those of emission.
 std::optional<std::string> InputCheck::age(const char* what, const std::vector<TimeNs>& ages_ns) {
-  constexpr double min_s = -0.5;
+  constexpr double min_s = -0.05;
   constexpr double max_s = 10.0;
   if (ages_ns.empty()) return std::nullopt;
   const double age_s = seconds_between(0, quantile(ages_ns, 0.5));
@@ -185,12 +207,15 @@ std::vector<std::string> InputCheck::units_of_readings() const {
   const motion::TurnFault fault = motion::turn_fault_of(turn);
   if (fault == motion::TurnFault::wrong_sign || fault == motion::TurnFault::dead ||
       fault == motion::TurnFault::scale) {
-    texts.push_back(fmt::format(
-        "the gyroscope measures {:.2f} of the turns that {} show: {}", turn.gain,
-        turn.by_heading ? "the headings" : "the fixes",
-        fault == motion::TurnFault::wrong_sign ? "is its sign wrong, or that of the accelerometer?"
-        : fault == motion::TurnFault::dead     ? "is its vertical axis dead?"
-                                               : "is its scale wrong, or its range too small?"));
+    texts.push_back(fmt::format("the gyroscope measures {:.2f} of the turns that {} show: {}", turn.gain,
+                                turn.by_heading ? "the headings" : "the fixes",
+                                fault == motion::TurnFault::wrong_sign
+                                    ? (turn.by_heading ? "are the headings clockwise, as of a compass, or is "
+                                                         "its sign or the accelerometer's wrong?"
+                                                       : "is its sign wrong, or that of the accelerometer?")
+                                : fault == motion::TurnFault::dead
+                                    ? "is its vertical axis dead?"
+                                    : "is its scale wrong, or its range too small?"));
   }
   constexpr double fast_turn_radps = 0.5;
   constexpr double max_angle_in_radians = 6.3;  // read as degrees
@@ -264,6 +289,9 @@ std::optional<std::string> InputCheck::unit_of_quality() const {
   if (qualities_percent_.size() < min_count) return std::nullopt;
   const auto is_fraction = [](double quality) { return quality > 0.0 && quality < 1.0; };
   const double best = *std::ranges::max_element(qualities_percent_);
+  constexpr double max_percent = 100.0;
+  if (best > max_percent)
+    return fmt::format("the quality of fixes is up to {:.3g} %: is it another value?", best);
   if (best > 1.0 || std::ranges::none_of(qualities_percent_, is_fraction)) return std::nullopt;
   return fmt::format("the quality of all fixes is at most {:.3g} %; is it a share from 0 to 1? {}", best,
                      how_to_name("1", Table::positions, {"quality"}));
@@ -323,7 +351,13 @@ std::vector<std::string> InputCheck::findings() const {
   add_if(overlap("fixes", fixes_));
   add_if(overlap("headings", headings_));
   add_if(overlap("velocities", twists_));
-  add_if(overlap("true poses", truths_));
+  Stamps true_times;
+  for (const TruthSample& truth : truths_) true_times.push_back(truth.time_ns);
+  add_if(overlap("true poses", true_times));
+  for (const auto& [what, stamps] :
+       {std::pair("fixes", &fixes_), std::pair("headings", &headings_), std::pair("velocities", &twists_)}) {
+    if (!overlap(what, *stamps)) add_if(shift(what, *stamps));
+  }
   add_if(age("fixes", fix_ages_ns_));
   add_if(age("headings", heading_ages_ns_));
   add_if(age("velocities", twist_ages_ns_));
@@ -335,6 +369,7 @@ std::vector<std::string> InputCheck::findings() const {
   add_if(unit_of_positions());
   add_if(unit_of_quality());
   add_if(unit_of_velocities());
+  if (texts.empty()) add_if(truth_finding(truths_, window_));
   return texts;
 }
 

@@ -45,6 +45,7 @@ private:
   [[nodiscard]] std::optional<std::string> unit_of_time(const char* what, const Stamps& stamps, Table table,
                                                         double min_rate_hz, double max_rate_hz) const;
   [[nodiscard]] std::optional<std::string> overlap(const char* what, const Stamps& stamps) const;
+  [[nodiscard]] std::optional<std::string> shift(const char* what, const Stamps& stamps) const;
   static std::optional<std::string> age(const char* what, const std::vector<TimeNs>& ages_ns);
   [[nodiscard]] std::vector<std::string> units_of_readings() const;
   [[nodiscard]] std::optional<std::string> unit_of_positions() const;
@@ -56,7 +57,8 @@ private:
   Stamps fixes_;
   Stamps headings_;
   Stamps twists_;
-  Stamps truths_;
+  std::vector<TruthSample> truths_;
+  std::optional<Vector3d> point_body_m_;  ///< place of the first tag, whose fixes are compared
   std::vector<Vector3d> positions_world_m_;
   std::vector<double> qualities_percent_;
   std::vector<TimeNs> fix_ages_ns_;  ///< durations from emission to reception

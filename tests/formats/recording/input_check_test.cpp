@@ -2,10 +2,14 @@
 
 #include "recording/input_check.hpp"
 
+#include <sonopose/geometry/rotation.hpp>
+
 #include <catch2/catch.hpp>
 
+#include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -140,7 +144,8 @@ SCENARIO("a wrong unit or clock is found, with the unit to name") {
     THEN("the gain is the finding") {
       const auto findings = input_findings("log", events);
       REQUIRE(findings.size() == 1);
-      CHECK_THAT(findings[0], Contains("measures -1.00 of the turns that the headings show"));
+      CHECK_THAT(findings[0],
+                 Contains("measures -1.00 of the turns that the headings show: are the headings clockwise"));
     }
   }
   GIVEN("an axis that keeps its value while the others vary") {
@@ -266,6 +271,84 @@ SCENARIO("a truth in another unit of time, or of another clock, is found") {
   const auto findings = input_findings("log", events, nullptr, truths);
   REQUIRE(findings.size() == 1);
   CHECK_THAT(findings[0], Contains("most true poses are before the IMU samples"));
+}
+
+SCENARIO("fixes of a clock that is some seconds ahead are found") {
+  const auto shifted_by = [](double seconds) {
+    return with_fixes([seconds](UltrasonicFix& fix, double /*unused*/) {
+      fix.emission_time_ns += to_ns(seconds);
+      fix.received_time_ns += to_ns(seconds);
+    });
+  };
+  CHECK(shifted_by(0.5).empty());  // may be the order in which drivers start and end
+  REQUIRE(shifted_by(3.0).size() == 1);
+  CHECK_THAT(shifted_by(3.0)[0], Contains("the fixes begin 3.000 s and end 2.970 s after the IMU samples"));
+  CHECK_THAT(shifted_by(-3.0)[0], Contains("before the IMU samples"));
+}
+
+SCENARIO("impossible receptions and qualities are found") {
+  CHECK_THAT(
+      with_fixes([](UltrasonicFix& fix, double /*unused*/) { fix.received_time_ns -= 200'000'000; })[0],
+      Contains("the fixes are received 0.130 s before their emission"));
+  CHECK_THAT(with_fixes([](UltrasonicFix& fix, double /*unused*/) { fix.quality_percent = 230; })[0],
+             Contains("the quality of fixes is up to 230 %"));
+}
+
+SCENARIO("a truth of another frame, unit or order of the quaternion is found") {
+  GIVEN("a circle of 2 m at 1 rad/s, and its truth at 50 Hz") {
+    const auto at_m = [](TimeNs time_ns) {
+      const double angle_rad = seconds_between(start_ns, time_ns);
+      return Vector3d(5 + 2 * std::cos(angle_rad), 2 * std::sin(angle_rad), 0.5);
+    };
+    std::vector<Event> events = standing();
+    for (Event& event : events) {
+      if (auto* imu = std::get_if<ImuSample>(&event)) imu->angular_velocity_body_radps.z() = 1.0;
+      if (auto* fix = std::get_if<UltrasonicFix>(&event)) fix->position_world_m = at_m(fix->emission_time_ns);
+    }
+    const auto finding_of = [&](const std::function<void(TruthSample&)>& change) {
+      std::vector<TruthSample> truths;
+      for (int i = 0; i < 500; ++i) {
+        TruthSample truth;
+        truth.time_ns = start_ns + i * 20'000'000LL;
+        truth.position_world_m = at_m(truth.time_ns);
+        const double angle_rad = seconds_between(start_ns, truth.time_ns);
+        truth.q_body_to_world = geometry::rotation_about_z(angle_rad + 0.5 * std::numbers::pi);
+        truth.velocity_world_mps = {-2 * std::sin(angle_rad), 2 * std::cos(angle_rad), 0};
+        change(truth);
+        truths.push_back(truth);
+      }
+      std::string all;
+      for (const std::string& text : input_findings("log", events, nullptr, truths)) all += text;
+      return all;
+    };
+    THEN("each is named, and a right one is not") {
+      constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+      CHECK(finding_of([](TruthSample&) {}).empty());
+      CHECK(finding_of([](TruthSample& truth) {
+              truth.velocity_world_mps.setConstant(unknown);
+              truth.q_body_to_world.coeffs().setConstant(unknown);
+            }).empty());
+      CHECK_THAT(finding_of([](TruthSample& truth) { truth.position_world_m *= 1000; }),
+                 Contains("or the true ones in mm?"));
+      CHECK_THAT(finding_of([](TruthSample& truth) { truth.position_world_m.y() *= -1; }),
+                 Contains("m from the fixes (median): are both in one frame?"));
+      CHECK_THAT(
+          finding_of([](TruthSample& truth) { truth.q_body_to_world = truth.q_body_to_world.conjugate(); }),
+          Contains("turn otherwise than the gyroscope"));
+      CHECK_THAT(finding_of([](TruthSample& truth) {
+                   const auto [x, y, z, w] = std::array{truth.q_body_to_world.x(), truth.q_body_to_world.y(),
+                                                        truth.q_body_to_world.z(), truth.q_body_to_world.w()};
+                   truth.q_body_to_world = Quaterniond(z, w, x, y);
+                 }),
+                 Contains("is the order of the quaternion"));
+      CHECK_THAT(finding_of([](TruthSample& truth) { truth.velocity_world_mps *= 3.6; }),
+                 Contains("are they in km h^-1?"));
+      CHECK_THAT(finding_of([](TruthSample& truth) {
+                   truth.velocity_world_mps = truth.q_body_to_world.conjugate() * truth.velocity_world_mps;
+                 }),
+                 Contains("axes of the body?"));
+    }
+  }
 }
 
 SCENARIO("the order of the stamps is checked") {

@@ -16,9 +16,9 @@ class Results {
 public:
   Results(const recording::SensorLog& log, const RunOptions& options, const Observer& observer)
       : observer_(observer),
-        comparison_(log.truth, available_at_ns(log.events.front()) + to_ns(options.after_s)),
-        prediction_(available_at_ns(log.events.front()) + to_ns(options.after_s), options.settings,
-                    log.wheel_speeds) {
+        judged_from_ns_(available_at_ns(log.events.front()) + to_ns(options.after_s)),
+        comparison_(log.truth, judged_from_ns_),
+        prediction_(judged_from_ns_, options.settings, log.wheel_speeds) {
     result_.has_truth = !log.truth.empty();
   }
 
@@ -32,6 +32,7 @@ public:
 
   void add(const FusedPose& pose) {
     ++result_.poses;
+    count_warnings(pose);
     digest_.add(pose);
     if (result_.has_truth) comparison_.add(pose);
     if (observer_.on_pose) observer_.on_pose(pose);
@@ -64,7 +65,17 @@ public:
   }
 
 private:
+  void count_warnings(const FusedPose& pose) {
+    if (pose.time_ns < judged_from_ns_) return;
+    ++result_.judged_poses;
+    for (const PoseStatus bit : {status_imu_inconsistent, status_fixes_inconsistent, status_heading_unknown,
+                                 status_frozen_track, status_stale}) {
+      if ((pose.status & bit) != 0U) ++result_.warned[bit];
+    }
+  }
+
   const Observer& observer_;
+  TimeNs judged_from_ns_;
   Comparison comparison_;
   PredictionErrors prediction_;
   estimation::Digest digest_;

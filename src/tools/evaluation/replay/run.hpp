@@ -16,6 +16,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -61,7 +62,9 @@ struct RunResult {
   FixFlagCounts fix_flags;
   FixFlagCounts rejected_fix_flags;  ///< flags of the unused fixes
   transitions::FixRefusals refusals;
-  std::uint64_t fixes_down_weighted = 0;  ///< number of used fixes with reduced weight
+  std::uint64_t judged_poses = 0;                ///< from RunOptions::after_s on
+  std::map<PoseStatus, std::uint64_t> warned{};  ///< numbers of these with a warning, by its bit
+  std::uint64_t fixes_down_weighted = 0;         ///< number of used fixes with reduced weight
   bool has_truth = false;
   Score fused;
   ErrorSummary last_fix_m;      ///< error at the same times, from the first fix on

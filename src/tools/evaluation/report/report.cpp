@@ -6,7 +6,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <array>
 #include <cmath>
+#include <utility>
 
 namespace sonopose::evaluation {
 namespace {
@@ -89,6 +91,25 @@ std::string smoothing_text(const RunResult& result) {
                                           noise.process.gyro_bias_radps_rts, noise.fix_scale));
 }
 
+/// Shares of the poses with a warning, unless they are few.
+std::string warnings_of(const RunResult& result) {
+  constexpr double min_share = 0.005;
+  constexpr std::array<std::pair<PoseStatus, std::string_view>, 5> names{
+      {{status_imu_inconsistent, "IMU inconsistent"},
+       {status_fixes_inconsistent, "fixes inconsistent"},
+       {status_heading_unknown, "heading unknown"},
+       {status_frozen_track, "frozen track"},
+       {status_stale, "stale"}}};
+  std::string text;
+  for (const auto& [bit, name] : names) {
+    const auto found = result.warned.find(bit);
+    if (found == result.warned.end()) continue;
+    const double share = static_cast<double>(found->second) / static_cast<double>(result.judged_poses);
+    if (share >= min_share) text += fmt::format("{}{:.1f} % {}", text.empty() ? "" : ", ", 100 * share, name);
+  }
+  return text.empty() ? text : text + " of the poses";
+}
+
 nlohmann::ordered_json smoothing_json(const RunResult& result) {
   if (!result.smoothing) return nullptr;
   const Score& engine = result.smoothing->engine;
@@ -117,6 +138,8 @@ std::string report_text(const RunResult& result, const Timing& timing) {
                                   text::count_text(counters.headings, "heading"),
                                   text::count_text(counters.imu_gaps, "IMU gap"), counters.samples_invalid,
                                   text::count_text(result.imu_stamps_back, "IMU stamp")));
+  if (const std::string warnings = warnings_of(result); !warnings.empty())
+    text += report_line("warnings", warnings);
   if (const auto twists = counters.twists_used + counters.twists_rejected + counters.twists_unused;
       twists > 0) {
     text += report_line("velocities", fmt::format("{:8} used, {} rejected, {} not used", counters.twists_used,

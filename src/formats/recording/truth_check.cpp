@@ -1,0 +1,149 @@
+#include "recording/truth_check.hpp"
+
+#include <sonopose/geometry/rotation.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace sonopose::recording {
+namespace {
+
+constexpr std::size_t min_count = 10;
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Index of the first true pose at this time or later.
+std::size_t first_at(const std::vector<TruthSample>& truth, TimeNs time_ns) {
+  return static_cast<std::size_t>(std::ranges::lower_bound(truth, time_ns, {}, &TruthSample::time_ns) -
+                                  truth.begin());
+}
+
+/// Compares the fixes with the positions between which they were measured.
+std::optional<std::string> of_positions(const std::vector<TruthSample>& truth, const motion::Window& window) {
+  constexpr double max_gap_s = 0.5;
+  constexpr double max_median_m = 1.0;
+  std::vector<double> distances_m;
+  std::vector<double> factors;
+  for (const motion::Position& fix : window.fixes) {
+    const std::size_t next = first_at(truth, fix.time_ns);
+    if (next == 0 || next == truth.size()) continue;
+    const TruthSample& before = truth[next - 1];
+    const TruthSample& after = truth[next];
+    const double gap_s = seconds_between(before.time_ns, after.time_ns);
+    if (!(gap_s > 0.0 && gap_s <= max_gap_s)) continue;
+    const double share = seconds_between(before.time_ns, fix.time_ns) / gap_s;
+    const Vector3d at_m =
+        before.position_world_m + share * (after.position_world_m - before.position_world_m);
+    const double distance_m = (fix.position_world_m - at_m).norm();
+    if (!std::isfinite(distance_m)) continue;
+    distances_m.push_back(distance_m);
+    if (fix.position_world_m.norm() > 0.0) factors.push_back(at_m.norm() / fix.position_world_m.norm());
+  }
+  if (distances_m.size() < min_count || factors.empty()) return std::nullopt;
+  const double distance_m = median(distances_m);
+  if (distance_m <= max_median_m) return std::nullopt;
+  const double factor = median(factors);
+  std::string text = fmt::format(
+      "the true positions are {:.3g} m from the fixes (median): are both in one frame", distance_m);
+  for (const auto& [unit, of_unit] :
+       {std::pair("mm", 1000.0), std::pair("cm", 100.0), std::pair("ft", 3.28084)}) {
+    if (std::abs(factor / of_unit - 1.0) < 0.1) text += fmt::format(", or the true ones in {}", unit);
+  }
+  return text + "?";
+}
+
+/// Compares the turns between true poses with those of the gyroscope.
+std::optional<std::string> of_orientations(const std::vector<TruthSample>& truth,
+                                           const motion::Window& window) {
+  constexpr double span_s = 0.5;
+  constexpr double max_span_s = 1.0;
+  constexpr double max_step_s = 0.1;
+  constexpr double min_turn_rad = 15.0 * geometry::radians_per_degree;
+  constexpr double max_error = 0.6;  // as a share of the turn; above 1 for a turn about another axis
+  const auto is_known = [](const TruthSample& pose) { return pose.q_body_to_world.coeffs().allFinite(); };
+  std::vector<double> errors;
+  auto imu = window.imu.begin();
+  for (std::size_t i = 0; i < truth.size();) {
+    const TruthSample& from = truth[i];
+    const std::size_t end = first_at(truth, from.time_ns + to_ns(span_s));
+    if (end == truth.size()) break;
+    i = std::max(end, i + 1);
+    const TruthSample& to = truth[end];
+    if (!is_known(from) || !is_known(to) || seconds_between(from.time_ns, to.time_ns) > max_span_s) continue;
+    Quaterniond turn = Quaterniond::Identity();
+    TimeNs at_ns = from.time_ns;
+    bool is_whole = true;
+    while (imu != window.imu.end() && imu->time_ns <= from.time_ns) ++imu;
+    for (; imu != window.imu.end() && imu->time_ns <= to.time_ns; ++imu) {
+      const double step_s = seconds_between(at_ns, imu->time_ns);
+      is_whole = is_whole && step_s <= max_step_s;
+      turn = (turn * geometry::rotation_by((step_s * imu->rate_body_radps).eval())).normalized();
+      at_ns = imu->time_ns;
+    }
+    if (!is_whole || seconds_between(at_ns, to.time_ns) > max_step_s) continue;
+    const Quaterniond true_turn =
+        from.q_body_to_world.normalized().conjugate() * to.q_body_to_world.normalized();
+    const double largest_rad = std::max(turn.angularDistance(Quaterniond::Identity()),
+                                        true_turn.angularDistance(Quaterniond::Identity()));
+    if (largest_rad >= min_turn_rad) errors.push_back(turn.angularDistance(true_turn) / largest_rad);
+  }
+  if (errors.size() < min_count || median(errors) <= max_error) return std::nullopt;
+  return "the true orientations turn otherwise than the gyroscope: is the order of the quaternion as the "
+         "header "
+         "says, is it that of the IMU's axes, and does it turn the body to the world?";
+}
+
+/// Compares the velocities with the steps of the positions.
+std::optional<std::string> of_velocities(const std::vector<TruthSample>& truth) {
+  constexpr double span_s = 0.1;
+  constexpr double max_span_s = 0.5;
+  constexpr double min_speed_mps = 0.2;
+  constexpr double max_error = 0.5;
+  constexpr double same = 0.1;
+  std::vector<double> errors;
+  std::vector<double> factors;
+  for (std::size_t i = 0; i < truth.size();) {
+    const TruthSample& from = truth[i];
+    const std::size_t end = first_at(truth, from.time_ns + to_ns(span_s));
+    if (end == truth.size()) break;
+    i = std::max(end, i + 1);
+    const TruthSample& to = truth[end];
+    const double step_s = seconds_between(from.time_ns, to.time_ns);
+    const Vector3d moved_mps = (to.position_world_m - from.position_world_m) / step_s;
+    const Vector3d stated_mps = 0.5 * (from.velocity_world_mps + to.velocity_world_mps);
+    if (step_s > max_span_s || !stated_mps.allFinite() || !(moved_mps.norm() > min_speed_mps)) continue;
+    errors.push_back((stated_mps - moved_mps).norm() / moved_mps.norm());
+    factors.push_back(stated_mps.norm() / moved_mps.norm());
+  }
+  if (errors.size() < min_count || median(errors) <= max_error) return std::nullopt;
+  const double factor = median(factors);
+  const std::string text =
+      fmt::format("the true velocities are {:.3g} times the motion of the true positions (median)", factor);
+  for (const auto& [unit, of_unit] :
+       {std::pair("km h^-1", 3.6), std::pair("cm s^-1", 100.0), std::pair("mm s^-1", 1000.0)}) {
+    if (std::abs(factor / of_unit - 1.0) < same) return fmt::format("{}; are they in {}?", text, unit);
+  }
+  if (std::abs(factor - 1.0) < same) return text + ", in other directions: are they in axes of the body?";
+  return text + "; check their unit";
+}
+
+}  // namespace
+
+std::optional<std::string> truth_finding(const std::vector<TruthSample>& truth,
+                                         const motion::Window& window) {
+  if (truth.empty()) return std::nullopt;
+  if (auto text = of_positions(truth, window)) return text;
+  if (auto text = of_orientations(truth, window)) return text;
+  return of_velocities(truth);
+}
+
+}  // namespace sonopose::recording
