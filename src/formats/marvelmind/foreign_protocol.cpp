@@ -124,7 +124,7 @@ std::size_t wit_motion_size(Bytes bytes) {
   return is_message && sum_of(bytes.first(size - 1)) == bytes[size - 1] ? size : 0;
 }
 
-/// A checksum would need the definitions of the messages.
+/// A checksum would need the definitions of the messages; their sequence numbers count instead.
 std::size_t mavlink_size(Bytes bytes) {
   if (bytes.size() < 3 || (bytes[0] != 0xFE && bytes[0] != 0xFD)) return 0;
   const bool is_signed = bytes[0] == 0xFD && (bytes[2] & 1U) != 0;
@@ -132,10 +132,20 @@ std::size_t mavlink_size(Bytes bytes) {
   return size <= bytes.size() ? size : 0;
 }
 
+bool any_follows(Bytes /*before*/, Bytes /*after*/) {
+  return true;
+}
+
+bool mavlink_follows(Bytes before, Bytes after) {
+  const std::size_t at = before[0] == 0xFE ? 2 : 4;
+  return before.size() > at && after.size() > at && after[at] == static_cast<std::uint8_t>(before[at] + 1);
+}
+
 struct Protocol {
   std::string_view name;
   SizeAtStart size;
   int min_in_row;  ///< by the bits that a message checks: noise must not have a name
+  bool (*follows)(Bytes before, Bytes after) = any_follows;
 };
 
 constexpr std::array protocols{
@@ -144,17 +154,19 @@ constexpr std::array protocols{
     Protocol{"messages of a Septentrio receiver (SBF)", sbf_size, 1},
     Protocol{"messages of an Xsens IMU", xsens_size, 2},
     Protocol{"messages of a WitMotion IMU", wit_motion_size, 4},
-    Protocol{"MAVLink messages", mavlink_size, 4},
+    Protocol{"MAVLink messages", mavlink_size, 4, mavlink_follows},
 };
 
 bool holds(Bytes bytes, const Protocol& protocol) {
   for (; !bytes.empty(); bytes = bytes.subspan(1)) {
     int in_row = 0;
     const std::uint8_t start = bytes.front();
+    Bytes before;
     for (Bytes rest = bytes; in_row < protocol.min_in_row && !rest.empty() && rest.front() == start;
          ++in_row) {
       const std::size_t size = protocol.size(rest);
-      if (size == 0) break;
+      if (size == 0 || (in_row > 0 && !protocol.follows(before, rest))) break;
+      before = rest.first(size);
       rest = rest.subspan(size);
     }
     if (in_row == protocol.min_in_row) return true;

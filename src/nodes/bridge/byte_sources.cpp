@@ -235,8 +235,23 @@ constexpr const char* protocol_setting =
 
 /// Throws an error that names what a file without valid frames has instead. `begin`: its first bytes.
 [[noreturn]] void refuse_foreign(const std::filesystem::path& path, std::uint64_t size,
+                                 const marvelmind::DecoderCounters& counters,
                                  std::span<const std::uint8_t> begin) {
+  if (size == 0) throw files::IoError(path.string() + ": is empty");
   const std::string foreign = marvelmind::foreign_protocol(begin);
+  constexpr std::uint64_t min_damaged = 3;  // noise has false starts
+  if (foreign.empty() && counters.unknown_frames > 0) {
+    throw files::IoError(fmt::format(
+        "{}: {}, which are not used: enable the streams of raw IMU and positions", path.string(),
+        text::count_text(counters.unknown_frames, "frame of another kind", "frames of other kinds")));
+  }
+  if (foreign.empty() && counters.crc_errors >= min_damaged &&
+      counters.crc_errors * marvelmind::max_frame_size >= size) {
+    throw files::IoError(
+        fmt::format("{}: {} with a wrong checksum, and none with a right one: the file is damaged, as by a "
+                    "transfer as text",
+                    path.string(), text::count_text(counters.crc_errors, "frame")));
+  }
   throw files::IoError(fmt::format(
       "{}: {}; --source stream plays raw bytes of a beacon: set {}. Recordings are for --source log or mcap",
       path.string(), foreign.empty() ? text::count_text(size, "byte") + " without a valid frame" : foreign,
@@ -260,7 +275,7 @@ void check_has_frames(const std::filesystem::path& path) {
     decoder.feed(got, ignore);
   }
   decoder.finish(ignore);
-  if (decoder.counters().frames == 0) refuse_foreign(path, size, begin);
+  if (decoder.counters().frames == 0) refuse_foreign(path, size, decoder.counters(), begin);
 }
 
 /// A file of bytes, timed by the beacons' own clock.

@@ -75,10 +75,19 @@ SCENARIO("what arrives instead of a beacon's frames is named") {
     const std::string one = "\xFE\x09\x01\x01\x01\x00\x00\x00\x00\x00\x02\x03\x51\x04\x03\x1C\x7F"s;
     const std::string two =
         "\xFD\x09\x00\x00\x01\x01\x01\x00\x00\x00\x00\x00\x00\x00\x02\x03\x51\x04\x03\x1C\x7F"s;
-    THEN("four in a row are named") {
-      CHECK(named(one + one + one + one) == "MAVLink messages");
-      CHECK(named(two + two + two + two) == "MAVLink messages");
+    const auto in_row = [](const std::string& message, std::size_t at_sequence, char step) {
+      std::string all;
+      for (char i = 0; i < 4; ++i) {
+        all += message;
+        all[all.size() - message.size() + at_sequence] = static_cast<char>(i * step);
+      }
+      return all;
+    };
+    THEN("four in a row are named, by their sequence numbers") {
+      CHECK(named(in_row(one, 2, 1)) == "MAVLink messages");
+      CHECK(named(in_row(two, 4, 1)) == "MAVLink messages");
       CHECK(named(one).empty());
+      CHECK(named(in_row(one, 2, 0)).empty());  // as of rosserial, whose messages have an 0xFE too
     }
   }
   GIVEN("text") {

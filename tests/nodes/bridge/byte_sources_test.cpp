@@ -11,7 +11,9 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -250,7 +252,17 @@ SCENARIO("a file of bytes that have no sample is an error that names what they a
   }
   GIVEN("nothing") {
     sonopose::test::write_text(file, "");
-    CHECK_THROWS_WITH(make_stream_source({file}), Catch::Contains("0 bytes without a valid frame"));
+    CHECK_THROWS_WITH(make_stream_source({file}), Catch::EndsWith("bytes.bin: is empty"));
+  }
+  GIVEN("a beacon's frames whose zeros became blanks") {
+    BeaconFile bytes(file);
+    for (int i = 0; i < 20; ++i) bytes << imu_at(10'000 + 10 * i);
+    std::ifstream in(file, std::ios::binary);
+    std::string text((std::istreambuf_iterator<char>(in)), {});
+    std::ranges::replace(text, '\0', ' ');
+    sonopose::test::write_text(file, text);
+    CHECK_THROWS_WITH(make_stream_source({file}), Catch::Contains("frames with a wrong checksum") &&
+                                                      Catch::Contains("the file is damaged"));
   }
   GIVEN("valid frames of telemetry alone") {
     BeaconFile(file) << Telemetry{.battery_mv = 3900, .rssi_dbm = -40, .address = 5};
