@@ -80,10 +80,22 @@ std::string mistake_in(const CLI::App& app, const CLI::ParseError& error) {
 }
 
 /// Joins an option and its optional value, which CLI11 would give to a required positional argument.
+/// Separates an empty value, in place of which CLI11 would take the next word.
 std::vector<std::string> with_joined_values(const CLI::App& app, const std::vector<std::string>& arguments) {
   std::vector<std::string> joined;
   bool takes_value = false;
+  bool are_options = true;
   for (const std::string& argument : arguments) {
+    are_options = are_options && argument != "--";
+    if (are_options && argument.starts_with("--") && argument.find('=') + 1 == argument.size()) {
+      const std::string name = argument.substr(0, argument.size() - 1);
+      const CLI::Option* const option = app.get_option_no_throw(name);
+      if (option == nullptr || option->get_items_expected_max() > 0) {
+        joined.insert(joined.end(), {name, ""});
+        takes_value = false;
+        continue;
+      }
+    }
     if (takes_value && !argument.starts_with('-')) {
       joined.back() += "=" + argument;
       takes_value = false;

@@ -154,6 +154,13 @@ TEST_CASE("A misspelt option is refused with the nearest one") {
              Contains("--vray: unknown option; did you mean --vary?"));
 }
 
+TEST_CASE("An empty value of an option is not the next word") {
+  const auto fusion = beside_front_door("sonopose-fusion");
+  CHECK_THAT(refusal(fusion, {"--partition=", "--xyzzy"}), Contains("--xyzzy: unknown option"));
+  CHECK_THAT(refusal(fusion, {"--set=", "fusion.engine=kalman"}),
+             Contains("fusion.engine=kalman: unexpected"));
+}
+
 TEST_CASE("In the journal a mistake on the command line is an error") {
   for (const char* const program : {"fusion", "replay"}) {
     CAPTURE(program);
