@@ -148,6 +148,16 @@ SCENARIO("a killed bridge, its return and changed settings are logged") {
     auto bridge = bus.bridge({"--log-level", "error"});
     REQUIRE(fusion->wait_for_line(Stream::error, "<6>beacon 7: initialised, after "));
     REQUIRE(relay->wait_for_line(Stream::error, "sonopose-ros2: beacon 7: initialised, after "));
+    WHEN("the bridge ends in good order") {
+      const std::size_t earlier = count(*fusion, "<3>beacon 7: bridge lost");
+      CHECK(bridge->end_by(SIGINT).code == 0);
+      REQUIRE(fusion->wait_for_line(Stream::error, "<4>beacon 7: IMU silent: no sample for "));
+      const auto another = bus.bridge({"--log-level", "error"});
+      REQUIRE(fusion->wait_for_line(Stream::error, "<6>beacon 7: IMU samples again, after "));
+      THEN("no bridge is lost") {
+        CHECK(count(*fusion, "<3>beacon 7: bridge lost") == earlier);
+      }
+    }
     WHEN("the bridge is killed") {
       const std::size_t earlier = count(*fusion, "<3>beacon 7: bridge lost");  // may occur on a busy machine
       bridge->send(SIGKILL);

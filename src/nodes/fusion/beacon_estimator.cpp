@@ -24,7 +24,8 @@ void BeaconEstimator::collate(const Event& event, std::uint64_t bridge, SteadyTi
   if (std::holds_alternative<ImuSample>(event)) {
     bridge_ = bridge;
     imu_silence_.on_sample(now);
-    if (const auto lost_at = std::exchange(bridge_lost_at_, std::nullopt)) {
+    const auto lost_at = std::exchange(bridge_lost_at_, std::nullopt);
+    if (std::exchange(loss_is_counted_, false)) {
       transitions_.add({.address = counted_.address,
                         .kind = Kind::bridge_lost,
                         .begins = false,
@@ -83,16 +84,22 @@ EventOutcome BeaconEstimator::process(const collation::CollatedEvent& collated) 
 }
 
 void BeaconEstimator::on_bridge_lost(std::uint64_t bridge, SteadyTime now) noexcept {
-  if (bridge != bridge_) return;
-  ++counted_.bridge_losses;
-  if (bridge_lost_at_) return;
-  bridge_lost_at_ = now;
-  transitions_.add({.address = counted_.address, .kind = Kind::bridge_lost});
+  if (bridge == bridge_ && !bridge_lost_at_) bridge_lost_at_ = now;
+}
+
+void BeaconEstimator::on_bridge_ended(std::uint64_t bridge) noexcept {
+  if (bridge == bridge_ && !loss_is_counted_) bridge_lost_at_.reset();
 }
 
 bool BeaconEstimator::find_silence_change(SteadyTime now, TimeNs deadline_ns) {
+  const bool is_lost = is_loss_due(now);
+  if (is_lost) {
+    loss_is_counted_ = true;
+    ++counted_.bridge_losses;
+    transitions_.add({.address = counted_.address, .kind = Kind::bridge_lost});
+  }
   const auto change = imu_silence_.find_change(now, deadline_ns);
-  if (!change) return false;
+  if (!change) return is_lost;
   transitions_.add({.address = counted_.address,
                     .kind = Kind::imu_silent,
                     .begins = change->silent,

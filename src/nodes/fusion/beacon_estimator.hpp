@@ -78,15 +78,18 @@ public:
     counted_.*counter += more;
   }
 
-  /// Reports that a bridge is no longer alive. Counts it if it sent the latest IMU sample.
+  /// Reports that a bridge is no longer alive. It counts if it sent the latest IMU sample, unless
+  /// `on_bridge_ended` follows soon, as at an end in good order.
   void on_bridge_lost(std::uint64_t bridge, SteadyTime now) noexcept;
+  void on_bridge_ended(std::uint64_t bridge) noexcept;
 
-  /// True if the IMU has fallen silent for `deadline_ns` or resumed since the last call.
+  /// True if the bridge is lost, or the IMU has fallen silent for `deadline_ns` or resumed since the last
+  /// call.
   bool find_silence_change(SteadyTime now, TimeNs deadline_ns);
 
   /// True if `find_silence_change` or `transitions` has a change.
   [[nodiscard]] bool has_unreported_change(SteadyTime now, TimeNs deadline_ns) const {
-    return !transitions_.empty() || imu_silence_.has_changed(now, deadline_ns);
+    return !transitions_.empty() || is_loss_due(now) || imu_silence_.has_changed(now, deadline_ns);
   }
 
   /// Changes of state since they were last cleared.
@@ -121,6 +124,11 @@ public:
 private:
   EventOutcome process(const collation::CollatedEvent& collated) noexcept;
   [[nodiscard]] const collation::CollatorCounters& order_counters() const;
+  /// True if a bridge that is no longer alive has not ended in good order.
+  [[nodiscard]] bool is_loss_due(SteadyTime now) const {
+    constexpr TimeNs end_ns = 300'000'000;
+    return bridge_lost_at_ && !loss_is_counted_ && now - *bridge_lost_at_ >= end_ns;
+  }
 
   FusionStatus counted_;  ///< counters that nothing else keeps
   SettingsTimeline timeline_;
@@ -135,6 +143,7 @@ private:
   presence::Silence imu_silence_;
   std::uint64_t bridge_ = 0;  ///< sender of the latest IMU sample
   std::optional<SteadyTime> bridge_lost_at_;
+  bool loss_is_counted_ = false;
   transitions::FixRefusals refusals_;
   TwistUse twist_use_;
   std::uint32_t pose_status_ = status_initialising;  ///< status of the latest pose

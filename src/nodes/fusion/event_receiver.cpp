@@ -192,4 +192,13 @@ void EventReceiver::on_bridge_liveliness(const dds::LivelinessChangedStatus& sta
   });
 }
 
+void EventReceiver::on_bridge_matched(const dds::SubscriptionMatchedStatus& status) noexcept {
+  if (status.current_count_change >= 0) return;
+  targets_.estimators.with([&](auto& all) {
+    all.for_each([&](BeaconAddress, BeaconEstimator& estimator) {
+      estimator.on_bridge_ended(status.last_publication_handle);
+    });
+  });
+}
+
 }  // namespace sonopose::fusion

@@ -69,6 +69,10 @@ private:
                                const dds::LivelinessChangedStatus& status) noexcept override {
       if (std::is_same_v<T, sonopose_ImuSample>) receiver_.on_bridge_liveliness(status);
     }
+    void on_subscription_matched(dds::DataReader<T>& /*reader*/,
+                                 const dds::SubscriptionMatchedStatus& status) noexcept override {
+      if (std::is_same_v<T, sonopose_ImuSample>) receiver_.on_bridge_matched(status);
+    }
 
   private:
     EventReceiver& receiver_;
@@ -81,6 +85,7 @@ private:
   void on_deadline_missed(dds::DataReader<T>& reader,
                           const dds::RequestedDeadlineMissedStatus& status) noexcept;
   void on_bridge_liveliness(const dds::LivelinessChangedStatus& status) noexcept;
+  void on_bridge_matched(const dds::SubscriptionMatchedStatus& status) noexcept;
   template <class T>
   void take(dds::DataReader<T>& reader, SteadyTime now) noexcept SONOPOSE_REQUIRES(taking_);
   void process(const Event& event, dds::InstanceHandle bridge, TimeNs in_ns, SteadyTime now) noexcept

@@ -211,14 +211,28 @@ SCENARIO("missed deadlines and the loss of a bridge are counted") {
   CHECK(seven.status().fix_deadlines_missed == 1);
   CHECK(seven.status().heading_deadlines_missed == 0);
   seven.collate(ImuSample{}, 100, SteadyTime{begin_ns}, SteadyTime{begin_ns});
-  seven.on_bridge_lost(200, {});  // this bridge sends other beacons
-  CHECK(seven.status().bridge_losses == 0);
-  seven.on_bridge_lost(100, {});
-  CHECK(seven.status().bridge_losses == 1);
-  WHEN("the beacon has moved to another bridge") {
-    seven.collate(ImuSample{}, 200, SteadyTime{begin_ns}, SteadyTime{begin_ns});
-    seven.on_bridge_lost(100, {});
-    CHECK(seven.status().bridge_losses == 1);
+  const auto losses_after = [&seven](TimeNs later_ns) {
+    seven.find_silence_change(SteadyTime{begin_ns + later_ns}, 3600'000 * ms);
+    return seven.status().bridge_losses;
+  };
+  seven.on_bridge_lost(200, SteadyTime{begin_ns});  // this bridge sends other beacons
+  CHECK(losses_after(500 * ms) == 0);
+  seven.on_bridge_lost(100, SteadyTime{begin_ns + 500 * ms});
+  CHECK(losses_after(600 * ms) == 0);  // it may end in good order
+  WHEN("nothing more is heard") {
+    CHECK(losses_after(900 * ms) == 1);
+    CHECK(losses_after(5000 * ms) == 1);
+    seven.on_bridge_ended(100);  // the end of its lease
+    AND_WHEN("the beacon has moved to another bridge") {
+      seven.collate(ImuSample{}, 200, SteadyTime{begin_ns}, SteadyTime{begin_ns});
+      seven.on_bridge_lost(100, SteadyTime{begin_ns});
+      CHECK(losses_after(9000 * ms) == 1);
+    }
+  }
+  WHEN("it ends in good order") {
+    seven.on_bridge_ended(200);
+    seven.on_bridge_ended(100);
+    CHECK(losses_after(900 * ms) == 0);
   }
 }
 
