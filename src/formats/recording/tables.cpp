@@ -71,6 +71,8 @@ std::map<std::string, std::size_t> rows_by_tag(const std::filesystem::path& file
     }
   } catch (const files::MissingColumns&) {
     return {};
+  } catch (const files::NoNames&) {
+    return {};  // the reader of the other columns says so
   }
   return rows_by_tag;
 }

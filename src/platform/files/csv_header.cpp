@@ -246,7 +246,7 @@ CsvHeader::CsvHeader(const CsvLayout& layout, std::string_view line, const std::
     const auto numbers =
         std::ranges::count_if(names_, [](const std::string& name) { return parse_number(name).has_value(); });
     if (2 * static_cast<std::size_t>(numbers) > names_.size())
-      throw IoError(text_about_missing(where, not_found, line) + ": numbers instead of names");
+      throw NoNames(text_about_missing(where, not_found, line) + ": numbers instead of names");
     throw MissingColumns(where, not_found, line, unknown_);
   }
   if (separator_ == ' ') required_width_ = names_.size();  // between spaces no cell can be empty

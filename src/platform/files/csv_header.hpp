@@ -67,6 +67,12 @@ private:
   std::vector<MissingColumn> columns_;
 };
 
+/// A table without a line of names.
+class NoNames : public IoError {
+public:
+  using IoError::IoError;
+};
+
 /// Finds the columns of a layout in a header. Compares names without case, separators, the frames of EuRoC's
 /// names (`w_RS_S_x`) and a path before them (`field.pose.position.x`). The axis may be first (`xacc`) or an
 /// index (`gyro[0]`). A unit is in brackets or ends the name (`x_mm`); without one it is that of the layout.
