@@ -322,7 +322,7 @@ SCENARIO("a truth of another frame, unit or order of the quaternion is found") {
       return all;
     };
     THEN("each is named, and a right one is not") {
-      constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+      static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
       CHECK(finding_of([](TruthSample&) {}).empty());
       CHECK(finding_of([](TruthSample& truth) {
               truth.velocity_world_mps.setConstant(unknown);
