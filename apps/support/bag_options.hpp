@@ -92,6 +92,9 @@ inline void add_bag_options(CLI::App& app) {
       "--base-frame", [](TopicChoice& choice, const std::string& frame) { choice.base_frame = frame; },
       "Frame of velocities, tags and truth; /tf_static says where the IMU is in it (default: base_link)",
       "FRAME");
+  add_text(
+      "--map-frame", [](TopicChoice& choice, const std::string& frame) { choice.map_frame = frame; },
+      "Frame of the beacons' world, for fixes, headings and poses (default: map)", "FRAME");
   app.add_option_function<std::string>(
          "--imu-meaning",
          [change](const std::string& word) {

@@ -75,7 +75,7 @@ public:
     read_.notes = inputs_.notes;
     for (const Inputs::OfInput& input : inputs_.inputs) {
       beacon_.add(input.option);
-      monitored_.emplace_back(input.option, "map", TimeNs{0}, SteadyTime{});
+      monitored_.emplace_back(input.option, choice.map_frame, TimeNs{0}, SteadyTime{});
       input_of_topic_.emplace(input.topic, &monitored_.back());
     }
     for (const Inputs::OfAiding& aiding : inputs_.aidings) {
@@ -86,6 +86,7 @@ public:
       return input.option.tag_base_m || !input.option.tag_frame.empty();
     });
     names_.base = choice.base_frame;
+    names_.map = choice.map_frame;
     if (!inputs_.aidings.empty() || inputs_.truth || has_tags) find_mount();
   }
 

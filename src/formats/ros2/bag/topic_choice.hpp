@@ -21,6 +21,7 @@ struct TopicChoice {
   std::optional<Wheels> wheels{};      ///< of --wheels
   std::optional<std::string> truth{};  ///< of Odometry, PoseStamped or PoseWithCovarianceStamped
   std::string base_frame = "base_link";
+  std::string map_frame = "map";
   ImuMeaning imu_meaning = ImuMeaning::unknown;
 
   [[nodiscard]] bool is_given() const {

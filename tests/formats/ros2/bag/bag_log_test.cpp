@@ -279,8 +279,12 @@ SCENARIO("velocities and truth are those of the base") {
       CHECK(std::get<TwistSample>(*twist).velocity_body_mps.isApprox(Vector3d(0.5, 0, 0)));
     }
     THEN("their poses are fixes and headings, and one topic may have both kinds of input") {
-      const auto bag = read(file, {.aiding = {{AidingInput::Kind::odometry, {"/odom"}},
-                                              {AidingInput::Kind::pose, {"/odom:Odometry"}}}});
+      TopicChoice choice{.aiding = {{AidingInput::Kind::odometry, {"/odom"}},
+                                    {AidingInput::Kind::pose, {"/odom:Odometry"}}}};
+      CHECK_THAT(joined(read(file, choice).log.warnings),
+                 Contains("/tf_static does not connect their frame 'odom' with the map"));
+      choice.map_frame = "odom";
+      const auto bag = read(file, choice);
       CHECK(kinds_of(bag.log.events) == std::map<std::size_t, int>{{0, 10}, {1, 10}, {2, 10}, {3, 10}});
       CHECK(first<UltrasonicFix>(bag.log.events).position_world_m == Vector3d(3, 4, 0));
       CHECK(first<UltrasonicFix>(bag.log.events).point_body_m.isApprox(Vector3d(0, 1, 0)));
