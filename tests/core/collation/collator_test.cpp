@@ -19,12 +19,14 @@ constexpr TimeNs ms = 1'000'000;
 struct Line {
   Collator collator{5 * ms};
   std::vector<std::uint64_t> delivered;
+  std::vector<TimeNs> times_ns;  ///< of the delivered
   std::vector<std::uint64_t> restarted_at;
   SteadyTime now{1000 * ms};
 
   void push(const Event& event) {
     for (const CollatedEvent& next : collator.push(event, now)) {
       delivered.push_back(sequence_of(next.event));
+      times_ns.push_back(available_at_ns(next.event));
       if (next.restart) restarted_at.push_back(sequence_of(next.event));
     }
     now += ms;
@@ -175,6 +177,7 @@ TEST_CASE("an old duplicate is no event of a restarted numbering") {
   for (std::uint64_t n = 1; n <= 25; ++n) push_at(n, (10'000 + static_cast<TimeNs>(n)) * ms);
   CHECK(line.delivered.size() == 75);
   CHECK(std::is_sorted(line.delivered.begin() + 50, line.delivered.end()));
+  CHECK(std::is_sorted(line.times_ns.begin(), line.times_ns.end()));
   CHECK(line.collator.counters().lost == 0);
   CHECK(line.collator.counters().duplicated == 1);
 }
