@@ -330,7 +330,7 @@ private:
   /// Reports what was not played. Throws if that is everything.
   void report_unused() const {
     const marvelmind::DecoderCounters& counters = decoder_.counters();
-    if (counters.frames == 0) refuse_foreign(options_.file, bytes_read_, begin_);
+    if (counters.frames == 0) refuse_foreign(options_.file, bytes_read_, counters, begin_);
     if (events_ == 0) {
       throw files::IoError(
           fmt::format("{}: {}, but no sample: enable the streams of raw IMU and positions of the beacon",
