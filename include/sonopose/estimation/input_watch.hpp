@@ -62,6 +62,7 @@ private:
 
   struct Place {
     TimeNs time_ns = 0;
+    Vector3d point_body_m = Vector3d::Zero();  ///< of the tag; only fixes of the same one are compared
     std::complex<double> position_world_m{};
     std::complex<double> moved_world_m{};
   };
@@ -116,9 +117,6 @@ private:
   std::complex<double> moved_world_m_{};
   TimeNs last_pose_ns_ = 0;
   TimeNs known_since_ns_ = 0;  ///< since then the heading is known
-  bool yaw_is_known_ = false;  ///< of the latest pose, like the next two
-  Quaterniond q_body_to_world_ = Quaterniond::Identity();
-  double pose_turned_rad_ = 0;  ///< `turned_rad_` at its sample
   Vector3d last_force_body_mps2_ = Vector3d::Zero();
   Ring<Moment, 512> moments_;
   bool has_headings_ = false;

@@ -35,7 +35,6 @@ void InputWatch::restart() {
   moments_.clear();
   directions_.clear();
   places_.clear();
-  yaw_is_known_ = false;
   lags_ = {};
   product_ = 0;
   imu_square_ = fix_square_ = judged_ = 0;
@@ -130,9 +129,6 @@ void InputWatch::on(const FusedPose& pose) {
   constexpr TimeNs min_step_ns = 4'000'000;  // the ring then holds two seconds
   const TimeNs step_ns = saturated_difference(pose.time_ns, last_pose_ns_);
   last_pose_ns_ = pose.time_ns;
-  yaw_is_known_ = (pose.status & (status_initialising | status_heading_unknown)) == 0;
-  q_body_to_world_ = pose.q_body_to_world;
-  pose_turned_rad_ = turned_rad_;
   // Before the heading is known, accelerations have no direction.
   constexpr std::uint32_t unknown = status_initialising | status_heading_unknown | status_converging;
   if (step_ns < 0 || step_ns > max_step_ns) places_.clear();
@@ -174,19 +170,14 @@ void InputWatch::on_fix(TimeNs time_ns, const UltrasonicFix& fix) {
   constexpr int min_turns = 3;        // not every body faces where it goes
   Moment moment;
   if (!moment_at(time_ns, moment)) return;
-  Vector3d position_world_m = fix.position_world_m;
-  if (!fix.point_body_m.isZero(0.0)) {  // a tag beside the tracked point
-    if (!yaw_is_known_) return;
-    position_world_m -= geometry::rotation_about_z(moment.turned_rad - pose_turned_rad_) *
-                        (q_body_to_world_ * fix.point_body_m);
-  }
-  const Place place{time_ns, horizontal(position_world_m), moment.moved_world_m};
+  const Place place{time_ns, fix.point_body_m, horizontal(fix.position_world_m), moment.moved_world_m};
   if (places_.size() > 0 && time_ns <= places_.back(0).time_ns) return;
   places_.add(place);
   on_place(place);
   if (has_headings_) return;
   for (std::size_t i = 1; i < places_.size(); ++i) {
     const Place& from = places_.back(i);
+    if (from.point_body_m != place.point_body_m) continue;
     const double length_s = seconds_between(from.time_ns, time_ns);
     if (length_s > max_step_s) return;
     if (length_s < step_s) continue;
@@ -212,6 +203,7 @@ void InputWatch::on_place(const Place& last) {
   const Place* middle = nullptr;
   for (std::size_t i = 1; i < places_.size(); ++i) {
     const Place& place = places_.back(i);
+    if (place.point_body_m != last.point_body_m) continue;
     const Place& next = middle == nullptr ? last : *middle;
     const double length_s = seconds_between(place.time_ns, next.time_ns);
     if (length_s < step_s) continue;
