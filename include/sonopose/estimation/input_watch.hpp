@@ -62,7 +62,6 @@ private:
 
   struct Place {
     TimeNs time_ns = 0;
-    Vector3d point_body_m = Vector3d::Zero();  ///< of the tag; only fixes of the same one are compared
     std::complex<double> position_world_m{};
     std::complex<double> moved_world_m{};
   };
@@ -126,6 +125,8 @@ private:
   std::array<Lag, 2 * max_lags + 1> lags_{};
   Ring<Direction, 64> directions_;
   Ring<Place, 64> places_;
+  Vector3d tag_body_m_ = Vector3d::Zero();  ///< place of the one tag that is followed
+  TimeNs tag_seen_ns_ = 0;
   std::complex<double> product_{};  ///< of the changes of speed by IMU (conjugate) and fixes; fading sum
   double imu_square_ = 0;
   double fix_square_ = 0;

@@ -168,16 +168,23 @@ void InputWatch::on_fix(TimeNs time_ns, const UltrasonicFix& fix) {
   constexpr double max_step_s = 1.0;
   constexpr double min_step_m = 0.2;  // well above the noise of fixes
   constexpr int min_turns = 3;        // not every body faces where it goes
+  constexpr TimeNs tag_lost_ns = 1'000'000'000;
+  if (fix.point_body_m != tag_body_m_) {  // two tags do not move alike
+    if (std::abs(saturated_difference(time_ns, tag_seen_ns_)) < tag_lost_ns) return;
+    tag_body_m_ = fix.point_body_m;
+    places_.clear();
+    if (!has_headings_) directions_.clear();
+  }
+  tag_seen_ns_ = time_ns;
   Moment moment;
   if (!moment_at(time_ns, moment)) return;
-  const Place place{time_ns, fix.point_body_m, horizontal(fix.position_world_m), moment.moved_world_m};
+  const Place place{time_ns, horizontal(fix.position_world_m), moment.moved_world_m};
   if (places_.size() > 0 && time_ns <= places_.back(0).time_ns) return;
   places_.add(place);
   on_place(place);
   if (has_headings_) return;
   for (std::size_t i = 1; i < places_.size(); ++i) {
     const Place& from = places_.back(i);
-    if (from.point_body_m != place.point_body_m) continue;
     const double length_s = seconds_between(from.time_ns, time_ns);
     if (length_s > max_step_s) return;
     if (length_s < step_s) continue;
@@ -203,7 +210,6 @@ void InputWatch::on_place(const Place& last) {
   const Place* middle = nullptr;
   for (std::size_t i = 1; i < places_.size(); ++i) {
     const Place& place = places_.back(i);
-    if (place.point_body_m != last.point_body_m) continue;
     const Place& next = middle == nullptr ? last : *middle;
     const double length_s = seconds_between(place.time_ns, next.time_ns);
     if (length_s < step_s) continue;
