@@ -39,7 +39,7 @@ int serve(Options& options) {
     reading.reset();
     stop.listen_to_signals();  // before, a signal ends the process immediately
     keys.emplace(control, stop);
-    if (keys->are_read()) logging::info("space: pause and go on; s: one message; q: end");
+    if (keys->are_read()) logging::info("space: pause and continue; s: one message; q: quit");
   };
   const auto report = player::play(options.player, control, stop);
   apps::print("played {} in {:.1f} s\n", text::count_text(report.played, "message"), report.duration_s);
@@ -63,7 +63,8 @@ int serve(Options& options) {
 int main(int argc, char** argv) {
   Options options;
   player::PlayerOptions& player = options.player;
-  apps::Program app("play", "On a terminal the space bar pauses and goes on, s plays one message, q ends.");
+  apps::Program app("play",
+                    "On a terminal the space bar pauses and continues, s plays one message, q quits.");
   app.add_option("file", player.recording, "The recording: MCAP files, or a folder of them")
       ->required()
       ->type_name("FILE");
@@ -73,7 +74,7 @@ int main(int argc, char** argv) {
                  "1: real time; 10: ten times as fast; 0: as fast as the readers (a fusion needs --lossless)")
       ->check(apps::number_between(0.0, 1e6))
       ->capture_default_str();
-  app.add_flag("--loop", player.loop, "Begin again at the end, until stopped");
+  app.add_flag("--loop", player.loop, "Restart at the end, until stopped");
   apps::add_span_options(app, player.start, player.end);
   apps::add_expanded_option(app);
   app.add_option("--max-gap", player.max_gap_s, "Shorten longer times without a message to this one")

@@ -65,7 +65,7 @@ void add_options(CLI::App& app, Options& options) {
 int list() {
   for (const auto& group : {sim::scenarios(), sim::harder_scenarios(), sim::violations()}) {
     for (const sim::Scenario& scenario : group) {
-      apps::print("{:<16} {:>3} s  {}\n", scenario.name, scenario.duration_s, scenario.summary);
+      apps::print("{:<20} {:>3} s  {}\n", scenario.name, scenario.duration_s, scenario.summary);
     }
   }
   return 0;

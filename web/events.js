@@ -160,7 +160,7 @@
       });
     }
 
-    // The doctor may go on, but its findings do not come.
+    // The doctor may continue, but its findings do not arrive.
     onLost() {
       this.progress.hidden = true;
       this.button.disabled = false;

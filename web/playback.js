@@ -1,4 +1,4 @@
-// A recording: fills the model at once; the time bar chooses what is shown.
+// A recording: fills the model completely; the time bar chooses what is shown.
 "use strict";
 
 (() => {

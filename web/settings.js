@@ -109,7 +109,7 @@
     allow(isAllowed) {
       this.isAllowed = isAllowed;
       this.parts.note.textContent = isAllowed
-        ? "A change takes effect at once, and lasts until the fusion ends."
+        ? "A change takes effect immediately, and lasts until the fusion ends."
         : "To change settings here, start sonopose-web with --allow-changes.";
       this.parts.reset.disabled = !isAllowed;
       for (const input of this.inputs.values()) input.disabled = !isAllowed;

@@ -14,7 +14,7 @@ namespace {
 
 using bus_log::Moment;
 
-/// Above, a number is a log time in ns: 285 years are longer than any recording.
+/// Limit above which a number is a log time in ns: 285 years are longer than any recording.
 constexpr double max_after_s = 9e9;
 
 std::optional<Moment> moment_of(const std::string& text) {

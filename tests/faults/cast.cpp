@@ -36,7 +36,7 @@ constexpr bool can_limit_files = false;  // the sanitizer ends a process with `u
 constexpr bool can_limit_files = true;
 #endif
 
-/// With SONOPOSE_FAULT_NICE=1, gives a program that has just started the lowest priority.
+/// Gives a program that has just started the lowest priority, if SONOPOSE_FAULT_NICE=1.
 void make_nice(const Process& process) {
   constexpr int lowest = 19;
   if (std::getenv("SONOPOSE_FAULT_NICE") == nullptr) return;

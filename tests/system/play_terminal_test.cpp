@@ -50,7 +50,7 @@ SCENARIO("keys pause a player and play single messages") {
     Consumer<sonopose_ImuSample> imu(bus, topics::imu);
     TerminalProcess play(SONOPOSE_TEST_PLAY,
                          {(folder / "run.mcap").string(), "--domain", std::to_string(bus.domain_id())}, 200);
-    REQUIRE(play.wait_for("space: pause and go on"));
+    REQUIRE(play.wait_for("space: pause and continue"));
     REQUIRE(imu.wait_for_count(20));
     WHEN("it is paused, and told three times to play one message") {
       play.type(" ");
@@ -87,7 +87,7 @@ SCENARIO("a second Ctrl-C ends a player that hangs, and restores the terminal") 
     TerminalProcess play(
         SONOPOSE_TEST_PLAY,
         {(folder / "walk.mcap").string(), "--loop", "--domain", std::to_string(bus.domain_id())}, 200);
-    REQUIRE(play.wait_for("space: pause and go on"));
+    REQUIRE(play.wait_for("space: pause and continue"));
     const HeldThread held(play.pid(), "sonopose-play");
     WHEN("Ctrl-C is pressed, and again after more than a second") {
       play.type("\x03");

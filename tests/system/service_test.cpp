@@ -137,7 +137,7 @@ SCENARIO("a fusion reports to the service manager, and reads its settings again"
         write_text(file.drop_ins / "50-quality.toml", "[admission]\nmin_quality_percent = 600\n");
         fusion->send(SIGUSR2);
         THEN("the fusion names the mistake and keeps its settings") {
-          CHECK_THAT(manager.next_with("the former ones stay"),
+          CHECK_THAT(manager.next_with("the previous ones stay"),
                      Contains("READY=1") && Contains("50-quality.toml:2:") && Contains("600"));
           CHECK_THAT(quality(), Contains("= 60"));
         }

@@ -50,7 +50,7 @@ public:
   /// Processes one sample. Returns false and does nothing if the sample is not a measurement (not finite or
   /// beyond any sensor's range), is earlier than the previous one, or is so much later that the next ones
   /// must confirm it (is_unconfirmed_jump). After `max_backward_samples` earlier samples in a row, the clock
-  /// was set back: the filter goes on from there.
+  /// was set back: the filter continues from there.
   bool on(const ImuSample& imu) {
     if (!is_measurement(imu)) return false;
     if (started_ && is_unconfirmed_jump(announced_ns_, ahead_in_row_, time_ns_, imu.sensor_time_ns))

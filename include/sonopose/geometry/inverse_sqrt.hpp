@@ -7,8 +7,8 @@
 /// subtracted from a constant, approximate 1/√x to within 3.44 %. A Newton step y ← y·(3 − x·y²)/2 turns a
 /// relative error e into −(3e² + e³)/2: never above, and at most 1.753e-3 below. Enlarged by half of that,
 /// the result is wrong by no more than 8.8e-4 either way, and a second step leaves 1.2e-6. Measured from 1e-6
-/// to 1e6: 1.27e-6 for float, its rounding included, and 1.15e-6 for double (`test_math -s "the fast inverse
-/// square root*"`).
+/// to 1e6: 1.27e-6 for float, its rounding included, and 1.15e-6 for double (`test_values -s "the fast
+/// inverse square root*"`).
 
 #include <bit>
 #include <cmath>

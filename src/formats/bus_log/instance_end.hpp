@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// The end of an instance as a message of a file, since MCAP has no form for it (docs/mcap.md).
+/// The end of an instance as a message of a file, since MCAP has no form for it (docs/record-and-play.md).
 
 #include <sonopose/dds/topics/serialized_topics.hpp>
 

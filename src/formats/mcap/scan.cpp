@@ -56,7 +56,8 @@ private:
       return false;
     }
     end_plain();
-    const std::string text = std::string(error.what()) + "; reading goes on at byte " + std::to_string(*next);
+    const std::string text =
+        std::string(error.what()) + "; reading continues at byte " + std::to_string(*next);
     if (at_ < file_.size() && file_.bytes(at_, 1).front() == static_cast<std::byte>(Opcode::chunk)) {
       contents_.add_unreadable_block(text);
     } else {

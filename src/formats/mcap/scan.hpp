@@ -14,7 +14,7 @@ namespace sonopose::mcap {
 Header read_header(const RecordFile& file);
 
 /// Reads every record. Damaged parts are left out and named in `damages`; the file may end anywhere. Where
-/// damage hides the start of the next record, reading goes on at the next of `known_offsets`, which are
+/// damage hides the start of the next record, reading continues at the next of `known_offsets`, which are
 /// ascending. Throws FormatError without a header.
 Contents scan(const RecordFile& file, std::vector<std::uint64_t> known_offsets = {});
 

@@ -238,7 +238,7 @@ void FusionNode::Impl::reload() {
   try {
     settings_server_.replace(read_again_());
   } catch (const std::exception& error) {
-    status = fmt::format("settings not read again, the former ones stay: {}", error.what());
+    status = fmt::format("settings not reloaded, the previous ones stay: {}", error.what());
     logging::error(status);
   }
   process::report_reloaded(status);

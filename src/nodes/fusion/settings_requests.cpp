@@ -147,7 +147,7 @@ void SettingsRequests::carry_out(const SettingsRequest& request, SettingsReply& 
     remarks.push_back(std::move(text));
   }
   if (assignments.contains("fusion.engine")) {
-    remarks.emplace_back("where fusion.engine changes, the estimate starts again and reset_counter rises");
+    remarks.emplace_back("where fusion.engine changes, the estimate restarts and reset_counter rises");
   }
   reply.reason = fmt::format("{}", fmt::join(remarks, "; "));
 

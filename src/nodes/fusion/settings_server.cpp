@@ -56,7 +56,7 @@ void SettingsServer::replace(config::FusionConfig config) {
 void SettingsServer::replace_requested() {
   const auto config = replacement_.with([](auto& each) { return std::exchange(each, std::nullopt); });
   if (!config) return;
-  estimators_.with([&](auto& all) {  // at once, so that a beacon that appears meanwhile has the new ones too
+  estimators_.with([&](auto& all) {  // under one lock: a beacon that appears meanwhile gets the new ones too
     std::vector<BeaconAddress> addresses = all.scheduled();
     for (const BeaconAddress address : config->beacons()) addresses.push_back(address);
     addresses.push_back(all_beacons);

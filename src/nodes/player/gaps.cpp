@@ -46,7 +46,7 @@ Gaps::Gaps(std::optional<double> max_gap_s, double rate, std::uint64_t begin_ns)
   }
 }
 
-std::uint64_t Gaps::go_on_to(std::uint64_t log_time_ns) {
+std::uint64_t Gaps::advance_to(std::uint64_t log_time_ns) {
   const std::uint64_t gap_ns = log_time_ns - std::min(log_time_ns, last_ns_);
   const double gap_s = static_cast<double>(gap_ns) / ns_per_s;
   const bool is_shortened = max_gap_s_ && gap_s > *max_gap_s_;

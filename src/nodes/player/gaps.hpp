@@ -20,8 +20,8 @@ public:
   /// Starts a run at a message of this log time.
   void begin(std::uint64_t log_time_ns) { last_ns_ = log_time_ns; }
 
-  /// Goes on to the next message. Returns the duration to leave out before it.
-  std::uint64_t go_on_to(std::uint64_t log_time_ns);
+  /// Advances to the next message. Returns the duration to leave out before it.
+  std::uint64_t advance_to(std::uint64_t log_time_ns);
 
   [[nodiscard]] std::uint64_t shortened() const { return shortened_; }
   [[nodiscard]] double left_out_s() const { return left_out_s_; }

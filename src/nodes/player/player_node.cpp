@@ -118,7 +118,7 @@ public:
 private:
   void wait_for_readers();
   void play_once();
-  void go_on_to(std::uint64_t log_time_ns);
+  void advance_to(std::uint64_t log_time_ns);
   bool publish(const mcap::Message& message);
   bool wait_for(std::uint64_t log_time_ns);
   void obey_pause(std::uint64_t log_time_ns);
@@ -197,7 +197,7 @@ void Play::play_once() {
     if (!publish(message_at(latched_.samples, entry))) return;
   }
   for (; message; message = messages.next()) {
-    go_on_to(message->log_time_ns);
+    advance_to(message->log_time_ns);
     if (!wait_for(message->log_time_ns) || !publish(*message)) return;
   }
   for (const std::string& damage : messages.skipped()) logging::warning("not played: " + damage);
@@ -224,8 +224,8 @@ void Play::begin(std::uint64_t log_time_ns) {
 }
 
 /// Leaves out what a gap has too much, also in the times of the messages.
-void Play::go_on_to(std::uint64_t log_time_ns) {
-  const std::uint64_t left_out_ns = gaps_.go_on_to(log_time_ns);
+void Play::advance_to(std::uint64_t log_time_ns) {
+  const std::uint64_t left_out_ns = gaps_.advance_to(log_time_ns);
   if (left_out_ns == 0) return;
   clock_.leave_out(left_out_ns);
   if (!options_.restamp) return;

@@ -1,7 +1,26 @@
 #pragma once
 /// \file
-/// Messages of the server to the page: texts of the sub-protocol sonopose.v1 (docs/web.md). Requests of the
-/// page are in page_requests.hpp.
+/// Messages of the server to the page on the WebSocket /ws: JSON texts of the sub-protocol sonopose.v1. Times
+/// are seconds since the Unix epoch, units are SI and radians, null is unknown. `op` is the name of the
+/// message:
+///
+///   hello       first: version, mode (live or recording), allow_changes, domain, title
+///   frame       25 times a second: t, and `beacons` with what is new: a (address); pose: t and
+///               live::pose_columns; truth: t, x, y, z, yaw; fixes: t_applied, t_emission, x, y, z, ix, iy,
+///               iz (innovation), test ratio, weight, flags, verdict (0 used, 1 down-weighted, 2 rejected)
+///   status      once a second: the object of `sonopose-monitor --json`
+///   event       t, level, text; for a log line also program, host, pid, and missing: lines lost before it. A
+///               new page gets the latest 500
+///   stationary  beacons (a, x, y, z)
+///   settings    address, values, from_event
+///   gone        a: a forgotten beacon
+///   reply       to a request: id, accepted, reason, details, from_event
+///   findings    running, share, ok, findings
+///   dropped     frames that this browser did not take
+///
+/// Requests of the page are in page_requests.hpp. GET /settings.json has all settings, /status.json the
+/// status bits, /map.json the floor plan's place and the geofence, /recording.json the columns of a
+/// recording.
 
 #include <sonopose/samples/live_settings.hpp>
 #include <sonopose/samples/log_line.hpp>

@@ -1,6 +1,7 @@
 #pragma once
 /// \file
-/// Requests of the page to its server: texts of the sub-protocol sonopose.v1 (docs/web.md).
+/// Requests of the page to its server: texts of the sub-protocol sonopose.v1 (page_messages.hpp). `op` is
+/// change (id, address or "all", assignments: texts by key), reset (id, address) or examine (seconds).
 
 #include <sonopose/samples/live_settings.hpp>
 

@@ -258,7 +258,7 @@ CsvHeader::CsvHeader(const CsvLayout& layout, std::string_view line, const std::
   }
 }
 
-/// Between spaces, a unit in brackets belongs to the name before it.
+/// Adds a name. Where spaces separate names, a unit in brackets belongs to the name before it.
 void CsvHeader::add_name(std::string_view cell) {
   const bool is_unit_of_last =
       separator_ == ' ' && !names_.empty() && (cell.starts_with('[') || cell.starts_with('(') || is_open_);

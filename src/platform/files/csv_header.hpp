@@ -27,9 +27,9 @@ struct ColumnSynonym {
 struct ColumnNames {
   std::map<std::string, std::string> own_by_given;  ///< names in the layout, with or without unit: `x [mm]`
   std::set<std::string> found;                      ///< given names that a header had
-  /// For each reader in turn, the names in its header by those in the layout, without units.
+  /// Names in the header of each reader in turn, by those in the layout, without units.
   std::vector<std::map<std::string, std::string>> columns_by_reader = {};
-  /// For each file, the columns that one of its readers does not have, instead of a warning.
+  /// Columns of each file that one of its readers does not use, instead of a warning.
   std::map<std::string, std::vector<std::vector<std::string>>> unused_by_file = {};
 };
 

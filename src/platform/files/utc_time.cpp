@@ -7,7 +7,7 @@
 namespace sonopose::files {
 namespace {
 
-/// Reads the parts of a text from left to right. Members return false if the text goes on otherwise.
+/// Reads the parts of a text from left to right. Members return false if the text continues otherwise.
 class Parts {
 public:
   explicit Parts(std::string_view text) : rest_(text) {}

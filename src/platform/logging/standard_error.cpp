@@ -51,9 +51,9 @@ private:
   bool was_pending_ = false;  ///< SIGPIPE from another write of this thread
 };
 
-/// Like write(2), but fails with EAGAIN instead of waiting. O_NONBLOCK on standard error itself would affect
-/// every process that shares it, so a pipe or terminal is opened again. poll(2) does not suffice: a terminal
-/// reports ready without space for a line.
+/// Variant of write(2) that fails with EAGAIN instead of waiting. O_NONBLOCK on standard error itself would
+/// affect every process that shares it, so a pipe or terminal is opened again. poll(2) does not suffice: a
+/// terminal reports ready without space for a line.
 ssize_t write_without_waiting(std::string_view text) {
   struct stat file {};
   if (::fstat(STDERR_FILENO, &file) == 0 && (S_ISFIFO(file.st_mode) || S_ISCHR(file.st_mode))) {

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
 /// Messages of the process to the service manager that started it, such as systemd for a unit with
-/// Type=notify. Without one, nothing. Source: sd_notify(3), sd_watchdog_enabled(3).
+/// Type=notify. Without one, they do nothing. Source: sd_notify(3), sd_watchdog_enabled(3).
 
 #include <sonopose/samples/time.hpp>
 
@@ -9,17 +9,17 @@
 
 namespace sonopose::process {
 
-/// Tells the service manager, once, that the program serves.
+/// Reports, once, that the program serves.
 void report_ready() noexcept;
 
-/// Tells it what the program does, in a line.
+/// Reports what the program does, in a line.
 void report_status(const std::string& status) noexcept;
 
-/// Tells it that the settings are read again, and then that they have been, with a line of status.
+/// Report that the settings are being reloaded, and then that they are, with a line of status.
 void report_reloading() noexcept;
 void report_reloaded(const std::string& status) noexcept;
 
-/// Tells it that the work goes on, at most eight times in the period of its watchdog. Call it from the loop
+/// Reports that the work continues, at most eight times in the period of the watchdog. Call it from the loop
 /// that does or checks the work.
 void report_progress(SteadyTime now) noexcept;
 

@@ -26,7 +26,7 @@ public:
   void lock() SONOPOSE_THREAD_ANNOTATION(acquire_capability()) { mutex_.lock(); }
   void unlock() SONOPOSE_THREAD_ANNOTATION(release_capability()) { mutex_.unlock(); }
 
-  /// Tells the analysis that the mutex is held, in a lambda that is called under the lock. Does nothing.
+  /// States for the analysis, in a lambda that is called under the lock, that the mutex is held.
   void assert_held() const SONOPOSE_THREAD_ANNOTATION(assert_capability()) {}
 
 private:

@@ -17,7 +17,7 @@ namespace sonopose::plots {
 ///     $fixesK      1 time, 2-4 x y z, 5-6 innovation along and left, 7-8 3 sigma of them, 9 weight,
 ///                  10 speed, 11 class, 12 seen flags
 ///     $histogramK  1 innovation, 2-3 share along and left
-/// Of the recording: $headings (1 time, 2 heading), $arrivals (1 time, 2 delay, 3 quality). Of the first run:
+/// The recording has $headings (1 time, 2 heading), $arrivals (1 time, 2 delay, 3 quality); the first run has
 /// $status (1 time, 2 stale, 3 converging), $silences (1 time, 2 silence of the IMU). Blank lines end the
 /// curves before a silence.
 ///

@@ -327,10 +327,10 @@ SCENARIO("an index of messages is damaged") {
   GIVEN("a record whose length hides where the next one begins") {
     bytes[at + 7] = std::byte{0x7f};
     const Reader reader = reader_of(bytes);
-    THEN("reading goes on at the next chunk") {
+    THEN("reading continues at the next chunk") {
       REQUIRE(reader.damages().size() == 1);
       CHECK_THAT(reader.damages()[0],
-                 Contains("MessageIndex length is ") && Contains("reading goes on at byte "));
+                 Contains("MessageIndex length is ") && Contains("reading continues at byte "));
       CHECK(times_of(reader) == Times{1, 2, 3, 5, 6, 7});
     }
   }

@@ -146,7 +146,7 @@ SCENARIO("the answer to a change of the engine states that the estimate starts a
       const auto answer = feeder.requests.answer(request(7, {{"fusion.engine", "documented"}}));
       THEN("it is accepted, and says so") {
         CHECK(answer.accepted);
-        CHECK_THAT(answer.reason, Contains("the estimate starts again and reset_counter rises"));
+        CHECK_THAT(answer.reason, Contains("the estimate restarts and reset_counter rises"));
       }
     }
   }

@@ -27,7 +27,7 @@ constexpr std::uint64_t six_years = std::uint64_t{2190} * 86400 * second;
 std::string log_of(Gaps& gaps, std::initializer_list<std::uint64_t> after_ns) {
   logging::test::CapturedError error;
   gaps.begin(begin_ns);
-  for (const std::uint64_t each : after_ns) gaps.go_on_to(begin_ns + each);
+  for (const std::uint64_t each : after_ns) gaps.advance_to(begin_ns + each);
   error.restore();
   return error.read();
 }
@@ -64,10 +64,10 @@ SCENARIO("times without messages are shortened") {
     Gaps gaps(0.5, 1.0, begin_ns);
     gaps.begin(begin_ns);
     THEN("what exceeds it is left out, and counted") {
-      CHECK(gaps.go_on_to(begin_ns + second / 2) == 0);
-      CHECK(gaps.go_on_to(begin_ns + 2 * second) == second);
-      CHECK(gaps.go_on_to(begin_ns + second) == 0);  // a step back
-      CHECK(gaps.go_on_to(begin_ns + 2 * second + six_years) == six_years - second / 2);
+      CHECK(gaps.advance_to(begin_ns + second / 2) == 0);
+      CHECK(gaps.advance_to(begin_ns + 2 * second) == second);
+      CHECK(gaps.advance_to(begin_ns + second) == 0);  // a step back
+      CHECK(gaps.advance_to(begin_ns + 2 * second + six_years) == six_years - second / 2);
       CHECK(gaps.shortened() == 2);
       CHECK(gaps.left_out_s() == Approx(static_cast<double>(six_years) * 1e-9 + 0.5));
     }

@@ -105,7 +105,7 @@ Vector3d vector_of(const Vector3& vector) {
   return {vector.x, vector.y, vector.z};
 }
 
-/// Tells whether REP-145 marks the data of this covariance as absent.
+/// Returns true if REP-145 marks the data of this covariance as absent.
 bool is_absent(const double* covariance) {
   return covariance[0] == -1;
 }

@@ -28,8 +28,8 @@ void check_pose_writers(const Observations& observations, Findings& findings);
 void check_beacon(const Observations& observations, const BeaconObservation& beacon, bool is_imu_right,
                   Findings& findings);
 /// A reported problem that explains others; later values are stronger. Wrong fixes explain doubts about
-/// fixes. A wrong installation, or two bridges, also makes right fixes look wrong, up to their rejection.
-/// With wrong units or axes of the IMU, its fusion may not even start.
+/// fixes. A wrong installation, or two bridges, also makes right fixes seem wrong, up to their rejection.
+/// Wrong units or axes of the IMU can keep its fusion from starting.
 enum class Cause : std::uint8_t { none, fixes, installation, imu };
 /// Reports lasting status bits of one beacon's poses, except those that `cause` explains.
 void check_pose(double window_s, const BeaconObservation& beacon, Cause cause, Findings& findings);

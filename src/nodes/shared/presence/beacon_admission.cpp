@@ -17,7 +17,7 @@ bool BeaconAdmission::accepts(BeaconAddress address) noexcept {
   return has(address) || accepts(address, clocks::steady_now());
 }
 
-/// True if the latest new beacons came too fast: `next_` is ahead by all that may come at once.
+/// True if the latest new beacons came too fast: `next_` is ahead by all that may come together.
 bool BeaconAdmission::is_too_soon(SteadyTime now) const {
   return pace_ == Pace::limited && next_ - now > static_cast<TimeNs>(max_at_once - 1) * spacing_ns;
 }

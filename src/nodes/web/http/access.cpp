@@ -117,7 +117,7 @@ bool is_host(std::string_view text) {
 
 void check_token(const std::string& token) {
   if (token.size() >= min_token_size && has_only(token, "._~-")) return;
-  throw std::invalid_argument("the token has to have at least " + std::to_string(min_token_size) +
+  throw std::invalid_argument("the token must have at least " + std::to_string(min_token_size) +
                               " characters, of A-Z a-z 0-9 . _ ~ -");
 }
 

@@ -26,7 +26,7 @@ public:
 
   /// Returns new samples since the last call as JSON, without a newline; empty if there are none:
   /// {"op": "frame", "t", "beacons": [{"a", "pose": [...], "truth": [...], "fixes": [[...]]}]}.
-  /// docs/web.md describes the fields.
+  /// page_messages.hpp describes the fields.
   std::string take_frame(TimeNs now_ns);
 
   /// Latest pose and truth of each beacon in the same form, for a new page.

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// Numbers of a pose, a fix and the truth, in the order for the page (docs/web.md), without the time of the
-/// row. NaN is unknown.
+/// Numbers of a pose, a fix and the truth, in the order for the page (page_messages.hpp), without the time of
+/// the row. NaN is unknown.
 
 #include <sonopose/geometry/rotation.hpp>
 #include <sonopose/samples/pose.hpp>

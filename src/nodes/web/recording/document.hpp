@@ -90,7 +90,7 @@ private:
     Columns fixes;
     Columns truth;
     Columns status;
-    observation::FirstReports reports;  ///< a recording does not tell whose they are
+    observation::FirstReports reports;  ///< a recording does not say whose they are
     transitions::TransitionDetector detector;
     std::optional<TimeNs> latest_ns;  ///< latest pose in this second
   };

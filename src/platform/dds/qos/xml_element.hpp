@@ -67,13 +67,13 @@ std::int64_t number(const Source& source, const pugi::xml_node& element, std::in
 inline constexpr std::int64_t int32_min = std::numeric_limits<std::int32_t>::min();
 inline constexpr std::int64_t int32_max = std::numeric_limits<std::int32_t>::max();
 
-/// Like `number`, up to the largest 32-bit integer.
+/// Number in the range of 32-bit integers.
 std::int32_t number32(const Source& source, const pugi::xml_node& element, std::int64_t lowest,
                       const Words& words = {});
 
 /// Reads `<sec>` and `<nanosec>`. Infinite if all given parts are infinite.
 Duration duration(const Source& source, const pugi::xml_node& element);
-/// Like `duration`; fails for zero.
+/// Duration above zero.
 Duration positive_duration(const Source& source, const pugi::xml_node& element);
 
 std::vector<std::uint8_t> base64(const Source& source, const pugi::xml_node& element);

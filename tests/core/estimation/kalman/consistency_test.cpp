@@ -58,7 +58,7 @@ struct Consistency {
   }
 };
 
-/// For all sizes: a decomposition for each would take seconds to compile.
+/// Squared error over its covariance, of any size: a decomposition for each would take seconds to compile.
 double squared_norm(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& error) {
   return error.dot(covariance.llt().solve(error));
 }

@@ -1,4 +1,4 @@
-/// The table of docs/qos.md matches qos/sonopose.xml.
+/// The tables of docs/qos.md match qos/sonopose.xml.
 
 #include "dds/dds_fixture.hpp"
 #include <sonopose/dds/qos/match.hpp>
@@ -12,9 +12,12 @@
 #include <set>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 namespace sonopose::dds::test::qos_docs_test {
+
+using namespace std::chrono_literals;
 
 const std::string library = "sonopose::";
 
@@ -54,47 +57,39 @@ std::string deadline(const Qos& qos) {
   return qos::text_of(qos.policy<policy::Deadline>().value().period);
 }
 
-std::string liveliness(const Qos& qos) {
-  const auto value = qos.policy<policy::Liveliness>().value();
-  const std::map<policy::LivelinessKind, std::string> names{
-      {policy::LivelinessKind::automatic, "automatic"},
-      {policy::LivelinessKind::manual_by_participant, "manual by participant"},
-      {policy::LivelinessKind::manual_by_topic, "manual by topic"}};
-  return names.at(value.kind) + ", " + qos::text_of(value.lease_duration);
-}
-
-std::string ownership(const Qos& qos) {
-  return qos.policy<policy::Ownership>().value().kind == policy::OwnershipKind::exclusive ? "exclusive"
-                                                                                          : "shared";
-}
-
 std::string durability(const Qos& qos) {
   return qos.policy<policy::Durability>().value().kind == policy::DurabilityKind::volatile_data
              ? "volatile"
              : "transient local";
 }
 
-/// Row of a profile; `begin` precedes the policies.
-std::string row_of(const qos::Provider& qos, const std::string& profile, const std::string& begin) {
-  const Qos& writer = qos.datawriter_qos(profile);
-  const Qos& reader = qos.datareader_qos(profile);
-  const auto both = [&](std::string (*text)(const Qos&), const std::string& more = {}) {
-    const std::string offered = text(writer);
-    const std::string requested = text(reader);
-    return offered + more + (offered == requested ? "" : "; reader: " + requested);
-  };
-  const std::string blocking = qos::text_of(writer.policy<policy::Reliability>().value().max_blocking_time);
-  std::string owner = both(ownership);
-  if (owner == "exclusive") {
-    owner += ", " + std::to_string(writer.policy<policy::OwnershipStrength>().value().value);
-  }
-  std::string row = begin;
-  for (const std::string& cell :
-       {both(reliability, ", " + blocking), both(history), both(deadline), both(liveliness), owner,
-        both(durability), std::to_string(writer.policy<policy::TransportPriority>().value().value)}) {
-    row += " " + cell + " |";
-  }
-  return row;
+/// One property as a writer offers it and, where that differs, as a reader requests it.
+std::string both(const qos::Provider& qos, const std::string& profile, std::string (*text)(const Qos&)) {
+  const std::string offered = text(qos.datawriter_qos(profile));
+  const std::string requested = text(qos.datareader_qos(profile));
+  return offered + (offered == requested ? "" : "; reader: " + requested);
+}
+
+std::string blocking(const qos::Provider& qos, const std::string& profile) {
+  return qos::text_of(qos.datawriter_qos(profile).policy<policy::Reliability>().value().max_blocking_time);
+}
+
+/// Cells of a profile that follow its name and topics.
+std::string cells_of(const qos::Provider& qos, const std::string& profile) {
+  const std::string most = " | " + both(qos, profile, history) + " | ";
+  const std::string last = both(qos, profile, durability) + " |";
+  if (!is_native(profile)) return both(qos, profile, reliability) + most + last;
+  return blocking(qos, profile) + most + both(qos, profile, deadline) + " | " + last;
+}
+
+/// Names and topics of profiles that share a row: lists that are separated by commas.
+struct SharedRow {
+  std::string profiles;
+  std::string topics;
+};
+
+void add_to(std::string& list, const std::string& more) {
+  list += (list.empty() ? "" : ", ") + more;
 }
 
 /// Rows of the page's two tables of profiles.
@@ -112,16 +107,21 @@ TEST_CASE("The tables of docs/qos.md are what qos/sonopose.xml says, profile by 
   const qos::Provider qos = project_qos();
   const auto topics = topics_by_profile();
   std::size_t native = 0;
-  std::set<std::string> rows;
+  std::map<std::pair<bool, std::string>, SharedRow> shared_rows;  // native or not, and cells
   for (const std::string& profile : qos.profiles()) {
+    SharedRow& row = shared_rows[{is_native(profile), cells_of(qos, profile)}];
     if (!is_native(profile)) {
-      rows.insert(row_of(qos, profile, "| `" + profile + "` |"));
+      add_to(row.profiles, "`" + profile + "`");
       continue;
     }
     ++native;
     REQUIRE(topics.contains(profile));  // fails for a profile that no topic uses
-    rows.insert(
-        row_of(qos, profile, "| `" + profile.substr(library.size()) + "` | " + topics.at(profile) + " |"));
+    add_to(row.profiles, "`" + profile.substr(library.size()) + "`");
+    add_to(row.topics, topics.at(profile));
+  }
+  std::set<std::string> rows;
+  for (const auto& [key, row] : shared_rows) {
+    rows.insert("| " + row.profiles + " | " + (key.first ? row.topics + " | " : "") + key.second);
   }
   CHECK(native == topics.size());
   CHECK(rows_of_page() == rows);
@@ -155,16 +155,26 @@ TEST_CASE("Every profile sets every policy, and the general statements of docs/q
         CHECK(limits.max_samples == policy::length_unlimited);
         CHECK(limits.max_samples_per_instance == policy::length_unlimited);
       }
-      const Duration lease = end->policy<policy::Liveliness>().value().lease_duration;
+      const policy::Liveliness liveliness = end->policy<policy::Liveliness>().value();
+      const bool asserts = profile == "sonopose::Pose" && end == &writer;
+      CHECK(liveliness.kind ==
+            (asserts ? policy::LivelinessKind::manual_by_topic : policy::LivelinessKind::automatic));
+      const bool without_lease = !is_native(profile) || profile == "sonopose::Log";
+      const Duration lease = asserts ? Duration(100ms) : without_lease ? infinite : Duration(1s);
+      CHECK(liveliness.lease_duration == lease);
+      const bool is_pose = profile == "sonopose::Pose" || profile == "sonopose::LosslessPose";
+      CHECK(end->policy<policy::Ownership>().value().kind ==
+            (is_pose ? policy::OwnershipKind::exclusive : policy::OwnershipKind::shared));
       if (is_native(profile)) {
         CHECK(end->policy<policy::Reliability>().value().kind == policy::ReliabilityKind::reliable);
-        CHECK((lease != infinite) == (profile != "sonopose::Log"));
       } else {
-        CHECK(lease == infinite);
         CHECK(end->policy<policy::Deadline>().value().period == infinite);
-        CHECK(end->policy<policy::Ownership>().value().kind == policy::OwnershipKind::shared);
+      }
+      if (is_pose && end == &writer) {
+        CHECK(end->policy<policy::OwnershipStrength>().value().value == 100);
       }
     }
+    if (!is_native(profile)) CHECK(blocking(qos, profile) == "2 ms");
     const bool expires =
         std::set<std::string>{"sonopose::Imu",  "sonopose::Fix",    "sonopose::Heading", "sonopose::Twist",
                               "sonopose::Pose", "sonopose::Report", "sonopose::Truth",   "ros2::Rosout"}
