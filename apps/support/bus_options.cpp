@@ -17,7 +17,8 @@ namespace sonopose::apps {
 namespace {
 
 void log_message(dds::MessageLevel level, std::string_view message) {
-  const std::string text = "DDS: " + std::string(message);
+  const bool is_own = message.starts_with("security: ");  // already in our words
+  const std::string text = (is_own ? "" : "DDS: ") + std::string(message);
   // ROS 2's distributions announce nodes in two layouts, and none reads that of the other.
   if (message.find("deserialization ros_discovery_info/") != message.npos) return logging::debug(text);
   switch (level) {

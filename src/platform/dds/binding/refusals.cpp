@@ -36,15 +36,15 @@ std::string plain(std::string_view reason) {
     const char* plain;
   };
   constexpr std::array all{
+      Words{"PKCS7", "its permissions are not signed by our permissions authority"},
+      Words{"valid grant", "its permissions are those of another"},
+      Words{"Permissions validity", "its permissions have expired"},
       Words{"self-signed", "its certificate is of another key store"},
       Words{"issuer certificate", "its certificate is of another key store"},
       Words{"signature failure", "its certificate is of another key store"},
       Words{"certificate has expired", "its certificate has expired"},
       Words{"Certificate expired", "its certificate has expired"},
       Words{"certificate revoked", "its certificate is revoked"},
-      Words{"PKCS7", "its permissions are not signed by our permissions authority"},
-      Words{"valid grant", "its permissions are those of another"},
-      Words{"Permissions validity", "its permissions have expired"},
   };
   const auto* const found =
       std::ranges::find_if(all, [&](const Words& words) { return reason.find(words.part) != reason.npos; });
