@@ -13,9 +13,10 @@ constexpr std::uint32_t doubtful_statuses =
     status_stale | status_converging | status_frozen_track | status_imu_gap | status_low_trust;
 
 bool has_position(const FusedPose& pose) {
-  return (pose.status & status_initialising) == 0 && pose.position_world_m.allFinite() &&
-         pose.q_body_to_world.coeffs().allFinite() && pose.pose_covariance.is_known(0) &&
-         pose.pose_covariance.is_known(1) && pose.pose_covariance.is_known(2);
+  return pose.time_ns > 0 && pose.time_ns < end_of_time_ns && (pose.status & status_initialising) == 0 &&
+         pose.position_world_m.allFinite() && pose.q_body_to_world.coeffs().allFinite() &&
+         pose.pose_covariance.is_known(0) && pose.pose_covariance.is_known(1) &&
+         pose.pose_covariance.is_known(2);
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ void RemoteClock::on(TimeNs stamp_ns, HostTime arrival, SteadyTime now) {
 }
 
 std::optional<TimeNs> RemoteClock::at(HostTime time, SteadyTime now) const {
-  if (count_ == 0 || now - last_ > lost_after_ns) return std::nullopt;
+  if (time <= 0 || time >= end_of_time_ns || count_ == 0 || now - last_ > lost_after_ns) return std::nullopt;
   const TimeNs there = time + (std::abs(offset_ns_) <= same_clock_ns ? 0 : offset_ns_);
   if (there <= 0) return std::nullopt;  // before the autopilot started
   return there;

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <limits>
 
 namespace pose_watch_test {
 
@@ -159,6 +160,16 @@ SCENARIO("the quality falls while the poses are doubtful, and then there are non
       fusion.status = status_initialising;
       THEN("there is silence") {
         CHECK(watch.on(fusion.next()).silence == Silence::no_position);
+      }
+    }
+    WHEN("its time or position is impossible") {
+      FusedPose pose = fusion.next();
+      pose.position_world_m.x() = std::nan("");
+      THEN("there is silence") {
+        CHECK(watch.on(pose).silence == Silence::no_position);
+        pose = fusion.next();
+        pose.time_ns = std::numeric_limits<TimeNs>::min();
+        CHECK(watch.on(pose).silence == Silence::no_position);
       }
     }
     WHEN("the trust is zero or no number") {
