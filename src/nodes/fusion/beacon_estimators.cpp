@@ -7,8 +7,11 @@
 
 namespace sonopose::fusion {
 
-BeaconEstimators::BeaconEstimators(const config::FusionConfig& config, bool lossless, KnownOfBeacons known)
-    : lossless_(lossless), known_(std::move(known)), default_timeline_(config.beacon(all_beacons)) {
+BeaconEstimators::BeaconEstimators(const config::FusionConfig& config, bool lossless,
+                                   KnownSensorsOf known_sensors_of)
+    : lossless_(lossless),
+      known_sensors_of_(std::move(known_sensors_of)),
+      default_timeline_(config.beacon(all_beacons)) {
   for (const BeaconAddress address : config.beacons()) {
     later_timelines_.emplace(address, config.beacon(address));
   }
@@ -20,7 +23,8 @@ const std::shared_ptr<BeaconEstimator>& BeaconEstimators::find_or_make(BeaconAdd
     const auto scheduled = later_timelines_.extract(address);
     estimator = std::make_shared<BeaconEstimator>(
         address, scheduled.empty() ? default_timeline_ : std::move(scheduled.mapped()), lossless_);
-    if (const auto known = known_.find(address); known != known_.end()) estimator->start_from(known->second);
+    const auto known = known_sensors_of_ ? known_sensors_of_(address) : std::nullopt;
+    if (known) estimator->start_from(*known);
   }
   return estimator;
 }

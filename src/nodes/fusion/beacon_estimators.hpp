@@ -7,6 +7,7 @@
 #include "fusion/settings_timeline.hpp"
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -16,14 +17,14 @@
 
 namespace sonopose::fusion {
 
-/// Errors of the sensors that are known before a beacon's first event.
-using KnownOfBeacons = std::map<BeaconAddress, estimation::aiding::KnownSensors>;
+/// Returns the errors of the sensors that are known before a beacon's first event.
+using KnownSensorsOf = std::function<std::optional<estimation::aiding::KnownSensors>(BeaconAddress)>;
 
 /// All estimators. Not thread-safe. They are shared pointers, so that one in use can be removed.
 class BeaconEstimators {
 public:
   /// `lossless`: see BeaconEstimator.
-  BeaconEstimators(const config::FusionConfig& config, bool lossless, KnownOfBeacons known = {});
+  BeaconEstimators(const config::FusionConfig& config, bool lossless, KnownSensorsOf known_sensors_of = {});
 
   /// The estimator of a beacon, created if there is none.
   const std::shared_ptr<BeaconEstimator>& find_or_make(BeaconAddress address);
@@ -75,7 +76,7 @@ public:
 
 private:
   bool lossless_;
-  KnownOfBeacons known_;
+  KnownSensorsOf known_sensors_of_;
   SettingsTimeline default_timeline_;                          ///< beacons that are not scheduled
   std::map<BeaconAddress, SettingsTimeline> later_timelines_;  ///< scheduled beacons without an estimator
   std::unordered_map<BeaconAddress, std::shared_ptr<BeaconEstimator>> estimators_;

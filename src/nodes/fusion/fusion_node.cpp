@@ -95,8 +95,8 @@ private:
   const dds::topics::Delivery delivery_;
   const TimeNs input_deadline_ns_;
 
-  threads::Guarded<BeaconEstimators> estimators_;
   std::optional<LearnedSensorsFile> learned_file_;
+  threads::Guarded<BeaconEstimators> estimators_;
   Overload overload_;
   process::EndpointCounters endpoints_;
   std::atomic<bool> stopping_ = false;
@@ -122,9 +122,10 @@ FusionNode::Impl::Impl(const FusionOptions& options)
       qos_(options.qos_file),
       delivery_(options.lossless ? dds::topics::Delivery::lossless : dds::topics::Delivery::live),
       input_deadline_ns_(input_deadline_ns(qos_)),
-      estimators_(
-          options.config, options.lossless,
-          options.learned_file ? read_known(*options.learned_file, clocks::host_now()) : KnownOfBeacons{}),
+      estimators_(options.config, options.lossless,
+                  [this](BeaconAddress address) {
+                    return learned_file_ ? learned_file_->known(address) : std::nullopt;
+                  }),
       pose_publisher_(participant_, qos_, delivery_, options.standby, input_deadline_ns_, overload_,
                       endpoints_, stopping_),
       status_publisher_(participant_, qos_, estimators_, pose_publisher_, overload_, endpoints_,

@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cstddef>
+#include <system_error>
 #include <utility>
 
 namespace sonopose::fusion {
@@ -15,17 +17,14 @@ namespace {
 
 constexpr TimeNs save_period_ns = 60'000'000'000;
 
-/// Replaces the beacons of the file by these. Returns the error, if any.
+std::optional<estimation::aiding::KnownSensors> known_now(const Estimate& estimate) {
+  return estimation::aiding::known_after(estimate, seconds_between(estimate.time_ns, clocks::host_now()));
+}
+
+/// Returns the error, if any.
 std::string write(const std::filesystem::path& file, const config::LearnedSensors& learned) {
   try {
-    config::LearnedSensors all;
-    try {
-      all = config::read_learned(file);
-    } catch (const config::ConfigError&) {
-      // The start has warned of it; what is learned now replaces it.
-    }
-    for (const auto& [address, estimate] : learned) all.insert_or_assign(address, estimate);
-    files::write_whole(file, config::learned_toml(all));
+    files::write_whole(file, config::learned_toml(learned));
     return {};
   } catch (const std::exception& error) {
     return error.what();
@@ -34,44 +33,56 @@ std::string write(const std::filesystem::path& file, const config::LearnedSensor
 
 }  // namespace
 
-KnownOfBeacons read_known(const std::filesystem::path& file, TimeNs host_now_ns) {
-  KnownOfBeacons known;
+LearnedSensorsFile::LearnedSensorsFile(const std::filesystem::path& file)
+    : file_(file), due_(clocks::steady_now() + save_period_ns) {
   try {
-    const config::LearnedSensors learned = config::read_learned(file);
-    for (const auto& [address, estimate] : learned) {
-      const double age_s = seconds_between(estimate.time_ns, host_now_ns);
-      if (const auto still = estimation::aiding::known_after(estimate, age_s)) known.emplace(address, *still);
-    }
-    logging::info(fmt::format("{}: sensors of {} known, of {} in the file", file.string(),
-                              text::count_text(known.size(), "beacon"), learned.size()));
+    learned_ = config::read_learned(file);
   } catch (const config::ConfigError& error) {
-    logging::warning(fmt::format("{}; the estimates begin without it", error.what()));
+    is_readable_ = false;
+    logging::warning(fmt::format("{}; it is neither used nor replaced: delete it", error.what()));
+    return;
   }
-  return known;
+  std::size_t known = 0;
+  for (const auto& [address, estimate] : learned_) {
+    if (known_now(estimate)) {
+      ++known;
+    } else {
+      logging::warning(
+          fmt::format("{}: beacon {}: not used, because it is incomplete, older than 30 days, "
+                      "or has values that no real sensor has",
+                      file.string(), address));
+    }
+  }
+  logging::info(fmt::format("{}: sensors of {} known", file.string(), text::count_text(known, "beacon")));
 }
 
-LearnedSensorsFile::LearnedSensorsFile(const std::filesystem::path& file)
-    : file_(file), due_(clocks::steady_now() + save_period_ns) {}
+std::optional<estimation::aiding::KnownSensors> LearnedSensorsFile::known(BeaconAddress address) const {
+  const auto found = learned_.find(address);
+  return found == learned_.end() ? std::nullopt : known_now(found->second);
+}
 
 void LearnedSensorsFile::update(threads::Guarded<BeaconEstimators>& estimators, SteadyTime now) {
   using std::chrono::seconds;
   if (now < due_) return;
   if (writing_.valid() && writing_.wait_for(seconds(0)) != std::future_status::ready) return;  // a slow disk
-  report_error();
+  report_last();
   due_ = now + save_period_ns;
   save(estimators);
 }
 
 void LearnedSensorsFile::finish(threads::Guarded<BeaconEstimators>& estimators) {
-  report_error();
+  report_last();
   save(estimators);
-  report_error();
+  report_last();
 }
 
-/// Waits for the file. Logs an error that is not that of the last time.
-void LearnedSensorsFile::report_error() {
-  if (!writing_.valid()) return;
-  const std::string error = writing_.get();
+/// Waits for the file, and reports an error.
+void LearnedSensorsFile::report_last() {
+  if (writing_.valid()) report(writing_.get());
+}
+
+/// Logs an error that is not that of the last time.
+void LearnedSensorsFile::report(const std::string& error) {
   if (!error.empty() && error != reported_) {
     logging::warning(fmt::format("what was learned of the sensors is not saved: {}", error));
   }
@@ -79,15 +90,25 @@ void LearnedSensorsFile::report_error() {
 }
 
 void LearnedSensorsFile::save(threads::Guarded<BeaconEstimators>& estimators) {
+  if (!is_readable_) return;
+  bool has_news = false;
   config::LearnedSensors learned;
   estimators.with([&](auto& all) {
     all.for_each([&](BeaconAddress address, BeaconEstimator& estimator) {
-      if (auto estimate = estimator.learned()) learned.emplace(address, *std::move(estimate));
+      auto estimate = estimator.learned();
+      if (!estimate) return;
+      estimate->time_ns = clocks::host_now();
+      learned_.insert_or_assign(address, *std::move(estimate));
+      has_news = true;
     });
+    learned = learned_;
   });
-  if (learned.empty()) return;
-  for (auto& [address, estimate] : learned) estimate.time_ns = clocks::host_now();
-  writing_ = std::async(std::launch::async, write, file_, std::move(learned));
+  if (!has_news) return;
+  try {
+    writing_ = std::async(std::launch::async, write, file_, std::move(learned));
+  } catch (const std::system_error& error) {  // no thread
+    report(error.what());
+  }
 }
 
 }  // namespace sonopose::fusion

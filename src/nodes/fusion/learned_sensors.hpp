@@ -13,19 +13,20 @@
 
 namespace sonopose::fusion {
 
-/// Reads the file and returns what it still says of each beacon at this time of the host's clock. A file that
-/// cannot be used is a warning: a start needs none.
-KnownOfBeacons read_known(const std::filesystem::path& file, TimeNs host_now_ns);
-
 /// Saves the estimates once a minute and at the end, on a thread of its own: a slow disk delays no pose.
-/// Beacons that have not been heard keep what they have in the file.
+/// Beacons that have not been heard keep what they have in the file. The file has one writer. One that cannot
+/// be read is a warning, since a start needs none, and is not replaced.
 class LearnedSensorsFile {
 public:
+  /// Reads the file, and logs which beacons it knows.
   explicit LearnedSensorsFile(const std::filesystem::path& file);
   LearnedSensorsFile(const LearnedSensorsFile&) = delete;
   LearnedSensorsFile& operator=(const LearnedSensorsFile&) = delete;
   /// Waits for the file.
   ~LearnedSensorsFile() = default;
+
+  /// Returns what is still known of a beacon. Call it under the lock of the estimators.
+  [[nodiscard]] std::optional<estimation::aiding::KnownSensors> known(BeaconAddress address) const;
 
   /// Saves if a minute has passed since the last time.
   void update(threads::Guarded<BeaconEstimators>& estimators, SteadyTime now);
@@ -34,9 +35,12 @@ public:
 
 private:
   void save(threads::Guarded<BeaconEstimators>& estimators);
-  void report_error();
+  void report_last();
+  void report(const std::string& error);
 
   std::filesystem::path file_;
+  config::LearnedSensors learned_;  ///< changed and read under the lock of the estimators
+  bool is_readable_ = true;
   SteadyTime due_;
   std::future<std::string> writing_;  ///< gives an error; empty if the file was written
   std::string reported_;              ///< error of the last time

@@ -15,7 +15,9 @@ struct RecordedFile {
 };
 
 /// Returns the files of earlier recordings, the oldest first: names like STEM_001.EXT of `file`, complete or
-/// interrupted (.part), in its folder. With `of_any_time`, the digits in STEM may differ: STEM has a date.
+/// interrupted (.part, unless another recorder has written it within a minute), in its folder. Throws
+/// files::IoError if the folder cannot be read. With `of_any_time`, the digits in STEM may differ: STEM has a
+/// date.
 std::deque<RecordedFile> find_earlier_files(const std::filesystem::path& file, bool of_any_time);
 
 }  // namespace sonopose::recorder

@@ -4,9 +4,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <cstddef>
 #include <spawn.h>
+#include <string_view>
 #include <sys/wait.h>
 #include <system_error>
 #include <unistd.h>
@@ -18,9 +21,16 @@ namespace {
 constexpr TimeNs min_interval_ns = 10'000'000'000;
 constexpr TimeNs usual_duration_ns = 60'000'000'000;
 
-/// The environment of this process and these variables.
+/// The environment of this process and these variables, which replace others of their names.
 std::vector<std::string> environment_with(std::vector<std::string> variables) {
-  for (char** variable = environ; *variable != nullptr; ++variable) variables.emplace_back(*variable);
+  const std::size_t own = variables.size();
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    const std::string_view other = *variable;
+    const bool is_replaced = std::any_of(
+        variables.begin(), variables.begin() + static_cast<std::ptrdiff_t>(own),
+        [other](const std::string& each) { return other.starts_with(each.substr(0, each.find('=') + 1)); });
+    if (!is_replaced) variables.emplace_back(other);
+  }
   return variables;
 }
 
@@ -45,9 +55,13 @@ pid_t start_shell(const std::string& command, std::vector<std::string> environme
   ::posix_spawnattr_setsigmask(&attributes, &none);
   ::posix_spawnattr_setsigdefault(&attributes, &all);
   ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+  posix_spawn_file_actions_t actions;
+  ::posix_spawn_file_actions_init(&actions);
+  ::posix_spawn_file_actions_addclosefrom_np(&actions, STDERR_FILENO + 1);  // the server's sockets
   pid_t process = 0;
-  errno = ::posix_spawn(&process, "/bin/sh", nullptr, &attributes, pointers_to(words).data(),
+  errno = ::posix_spawn(&process, "/bin/sh", &actions, &attributes, pointers_to(words).data(),
                         pointers_to(environment).data());
+  ::posix_spawn_file_actions_destroy(&actions);
   ::posix_spawnattr_destroy(&attributes);
   return errno == 0 ? process : 0;
 }
@@ -62,20 +76,16 @@ void StatusHook::update(const observation::bus::BusSnapshot& second, SteadyTime 
   for (const observation::BeaconView& view : second.beacons) {
     Beacon& beacon = beacons_[view.address];
     beacon.words = observation::stream_words(view);
-    beacon.is_gone = false;
   }
-  for (const observation::BeaconView& view : second.gone) {
-    Beacon& beacon = beacons_[view.address];
-    beacon.words = "gone";
-    beacon.is_gone = true;
-  }
-  for (auto& [address, beacon] : beacons_) {
-    if (running_.process != 0) return;
-    if (beacon.words != beacon.reported && now >= beacon.due) run(address, beacon, now);
-  }
-  std::erase_if(beacons_, [](const auto& entry) {
-    return entry.second.is_gone && entry.second.reported == entry.second.words;
-  });
+  for (const observation::BeaconView& view : second.gone) beacons_[view.address].words = "gone";
+  if (running_.process != 0) return;
+  const auto is_due = [now](const auto& entry) {
+    return entry.second.words != entry.second.reported && now >= entry.second.due;
+  };
+  // After the last one, so that each beacon has its turn.
+  auto next = std::find_if(beacons_.upper_bound(last_), beacons_.end(), is_due);
+  if (next == beacons_.end()) next = std::find_if(beacons_.begin(), beacons_.end(), is_due);
+  if (next != beacons_.end()) run(next->first, next->second, now);
 }
 
 /// Ends the wait for a command that has ended.
@@ -98,16 +108,18 @@ void StatusHook::reap(SteadyTime now) {
 }
 
 void StatusHook::run(BeaconAddress address, Beacon& beacon, SteadyTime now) {
+  last_ = address;
+  beacon.due = now + min_interval_ns;
   const pid_t process = start_shell(
       command_,
       environment_with({fmt::format("SONOPOSE_BEACON={}", address), "SONOPOSE_STATUS=" + beacon.words,
-                        "SONOPOSE_STATUS_BEFORE=" + std::exchange(beacon.reported, beacon.words)}));
-  beacon.due = now + min_interval_ns;
+                        "SONOPOSE_STATUS_BEFORE=" + beacon.reported}));
   if (process == 0) {
     logging::warning("the command of --on-status cannot be started: " +
                      std::generic_category().message(errno));
     return;
   }
+  beacon.reported = beacon.words;
   running_ = {.process = process, .began = now, .is_slow = false};
 }
 

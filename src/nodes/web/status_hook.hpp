@@ -15,7 +15,7 @@ namespace sonopose::web {
 /// Runs a command with the shell when the words of a beacon's status (observation::stream_words) change. The
 /// command has SONOPOSE_BEACON, SONOPOSE_STATUS and SONOPOSE_STATUS_BEFORE in its environment. It runs for a
 /// beacon at most once in 10 s, and never twice at a time: what changes meanwhile is reported afterwards, if
-/// it still differs. Beacons begin as ok, and end as gone. Not thread-safe.
+/// it still differs. Beacons begin as ok, and are gone when they have left. Not thread-safe.
 class StatusHook {
 public:
   /// An empty command does nothing.
@@ -32,7 +32,6 @@ private:
     std::string words = "ok";     ///< latest status
     std::string reported = "ok";  ///< last status that the command was given
     SteadyTime due{};             ///< earliest time of the next command
-    bool is_gone = false;
   };
   struct Command {
     pid_t process = 0;  ///< 0: none runs
@@ -44,7 +43,8 @@ private:
   void run(BeaconAddress address, Beacon& beacon, SteadyTime now);
 
   std::string command_;
-  std::map<BeaconAddress, Beacon> beacons_;
+  std::map<BeaconAddress, Beacon> beacons_;  ///< all that were ever there
+  BeaconAddress last_ = 0;                   ///< last beacon that the command was given
   Command running_;
   int reported_code_ = 0;
 };

@@ -33,6 +33,9 @@ void for_each_field(IsFieldsOf<KnownSensors> auto& known, const auto& visit) {
 /// with small standard deviations.
 [[nodiscard]] bool is_learned(const Estimate& estimate);
 
+/// Returns true if real sensors may have these values, with positive deviations.
+[[nodiscard]] bool is_plausible(const KnownSensors& known);
+
 /// Returns what an estimate of this age still says. The biases change with the temperature, which is unknown:
 /// their deviations grow for an hour. A negative age is that of a clock that was set back, and counts as an
 /// hour. Empty after 30 days, for values that no real sensor has, and unless `is_learned`.

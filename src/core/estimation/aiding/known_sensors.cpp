@@ -9,7 +9,6 @@ namespace {
 // Largest deviations of a learned value, and largest values of a usable sensor.
 constexpr double max_gyro_bias_std_radps = 0.004;
 constexpr double max_accel_bias_std_mps2 = 0.06;
-constexpr double max_lever_arm_std_m = 0.05;
 constexpr double max_gyro_bias_radps = 0.35;
 constexpr double max_accel_bias_mps2 = 1.0;
 constexpr double max_lever_arm_m = 10.0;
@@ -29,13 +28,24 @@ VectorEstimate less_certain(const VectorEstimate& learned, double more_std) {
 
 }  // namespace
 
+bool is_plausible(const KnownSensors& known) {
+  constexpr double any_std = 1.0;
+  return is_within(known.gyro_bias_body_radps, max_gyro_bias_radps, any_std) &&
+         is_within(known.accel_bias_body_mps2, max_accel_bias_mps2, any_std) &&
+         is_within(known.lever_arm_body_m, max_lever_arm_m, any_std) && known.fix_std_m >= min_fix_std_m &&
+         known.fix_std_m <= max_fix_std_m;
+}
+
 bool is_learned(const Estimate& estimate) {
-  return estimate.gyro_bias_body_radps && estimate.accelerometer_bias_body_mps2 &&
-         estimate.lever_arm_body_m && estimate.fix_noise_m &&
-         is_within(*estimate.gyro_bias_body_radps, max_gyro_bias_radps, max_gyro_bias_std_radps) &&
-         is_within(*estimate.accelerometer_bias_body_mps2, max_accel_bias_mps2, max_accel_bias_std_mps2) &&
-         is_within(*estimate.lever_arm_body_m, max_lever_arm_m, max_lever_arm_std_m) &&
-         estimate.fix_noise_m->value >= min_fix_std_m && estimate.fix_noise_m->value <= max_fix_std_m;
+  if (!estimate.gyro_bias_body_radps || !estimate.accelerometer_bias_body_mps2 ||
+      !estimate.lever_arm_body_m || !estimate.fix_noise_m)
+    return false;
+  return estimate.gyro_bias_body_radps->std.maxCoeff() <= max_gyro_bias_std_radps &&
+         estimate.accelerometer_bias_body_mps2->std.maxCoeff() <= max_accel_bias_std_mps2 &&
+         is_plausible({.gyro_bias_body_radps = *estimate.gyro_bias_body_radps,
+                       .accel_bias_body_mps2 = *estimate.accelerometer_bias_body_mps2,
+                       .lever_arm_body_m = *estimate.lever_arm_body_m,
+                       .fix_std_m = estimate.fix_noise_m->value});
 }
 
 std::optional<KnownSensors> known_after(const Estimate& learned, double age_s) {

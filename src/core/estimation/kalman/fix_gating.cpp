@@ -49,10 +49,11 @@ void correct_followed(State& state, const JudgedFix& judged, const Matrix3d& mor
   choose_model(state);
   // The models that trust the IMU have not recovered from the attitude of this one.
   constexpr int min_distrusted_fixes = 60;
+  constexpr double heading_memory_s = 2.0;
   const Hypothesis& best = state.bank.best();
-  if (best.imu == ImuModel::distrusts_imu && best.explained_in_row >= min_distrusted_fixes) {
+  const bool has_headings = seconds_between(state.headings.used_ns, state.time_ns) < heading_memory_s;
+  if (best.imu == ImuModel::distrusts_imu && best.explained_in_row >= min_distrusted_fixes && !has_headings) {
     search_yaw_again(state);
-    state.bank.best_index = start_count;
   }
 }
 

@@ -14,26 +14,14 @@ constexpr TimeNs fault_memory_ns = 3'000'000'000;  // an IMU that was wrong a mo
 /// fault.
 void restart(Hypothesis& hypothesis, const Hypothesis& best, const State& state) {
   constexpr double restart_penalty = 2.0;
-  const ImuFaultDetector& detector = state.imu_fault;
   const ImuModel model = hypothesis.imu;
   hypothesis = best;
   set_imu_model(hypothesis, model);
   hypothesis.score -= restart_penalty;
   hypothesis.missed_in_row = hypothesis.explained_in_row = 0;
   if (!is_distrustful(best.imu) || is_distrustful(model)) return;
-  Filter& f = hypothesis.filter;
-  f.gyro_bias_body_radps = detector.trusted_gyro_bias_body_radps;
-  f.accel_bias_body_mps2 = detector.trusted_accel_bias_body_mps2;
-  f.decorrelate(at_gyro_bias, Vector3d::Constant(square(start_gyro_bias_std_radps)));
-  f.decorrelate(at_accel_bias, Vector3d::Constant(square(start_accel_bias_std_mps2)));
-  const auto up_body = best.imu == ImuModel::distrusts_imu ? up_by_mean_force(state) : std::nullopt;
-  if (!up_body) return;
-  const Vector3d tracked_world_m = f.tracked_position_world_m();
-  const double yaw_variance_rad2 = f.yaw_variance_rad2();
-  f.q_body_to_world = geometry::level_with(*up_body, geometry::yaw_of(f.q_body_to_world));
-  f.position_world_m = tracked_world_m + f.q_body_to_world * f.lever_arm_body_m;
-  f.decorrelate(at_attitude, Vector3d::Constant(square(radians(10.0))));
-  f.add_yaw_variance(yaw_variance_rad2);
+  restore_trusted_biases(state.imu_fault, hypothesis.filter);
+  if (best.imu == ImuModel::distrusts_imu) level_by_mean_force(state, hypothesis.filter);
 }
 
 /// True if it has explained enough fixes in a row to trust the IMU again; each fault doubles their number.
@@ -86,13 +74,38 @@ void adopt_distrustful_model(State& state, Hypothesis& chosen) {
       if (each.track == Track::followed && &each != &best) restart(each, best, state);
     }
   }
-  detector.forget_innovations();
+  forget_judgement(state);
+}
+
+}  // namespace
+
+void restore_trusted_biases(const ImuFaultDetector& detector, Filter& filter) {
+  if (detector.faults > 0) {
+    filter.gyro_bias_body_radps = detector.trusted_gyro_bias_body_radps;
+    filter.accel_bias_body_mps2 = detector.trusted_accel_bias_body_mps2;
+  }
+  filter.decorrelate(at_gyro_bias, Vector3d::Constant(square(start_gyro_bias_std_radps)));
+  filter.decorrelate(at_accel_bias, Vector3d::Constant(square(start_accel_bias_std_mps2)));
+}
+
+void level_by_mean_force(const State& state, Filter& filter) {
+  constexpr double max_error_mps2 = 1.0;
+  const Vector3d& mean = state.imu.mean_force_body_mps2;
+  if (!(std::abs(mean.norm() - gravity_world_mps2.norm()) < max_error_mps2)) return;
+  const Vector3d tracked_world_m = filter.tracked_position_world_m();
+  const double yaw_variance_rad2 = filter.yaw_variance_rad2();
+  filter.q_body_to_world = geometry::level_with(mean, geometry::yaw_of(filter.q_body_to_world));
+  filter.position_world_m = tracked_world_m + filter.q_body_to_world * filter.lever_arm_body_m;
+  filter.decorrelate(at_attitude, Vector3d::Constant(square(radians(10.0))));
+  filter.add_yaw_variance(yaw_variance_rad2);
+}
+
+void forget_judgement(State& state) {
+  state.imu_fault.forget_innovations();
   state.fixes.misfits_in_row = 0;
   state.headings.accept();
   rest::restart(state.rest);
 }
-
-}  // namespace
 
 void choose_model(State& state) {
   constexpr double noisier_score_margin = 1.0;

@@ -70,11 +70,15 @@ void update_mean_force(State& state, const ImuMeasurement& sample, double dt_s) 
     if (mean.isZero() || state.imu.in_gap) mean = sample.force_body_mps2;
     return;
   }
-  const double time_constant_s = state.phase == Phase::waiting ? 0.5 : 3.0;
-  const Vector3d bias =
-      state.phase == Phase::waiting ? Vector3d::Zero() : state.filter().gyro_bias_body_radps;
-  mean = geometry::rotation_by((-dt_s * (sample.rate_body_radps - bias)).eval()) * mean;
-  mean += std::min(1.0, std::max(dt_s, 0.005) / time_constant_s) * (sample.force_body_mps2 - mean);
+  const bool has_started = state.phase != Phase::waiting;
+  const double time_constant_s = has_started ? 3.0 : 0.5;
+  Vector3d bias_radps = Vector3d::Zero();
+  if (has_started) {
+    bias_radps = is_distrustful(state.bank.best().imu) ? state.imu_fault.trusted_gyro_bias_body_radps
+                                                       : state.filter().gyro_bias_body_radps;
+  }
+  mean = geometry::rotation_by((-dt_s * (sample.rate_body_radps - bias_radps)).eval()) * mean;
+  mean += std::min(1.0, dt_s / time_constant_s) * (sample.force_body_mps2 - mean);
 }
 
 void update_rest(State& state, const ImuMeasurement& sample, ImuOutcome& outcome) {
@@ -148,13 +152,6 @@ void update_zero_velocity(State& state, double variance_m2ps2) {
 }
 
 }  // namespace
-
-std::optional<Vector3d> up_by_mean_force(const State& state) {
-  constexpr double max_error_mps2 = 1.0;
-  const Vector3d& mean = state.imu.mean_force_body_mps2;
-  if (!(std::abs(mean.norm() - gravity_world_mps2.norm()) < max_error_mps2)) return std::nullopt;
-  return mean;
-}
 
 bool stands_still(const State& state, int min_fixes) {
   const Vector3d fix_std_m =
@@ -265,6 +262,7 @@ void recover_if_not_finite(State& state) {
   state.frozen_track = {};
   state.imu_fault = {};
   state.twist = {};
+  state.known = {};
   state.phase = Phase::waiting;
 }
 

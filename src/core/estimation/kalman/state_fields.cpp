@@ -146,6 +146,8 @@ std::optional<FieldFault> find_fault(const State& state) {
   if (!(state.fixes.trust >= 0.0 && state.fixes.trust <= 1.0)) {
     return FieldFault{"trust", "is not between 0 and 1"};
   }
+  if (state.known && !aiding::is_plausible(*state.known))
+    return FieldFault{"known", "has a value that no sensor has"};
   std::optional<FieldFault> fault = find_bank_fault(state);
   if (!fault) fault = find_noise_fault(state.noise);
   if (!fault) fault = find_timing_fault(state);

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 
 namespace sonopose::estimation::kalman {
 
@@ -83,8 +82,6 @@ struct JudgedFix {
 [[nodiscard]] bool stands_still(const State& state, int min_fixes);
 /// Holds a planar body in its plane, several times a second. `before_ns`: time of the previous sample.
 void hold_plane(State& state, const settings::PlanarSettings& settings, TimeNs before_ns);
-/// Vertical in the body by the mean force; empty if that is not gravity.
-[[nodiscard]] std::optional<Vector3d> up_by_mean_force(const State& state);
 /// Rate of the body about the vertical.
 [[nodiscard]] double yaw_rate_radps(const State& state);
 /// Registers that the followed track jumped to this fix.
@@ -120,6 +117,13 @@ void judge_turned_map(State& state, const settings::Settings& settings, const He
 void choose_model(State& state);
 void update_evidence(State& state, const JudgedFix& judged);
 void update_distrustful_models(State& state, bool is_suspicious);
+/// Sets the biases that were estimated before the latest fault, if there was one, and their initial
+/// variances.
+void restore_trusted_biases(const ImuFaultDetector& detector, Filter& filter);
+/// Levels a filter by the mean force, if that is gravity.
+void level_by_mean_force(const State& state, Filter& filter);
+/// Begins to judge fixes and headings again after a change of the model.
+void forget_judgement(State& state);
 /// Makes a distrustful model the best if it explains the rejected fixes or headings best.
 bool switch_to_distrustful_model(State& state);
 void predict_if_silent(State& state, const settings::Settings& settings, TimeNs measured_ns);

@@ -82,21 +82,18 @@ double yaw_of_last_heading_rad(const State& state, TimeNs fix_ns, const settings
 
 void search_yaw_again(State& state) {
   Filter from = state.filter();
-  const bool knows_up = state.bank.best().imu != ImuModel::distrusts_imu;
-  const Vector3d up_of_filter = geometry::up_in_body(from.q_body_to_world);
-  const Vector3d up_body = knows_up ? up_of_filter : up_by_mean_force(state).value_or(up_of_filter);
-  const double yaw_rad = geometry::yaw_of(from.q_body_to_world);
-  from.decorrelate(at_attitude, Vector3d::Constant(square(radians(knows_up ? 5.0 : 10.0))));
-  if (!knows_up) {
-    from.decorrelate(at_gyro_bias, Vector3d::Constant(square(start_gyro_bias_std_radps)));
-    from.decorrelate(at_accel_bias, Vector3d::Constant(square(start_accel_bias_std_mps2)));
-    if (state.imu_fault.faults > 0) {
-      from.gyro_bias_body_radps = state.imu_fault.trusted_gyro_bias_body_radps;
-      from.accel_bias_body_mps2 = state.imu_fault.trusted_accel_bias_body_mps2;
-    }
+  const bool follows_fixes_alone = state.bank.best().imu == ImuModel::distrusts_imu;
+  if (follows_fixes_alone) {
+    restore_trusted_biases(state.imu_fault, from);
+    level_by_mean_force(state, from);
+    forget_judgement(state);
+  } else {
+    from.decorrelate(at_attitude, Vector3d::Constant(square(radians(5.0))));
   }
   from.add_yaw_variance(square(radians(15.0)));
-  search(state, from, up_body, yaw_rad, start_count);
+  search(state, from, geometry::up_in_body(from.q_body_to_world), geometry::yaw_of(from.q_body_to_world),
+         start_count);
+  if (follows_fixes_alone) state.bank.best_index = start_count;
 }
 
 bool restart_search(State& state) {
@@ -116,7 +113,6 @@ bool restart_search(State& state) {
     return false;
   state.bank.best_index = state.bank.index_of(*fixes_alone);
   search_yaw_again(state);
-  state.bank.best_index = start_count;
   return true;
 }
 
@@ -200,7 +196,6 @@ void prune_starts(State& state) {
   if (starts > 1) return;
   if (bank.best().imu == ImuModel::distrusts_imu) {
     search_yaw_again(state);
-    bank.best_index = start_count;
   } else {
     bank.remove(Track::other);  // its yaw is arbitrary
     state.phase = Phase::tracking;
