@@ -129,6 +129,13 @@ ProcessNoise process_noise(const ImuInput& imu, ImuModel model) {
   return noise;
 }
 
+/// Acceleration by the accelerometer, also for a filter that ignores it: only the IMU shows that the body of
+/// a frozen track moves.
+Vector3d measured_acceleration_world_mps2(const Filter& filter, const ImuStep& step) {
+  if (!filter.ignores_force) return filter.acceleration_world_mps2;
+  return filter.q_body_to_world * (step.force_body_mps2 - filter.accel_bias_body_mps2) + gravity_world_mps2;
+}
+
 /// Adds a weak measurement of zero velocity while there are no fixes.
 void bound_dead_reckoning(State& state, ImuOutcome& outcome) {
   constexpr TimeNs after_ns = 1'000'000'000;
@@ -224,7 +231,7 @@ void State::apply_pending_steps() {
                         step.shock_variance_m2ps2);
   }
   Filter& best = bank.best().filter;
-  frozen_track.move(step.duration_s, best.acceleration_world_mps2);
+  frozen_track.move(step.duration_s, measured_acceleration_world_mps2(best, step));
   if (imu.pending_steps.has_several()) set_latest(best, best, imu.pending_steps.latest());  // for the pose
   imu.pending_steps = ImuPreintegrator{};
 }
