@@ -99,7 +99,8 @@ Frame odometry(const autopilot::ExternalOdometry& odometry, Identity sender, con
   constexpr std::uint8_t local_ned = 1;  // MAV_FRAME
   constexpr std::uint8_t body_frd = 12;
   constexpr std::uint8_t local_frd = 20;
-  constexpr std::uint8_t gps_ins = 5;  // MAV_ESTIMATOR_TYPE: a position system with inertial sensors
+  // MAV_ESTIMATOR_TYPE. PX4 drops ODOMETRY of every estimator but naive, vision, VIO and motion capture.
+  constexpr std::uint8_t vision = 2;
   constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
   Eigen::Vector4d q = Eigen::Vector4d::Constant(unknown);
   if (const auto& known = odometry.q_body_to_frame) q << known->w(), known->x(), known->y(), known->z();
@@ -116,7 +117,7 @@ Frame odometry(const autopilot::ExternalOdometry& odometry, Identity sender, con
       .add(sent.in_ned ? local_ned : local_frd)
       .add(body_frd)
       .add(sent.reset_counter)
-      .add(gps_ins)
+      .add(vision)
       .add(static_cast<std::int8_t>(sent.quality_percent))
       .frame();
 }

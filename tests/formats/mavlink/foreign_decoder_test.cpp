@@ -78,6 +78,7 @@ SCENARIO("node-mavlink decodes every message that we send") {
   CHECK(odometry["poseCovariance"][20] == 56);
   CHECK(odometry["velocityCovariance"][11].get<double>() == Approx(0.3));
   CHECK(odometry["resetCounter"] == 200);
+  CHECK(odometry["estimatorType"] == 2);  // MAV_ESTIMATOR_TYPE_VISION
   CHECK(odometry["quality"] == 100);
   CHECK(read[2]["data"]["q"][0] == "NaN");
 

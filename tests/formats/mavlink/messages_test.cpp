@@ -65,6 +65,7 @@ SCENARIO("ODOMETRY has the pose in the frames that the autopilot takes") {
       CHECK(int{frame.payload[228]} == 20);               // MAV_FRAME_LOCAL_FRD
       CHECK(int{frame.payload[229]} == 12);               // MAV_FRAME_BODY_FRD
       CHECK(int{frame.payload[230]} == 3);
+      CHECK(int{frame.payload[231]} == 2);  // MAV_ESTIMATOR_TYPE_VISION, which PX4 takes
       CHECK(int{frame.payload[232]} == 80);
     }
   }
