@@ -100,6 +100,12 @@ SCENARIO("PX4 gets the pose of a drone, in its own clock") {
         CHECK(after == before + 1);
       }
     }
+    WHEN("the fusion ends") {
+      CHECK(fusion->end_by(SIGTERM).code == 0);
+      THEN("the log says so") {
+        CHECK(relay->wait_for_line(Stream::error, "no poses of beacon 7 are sent: no poses arrive"));
+      }
+    }
     WHEN("its clock is lost") {
       px4.stop_its_clock();
       THEN("nothing is sent any more, and the log says so") {
@@ -108,6 +114,14 @@ SCENARIO("PX4 gets the pose of a drone, in its own clock") {
         CHECK_FALSE(px4.odometry.wait_for([](const ros2::VehicleOdometry&) { return true; },
                                           std::chrono::milliseconds(500)));
       }
+    }
+  }
+  GIVEN("a relay that does not know the mount, and a PX4") {
+    const auto relay = bus.ros2({"--px4", "uav_1", "--mount-from-tf"});
+    const Px4 px4(bus);
+    THEN("nothing is sent, and the log says so") {
+      CHECK(relay->wait_for_line(Stream::error,
+                                 "no poses of beacon 7 are sent: the mount of the IMU is unknown"));
     }
   }
   GIVEN("a PX4 that does not convert its stamps, and started 1000 s ago") {

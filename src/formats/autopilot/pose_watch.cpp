@@ -25,12 +25,16 @@ const char* text_of(Silence silence) {
   switch (silence) {
     case Silence::none:
       break;
+    case Silence::no_poses:
+      return "no poses arrive";
     case Silence::no_position:
       return "no position";
     case Silence::late:
       return "the poses are late";
     case Silence::doubtful:
       return "the poses have been stale or untrusted for 3 s";
+    case Silence::no_mount:
+      return "the mount of the IMU is unknown";
     case Silence::yaw_unknown:
       return "the yaw is unknown";
     case Silence::no_autopilot:

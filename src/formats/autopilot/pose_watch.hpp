@@ -12,14 +12,19 @@ namespace sonopose::autopilot {
 /// Reason why an autopilot gets no pose. Its own estimator then coasts, and its failsafe takes over.
 enum class Silence : std::uint8_t {
   none,
+  no_poses,      ///< no pose has arrived for `no_poses_after_ns`
   no_position,   ///< initialising, or the position's deviation is unknown
   late,          ///< the IMU sample of the pose is old
   doubtful,      ///< stale, untrusted or inconsistent for `silent_after_s`
+  no_mount,      ///< the pose of the IMU on the vehicle is unknown
   yaw_unknown,   ///< and the axes of the frame mean nothing without it
   no_autopilot,  ///< no heartbeats of an autopilot
   no_clock,      ///< the autopilot's clock is not known, or no longer
   unix_clock,    ///< the autopilot's clock counts from 1970, where it needs the time since its start
 };
+
+/// Time without poses after which that is logged.
+inline constexpr TimeNs no_poses_after_ns = 3'000'000'000;
 
 /// Text for the log: "no position yet".
 const char* text_of(Silence silence);

@@ -140,10 +140,13 @@ public:
   /// Sends a heartbeat and logs changes. Once a second.
   void tick() {
     line_.check();
-    line_.send(heartbeat(line_.known().own));
-    if (!line_.known().autopilot && (!state_ || state_ == Silence::none)) state_ = Silence::no_autopilot;
-    constexpr TimeNs silent_ns = 3'000'000'000;
-    if (state_ == Silence::none && clocks::steady_now() - posed_ > silent_ns) state_ = Silence::no_position;
+    const Line::Known known = line_.known();
+    line_.send(heartbeat(known.own));
+    if (!known.autopilot) {
+      state_ = Silence::no_autopilot;
+    } else if (clocks::steady_now() - posed_ > autopilot::no_poses_after_ns) {
+      state_ = Silence::no_poses;
+    }
     if (line_.unsent() > unsent_ && unsent_ == 0) {
       logging::warning(fmt::format("{}: takes fewer bytes than are sent; use a lower --rate or a faster line",
                                    line_.name()));
@@ -176,7 +179,7 @@ private:
   ros2::RateLimit rate_;
   ros2::RisingStamp stamp_{0};
   BeaconAddress address_ = 0;
-  SteadyTime posed_;  ///< time of the last pose
+  SteadyTime posed_ = clocks::steady_now();  ///< last pose, or the start
   std::optional<Silence> state_;
   std::optional<Silence> logged_;
   std::uint64_t unsent_ = 0;

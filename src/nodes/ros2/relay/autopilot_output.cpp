@@ -28,7 +28,8 @@ AutopilotOutput::AutopilotOutput(ros2::Node& node, const AutopilotOptions& optio
       clock_topic_(prefix_of(options.name_space) + (is_px4_ ? "/fmu/out/timesync_status" : "/clock")),
       north_(options.north_rad),
       log_(log),
-      rate_(options.rate_hz) {
+      rate_(options.rate_hz),
+      posed_(clocks::steady_now()) {
   if (is_px4_) {
     odometry_writer_ = node.make_writer<ros2::VehicleOdometry>(pose_topic_, "ros2::Default");
     timesync_reader_ = node.make_reader<ros2::TimesyncStatus>(clock_topic_, "ros2::Input", &px4_listener_);
@@ -54,7 +55,7 @@ void AutopilotOutput::on_stamp(TimeNs stamp_ns) {
   has_unix_clock_ = stamp_ns > year_2001_ns;
 }
 
-void AutopilotOutput::on(const FusedPose& pose, const ros2::Mount& mount) {
+void AutopilotOutput::on(const FusedPose& pose, const std::optional<ros2::Mount>& mount) {
   const auto due_pose = due(pose, mount);
   if (!due_pose) return;
   if (is_px4_) {
@@ -69,7 +70,8 @@ void AutopilotOutput::on(const FusedPose& pose, const ros2::Mount& mount) {
   tf_writer_.try_write(ros2::TFMessage{{1, 1, &transform, false}});
 }
 
-std::optional<AutopilotOutput::Due> AutopilotOutput::due(const FusedPose& pose, const ros2::Mount& mount) {
+std::optional<AutopilotOutput::Due> AutopilotOutput::due(const FusedPose& pose,
+                                                         const std::optional<ros2::Mount>& mount) {
   const threads::Lock lock(mutex_);
   if (!address_) address_ = pose.address;
   if (*address_ != pose.address) {
@@ -77,12 +79,15 @@ std::optional<AutopilotOutput::Due> AutopilotOutput::due(const FusedPose& pose, 
     return std::nullopt;
   }
   const SteadyTime now = clocks::steady_now();
+  posed_ = now;
   const auto verdict = watch_.on(pose);
-  const auto odometry = autopilot::external_odometry(pose, mount, north_);
+  state_ = verdict.silence == Silence::none && !mount ? Silence::no_mount : verdict.silence;
+  if (state_ != Silence::none) return std::nullopt;
+  const auto odometry = autopilot::external_odometry(pose, *mount, north_);
   const auto measured_ns = clock_.at(pose.time_ns, now);
   const auto now_ns = clock_.at(clocks::host_now(), now);
   const bool has_clock = measured_ns && now_ns;
-  state_ = verdict.silence != Silence::none ? verdict.silence : silence_of(odometry, has_clock);
+  state_ = silence_of(odometry, has_clock);
   if (state_ != Silence::none || !stamp_.next(pose.time_ns) || !rate_.admits(pose.time_ns)) {
     return std::nullopt;
   }
@@ -97,34 +102,42 @@ Silence AutopilotOutput::silence_of(const autopilot::ExternalOdometry& odometry,
   return needs_yaw && !odometry.q_body_to_frame ? Silence::yaw_unknown : Silence::none;
 }
 
+/// State of the last pose, unless the poses or the clock have ended since.
+std::optional<Silence> AutopilotOutput::state_at(SteadyTime now) const {
+  if (now - posed_ > autopilot::no_poses_after_ns) return Silence::no_poses;
+  if (state_ == Silence::none && !clock_.at(clocks::host_now(), now)) return Silence::no_clock;
+  return state_;
+}
+
 void AutopilotOutput::log_changes() {
   std::optional<Silence> state;
   std::optional<BeaconAddress> other;
-  BeaconAddress address = 0;
+  std::optional<BeaconAddress> address;
   {
     const threads::Lock lock(mutex_);
-    state = state_;
+    state = state_at(clocks::steady_now());
     other = other_;
-    address = address_.value_or(address);
+    address = address_;
   }
   if (other && !logged_others_) {
     log_.warning(
         fmt::format("{} gets the poses of beacon {}; those of others, such as {}, are not sent: "
                     "--addresses selects it",
-                    name_, address, *other));
+                    name_, *address, *other));
     logged_others_ = true;
   }
   if (state == logged_) return;
   logged_ = state;
   if (state == Silence::none) {
-    log_.info(fmt::format("{}: the poses of beacon {} are sent on {}", name_, address, pose_topic_));
+    log_.info(fmt::format("{}: the poses of beacon {} are sent on {}", name_, *address, pose_topic_));
   } else if (state == Silence::no_clock) {
     log_.warning(
         fmt::format("{}: no poses are sent, because its clock is unknown: nothing arrives on {}; "
                     "are autopilot and Micro-XRCE-DDS agent connected?",
                     name_, clock_topic_));
   } else {
-    log_.warning(fmt::format("{}: no poses of beacon {} are sent: {}", name_, address, text_of(*state)));
+    const std::string of_beacon = address ? fmt::format(" of beacon {}", *address) : "";
+    log_.warning(fmt::format("{}: no poses{} are sent: {}", name_, of_beacon, text_of(*state)));
   }
 }
 

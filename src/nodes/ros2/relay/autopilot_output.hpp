@@ -30,8 +30,8 @@ public:
   AutopilotOutput& operator=(AutopilotOutput&&) = delete;
   ~AutopilotOutput() = default;
 
-  /// Takes every pose, on a receive thread.
-  void on(const FusedPose& pose, const ros2::Mount& mount);
+  /// Takes every pose, on a receive thread. `mount`: empty if it is unknown.
+  void on(const FusedPose& pose, const std::optional<ros2::Mount>& mount);
 
   /// Logs that poses are sent, or why no longer. Main thread, once a second.
   void log_changes();
@@ -61,7 +61,8 @@ private:
   void on(const ros2::TimesyncStatus& status);
   void on(const ros2::Clock& message);
   void on_stamp(TimeNs stamp_ns);
-  std::optional<Due> due(const FusedPose& pose, const ros2::Mount& mount);
+  std::optional<Due> due(const FusedPose& pose, const std::optional<ros2::Mount>& mount);
+  [[nodiscard]] std::optional<autopilot::Silence> state_at(SteadyTime now) const SONOPOSE_REQUIRES(mutex_);
   [[nodiscard]] autopilot::Silence silence_of(const autopilot::ExternalOdometry& odometry,
                                               bool has_clock) const SONOPOSE_REQUIRES(mutex_);
 
@@ -82,7 +83,8 @@ private:
   ros2::RisingStamp stamp_ SONOPOSE_GUARDED_BY(mutex_){0};
   std::optional<BeaconAddress> address_ SONOPOSE_GUARDED_BY(mutex_);
   std::optional<BeaconAddress> other_ SONOPOSE_GUARDED_BY(mutex_);       ///< a beacon that is not sent
-  std::optional<autopilot::Silence> state_ SONOPOSE_GUARDED_BY(mutex_);  ///< empty before the first pose
+  std::optional<autopilot::Silence> state_ SONOPOSE_GUARDED_BY(mutex_);  ///< at the last pose, if any
+  SteadyTime posed_ SONOPOSE_GUARDED_BY(mutex_);                         ///< last pose, or the start
 
   ClockListener<ros2::TimesyncStatus> px4_listener_{*this};
   ClockListener<ros2::Clock> clock_listener_{*this};

@@ -53,8 +53,7 @@ void NativeReceiver::on(const FusedPose& pose) {
   const auto publishers = targets_.beacons.find_or_request(pose.address, clocks::steady_now());
   if (!publishers) return;
   publishers->on(pose);
-  if (targets_.autopilot == nullptr) return;
-  if (const auto mount = publishers->mount()) targets_.autopilot->on(pose, *mount);
+  if (targets_.autopilot != nullptr) targets_.autopilot->on(pose, publishers->mount());
 }
 
 void NativeReceiver::on(const Estimate& estimate) {
