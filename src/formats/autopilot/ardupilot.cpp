@@ -4,6 +4,11 @@
 
 namespace sonopose::autopilot {
 
+Silence ardupilot_silence(const ExternalOdometry& odometry, bool with_velocity) {
+  if (!odometry.q_body_to_frame) return Silence::yaw_unknown;
+  return with_velocity && !odometry.velocity_body_mps.allFinite() ? Silence::no_velocity : Silence::none;
+}
+
 ros2::TransformStamped ardupilot_transform(const ExternalOdometry& odometry, TimeNs measured_ns,
                                            const ArduPilotFrames& frames) {
   // Half a turn about x makes x, −y, −z of both frames: up of down, and left of right.

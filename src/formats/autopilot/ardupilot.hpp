@@ -4,6 +4,7 @@
 /// frame is north, west, up. Source: ArduPilot, AP_DDS_External_Odom.cpp.
 
 #include "autopilot/external_odometry.hpp"
+#include "autopilot/pose_watch.hpp"
 #include <sonopose/ros2/messages/idl_types.hpp>
 
 #include <string>
@@ -15,6 +16,10 @@ struct ArduPilotFrames {
   std::string parent = "odom";
   std::string child = "base_link";
 };
+
+/// Reason why ArduPilot gets no pose: it would take NaN into its filter. `with_velocity`: the message has
+/// one.
+Silence ardupilot_silence(const ExternalOdometry& odometry, bool with_velocity);
 
 /// The pose with a known yaw. `measured_ns`: its time since the start of the autopilot.
 ros2::TransformStamped ardupilot_transform(const ExternalOdometry& odometry, TimeNs measured_ns,

@@ -37,6 +37,8 @@ const char* text_of(Silence silence) {
       return "the mount of the IMU is unknown";
     case Silence::yaw_unknown:
       return "the yaw is unknown";
+    case Silence::no_velocity:
+      return "the velocity is unknown; vision_position has none";
     case Silence::no_autopilot:
       return "no heartbeats of an autopilot arrive";
     case Silence::no_clock:

@@ -18,6 +18,7 @@ enum class Silence : std::uint8_t {
   doubtful,      ///< stale, untrusted or inconsistent for `silent_after_s`
   no_mount,      ///< the pose of the IMU on the vehicle is unknown
   yaw_unknown,   ///< and the axes of the frame mean nothing without it
+  no_velocity,   ///< the velocity is unknown, and the autopilot would take NaN
   no_autopilot,  ///< no heartbeats of an autopilot
   no_clock,      ///< the autopilot's clock is not known, or no longer
   unix_clock,    ///< the autopilot's clock counts from 1970, where it needs the time since its start

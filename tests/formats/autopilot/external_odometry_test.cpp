@@ -1,5 +1,6 @@
 #include "autopilot/external_odometry.hpp"
 
+#include "autopilot/ardupilot.hpp"
 #include "autopilot/px4.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
@@ -94,6 +95,32 @@ SCENARIO("what is unknown is NaN, never zero") {
       CHECK(none_is_a_number(message.velocity));
       CHECK(none_is_a_number(message.velocity_variance));
       CHECK(message.q[0] == Approx(1));
+    }
+  }
+}
+
+SCENARIO("ArduPilot gets no NaN") {
+  using autopilot::Silence;
+  FusedPose pose = with_variances(variances, velocity_variances);
+  const auto silence = [&](bool with_velocity) {
+    return ardupilot_silence(external_odometry(pose, {}, half_pi), with_velocity);
+  };
+  GIVEN("a pose with everything") {
+    THEN("it is sent") {
+      CHECK(silence(true) == Silence::none);
+    }
+  }
+  GIVEN("one without yaw") {
+    pose.status = status_heading_unknown;
+    THEN("it is not sent") {
+      CHECK(silence(false) == Silence::yaw_unknown);
+    }
+  }
+  GIVEN("one without velocity") {
+    pose.velocity_covariance = {};
+    THEN("it is sent only by messages without one") {
+      CHECK(silence(true) == Silence::no_velocity);
+      CHECK(silence(false) == Silence::none);
     }
   }
 }

@@ -1,5 +1,6 @@
 #include "mavlink/sender/sender.hpp"
 
+#include "autopilot/ardupilot.hpp"
 #include "autopilot/pose_watch.hpp"
 #include "clocks/clocks.hpp"
 #include "logging/log.hpp"
@@ -168,9 +169,10 @@ private:
                                  const Line::Known& known) const {
     if (!known.autopilot) return Silence::no_autopilot;
     if (verdict.silence != Silence::none) return verdict.silence;
-    // ArduPilot would take NaN into its filter.
-    const bool needs_yaw = !options_.north || known.autopilot == autopilot_ardupilot;
-    return needs_yaw && !odometry.q_body_to_frame ? Silence::yaw_unknown : Silence::none;
+    if (known.autopilot == autopilot_ardupilot) {
+      return ardupilot_silence(odometry, options_.message == Message::odometry);
+    }
+    return !options_.north && !odometry.q_body_to_frame ? Silence::yaw_unknown : Silence::none;
   }
 
   const SenderOptions& options_;

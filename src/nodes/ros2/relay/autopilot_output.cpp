@@ -98,8 +98,8 @@ std::optional<AutopilotOutput::Due> AutopilotOutput::due(const FusedPose& pose,
 Silence AutopilotOutput::silence_of(const autopilot::ExternalOdometry& odometry, bool has_clock) const {
   if (!has_clock) return Silence::no_clock;
   if (!is_px4_ && has_unix_clock_) return Silence::unix_clock;
-  const bool needs_yaw = !is_px4_ || !north_;
-  return needs_yaw && !odometry.q_body_to_frame ? Silence::yaw_unknown : Silence::none;
+  if (!is_px4_) return ardupilot_silence(odometry, false);
+  return !north_ && !odometry.q_body_to_frame ? Silence::yaw_unknown : Silence::none;
 }
 
 /// State of the last pose, unless the poses or the clock have ended since.
