@@ -1,5 +1,6 @@
 #include "autopilot/external_odometry.hpp"
 
+#include <sonopose/geometry/cross_matrix.hpp>
 #include <sonopose/ros2/messages/covariance.hpp>
 
 #include <algorithm>
@@ -34,12 +35,6 @@ void raise_variances(Block&& covariance, double min_std) {
   }
 }
 
-Matrix3 cross_matrix(const Vector3d& v) {
-  Matrix3 matrix;
-  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return matrix;
-}
-
 Matrix3 turned(const Matrix3& rotation, const Matrix3& covariance) {
   return rotation * covariance * rotation.transpose();
 }
@@ -49,7 +44,7 @@ bool knows_velocity(const FusedPose& pose) {
          pose.velocity_covariance.is_known(2);
 }
 
-/// Fills in the velocity, and its covariances with the error of the rotation at the lever arm.
+/// Fills in the velocity, and its covariances with the errors of rotation and orientation at the lever arm.
 void add_velocity(ExternalOdometry& odometry, const FusedPose& pose, const ros2::Mount& mount,
                   const Matrix3& map_to_frame) {
   const ros2::BaseState base = ros2::base_state(pose, mount);
@@ -57,18 +52,23 @@ void add_velocity(ExternalOdometry& odometry, const FusedPose& pose, const ros2:
   const Matrix3 base_to_map = base.q_base_to_map.toRotationMatrix();
   odometry.velocity_frame_mps = map_to_frame * base_to_map * base.velocity_base_mps;
   odometry.velocity_body_mps = half_turn() * base.velocity_base_mps;
-  const Matrix3 lever = base_to_map * cross_matrix(mount.imu_in_base_m) * noise.gyro_std_radps;
+  // v_base = v_imu − u with u = R (ω × r), and a small rotation δθ changes u by δθ × u.
+  const Matrix3 lever = base_to_map * geometry::cross_matrix(mount.imu_in_base_m) * noise.gyro_std_radps;
+  const Vector3d swing_map_mps = base_to_map * base.angular_velocity_base_radps.cross(mount.imu_in_base_m);
+  const Matrix3 of_orientation =
+      turned(geometry::cross_matrix(swing_map_mps), ros2::orientation_covariance(pose, noise));
   odometry.velocity_covariance_frame =
-      turned(map_to_frame, pose.velocity_covariance.matrix() + lever * lever.transpose());
+      turned(map_to_frame, pose.velocity_covariance.matrix() + lever * lever.transpose() + of_orientation);
   const Matrix3 in_base = ros2::twist_covariance(pose, mount, noise).topLeftCorner<3, 3>();
   odometry.velocity_covariance_body = turned(half_turn(), in_base);
   raise_variances(odometry.velocity_covariance_frame, min_velocity_std_mps);
   raise_variances(odometry.velocity_covariance_body, min_velocity_std_mps);
-  if (!knows_velocity(pose)) {
+  const bool knows_yaw = odometry.q_body_to_frame.has_value();
+  if (!knows_velocity(pose) || (!knows_yaw && !mount.imu_in_base_m.isZero())) {
     odometry.velocity_frame_mps.setConstant(unknown);
     odometry.velocity_covariance_frame.setConstant(unknown);
   }
-  if (!knows_velocity(pose) || !odometry.q_body_to_frame) {
+  if (!knows_velocity(pose) || !knows_yaw) {
     odometry.velocity_body_mps.setConstant(unknown);
     odometry.velocity_covariance_body.setConstant(unknown);
   }

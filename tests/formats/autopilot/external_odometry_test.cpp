@@ -55,6 +55,20 @@ SCENARIO("variances follow their axes") {
         CHECK(odometry.pose_covariance(1, 1) == Approx(0.09 + 0.25 * 0.0049));
       }
     }
+    WHEN("it also turns left about its base, so that the IMU moves along y at 1 m/s") {
+      FusedPose turning = pose;
+      turning.angular_velocity_body_radps = {0, 0, 2};
+      const ros2::Mount mount{.imu_in_base_m = {0.5, 0, 0}};
+      THEN("uncertain yaw adds to the variance of the velocity along x, and roll to that along z") {
+        const Vector3d added = external_odometry(turning, mount, {}).velocity_covariance_frame.diagonal() -
+                               external_odometry(pose, mount, {}).velocity_covariance_frame.diagonal();
+        CHECK(added.isApprox(Vector3d(0.0049, 0, 0.0025), 1e-6));
+      }
+      THEN("the velocity is unknown if the yaw is") {
+        turning.status = status_heading_unknown;
+        CHECK(external_odometry(turning, mount, {}).velocity_frame_mps.array().isNaN().all());
+      }
+    }
   }
   GIVEN("a pose that claims to be exact") {
     const auto odometry = external_odometry(with_variances({}, Vector3d::Zero()), {}, {});
