@@ -16,7 +16,7 @@ namespace sonopose::autopilot {
 using Matrix3 = Eigen::Matrix3d;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-/// Where north is in the map: counter-clockwise from its x axis. Empty: unknown.
+/// Direction of north in the map: counter-clockwise from its x axis. Empty: unknown.
 using North = std::optional<double>;
 
 /// Least standard deviations. A filter that is told less rejects the small errors of mount and clock.
@@ -39,6 +39,11 @@ struct ExternalOdometry {
   Matrix3 velocity_covariance_frame = Matrix3::Zero();
   Matrix3 velocity_covariance_body = Matrix3::Zero();
 };
+
+/// Microseconds of a stamp, as the messages of autopilots have it.
+constexpr std::uint64_t to_us(TimeNs time_ns) {
+  return static_cast<std::uint64_t>(time_ns / 1000);
+}
 
 /// Converts a pose of the IMU to that of the base (REP-103: x forward, y left, z up), which is the body.
 ExternalOdometry external_odometry(const FusedPose& pose, const ros2::Mount& mount, North north);

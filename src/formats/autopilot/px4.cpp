@@ -21,10 +21,6 @@ Eigen::Vector4f quaternion(const std::optional<Quaterniond>& q) {
   return Eigen::Vector4d(q->w(), q->x(), q->y(), q->z()).cast<float>().normalized();
 }
 
-std::uint64_t to_us(TimeNs time_ns) {
-  return static_cast<std::uint64_t>(time_ns / 1000);
-}
-
 }  // namespace
 
 ros2::VehicleOdometry vehicle_odometry(const ExternalOdometry& odometry, TimeNs measured_ns, TimeNs now_ns,

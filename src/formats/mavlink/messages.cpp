@@ -58,10 +58,6 @@ T field(const Frame& frame, std::size_t offset) {
   return value;
 }
 
-std::uint64_t to_us(TimeNs time_ns) {
-  return static_cast<std::uint64_t>(time_ns / 1000);
-}
-
 }  // namespace
 
 Frame heartbeat(Identity sender) {
@@ -107,7 +103,7 @@ Frame odometry(const autopilot::ExternalOdometry& odometry, Identity sender, con
   autopilot::Matrix6 twist = autopilot::Matrix6::Constant(unknown);
   twist.topLeftCorner<3, 3>() = odometry.velocity_covariance_body;
   return Writer(odometry_id, sender)
-      .add(to_us(sent.time_ns))
+      .add(autopilot::to_us(sent.time_ns))
       .add_floats(odometry.position_frame_m)
       .add_floats(q)
       .add_floats(odometry.velocity_body_mps)
@@ -130,7 +126,7 @@ Frame vision_position_estimate(const autopilot::ExternalOdometry& odometry, Iden
     angles = {euler.roll_rad, euler.pitch_rad, euler.yaw_rad};
   }
   return Writer(vision_position_estimate_id, sender)
-      .add(to_us(sent.time_ns))
+      .add(autopilot::to_us(sent.time_ns))
       .add_floats(odometry.position_frame_m)
       .add_floats(angles)
       .add_covariance(odometry.pose_covariance)

@@ -63,7 +63,7 @@ FusedPose pose_at(double time_s) {
   throw std::runtime_error("the flight is too short");
 }
 
-/// Where y is north, as in ENU.
+/// North is y, as in ENU.
 constexpr double north_is_y = std::numbers::pi / 2;
 
 ExternalOdometry in_ned(double time_s) {

@@ -1,4 +1,4 @@
-/// What we send is read by a decoder that is not ours.
+/// A decoder that is not ours reads our messages.
 
 #include "formats/mavlink/flying.hpp"
 #include "mavlink/messages.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// What the sender knows of the autopilot at the other end of the line.
+/// The autopilot at the other end of the line, by its heartbeats.
 
 #include "mavlink/frame.hpp"
 #include <sonopose/samples/time.hpp>
