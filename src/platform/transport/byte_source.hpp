@@ -78,7 +78,7 @@ public:
   /// the line is closed or takes no more.
   virtual void send(std::vector<std::uint8_t> bytes) = 0;
 
-  /// Number of messages that were dropped, at least in part. Thread-safe.
+  /// Number of messages that an open line did not take, at least in part. Thread-safe.
   [[nodiscard]] virtual std::uint64_t unsent() const = 0;
 };
 

@@ -68,9 +68,10 @@ public:
   void stop() { loop_.stop(); }
   void send(std::vector<std::uint8_t> bytes) {
     asio::post(loop_.context(), [this, bytes = std::move(bytes)] {
-      const bool is_sent = port_.is_open() && ::write(port_.native_handle(), bytes.data(), bytes.size()) ==
-                                                  static_cast<ssize_t>(bytes.size());
-      if (!is_sent) ++unsent_;
+      if (!port_.is_open()) return;
+      const ssize_t written = ::write(port_.native_handle(), bytes.data(), bytes.size());
+      const bool is_full = written < 0 ? errno == EAGAIN : written < static_cast<ssize_t>(bytes.size());
+      if (is_full) ++unsent_;
     });
   }
   [[nodiscard]] std::uint64_t unsent() const { return unsent_; }

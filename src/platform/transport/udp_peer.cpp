@@ -53,7 +53,7 @@ public:
     asio::post(loop_.context(), [this, bytes = std::move(bytes)] {
       asio::error_code error;
       socket_.send_to(asio::buffer(bytes), peer_, 0, error);
-      if (error) ++unsent_;
+      if (error == asio::error::would_block || error == asio::error::no_buffer_space) ++unsent_;
     });
   }
 

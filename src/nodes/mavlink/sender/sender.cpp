@@ -148,11 +148,7 @@ public:
     } else if (clocks::steady_now() - posed_ > autopilot::no_poses_after_ns) {
       state_ = Silence::no_poses;
     }
-    if (line_.unsent() > unsent_ && unsent_ == 0) {
-      logging::warning(fmt::format("{}: takes fewer bytes than are sent; use a lower --rate or a faster line",
-                                   line_.name()));
-    }
-    unsent_ = line_.unsent();
+    report_unsent();
     if (state_ == logged_) return;
     logged_ = state_;
     if (state_ == Silence::none) {
@@ -164,6 +160,21 @@ public:
   }
 
 private:
+  /// Logs that the line begins to drop messages, or takes all of them again.
+  void report_unsent() {
+    const std::uint64_t unsent = line_.unsent();
+    const bool drops = unsent > unsent_;
+    unsent_ = unsent;
+    if (drops == drops_) return;
+    drops_ = drops;
+    if (drops) {
+      logging::warning(fmt::format("{}: takes fewer bytes than are sent; use a lower --rate or a faster line",
+                                   line_.name()));
+    } else {
+      logging::info(fmt::format("{}: takes all bytes again", line_.name()));
+    }
+  }
+
   [[nodiscard]] Silence state_of(const autopilot::PoseWatch::Verdict& verdict,
                                  const autopilot::ExternalOdometry& odometry,
                                  const Line::Known& known) const {
@@ -185,6 +196,7 @@ private:
   std::optional<Silence> state_;
   std::optional<Silence> logged_;
   std::uint64_t unsent_ = 0;
+  bool drops_ = false;  ///< in the last second
 };
 
 }  // namespace
