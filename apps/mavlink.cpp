@@ -64,10 +64,11 @@ int main(int argc, char** argv) {
   add_bus_options(app, bus);
   logging::Level log_level = logging::Level::info;
   apps::add_log_option(app, log_level);
-  auto* const udp = app.add_option("--udp", given.udp,
-                                   "Send to this endpoint, and then to the port that its host last sent from")
-                        ->check(apps::readable_by(transport::parse_endpoint))
-                        ->option_text("ADDRESS:PORT");
+  auto* const udp =
+      app.add_option("--udp", given.udp,
+                     "Send to this endpoint, and then to the port of its host that heartbeats come from")
+          ->check(apps::readable_by(transport::parse_endpoint))
+          ->option_text("ADDRESS:PORT");
   app.add_option("--local-port", options.local_port, "With --udp: receive on this port; 0: any")
       ->capture_default_str()
       ->type_name("PORT")

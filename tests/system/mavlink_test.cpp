@@ -79,6 +79,7 @@ private:
     while (!end.stop_requested()) {
       const auto result = line.read(buffer, std::chrono::milliseconds(50));
       if (result.status == transport::ReadStatus::data) {
+        line.answer_last_sender();
         decoder.feed({buffer.data(), result.size}, [this](const mavlink::Frame& frame) {
           const std::lock_guard lock(mutex_);
           frames_[frame.message_id].push_back(frame);

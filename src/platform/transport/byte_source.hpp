@@ -78,6 +78,9 @@ public:
   /// the line is closed or takes no more.
   virtual void send(std::vector<std::uint8_t> bytes) = 0;
 
+  /// Sends to the sender of the last data from now on, where a line has several. On the thread that reads.
+  virtual void answer_last_sender() {}
+
   /// Number of messages that an open line did not take, at least in part. Thread-safe.
   [[nodiscard]] virtual std::uint64_t unsent() const = 0;
 };

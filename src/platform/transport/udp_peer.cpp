@@ -8,6 +8,7 @@
 #include <asio/ip/udp.hpp>
 
 #include <atomic>
+#include <optional>
 #include <utility>
 
 namespace sonopose::transport {
@@ -43,11 +44,14 @@ public:
     if (done.error == asio::error::operation_aborted) return {ReadStatus::timeout};
     if (done.error) throw files::IoError(name_ + ": cannot be read: " + done.error.message());
     if (sender.address() != peer_.address()) return {ReadStatus::refused};
-    peer_ = sender;
+    last_sender_ = sender;
     return {ReadStatus::data, done.size, arrival};
   }
 
   void stop() { loop_.stop(); }
+  void answer_last_sender() {
+    if (last_sender_) peer_ = *last_sender_;
+  }
 
   void send(std::vector<std::uint8_t> bytes) {
     asio::post(loop_.context(), [this, bytes = std::move(bytes)] {
@@ -64,7 +68,8 @@ private:
   std::string name_;
   StoppableLoop loop_;
   asio::ip::udp::socket socket_;
-  asio::ip::udp::endpoint peer_;  ///< used by the reading thread only
+  asio::ip::udp::endpoint peer_;                        ///< used by the reading thread only
+  std::optional<asio::ip::udp::endpoint> last_sender_;  ///< likewise
   std::atomic<std::uint64_t> unsent_ = 0;
 };
 
@@ -83,6 +88,10 @@ void UdpPeer::stop() {
 
 void UdpPeer::send(std::vector<std::uint8_t> bytes) {
   socket_->send(std::move(bytes));
+}
+
+void UdpPeer::answer_last_sender() {
+  socket_->answer_last_sender();
 }
 
 std::uint64_t UdpPeer::unsent() const {

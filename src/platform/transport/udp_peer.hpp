@@ -11,8 +11,8 @@
 
 namespace sonopose::transport {
 
-/// Sends to the peer's endpoint, and once it has sent something, to the port that this came from. read()
-/// returns `refused` for the datagrams of other machines.
+/// Sends to the peer's endpoint, or to another port of its machine once answer_last_sender() accepts it.
+/// read() returns `refused` for the datagrams of other machines.
 class UdpPeer : public ByteLink {
 public:
   /// `local_port`: 0 lets the system choose. Throws files::IoError if it cannot be bound.
@@ -24,6 +24,7 @@ public:
   ReadResult read(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) override;
   void stop() override;
   void send(std::vector<std::uint8_t> bytes) override;
+  void answer_last_sender() override;
   [[nodiscard]] std::uint64_t unsent() const override;
   [[nodiscard]] std::string name() const override;
 

@@ -20,19 +20,19 @@ SCENARIO("the autopilot is known by its heartbeats") {
   AutopilotWatch watch;
   const SteadyTime begin{100 * second};
   GIVEN("heartbeats of a ground station") {
-    watch.on(heartbeat_of({255, 190}, mavlink::autopilot_none), begin);
+    CHECK_FALSE(watch.on(heartbeat_of({255, 190}, mavlink::autopilot_none), begin));
     THEN("that is no autopilot") {
       CHECK_FALSE(watch.kind(begin));
     }
   }
   GIVEN("heartbeats of a PX4 that is system 5") {
-    watch.on(heartbeat_of({5, 1}, mavlink::autopilot_px4), begin);
+    CHECK(watch.on(heartbeat_of({5, 1}, mavlink::autopilot_px4), begin));
     THEN("we are a component of its vehicle") {
       CHECK(watch.kind(begin) == mavlink::autopilot_px4);
       CHECK(watch.own() == mavlink::Identity{5, mavlink::own_component});
     }
     WHEN("another vehicle is heard too") {
-      watch.on(heartbeat_of({6, 1}, mavlink::autopilot_ardupilot), begin + second);
+      CHECK_FALSE(watch.on(heartbeat_of({6, 1}, mavlink::autopilot_ardupilot), begin + second));
       THEN("the first one counts") {
         CHECK(watch.kind(begin + second) == mavlink::autopilot_px4);
       }

@@ -4,12 +4,13 @@
 
 namespace sonopose::mavlink::sender {
 
-void AutopilotWatch::on(const Frame& frame, SteadyTime now) {
+bool AutopilotWatch::on(const Frame& frame, SteadyTime now) {
   const auto heard = autopilot_of(frame);
-  if (!heard || (kind(now) && frame.sender != autopilot_)) return;
+  if (!heard || (kind(now) && frame.sender != autopilot_)) return false;
   autopilot_ = frame.sender;
   kind_ = *heard;
   heard_ = now;
+  return true;
 }
 
 std::optional<std::uint8_t> AutopilotWatch::kind(SteadyTime now) const {

@@ -16,7 +16,8 @@ public:
   /// Heartbeats come once a second.
   static constexpr TimeNs lost_after_ns = 5'000'000'000;
 
-  void on(const Frame& frame, SteadyTime now);
+  /// Returns true for a heartbeat of this autopilot.
+  bool on(const Frame& frame, SteadyTime now);
 
   /// Kind of the autopilot (MAV_AUTOPILOT); empty without heartbeats.
   [[nodiscard]] std::optional<std::uint8_t> kind(SteadyTime now) const;

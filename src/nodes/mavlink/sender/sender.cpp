@@ -101,7 +101,8 @@ private:
     Identity own;
     {
       const threads::Lock lock(mutex_);
-      watch_.on(frame, clocks::steady_now());
+      // Any program of the host can send something, but only the autopilot is to get the poses.
+      if (watch_.on(frame, clocks::steady_now())) link_->answer_last_sender();
       own = watch_.own();
     }
     if (const auto answer = timesync_answer(frame, own, now_ns)) send(*answer);
