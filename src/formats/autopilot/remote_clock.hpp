@@ -16,8 +16,8 @@ class RemoteClock {
 public:
   /// Silence after which the clock is lost. PX4 sends a message a second.
   static constexpr TimeNs lost_after_ns = 3'000'000'000;
-  /// An offset up to this is delay alone: PX4's client converts stamps from and to the clock of the agent's
-  /// machine, which is this one.
+  /// Stamps behind by up to this are of this clock, late: PX4's client converts stamps from and to the clock
+  /// of the agent's machine, which is this one. Twice this ends that. Stamps ahead are of another clock.
   static constexpr TimeNs same_clock_ns = 50'000'000;
 
   /// Takes a stamp, with the time of its arrival. One that differs from the others by half a second begins
@@ -33,6 +33,7 @@ private:
   std::array<TimeNs, window> offsets_ns_{};
   std::size_t count_ = 0;  ///< messages since it began anew
   TimeNs offset_ns_ = 0;
+  bool is_same_clock_ = false;
   SteadyTime last_;
 };
 

@@ -24,6 +24,25 @@ SCENARIO("stamps are in the clock of the autopilot") {
     THEN("the clock is that of the host, without the delay") {
       CHECK(clock.at(host_ns, begin) == host_ns);
     }
+    WHEN("all messages take 90 ms for a while") {
+      for (int i = 0; i < 20; ++i) clock.on(host_ns - 90 * ms, host_ns, begin);
+      THEN("the clock stays") {
+        CHECK(clock.at(host_ns, begin) == host_ns);
+      }
+    }
+    WHEN("all take more than 100 ms") {
+      for (int i = 0; i < 20; ++i) clock.on(host_ns - 110 * ms, host_ns, begin);
+      THEN("that is another clock") {
+        CHECK(clock.at(host_ns, begin) == host_ns - 110 * ms);
+      }
+    }
+  }
+  GIVEN("a clock that is 90 ms behind, or 20 ms ahead") {
+    const TimeNs offset_ns = GENERATE(-90 * ms, 20 * ms);
+    clock.on(host_ns + offset_ns, host_ns, begin);
+    THEN("it is another one") {
+      CHECK(clock.at(host_ns, begin) == host_ns + offset_ns);
+    }
   }
   GIVEN("an autopilot that started 500 s ago, whose messages take 3 to 20 ms") {
     for (const TimeNs late : {20 * ms, 3 * ms, 12 * ms}) clock.on(500 * second - late, host_ns, begin);
