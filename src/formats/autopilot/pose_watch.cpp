@@ -9,8 +9,9 @@
 namespace sonopose::autopilot {
 namespace {
 
-constexpr std::uint32_t doubtful_statuses =
-    status_stale | status_converging | status_frozen_track | status_imu_gap | status_low_trust;
+constexpr std::uint32_t doubtful_statuses = status_stale | status_converging | status_frozen_track |
+                                            status_imu_gap | status_low_trust | status_imu_inconsistent |
+                                            status_fixes_inconsistent;
 
 bool has_position(const FusedPose& pose) {
   return pose.time_ns > 0 && pose.time_ns < end_of_time_ns && (pose.status & status_initialising) == 0 &&
@@ -32,7 +33,7 @@ const char* text_of(Silence silence) {
     case Silence::late:
       return "the poses are late";
     case Silence::doubtful:
-      return "the poses have been stale or untrusted for 3 s";
+      return "the poses have been stale, untrusted or inconsistent for 3 s";
     case Silence::no_mount:
       return "the mount of the IMU is unknown";
     case Silence::yaw_unknown:

@@ -125,8 +125,10 @@ SCENARIO("the quality falls while the poses are doubtful, and then there are non
     PoseWatch watch;
     Fusion fusion;
     REQUIRE(int{watch.on(fusion.next()).quality_percent} == 90);
-    WHEN("they are stale or untrusted") {
-      fusion.status = GENERATE(std::uint32_t{status_stale}, std::uint32_t{status_low_trust});
+    WHEN("they are stale, untrusted or inconsistent") {
+      fusion.status =
+          GENERATE(std::uint32_t{status_stale}, std::uint32_t{status_low_trust},
+                   std::uint32_t{status_imu_inconsistent}, std::uint32_t{status_fixes_inconsistent});
       int last = 90;
       int sent = 0;
       PoseWatch::Verdict verdict;
