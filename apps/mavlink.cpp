@@ -10,7 +10,9 @@
 #include <array>
 #include <charconv>
 #include <numbers>
+#include <stdexcept>
 #include <string>
+#include <system_error>
 
 using namespace sonopose;
 
@@ -25,7 +27,8 @@ struct Given {
   std::optional<double> north_deg;
 };
 
-/// Splits "/dev/ttyTHS1:921600" at its last colon, if a number follows.
+/// Splits "/dev/ttyTHS1:921600" at its last colon. Throws std::invalid_argument if no number follows, except
+/// in /dev/serial/by-path, whose names have colons.
 void set_device(const std::string& text, mavlink::sender::SenderOptions& options) {
   options.device = text;
   const std::size_t colon = text.rfind(':');
@@ -33,7 +36,10 @@ void set_device(const std::string& text, mavlink::sender::SenderOptions& options
   unsigned baud = 0;
   const char* const end = text.data() + text.size();
   const auto [rest, error] = std::from_chars(text.data() + colon + 1, end, baud);
-  if (error != std::errc() || rest != end) return;  // a colon of the path
+  if (error != std::errc() || rest != end) {
+    if (text.starts_with("/dev/serial/by-path/")) return;
+    throw std::invalid_argument("--device " + text + ": '" + text.substr(colon + 1) + "' is not a baud rate");
+  }
   options.device.resize(colon);
   options.baud = baud;
 }

@@ -203,6 +203,7 @@ TEST_CASE("sonopose-mavlink refuses a line that it cannot use") {
   CHECK(refusal({"--udp", "127.0.0.1:0"}).find("port 0") != std::string::npos);
   CHECK(refusal({"--udp", "drone:1"}).find("not a numeric IP address") != std::string::npos);
   CHECK(refusal({"--device", "/etc/hostname"}).find("is not a serial device") != std::string::npos);
+  CHECK(refusal({"--device", "/dev/ttyTHS1:fast"}).find("'fast' is not a baud rate") != std::string::npos);
 }
 
 }  // namespace mavlink_system_test
