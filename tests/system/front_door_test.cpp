@@ -312,26 +312,16 @@ TEST_CASE("The settings have a help of their own") {
 
 TEST_CASE("Every program suggests the option that a misspelt one resembles") {
   const std::map<std::string, std::pair<std::string, std::string>> misspelt{
-      {"run", {"--scenrio", "--scenario"}},
-      {"bridge", {"--sorce", "--source"}},
-      {"fusion", {"--adresses", "--addresses"}},
-      {"monitor", {"--duraton", "--duration"}},
-      {"ros2", {"--fix-mesage", "--fix-message"}},
-      {"doctor", {"--domian", "--domain"}},
-      {"settings", {"--timout", "--timeout"}},
-      {"simulate", {"--duraton", "--duration"}},
-      {"import", {"--postions", "--positions"}},
-      {"replay", {"--smoth", "--smooth"}},
-      {"evaluate", {"--sedes", "--seeds"}},
-      {"tune", {"--ronds", "--rounds"}},
-      {"attitude", {"--filtre", "--filter"}},
-      {"calibrate", {"--verson", "--version"}},
-      {"mavlink", {"--divice", "--device"}},
-      {"mcap", {"--verson", "--version"}},
-      {"record", {"--exlude", "--exclude"}},
-      {"play", {"--restmp", "--restamp"}},
-      {"security", {"--verson", "--version"}},
-      {"web", {"--lisen", "--listen"}}};
+      {"run", {"--scenrio", "--scenario"}},        {"bridge", {"--sorce", "--source"}},
+      {"fusion", {"--adresses", "--addresses"}},   {"monitor", {"--duraton", "--duration"}},
+      {"ros2", {"--fix-mesage", "--fix-message"}}, {"doctor", {"--domian", "--domain"}},
+      {"settings", {"--timout", "--timeout"}},     {"simulate", {"--duraton", "--duration"}},
+      {"import", {"--postions", "--positions"}},   {"replay", {"--smoth", "--smooth"}},
+      {"evaluate", {"--sedes", "--seeds"}},        {"tune", {"--ronds", "--rounds"}},
+      {"attitude", {"--filtre", "--filter"}},      {"calibrate", {"--verson", "--version"}},
+      {"mavlink", {"--divice", "--device"}},       {"mcap", {"--verson", "--version"}},
+      {"record", {"--exlude", "--exclude"}},       {"play", {"--restmp", "--restamp"}},
+      {"security", {"--verson", "--version"}},     {"web", {"--lisen", "--listen"}}};
   for (const std::string& program : programs()) {
     const auto found = misspelt.find(program.substr(prefix.size()));
     CAPTURE(program);

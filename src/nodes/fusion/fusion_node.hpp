@@ -23,8 +23,7 @@ struct FusionOptions {
   presence::AddressSet addresses;                                            ///< only beacons to serve
   std::size_t max_beacons = presence::BeaconAdmission::default_max_beacons;  ///< most beacons at a time
   std::optional<StandbyOptions> standby;  ///< shares the beacons with other processes; not with `lossless`
-  std::optional<std::filesystem::path>
-      learned_file;       ///< keeps what is learned of the sensors; not `lossless`
+  std::optional<std::filesystem::path> learned_file{};  ///< keeps what is learned; not `lossless`
   bool lossless = false;  ///< keeps all events and poses, for a log at full speed
   /// Reads the configuration again, when process::ReloadRequest asks for it. Throws config::ConfigError.
   std::function<config::FusionConfig()> read_again = {};
