@@ -182,7 +182,7 @@ bool switch_to_distrustful_model(State& state) {
   // fixes.
   if (state.phase != Phase::tracking ||
       std::max(state.fixes.since_start, state.fixes.rejected_in_row / 2) < proven_fixes ||
-      std::max(state.fixes.misfits_in_row, state.headings.rejected_in_row) < min_rejected_in_row)
+      std::max(state.fixes.rejected_in_row, state.headings.rejected_in_row) < min_rejected_in_row)
     return false;
   Hypothesis* chosen = nullptr;
   for (Hypothesis& each : state.bank) {
@@ -194,7 +194,8 @@ bool switch_to_distrustful_model(State& state) {
   double max_evidence = state.imu_fault.shifted.evidence;
   if (const Hypothesis* const other = find_other_track(state))
     max_evidence = std::max(max_evidence, other->evidence);
-  if (!(chosen->evidence > std::max(state.bank.best().evidence + min_evidence_margin, max_evidence)))
+  if (!(chosen->evidence >
+        std::max(state.bank.best().evidence + min_evidence_margin, max_evidence + min_margin_over_tracks)))
     return false;
   const Hypothesis* const without_headings = state.bank.find(ImuModel::wrong_headings);
   if (without_headings != nullptr && without_headings->evidence > chosen->evidence) return false;

@@ -22,6 +22,7 @@ inline constexpr TimeNs max_heading_age_ns = 500'000'000;  // age at which a sta
 inline constexpr int min_rejected_in_row = 3;              // fewer may be outliers
 inline constexpr int min_track_fixes = 3;                  // number of fixes that make a track
 inline constexpr double min_evidence_margin = 10.0;        // prior odds: most IMUs are right
+inline constexpr double min_margin_over_tracks = 4.0;      // wrong tracks are more frequent
 inline constexpr int min_rest_fixes = 2;  // enough to distinguish a rest from a smooth cruise
 
 constexpr double square(double x) {

@@ -108,8 +108,8 @@ bool restart_search(State& state) {
     }
   }
   if (fixes_alone == nullptr || fixes_alone->explained_in_row < min_track_fixes ||
-      fixes_alone->evidence <
-          std::max(start_evidence + min_evidence_margin, state.imu_fault.shifted.evidence))
+      fixes_alone->evidence < std::max(start_evidence + min_evidence_margin,
+                                       state.imu_fault.shifted.evidence + min_margin_over_tracks))
     return false;
   state.bank.best_index = state.bank.index_of(*fixes_alone);
   search_yaw_again(state);
