@@ -61,11 +61,26 @@ void make_folder(const fs::path& folder, fs::perms mode) {
 
 void check_name(const std::string& name) {
   constexpr std::string_view allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./";
-  const bool is_path = name.starts_with('/') || name.ends_with('/') || name.find("..") != name.npos ||
-                       name.find("//") != name.npos;
-  if (name.empty() || is_path || name.find_first_not_of(allowed) != name.npos) {
+  // A name with "." or ".." would be another name of the same folder, or lead out of the store.
+  const bool is_plain = std::ranges::none_of(fs::path(name), [](const fs::path& part) {
+    return part.empty() || part == "/" || part == "." || part == "..";
+  });
+  if (!is_plain || name.empty() || name.find("//") != name.npos ||
+      name.find_first_not_of(allowed) != name.npos) {
     throw SecurityError(fmt::format("'{}': no name of an enclave, such as bridge or hall/robot", name));
   }
+}
+
+/// Removes the files of an enclave, and its folder unless another enclave or other files are in it.
+void remove_enclave(const fs::path& folder) {
+  for (const char* const file : {key_file, certificate_file, permissions_file, permissions_source,
+                                 governance_file, identity_ca_file, permissions_ca_file, revocation_file}) {
+    std::error_code error;
+    fs::remove(folder / file, error);
+    if (error) throw SecurityError(fmt::format("{}: {}", (folder / file).string(), error.message()));
+  }
+  std::error_code not_empty;
+  fs::remove(folder, not_empty);
 }
 
 }  // namespace
@@ -103,6 +118,7 @@ KeyStore::KeyStore(const fs::path& folder) : folder_(fs::absolute(folder).lexica
 }
 
 fs::path KeyStore::enclave_folder(const std::string& name) const {
+  check_name(name);
   return folder_ / "enclaves" / name;
 }
 
@@ -139,7 +155,6 @@ void KeyStore::sign(const fs::path& document, const fs::path& file) const {
 }
 
 void KeyStore::add(const std::string& name, const EnclaveOptions& options) const {
-  check_name(name);
   const fs::path folder = enclave_folder(name);
   std::error_code absent;
   if (fs::exists(folder / certificate_file, absent)) {
@@ -198,9 +213,9 @@ std::size_t KeyStore::revoke(const std::string& name, std::int64_t now_s) const 
     throw SecurityError(fmt::format("{}: no such enclave, or it has been revoked", folder.string()));
   }
   files::write_whole(list, revocation_list(issuer, serials, now_s));
-  fs::remove_all(folder);
+  remove_enclave(folder);
   // The others of a store of SROS2 have no link to the list yet.
-  for (const std::string& other : enclaves()) link(list, enclave_folder(other) / revocation_file);
+  for (const std::string& other : enclaves()) link(list, folder_ / "enclaves" / other / revocation_file);
   return serials.size() - earlier;
 }
 

@@ -24,6 +24,7 @@ public:
   explicit KeyStore(const std::filesystem::path& folder);
 
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
+  /// Folder of an enclave, which need not exist. Throws SecurityError for an unusable name, such as "../x".
   [[nodiscard]] std::filesystem::path enclave_folder(const std::string& name) const;
 
   /// Names of all enclaves, sorted: "bridge", "hall/robot".
@@ -36,14 +37,14 @@ public:
     Validity validity = {};
   };
 
-  /// Makes an enclave. Throws SecurityError if it exists, and for an unusable name.
+  /// Makes an enclave. Throws SecurityError if it exists.
   void add(const std::string& name, const EnclaveOptions& options) const;
 
   /// Makes a new key and certificate for an enclave, and signs its permissions.xml again.
   void renew(const std::string& name, const Validity& validity) const;
 
-  /// Puts every certificate that the enclave had on the list of revoked ones, and deletes the enclave.
-  /// Returns the number of certificates.
+  /// Puts every certificate that the enclave had on the list of revoked ones, and deletes its files,
+  /// but not those of enclaves below it. Returns the number of certificates.
   std::size_t revoke(const std::string& name, std::int64_t now_s) const;
 
   /// Signs the governance of all enclaves again.

@@ -201,6 +201,36 @@ SCENARIO("Renewed and revoked enclaves") {
   }
 }
 
+SCENARIO("A name leads to its own enclave only") {
+  const Store store;
+  store.add("hall", {"bridge"});
+  store.add("hall/robot", {"fusion"});
+  WHEN("an enclave above another is revoked") {
+    const fs::path folder = store.keys.enclave_folder("hall");
+    store.keys.revoke("hall", now_s);
+    THEN("the other stays, in order") {
+      CHECK_FALSE(fs::exists(folder / "key.pem"));
+      CHECK(store.keys.enclaves() == std::vector<std::string>{"hall/robot"});
+      CHECK(store.problems().empty());
+    }
+  }
+  WHEN("a name is another path of an enclave, or leads out of the store") {
+    const std::string name = GENERATE("", ".", "..", "./hall", "hall/", "hall/.", "hall/../hall",
+                                      "hall//robot", "../enclaves/hall");
+    CAPTURE(name);
+    const std::string absolute = store.keys.enclave_folder("hall").string();
+    THEN("every verb refuses it, and all enclaves stay") {
+      for (const std::string& each : {name, absolute}) {
+        CHECK_THROWS_WITH(store.keys.revoke(each, now_s), Contains("no name of an enclave"));
+        CHECK_THROWS_WITH(store.keys.renew(each, year), Contains("no name of an enclave"));
+        CHECK_THROWS_WITH(store.add(each, {"bridge"}), Contains("no name of an enclave"));
+      }
+      CHECK(store.keys.enclaves() == std::vector<std::string>{"hall", "hall/robot"});
+      CHECK(store.problems().empty());
+    }
+  }
+}
+
 SCENARIO("A leaf under the permissions authority is refused (CVE-2023-24011)") {
   const Store store;
   store.add("consumer", {"consumer"});
