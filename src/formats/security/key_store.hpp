@@ -64,7 +64,8 @@ struct StoreProblem {
   std::string text;
 };
 
-/// Checks every enclave, and that the permissions authority issued no certificate (CVE-2023-24011).
+/// Checks every enclave, the dates of the authorities and the modes of their keys, and that the permissions
+/// authority issued no certificate (CVE-2023-24011).
 std::vector<StoreProblem> check(const KeyStore& store, std::int64_t now_s);
 
 }  // namespace sonopose::security

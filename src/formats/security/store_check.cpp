@@ -30,6 +30,34 @@ std::vector<fs::path> leaves_of(const std::string& authority, const fs::path& fo
   return leaves;
 }
 
+/// Adds what is wrong with the authorities, whose private keys are absent where a machine has only enclaves.
+void check_authorities(const KeyStore& store, std::int64_t now_s, std::vector<StoreProblem>& problems) {
+  const fs::path secret = store.folder() / "private";
+  const auto check_mode = [&problems](const fs::path& path, const char* mode) {
+    std::error_code error;
+    const fs::file_status status = fs::status(path, error);
+    constexpr fs::perms others = fs::perms::group_all | fs::perms::others_all;
+    if (!fs::exists(status) || (status.permissions() & others) == fs::perms::none) return;
+    problems.push_back({path.string(), "open to other users, who could make enclaves; run chmod " +
+                                           (mode + (" " + path.string())) +
+                                           ", and make a new store if somebody has read it"});
+  };
+  check_mode(secret, "700");
+  for (const std::string name : {"identity_ca", "permissions_ca"}) {
+    check_mode(secret / (name + ".key.pem"), "600");
+    const fs::path certificate = store.folder() / "public" / (name + ".cert.pem");
+    try {
+      const Validity validity =
+          facts_of(read_file(certificate, "the store lacks an authority"), certificate.string()).validity;
+      std::string text = expiry_warning(validity.not_after_s, now_s);
+      if (now_s < validity.not_before_s) text = "not valid before " + date_time_text(validity.not_before_s);
+      if (!text.empty()) problems.push_back({certificate.string(), text + "; make a new store"});
+    } catch (const SecurityError& error) {
+      problems.push_back({certificate.string(), error.what()});
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<StoreProblem> check(const KeyStore& store, std::int64_t now_s) {
@@ -41,6 +69,7 @@ std::vector<StoreProblem> check(const KeyStore& store, std::int64_t now_s) {
                         "issued by the permissions authority: its owner can sign permissions that Cyclone "
                         "DDS accepts (CVE-2023-24011); make a new store, whose authorities are separate"});
   }
+  check_authorities(store, now_s, problems);
   for (const std::string& name : store.enclaves()) {
     try {
       const Enclave enclave = read_enclave(store.enclave_folder(name), now_s);

@@ -168,6 +168,28 @@ SCENARIO("An unusable enclave is refused with the file and the verb that mends i
   }
 }
 
+SCENARIO("A check is also of the authorities") {
+  const Store store;
+  REQUIRE(store.problems().empty());
+  WHEN("others can read a private key of an authority, or list their folder") {
+    const fs::path open = store.keys.folder() / GENERATE("private", "private/identity_ca.key.pem",
+                                                         "private/permissions_ca.key.pem");
+    CAPTURE(open);
+    fs::permissions(open, fs::perms::group_read, fs::perm_options::add);
+    const auto problems = store.problems();
+    REQUIRE(problems.size() == 1);
+    CHECK(problems.front().subject == open.string());
+    CHECK_THAT(problems.front().text, Contains("chmod"));
+  }
+  WHEN("they expire, in a store without an enclave") {
+    const auto problems = store.problems(now_s + 3700 * day_s);
+    REQUIRE(problems.size() == 2);
+    CHECK_THAT(problems.front().text, Contains("expired on"));
+    CHECK_THAT(problems.front().subject, Contains("identity_ca.cert.pem"));
+    CHECK_THAT(problems.back().subject, Contains("permissions_ca.cert.pem"));
+  }
+}
+
 SCENARIO("Renewed and revoked enclaves") {
   const Store store;
   store.add("robot/fusion", {"fusion"});
