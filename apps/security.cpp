@@ -37,7 +37,7 @@ int main(int argc, char** argv) {
   adding->add_option("--role", options.roles, "What it may do; may be repeated")
       ->check(
           CLI::IsMember(std::vector<std::string>(security::role_names.begin(), security::role_names.end())))
-      ->option_text("bridge|fusion|monitor|operator|ros2|recorder|web|consumer")
+      ->option_text("bridge|fusion|monitor|operator|ros2|recorder|web|autopilot|consumer")
       ->allow_extra_args(false);
   adding
       ->add_option("--partition", options.partitions,

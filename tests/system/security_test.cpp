@@ -119,6 +119,16 @@ SCENARIO("a secured chain serves its members alone") {
   }
 }
 
+SCENARIO("a sender to an autopilot joins a secured bus with its own role") {
+  const KeyStoreOfRoles keys;
+  const SecuredByEnvironment environment(keys.store);
+  const Bus bus;
+  Process sender(SONOPOSE_TEST_MAVLINK,
+                 {"--udp", "127.0.0.1:14550", "--domain", std::to_string(bus.domain_id())});
+  CHECK(sender.wait_for_line(Stream::error, "serving"));
+  CHECK_THAT(sender.text(Stream::error), Contains("enclave autopilot"));
+}
+
 /// Copies the enclave of a consumer, to be forged.
 fs::path copied_consumer(const KeyStoreOfRoles& keys) {
   const fs::path forged = keys.store.enclave_folder("forged");

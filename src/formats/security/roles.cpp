@@ -41,6 +41,7 @@ Access access_of(std::string_view role) {
   if (role == "recorder") return {.writes = {}, .reads = {"sonopose/*", "rt/*"}};
   if (role == "monitor") return {.writes = {}, .reads = all};
   if (role == "web") return {.writes = {"sonopose/log"}, .reads = all};
+  if (role == "autopilot") return {.writes = {"sonopose/log"}, .reads = {"sonopose/pose"}};
   if (role == "consumer") {
     return {.writes = {},
             .reads = {"sonopose/pose", "sonopose/report", "sonopose/estimate", "sonopose/stationary_beacon",
@@ -68,8 +69,11 @@ Access access_of(const std::vector<std::string>& roles) {
 }
 
 std::string_view role_of_program(std::string_view verb) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 4> others{
-      {{"record", "recorder"}, {"settings", "operator"}, {"doctor", "monitor"}, {"play", "bridge"}}};
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 5> others{{{"record", "recorder"},
+                                                                                 {"settings", "operator"},
+                                                                                 {"doctor", "monitor"},
+                                                                                 {"play", "bridge"},
+                                                                                 {"mavlink", "autopilot"}}};
   const auto* const found =
       std::ranges::find_if(others, [&](const auto& each) { return each.first == verb; });
   return found == others.end() ? verb : found->second;

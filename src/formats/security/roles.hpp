@@ -15,8 +15,8 @@ struct Access {
   std::vector<std::string> reads;
 };
 
-inline constexpr std::array role_names{"bridge", "fusion",   "monitor", "operator",
-                                       "ros2",   "recorder", "web",     "consumer"};
+inline constexpr std::array role_names{"bridge",   "fusion", "monitor",   "operator", "ros2",
+                                       "recorder", "web",    "autopilot", "consumer"};
 
 /// Returns what processes with all of these roles may do. Throws SecurityError for an unknown role.
 Access access_of(const std::vector<std::string>& roles);

@@ -4,6 +4,7 @@
 #include "security/enclave.hpp"
 #include "security/error.hpp"
 #include "security/revocation.hpp"
+#include "security/roles.hpp"
 #include "security/signed_document.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -82,6 +83,11 @@ SCENARIO("Roles have the least privilege") {
   };
   THEN("consumers, monitors and recorders write nothing") {
     for (const char* const role : {"consumer", "monitor", "recorder"}) CHECK(writes(role).empty());
+  }
+  THEN("the programs for autopilots read poses, and write their log alone") {
+    const std::string role(role_of_program("mavlink"));
+    CHECK(writes(role.c_str()) == std::set<std::string>{"sonopose/log"});
+    CHECK(access_of({role}).reads == std::vector<std::string>{"sonopose/pose"});
   }
   THEN("only a fusion writes poses, only a bridge samples, only operator and relay ask for settings") {
     for (const char* const role : role_names) {
