@@ -50,7 +50,7 @@ std::string selected_folder(const CLI::App& app, const BusOptions& options) {
   if (!dds::environment_variables({"ROS_SECURITY_KEYSTORE"}).empty() &&
       dds::environment_variables({"ROS_SECURITY_ENABLE"})["ROS_SECURITY_ENABLE"] == "true") {
     logging::warning("security: ROS_SECURITY_KEYSTORE has no enclave " + name +
-                     ", so this program joins without security; ROS_SECURITY_STRATEGY=Enforce forbids that");
+                     ", so this program joins without security, as ROS_SECURITY_STRATEGY=Permissive allows");
   } else if (options.enclave && own_name(app) != "ros2") {  // the relay announces the name in any case
     throw std::invalid_argument("--enclave " + *options.enclave + ": needs --security");
   }

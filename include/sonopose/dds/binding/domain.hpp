@@ -54,7 +54,7 @@ struct DomainOptions {
 
 /// Returns the folder of the enclave `name` in ROS_SECURITY_KEYSTORE; of ROS_SECURITY_ENCLAVE_OVERRIDE, or
 /// else of `consumer`, for an empty name. Empty unless ROS_SECURITY_ENABLE is true, and for a missing folder
-/// unless ROS_SECURITY_STRATEGY is Enforce. Throws std::invalid_argument without a key store.
+/// if ROS_SECURITY_STRATEGY is Permissive. Throws std::invalid_argument without a key store.
 std::string enclave_by_environment(const std::string& name = {});
 
 /// Domain id for `options`. Throws std::invalid_argument unless it is a number of 0…232, naming the option or

@@ -16,8 +16,15 @@ DomainOptions with_enclave(DomainOptions options) {
 dds_entity_t create(std::uint32_t domain_id, const DomainOptions& options, const Qos& qos) {
   const std::string call = "dds_create_participant(domain " + std::to_string(domain_id);
   const std::string enclave = with_enclave(options).enclave_folder;
-  if (enclave.empty())
+  if (enclave.empty()) {
+    const std::string enable = "ROS_SECURITY_ENABLE";
+    if (environment_variables({enable})[enable] == "true") {
+      report_error(
+          "security: ROS_SECURITY_KEYSTORE has no enclave for this process, so it joins without security, as "
+          "ROS_SECURITY_STRATEGY=Permissive allows");
+    }
     return check((call + ")").c_str(), dds_create_participant(domain_id, qos.get(), nullptr));
+  }
   const auto uri = environment_variables({"CYCLONEDDS_URI"});
   if (!uri.empty() && network_named_by(uri.begin()->second, domain_id).shared_memory) {
     throw Error(call + ")", DDS_RETCODE_PRECONDITION_NOT_MET,

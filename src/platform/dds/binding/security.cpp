@@ -62,7 +62,8 @@ std::string enclave_by_environment(const std::string& name) {
   enclave.erase(0, enclave.find_first_not_of('/'));
   const std::filesystem::path folder = std::filesystem::path(variables[key_store]) / "enclaves" / enclave;
   std::error_code error;
-  const bool may_be_absent = variables[strategy] != "Enforce";
+  // In ROS 2, all but Enforce join without security. A mistyped name must not; so this takes the word for it.
+  const bool may_be_absent = variables[strategy] == "Permissive";
   if (may_be_absent && !std::filesystem::is_directory(folder, error)) return {};
   return folder.string();
 }

@@ -29,6 +29,19 @@ TEST_CASE("The domain is the option's, else ROS_DOMAIN_ID, else 0") {
   CHECK(resolve_domain_id({.domain_id = 232}) == 232);
 }
 
+TEST_CASE("Only the word Permissive lets a process without its enclave join without security") {
+  const Environment key_store("ROS_SECURITY_KEYSTORE", "/nonexistent/keys");
+  const Environment enable("ROS_SECURITY_ENABLE", "true");
+  const Environment override("ROS_SECURITY_ENCLAVE_OVERRIDE", nullptr);
+  for (const char* const refusing : {static_cast<const char*>(nullptr), "Enforce", "permissive"}) {
+    const Environment strategy("ROS_SECURITY_STRATEGY", refusing);
+    CHECK(enclave_by_environment("fusoin") == "/nonexistent/keys/enclaves/fusoin");
+    CHECK_THROWS_AS(participant(), Error);
+  }
+  const Environment strategy("ROS_SECURITY_STRATEGY", "Permissive");
+  CHECK(enclave_by_environment("fusoin").empty());
+}
+
 TEST_CASE("An invalid domain is rejected with its name and value") {
   for (const char* const value : {"233", "-1", "x", "4x", " 4", "4.0", "99999999999"}) {
     const Environment environment("ROS_DOMAIN_ID", value);
