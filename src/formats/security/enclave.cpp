@@ -62,6 +62,20 @@ private:
   fs::path folder_;
 };
 
+/// Returns the first date after which a file of an enclave is invalid, whether or not that has passed.
+std::int64_t expiry_of(const fs::path& folder) {
+  const Files files(folder);
+  const std::string signer = files.read(permissions_ca_file);
+  const std::string permissions = files.path(permissions_file);
+  std::int64_t first_s =
+      grant_of(verified_document(files.read(permissions_file), signer, permissions), permissions)
+          .validity.not_after_s;
+  for (const char* const file : {certificate_file, identity_ca_file, permissions_ca_file}) {
+    first_s = std::min(first_s, facts_of(files.read(file), files.path(file)).validity.not_after_s);
+  }
+  return first_s;
+}
+
 }  // namespace
 
 std::string read_file(const fs::path& file, const std::string& remedy) {
@@ -134,11 +148,20 @@ Enclave read_enclave(const fs::path& folder, std::int64_t now_s) {
 
 std::map<std::string, std::int64_t> expiries_beside(const fs::path& folder) {
   std::map<std::string, std::int64_t> expiries;
-  std::error_code unreadable;
-  for (const auto& entry : fs::directory_iterator(folder.parent_path(), unreadable)) {
-    if (folder.empty() || !fs::exists(entry.path() / certificate_file, unreadable)) continue;
-    const auto facts = facts_of(read_file(entry.path() / certificate_file, ""), certificate_file);
-    expiries[entry.path().filename().string()] = facts.validity.not_after_s;
+  if (folder.empty()) return expiries;
+  fs::path root = folder.parent_path();
+  while (root.filename() != "enclaves" && root.has_relative_path()) root = root.parent_path();
+  if (!root.has_relative_path()) root = folder.parent_path();
+  std::error_code error;
+  constexpr auto options = fs::directory_options::skip_permission_denied;
+  for (fs::recursive_directory_iterator each(root, options, error), end; !error && each != end;
+       each.increment(error)) {
+    if (each->path().filename() != certificate_file) continue;
+    const fs::path enclave = each->path().parent_path();
+    try {
+      expiries[enclave.lexically_relative(root).string()] = expiry_of(enclave);
+    } catch (const SecurityError&) {  // NOLINT(bugprone-empty-catch): of another process, which reports it
+    }
   }
   return expiries;
 }

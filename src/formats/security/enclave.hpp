@@ -47,8 +47,9 @@ std::string read_file(const std::filesystem::path& file, const std::string& reme
 /// Returns "sonopose-security VERB STORE NAME" for an enclave's folder.
 std::string command_for(const std::filesystem::path& folder, const std::string& verb);
 
-/// Returns when the certificates of an enclave and of those beside it expire, in seconds since 1970, by the
-/// name of the enclave; those that cannot be read are missing. Nothing for an empty folder.
+/// Returns the first dates after which a file of an enclave, and of the others of its store, is invalid, in
+/// seconds since 1970, by the name of the enclave; those that cannot be read are missing. Nothing for an
+/// empty folder.
 std::map<std::string, std::int64_t> expiries_beside(const std::filesystem::path& folder);
 
 /// Returns "expires in 12 days, on 2026-12-11" if that is within the days of a warning, otherwise nothing.

@@ -11,6 +11,7 @@
 #include <catch2/catch.hpp>
 
 #include <filesystem>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -227,6 +228,19 @@ SCENARIO("Renewed and revoked enclaves") {
     store.keys.set_protection(Protection::encrypt);
     CHECK(store.read("bridge").protection == "encrypt");
   }
+}
+
+SCENARIO("The expiries of a store are those of all its readable enclaves") {
+  const Store store;
+  store.add("bridge", {"bridge"});
+  store.add("hall/robot", {"fusion"});
+  store.add("broken", {"monitor"});
+  write_text(store.keys.enclave_folder("broken") / "cert.pem", "no certificate");
+  const std::map<std::string, std::int64_t> expected{{"bridge", year.not_after_s},
+                                                     {"hall/robot", year.not_after_s}};
+  CHECK(expiries_beside(store.keys.enclave_folder("bridge")) == expected);
+  CHECK(expiries_beside(store.keys.enclave_folder("hall/robot")) == expected);
+  CHECK(expiries_beside({}).empty());
 }
 
 SCENARIO("A name leads to its own enclave only") {
