@@ -25,10 +25,10 @@ int main(int argc, char** argv) {
         {{"sign", security::Protection::sign}, {"encrypt", security::Protection::encrypt}},
         "sign: strangers cannot write; encrypt: nor read");
   };
-  const auto days = [&](CLI::App* to) {
-    to->add_option("--days", options.days, "Days until the certificates expire")
-        ->check(CLI::Range(1, 3650))
-        ->capture_default_str();
+  const auto days = [&](CLI::App* to, const char* otherwise) {
+    to->add_option("--days", options.days,
+                   std::string("Days until the certificates expire (default: ") + otherwise + ")")
+        ->check(CLI::Range(1, 3650));
   };
   CLI::App* const making = command("init", "Make a key store");
   protection(making);
@@ -43,12 +43,12 @@ int main(int argc, char** argv) {
       ->add_option("--partition", options.partitions,
                    "Partition it may use, or a pattern; may be repeated (default: no partition)")
       ->allow_extra_args(false);
-  days(adding);
+  days(adding, "365");
   CLI::App* const listing = command("list", "Print what each enclave may do, and until when");
   CLI::App* const checking = command("check", "Check dates, signatures and keys; exit code 1 for a problem");
   CLI::App* const renewing = command("renew", "Make new keys and certificates, and sign permissions.xml");
   renewing->add_option("NAME", options.names, "Enclaves (default: all)");
-  days(renewing);
+  days(renewing, "as many as before");
   CLI::App* const revoking = command("revoke", "Revoke every certificate of enclaves, and remove them");
   revoking->add_option("NAME", options.names, "Enclaves")->required();
   CLI::App* const governing = command("governance", "Change how the bus is protected");

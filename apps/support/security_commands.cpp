@@ -3,6 +3,7 @@
 #include "clocks/clocks.hpp"
 #include "output.hpp"
 #include "security/enclave.hpp"
+#include "security/error.hpp"
 #include "security/key_store.hpp"
 
 #include <algorithm>
@@ -11,13 +12,27 @@
 namespace sonopose::apps {
 namespace {
 
+constexpr int default_days = 365;
+
 std::int64_t time_now_s() {
   return clocks::host_now() / 1'000'000'000;
 }
 
 /// A day early, for machines whose clock is behind.
-security::Validity validity(const SecurityOptions& options) {
-  return {time_now_s() - security::day_s, time_now_s() + options.days * security::day_s};
+security::Validity validity(std::int64_t days) {
+  return {time_now_s() - security::day_s, time_now_s() + days * security::day_s};
+}
+
+/// Returns for how long an enclave was made; the default if its certificate is unreadable.
+int earlier_days(const std::filesystem::path& enclave) {
+  try {
+    const std::filesystem::path file = enclave / security::certificate_file;
+    const auto earlier = security::facts_of(security::read_file(file, ""), file.string()).validity;
+    const std::int64_t days = (earlier.not_after_s - earlier.not_before_s) / security::day_s - 1;
+    return static_cast<int>(std::clamp<std::int64_t>(days, 1, 3650));
+  } catch (const security::SecurityError&) {
+    return default_days;
+  }
 }
 
 }  // namespace
@@ -40,7 +55,7 @@ int add_enclaves(const SecurityOptions& options) {
     }
     store.add(name, {.roles = options.roles.empty() ? std::vector{name} : options.roles,
                      .partitions = options.partitions,
-                     .validity = validity(options)});
+                     .validity = validity(options.days.value_or(default_days))});
     print("{}\n", store.enclave_folder(name).string());
   }
   return 0;
@@ -48,12 +63,18 @@ int add_enclaves(const SecurityOptions& options) {
 
 int list_enclaves(const SecurityOptions& options) {
   const security::KeyStore store(options.store);
+  int code = 0;
   for (const std::string& name : store.enclaves()) {
-    const auto enclave = security::read_enclave(store.enclave_folder(name), time_now_s());
-    print("{}: until {}; {} ({})\n", name, security::date_text(enclave.expires_s),
-          security::words_of(enclave.grant), enclave.protection);
+    try {
+      const auto enclave = security::read_enclave(store.enclave_folder(name), time_now_s());
+      print("{}: until {}; {} ({})\n", name, security::date_text(enclave.expires_s),
+            security::words_of(enclave.grant), enclave.protection);
+    } catch (const security::SecurityError& error) {
+      print("{}: unusable: {}\n", name, error.what());
+      code = 1;
+    }
   }
-  return 0;
+  return code;
 }
 
 int check_store(const SecurityOptions& options) {
@@ -67,8 +88,9 @@ int check_store(const SecurityOptions& options) {
 int renew_enclaves(const SecurityOptions& options) {
   const security::KeyStore store(options.store);
   for (const std::string& name : options.names.empty() ? store.enclaves() : options.names) {
-    store.renew(name, validity(options));
-    print("{}: until {}\n", name, security::date_text(validity(options).not_after_s));
+    const std::int64_t days = options.days.value_or(earlier_days(store.enclave_folder(name)));
+    store.renew(name, validity(days));
+    print("{}: until {}\n", name, security::date_text(validity(days).not_after_s));
   }
   print("Copy the enclaves to their machines, and restart their programs.\n");
   return 0;

@@ -4,6 +4,7 @@
 #include "security/permissions.hpp"
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,7 @@ struct SecurityOptions {
   std::vector<std::string> names;
   std::vector<std::string> roles;
   std::vector<std::string> partitions;
-  int days = 365;
+  std::optional<int> days;  ///< none: a year, or what the enclave had
   security::Protection protection = security::Protection::sign;
 };
 
