@@ -6,8 +6,11 @@
 #include <fmt/ranges.h>
 #include <pugixml.hpp>
 
+#include <algorithm>
 #include <cstdio>
+#include <initializer_list>
 #include <sstream>
+#include <string_view>
 
 namespace sonopose::security {
 namespace {
@@ -76,6 +79,16 @@ void add_texts(std::vector<std::string>& texts, const pugi::xml_node& list) {
   for (const pugi::xml_node each : list.children()) texts.emplace_back(each.text().get());
 }
 
+/// Throws SecurityError for elements of a document that the reader does not understand.
+void check_children(const pugi::xml_node& parent, std::initializer_list<std::string_view> known,
+                    const std::string& origin) {
+  for (const pugi::xml_node each : parent.children()) {
+    if (each.type() != pugi::node_element || std::ranges::find(known, each.name()) != known.end()) continue;
+    throw SecurityError(fmt::format("{}: {}: '{}' is not supported; edit permissions.xml and run renew",
+                                    origin, parent.name(), each.name()));
+  }
+}
+
 }  // namespace
 
 std::string permissions_xml(const Grant& grant) {
@@ -105,10 +118,16 @@ Grant grant_of(const std::string& xml, const std::string& origin) {
                            time_in(node.child("validity").child("not_after"), origin)},
               .access = {},
               .partitions = {}};
+  if (node.next_sibling("grant")) {
+    throw SecurityError(origin + ": several grants are not supported; use one enclave for each");
+  }
+  check_children(node, {"subject_name", "validity", "allow_rule", "default"}, origin);
   for (const pugi::xml_node allow : node.children("allow_rule")) {
+    check_children(allow, {"domains", "publish", "subscribe"}, origin);
     for (const pugi::xml_node rule : allow.children()) {
       const bool writes = std::string_view(rule.name()) == "publish";
       if (!writes && std::string_view(rule.name()) != "subscribe") continue;
+      check_children(rule, {"topics", "partitions"}, origin);
       add_texts(writes ? grant.access.writes : grant.access.reads, rule.child("topics"));
       if (grant.partitions.empty()) add_texts(grant.partitions, rule.child("partitions"));
     }

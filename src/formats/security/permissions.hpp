@@ -10,7 +10,7 @@
 
 namespace sonopose::security {
 
-/// What one subject may do, and when.
+/// Rights of one subject, and their dates.
 struct Grant {
   std::string subject;  ///< "CN=/bridge"
   Validity validity;
@@ -18,7 +18,7 @@ struct Grant {
   std::vector<std::string> partitions;  ///< names or patterns; empty: only without a partition
 };
 
-/// How the messages on the bus are protected.
+/// Protection of the messages on the bus.
 enum class Protection : bool {
   sign,    ///< no stranger can send or change them
   encrypt  ///< nor read them
@@ -27,7 +27,8 @@ enum class Protection : bool {
 /// Returns the permissions with this grant, in every domain.
 std::string permissions_xml(const Grant& grant);
 
-/// Reads the first grant of permissions. Throws SecurityError with `origin`, the name of the file.
+/// Reads permissions. Throws SecurityError with `origin`, the name of the file, also for several grants and
+/// for parts that are not understood, such as rules that deny.
 Grant grant_of(const std::string& xml, const std::string& origin);
 
 /// Returns the permissions with other dates and all else unchanged.

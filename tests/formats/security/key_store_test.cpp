@@ -117,6 +117,15 @@ SCENARIO("Permissions read back as they were written") {
   CHECK(read.partitions == grant.partitions);
   CHECK(read.validity.not_after_s == year.not_after_s);
   CHECK_THAT(words_of(read), Contains("writes sonopose/") && Contains("in partitions hall-*"));
+  const auto refusal = [&](const std::string& before, const std::string& added, const std::string& why) {
+    std::string text = permissions_xml(grant);
+    text.insert(text.find(before), added);
+    CHECK_THROWS_WITH(grant_of(text, "permissions.xml"), Contains("permissions.xml") && Contains(why));
+  };
+  refusal("<allow_rule>", "<deny_rule/>", "deny_rule");
+  refusal("<publish>", "<relay/>", "relay");
+  refusal("<topics>", "<data_tags/>", "data_tags");
+  refusal("</permissions>", "<grant/>", "several grants");
   CHECK_THROWS_WITH(grant_of("<dds/>", "permissions.xml"), Contains("permissions.xml"));
   CHECK_THROWS_WITH(grant_of("text", "permissions.xml"), Contains("permissions.xml"));
   CHECK(protection_in(governance_xml(Protection::encrypt), "governance.xml") == "encrypt");
@@ -286,7 +295,7 @@ SCENARIO("A leaf under the permissions authority is refused (CVE-2023-24011)") {
     write_text(shared / "other.pem", leaf.certificate_pem);
     THEN("check names the certificate") {
       const auto problems = store.problems();
-      CHECK(problems.size() == before + 1);
+      REQUIRE(problems.size() == before + 1);
       CHECK(problems.front().subject == (shared / "other.pem").string());
       CHECK_THAT(problems.front().text, Contains("CVE-2023-24011"));
     }
