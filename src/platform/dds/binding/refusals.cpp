@@ -72,8 +72,11 @@ Refusals::Verdict Refusals::on_message(std::string_view message) {
   if (const auto guid = guid_after(message, "Remote secure participant "); !guid.empty()) {
     // At the start of this process, it refuses all; then only those with another governance, again and again.
     const std::string prefix = key_prefix_of(guid);
-    const bool is_new = suspects_.size() < max_peers && suspects_.insert(prefix).second;
-    if (is_new) return {.is_about_refusal = true, .text = {}};
+    if (std::ranges::find(suspects_, prefix) == suspects_.end()) {
+      suspects_.push_back(prefix);
+      if (suspects_.size() > max_peers) suspects_.pop_front();
+      return {.is_about_refusal = true, .text = {}};
+    }
     return refuse({prefix, {}, "its governance differs: another protection, or security of another kind"});
   }
   // A step that failed names the certificate, but not the process.
@@ -92,8 +95,16 @@ Refusals::Verdict Refusals::on_message(std::string_view message) {
 
 Refusals::Verdict Refusals::refuse(RefusedPeer peer) {
   Verdict verdict{.is_about_refusal = true, .text = {}};
-  const bool is_new = known_.size() < max_peers && known_.insert(peer.key_prefix + peer.subject).second;
-  if (!is_new) return verdict;
+  const std::string name = peer.key_prefix + peer.subject;
+  if (known_.contains(name)) return verdict;
+  if (known_.size() >= max_peers) {
+    if (!std::exchange(is_full_, true)) {
+      verdict.text =
+          "security: more processes are refused; the first " + std::to_string(max_peers) + " are named";
+    }
+    return verdict;
+  }
+  known_.insert(name);
   const std::string who = peer.subject.empty() ? "key " + peer.key_prefix : "certificate " + peer.subject;
   verdict.text = "security: refused a process (" + who + "): " + peer.reason;
   peers_.push_back(std::move(peer));

@@ -4,6 +4,7 @@
 
 #include <sonopose/dds/binding/refused_peer.hpp>
 
+#include <deque>
 #include <mutex>
 #include <set>
 #include <string>
@@ -15,7 +16,7 @@ namespace sonopose::dds {
 /// Collects refusals from messages. Cyclone DDS repeats them each second. Thread-safe.
 class Refusals {
 public:
-  /// What a message is to the log.
+  /// Meaning of a message for the log.
   struct Verdict {
     bool is_about_refusal = false;  ///< the message itself says no more than `text`
     std::string text;               ///< names a newly refused process; empty if there is none
@@ -30,7 +31,8 @@ private:
 
   mutable std::mutex mutex_;
   std::set<std::string> known_;
-  std::set<std::string> suspects_;  ///< secured processes that were refused once
+  bool is_full_ = false;              ///< more were refused than are known
+  std::deque<std::string> suspects_;  ///< secured processes that were refused once, the latest last
   std::vector<RefusedPeer> peers_;
 };
 

@@ -33,15 +33,40 @@ SCENARIO("another governance is reported when the process is refused again") {
   CHECK(refusals.peers().front().key_prefix == "83f0a0a636b864f10034fcf8");
 }
 
+SCENARIO("more processes are refused than are remembered") {
+  const auto message_of = [](int process) {
+    return "Remote secure participant " + std::to_string(process) + ":1:1:1c1 not allowed";
+  };
+  Refusals refusals;
+  for (int i = 0; i < 100; ++i) CHECK(refusals.on_message(message_of(i)).text.empty());
+  THEN("the latest is judged at its second refusal, the oldest is forgotten") {
+    CHECK(refusals.on_message(message_of(0)).text.empty());
+    CHECK_THAT(refusals.on_message(message_of(99)).text, Catch::Contains("its governance differs"));
+    CHECK(refusals.peers().size() == 1);
+  }
+}
+
 SCENARIO("other messages stay as they are, and a forger of refusals fills no memory") {
   Refusals refusals;
   CHECK_FALSE(refusals.on_message("selected interface \"lo\" is not multicast-capable").is_about_refusal);
+  int named = 0;
+  int summaries = 0;
   for (int i = 0; i < 1000; ++i) {
-    refusals.on_message(
-        "Process handshake failed: Certificate not valid: error: certificate revoked; "
-        "subject: /CN=\\/" +
-        std::to_string(i) + "(code: 200)");
+    const std::string text =
+        refusals
+            .on_message(
+                "Process handshake failed: Certificate not valid: error: certificate revoked; "
+                "subject: /CN=\\/" +
+                std::to_string(i) + "(code: 200)")
+            .text;
+    if (text.find("more processes are refused") != text.npos) {
+      ++summaries;
+    } else if (!text.empty()) {
+      ++named;
+    }
   }
+  CHECK(named == 64);
+  CHECK(summaries == 1);
   CHECK(refusals.peers().size() == 64);
 }
 
