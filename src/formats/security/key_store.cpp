@@ -10,9 +10,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <fcntl.h>
 #include <sstream>
 #include <string_view>
+#include <sys/file.h>
 #include <system_error>
+#include <unistd.h>
 #include <utility>
 
 namespace sonopose::security {
@@ -70,6 +74,26 @@ void check_name(const std::string& name) {
     throw SecurityError(fmt::format("'{}': no name of an enclave, such as bridge or hall/robot", name));
   }
 }
+
+/// Keeps other processes from changing a store during its lifetime; waits for those that do.
+class WriteLock {
+public:
+  explicit WriteLock(const fs::path& store)
+      : descriptor_(::open(store.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+    if (descriptor_ >= 0 && ::flock(descriptor_, LOCK_EX) == 0) return;
+    const std::string reason = std::generic_category().message(errno);
+    if (descriptor_ >= 0) ::close(descriptor_);
+    throw SecurityError(fmt::format("{}: cannot be locked: {}", store.string(), reason));
+  }
+  ~WriteLock() { ::close(descriptor_); }
+  WriteLock(const WriteLock&) = delete;
+  WriteLock& operator=(const WriteLock&) = delete;
+  WriteLock(WriteLock&&) = delete;
+  WriteLock& operator=(WriteLock&&) = delete;
+
+private:
+  int descriptor_;
+};
 
 /// Removes the files of an enclave, and its folder unless another enclave or other files are in it.
 void remove_enclave(const fs::path& folder) {
@@ -155,6 +179,7 @@ void KeyStore::sign(const fs::path& document, const fs::path& file) const {
 }
 
 void KeyStore::add(const std::string& name, const EnclaveOptions& options) const {
+  const WriteLock lock(folder_);
   const fs::path folder = enclave_folder(name);
   std::error_code absent;
   if (fs::exists(folder / certificate_file, absent)) {
@@ -178,6 +203,7 @@ void KeyStore::add(const std::string& name, const EnclaveOptions& options) const
 }
 
 void KeyStore::renew(const std::string& name, const Validity& validity) const {
+  const WriteLock lock(folder_);
   const fs::path folder = enclave_folder(name);
   const fs::path source = folder / permissions_source;
   const std::string permissions = read_file(source, "make it with " + command_for(folder, "enclave"));
@@ -187,6 +213,7 @@ void KeyStore::renew(const std::string& name, const Validity& validity) const {
 }
 
 std::size_t KeyStore::revoke(const std::string& name, std::int64_t now_s) const {
+  const WriteLock lock(folder_);
   const fs::path folder = enclave_folder(name);
   const fs::path list = folder_ / "public" / revocation_file;
   const KeyPair issuer = authority(identity_authority);
@@ -200,7 +227,8 @@ std::size_t KeyStore::revoke(const std::string& name, std::int64_t now_s) const 
     if (std::ranges::find(serials, serial) == serials.end()) serials.push_back(serial);
   };
   const fs::path certificate = folder / certificate_file;
-  if (fs::exists(certificate, absent)) {
+  const bool is_enclave = fs::exists(certificate, absent);
+  if (is_enclave) {
     add_serial(facts_of(read_file(certificate, ""), certificate.string()).serial);
   }
   if (const fs::path issued = issued_path(folder_); fs::exists(issued, absent)) {
@@ -209,7 +237,7 @@ std::size_t KeyStore::revoke(const std::string& name, std::int64_t now_s) const 
       if (enclave == name) add_serial(serial);
     }
   }
-  if (serials.size() == earlier) {
+  if (serials.size() == earlier && !is_enclave) {  // one may be left of a revocation that was interrupted
     throw SecurityError(fmt::format("{}: no such enclave, or it has been revoked", folder.string()));
   }
   files::write_whole(list, revocation_list(issuer, serials, now_s));
@@ -220,6 +248,7 @@ std::size_t KeyStore::revoke(const std::string& name, std::int64_t now_s) const 
 }
 
 void KeyStore::set_protection(Protection protection) const {
+  const WriteLock lock(folder_);
   const fs::path folder = folder_ / "enclaves";
   files::write_whole(folder / governance_source, governance_xml(protection));
   sign(folder / governance_source, folder / governance_file);

@@ -30,7 +30,7 @@ public:
   /// Names of all enclaves, sorted: "bridge", "hall/robot".
   [[nodiscard]] std::vector<std::string> enclaves() const;
 
-  /// What a new enclave may do, and for how long.
+  /// Rights of a new enclave, and their dates.
   struct EnclaveOptions {
     std::vector<std::string> roles;
     std::vector<std::string> partitions = {};

@@ -6,12 +6,26 @@
 #include <cerrno>
 #include <fcntl.h>
 #include <span>
+#include <string>
 #include <system_error>
 #include <unistd.h>
 
 namespace sonopose::files {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// Waits until a file is on its medium.
+void sync_file(const fs::path& file) {
+  const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  const bool is_synced = descriptor >= 0 && ::fsync(descriptor) == 0;
+  const std::string reason = std::generic_category().message(errno);
+  if (descriptor >= 0) ::close(descriptor);
+  if (!is_synced) throw IoError(file.string() + ": cannot be written: " + reason);
+}
+
+}  // namespace
 
 Replacement::Replacement(const fs::path& file) : file_{file} {
   std::error_code none_yet;
@@ -51,6 +65,7 @@ void write_private(const fs::path& file, std::string_view text) {
   }
   ::close(descriptor);
   AppendFile(part, AppendFile::Existing::extend).append(std::as_bytes(std::span(text)));
+  sync_file(part);  // before it replaces the old one, which nothing could bring back
   replacement.commit();
 }
 
