@@ -2,6 +2,7 @@
 
 #include "bus_log/instance_end.hpp"
 #include "mcap/omg_idl.hpp"
+#include <sonopose/dds/binding/error.hpp>
 #include <sonopose/idl/text.hpp>
 
 #include <algorithm>
@@ -32,10 +33,20 @@ std::string obstacle_to(const mcap::Channel& channel, const mcap::Schema* schema
 
 Republisher::Republisher(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
                          const std::vector<std::string>& names, topics::Delivery delivery) {
+  std::string refused;
   for (const std::string& name : names) {
     const auto* const topic = topics::find_topic(name);
     if (topic == nullptr) continue;
-    streams_.try_emplace(topic->name, Stream{topic, topic->make_writer(participant, qos, delivery)});
+    try {
+      streams_.try_emplace(topic->name, Stream{topic, topic->make_writer(participant, qos, delivery)});
+    } catch (const dds::Error& error) {
+      if (error.code() != DDS_RETCODE_NOT_ALLOWED_BY_SECURITY) throw;
+      refused += (refused.empty() ? "" : ", ") + std::string(topic->name);
+    }
+  }
+  if (!refused.empty()) {
+    throw std::invalid_argument("the enclave may not write " + refused +
+                                "; choose others with --topics, or an enclave that may with --enclave");
   }
 }
 
