@@ -1,6 +1,6 @@
 #include "security_commands.hpp"
 
-#include "clocks/clocks.hpp"
+#include "host_seconds.hpp"
 #include "output.hpp"
 #include "security/enclave.hpp"
 #include "security/error.hpp"
@@ -14,13 +14,9 @@ namespace {
 
 constexpr int default_days = 365;
 
-std::int64_t time_now_s() {
-  return clocks::host_now() / 1'000'000'000;
-}
-
 /// A day early, for machines whose clock is behind.
 security::Validity validity(std::int64_t days) {
-  return {time_now_s() - security::day_s, time_now_s() + days * security::day_s};
+  return {host_now_s() - security::day_s, host_now_s() + days * security::day_s};
 }
 
 /// Returns for how long an enclave was made; the default if its certificate is unreadable.
@@ -38,7 +34,7 @@ int earlier_days(const std::filesystem::path& enclave) {
 }  // namespace
 
 int make_store(const SecurityOptions& options) {
-  const auto store = security::KeyStore::create(options.store, options.protection, time_now_s());
+  const auto store = security::KeyStore::create(options.store, options.protection, host_now_s());
   print(
       "{} has two authorities. Keep {} where no robot is: who reads it can make enclaves.\n"
       "Next: sonopose-security enclave {} bridge fusion monitor\n",
@@ -66,7 +62,7 @@ int list_enclaves(const SecurityOptions& options) {
   int code = 0;
   for (const std::string& name : store.enclaves()) {
     try {
-      const auto enclave = security::read_enclave(store.enclave_folder(name), time_now_s());
+      const auto enclave = security::read_enclave(store.enclave_folder(name), host_now_s());
       print("{}: until {}; {} ({})\n", name, security::date_text(enclave.expires_s),
             security::words_of(enclave.grant), enclave.protection);
     } catch (const security::SecurityError& error) {
@@ -79,7 +75,7 @@ int list_enclaves(const SecurityOptions& options) {
 
 int check_store(const SecurityOptions& options) {
   const security::KeyStore store(options.store);
-  const auto problems = security::check(store, time_now_s());
+  const auto problems = security::check(store, host_now_s());
   for (const auto& problem : problems) print("{}: {}\n", problem.subject, problem.text);
   if (problems.empty()) print("{} enclaves, all in order\n", store.enclaves().size());
   return problems.empty() ? 0 : 1;
@@ -99,7 +95,7 @@ int renew_enclaves(const SecurityOptions& options) {
 int revoke_enclaves(const SecurityOptions& options) {
   const security::KeyStore store(options.store);
   for (const std::string& name : options.names) {
-    print("{}: {} certificates revoked\n", name, store.revoke(name, time_now_s()));
+    print("{}: {} certificates revoked\n", name, store.revoke(name, host_now_s()));
   }
   print(
       "Copy public/crl.pem to every machine and restart its programs: DDS Security reads the list at the\n"

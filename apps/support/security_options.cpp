@@ -1,7 +1,7 @@
 #include "security_options.hpp"
 
-#include "clocks/clocks.hpp"
 #include "config/fusion_config.hpp"
+#include "host_seconds.hpp"
 #include "logging/log.hpp"
 #include "run.hpp"
 #include "security/enclave.hpp"
@@ -22,10 +22,6 @@
 
 namespace sonopose::apps {
 namespace {
-
-std::int64_t now_s() {
-  return clocks::host_now() / 1'000'000'000;
-}
 
 /// Returns the name of the enclave of a program that is given none: its role.
 std::string own_name(const CLI::App& app) {
@@ -73,7 +69,7 @@ private:
     std::unique_lock lock(mutex);
     std::int64_t warned_s = 0;
     while (!stop.stop_requested()) {
-      const std::int64_t now = now_s();
+      const std::int64_t now = host_now_s();
       const std::string warning = security::expiry_warning(expires_s_, now);
       if (now >= expires_s_) return end_program(warning);
       if (!warning.empty() && now - warned_s >= security::day_s) {
@@ -116,7 +112,7 @@ void add_security_options(CLI::App& app, BusOptions& options) {
     try {
       options.domain.enclave_folder = selected_folder(app, options);
       if (options.domain.enclave_folder.empty()) return;
-      security::read_enclave(options.domain.enclave_folder, now_s());
+      security::read_enclave(options.domain.enclave_folder, host_now_s());
     } catch (const security::SecurityError& error) {
       throw config::ConfigError(error.what());
     } catch (const std::invalid_argument& error) {
@@ -135,7 +131,7 @@ std::string announced_enclave(const BusOptions& options) {
 void watch_expiry(const dds::DomainOptions& domain) {
   const std::string& folder = domain.enclave_folder;
   if (folder.empty()) return;
-  const security::Enclave enclave = security::read_enclave(folder, now_s());
+  const security::Enclave enclave = security::read_enclave(folder, host_now_s());
   const std::string name = enclave.subject.substr(enclave.subject.find('/') + 1);
   logging::info(fmt::format("security: enclave {} of {}, until {}", name, folder,
                             security::date_text(enclave.expires_s)));
