@@ -233,6 +233,17 @@ SCENARIO("Renewed and revoked enclaves") {
       CHECK_THROWS_AS(store.keys.revoke("robot/fusion", now_s), SecurityError);
     }
   }
+  WHEN("a revocation was interrupted before it removed the files") {
+    const fs::path folder = store.keys.enclave_folder("bridge");
+    const std::string certificate = read_text(folder / "cert.pem");
+    CHECK(store.keys.revoke("bridge", now_s) == 1);
+    fs::create_directory(folder);
+    write_text(folder / "cert.pem", certificate);
+    THEN("another one does") {
+      CHECK(store.keys.revoke("bridge", now_s) == 0);
+      CHECK_FALSE(fs::exists(folder));
+    }
+  }
   WHEN("the protection changes") {
     store.keys.set_protection(Protection::encrypt);
     CHECK(store.read("bridge").protection == "encrypt");
