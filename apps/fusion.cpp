@@ -57,7 +57,8 @@ void add_options(CLI::App& app, Options& options) {
                "Keep every event and pose and wait for slow consumers; use it for a log played at --rate 0")
       ->excludes(strength)
       ->excludes(learned);
-  app.add_flag("--print-config", options.print_config, "Print settings and options as commented TOML and exit");
+  app.add_flag("--print-config", options.print_config,
+               "Print settings and options as commented TOML and exit");
   app.add_flag("--check-config", options.check_config,
                "Report what is wrong with settings and options and exit");
   app.add_flag("--print-settings-page", options.print_settings_page,

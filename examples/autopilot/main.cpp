@@ -1,4 +1,4 @@
-// PX4's side of the agent, without PX4: tells its clock ten times a second, and prints the odometry that PX4
+// PX4's side of the agent, without PX4: sends its clock ten times a second, and prints the odometry that PX4
 // would get. The argument is the number of messages to print; default unlimited.
 //
 //   examples/autopilot/drone.sh      # a simulated drone, its fusion, and the relay

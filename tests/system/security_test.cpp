@@ -214,7 +214,7 @@ SCENARIO("a certificate that expires") {
   }
 }
 
-SCENARIO("a revoked certificate is refused by whoever starts later") {
+SCENARIO("a revoked certificate is refused by processes that start later") {
   const TemporaryFolder folder;
   const fs::path copy = folder / "stolen";
   fs::create_directory(copy);

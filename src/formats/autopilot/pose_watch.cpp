@@ -74,7 +74,7 @@ bool PoseWatch::has_jumped(const FusedPose& pose) const {
   if (!last_) return false;
   if (pose.reset_counter != last_->reset_counter) return true;
   if (!has_position(*last_)) return false;  // a jump since the last position is noted already
-  if (!has_position(pose)) return true;     // the next position begins anew
+  if (!has_position(pose)) return true;     // the next position is a new start
   const double step_s = seconds_between(last_->time_ns, pose.time_ns);
   if (step_s < 0) return true;  // the clock was set, or another fusion took over
   const Vector3d moved_m = pose.position_world_m - last_->position_world_m;

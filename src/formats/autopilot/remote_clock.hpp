@@ -21,7 +21,7 @@ public:
   static constexpr TimeNs same_clock_ns = 50'000'000;
 
   /// Takes a stamp, with the time of its arrival. One that differs from the others by half a second begins
-  /// anew: a clock was set, or the autopilot started again.
+  /// again: a clock was set, or the autopilot started again.
   void on(TimeNs stamp_ns, HostTime arrival, SteadyTime now);
 
   /// Converts a time of the host. Empty while the clock is not known.
@@ -31,7 +31,7 @@ private:
   static constexpr std::size_t window = 10;
 
   std::array<TimeNs, window> offsets_ns_{};
-  std::size_t count_ = 0;  ///< messages since it began anew
+  std::size_t count_ = 0;  ///< messages since its start
   TimeNs offset_ns_ = 0;
   bool is_same_clock_ = false;
   SteadyTime last_;

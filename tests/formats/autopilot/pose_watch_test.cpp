@@ -90,7 +90,7 @@ SCENARIO("a jump raises the reset counter once") {
         CHECK(counter_after(watch, fusion) == 1);
       }
     }
-    WHEN("another fusion, which has counted no reset either, begins anew") {
+    WHEN("another fusion, which has counted no reset either, starts") {
       fusion.status = status_initialising;
       for (int i = 0; i < 10; ++i) watch.on(fusion.next());
       fusion.status = 0;
