@@ -166,12 +166,11 @@ SCENARIO("a fusion begins with what the one before has learned of the sensors") 
     const Bus bus;
     auto fusion = bus.fusion({"--learned", file.string()});
     const auto bridge = bus.bridge({});
-    Consumer<sonopose_FusedPose> consumer(bus, dds::topics::fused_pose);
+    Consumer<sonopose_FusedPose> consumer(bus, dds::topics::pose);
     const auto is_good = [](const FusedPose& pose) { return pose.status == 0; };
     REQUIRE(consumer.wait_for(is_good));
     WHEN("it ends, and another begins") {
-      fusion->send(SIGTERM);
-      REQUIRE(fusion->wait());
+      CHECK(fusion->end_by(SIGTERM).code == 0);
       CHECK_THAT(read_text(file), Contains("[beacon.7]") && Contains("gyro_bias_body_radps = ["));
       fusion = bus.fusion({"--learned", file.string()});
       THEN("it knows the sensors of the beacon") {
