@@ -3,6 +3,7 @@
 #include "support/bus.hpp"
 #include "support/notify_socket.hpp"
 #include "support/temporary_folder.hpp"
+#include <sonopose/estimation/aiding/known_sensors.hpp>
 
 #include <array>
 #include <csignal>
@@ -166,9 +167,8 @@ SCENARIO("a fusion begins with what the one before has learned of the sensors") 
     const Bus bus;
     auto fusion = bus.fusion({"--learned", file.string()});
     const auto bridge = bus.bridge({});
-    Consumer<sonopose_FusedPose> consumer(bus, dds::topics::pose);
-    const auto is_good = [](const FusedPose& pose) { return pose.status == 0; };
-    REQUIRE(consumer.wait_for(is_good));
+    Consumer<sonopose_Estimate> consumer(bus, dds::topics::estimate);
+    REQUIRE(consumer.wait_for(estimation::aiding::is_learned));
     WHEN("it ends, and another begins") {
       CHECK(fusion->end_by(SIGTERM).code == 0);
       CHECK_THAT(read_text(file), Contains("[beacon.7]") && Contains("gyro_bias_body_radps = ["));

@@ -3,6 +3,7 @@
 #include "bus_log/instance_end.hpp"
 #include "mcap/omg_idl.hpp"
 #include <sonopose/dds/binding/error.hpp>
+#include <sonopose/dds/binding/refused_peer.hpp>
 #include <sonopose/idl/text.hpp>
 
 #include <algorithm>
@@ -40,7 +41,7 @@ Republisher::Republisher(const dds::DomainParticipant& participant, const dds::q
     try {
       streams_.try_emplace(topic->name, Stream{topic, topic->make_writer(participant, qos, delivery)});
     } catch (const dds::Error& error) {
-      if (error.code() != DDS_RETCODE_NOT_ALLOWED_BY_SECURITY) throw;
+      if (!dds::is_forbidden(error)) throw;
       refused += (refused.empty() ? "" : ", ") + std::string(topic->name);
     }
   }
