@@ -1,18 +1,16 @@
 /// A bus with DDS Security: members work, everybody else is refused, and the pose is not disturbed.
 
+#include "secured_chain.hpp"
 #include "security/authority.hpp"
 #include "security/signed_document.hpp"
 #include "standby_pair.hpp"
-#include "support/secured_bus.hpp"
 #include "support/wait_until.hpp"
 
 #include <fmt/format.h>
 
 #include <csignal>
 #include <filesystem>
-#include <functional>
-#include <memory>
-#include <set>
+#include <map>
 #include <string>
 
 namespace security_test {
@@ -21,59 +19,9 @@ using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
 namespace fs = std::filesystem;
-namespace topics = dds::topics;
-
-const Arguments rest{"--scenario", "rest", "--imu-rate", "200"};
-const Environment unsecured{{"ROS_SECURITY_ENABLE", ""}};
-
-/// A secured bridge, a fusion, and a consumer of their poses.
-struct Chain {
-  using Prepare = std::function<void(const KeyStoreOfRoles&)>;
-
-  /// `prepare` is called before the processes start.
-  explicit Chain(const Prepare& prepare = [](const KeyStoreOfRoles&) {})
-      : environment(prepared(keys, prepare)) {}
-
-  static const security::KeyStore& prepared(const KeyStoreOfRoles& keys, const Prepare& prepare) {
-    prepare(keys);
-    return keys.store;
-  }
-
-  KeyStoreOfRoles keys;
-  SecuredByEnvironment environment;
-  Bus bus;
-  PoseTap tap{bus};
-  std::unique_ptr<Process> bridge = bus.bridge(rest);
-  std::unique_ptr<Process> fusion = bus.fusion();
-  std::set<std::uint64_t> owners = wait_for_owners();
-
-  std::set<std::uint64_t> wait_for_owners() {
-    REQUIRE(tap.wait_for_count(0, 100).size() >= 100);
-    return tap.writers();
-  }
-
-  Arguments in_domain(Arguments arguments) const {
-    arguments.insert(arguments.end(), {"--domain", std::to_string(bus.domain_id())});
-    return arguments;
-  }
-
-  /// Arguments of a fusion that would be the strongest of all.
-  Arguments usurping(Arguments further) const {
-    further.insert(further.end(), {"--standby-strength", "1000000", "--warm-up", "0"});
-    return in_domain(further);
-  }
-
-  /// Checks that the poses go on and are all of the fusion.
-  void check_undisturbed(std::size_t since) const {
-    for (const TappedPose& each : tap.wait_for_count(since, tap.count() - since + 400)) {
-      REQUIRE(owners.contains(each.writer));
-    }
-    CHECK(tap.writers() == owners);
-  }
-};
 
 SCENARIO("a secured chain serves its members alone") {
-  Chain chain;
+  SecuredChain chain;
   const std::size_t before = chain.tap.count();
   THEN("a process without a certificate sees and disturbs nothing, and the doctor names it") {
     Process usurper(SONOPOSE_TEST_FUSION, chain.usurping({}), unsecured);
@@ -138,7 +86,7 @@ fs::path copied_consumer(const KeyStoreOfRoles& keys) {
 
 /// Starts a process that writes poses with these files as the strongest of all, and checks that none arrives.
 /// Returns what it says.
-std::string intrude(const Chain& chain, const fs::path& enclave) {
+std::string intrude(const SecuredChain& chain, const fs::path& enclave) {
   const std::size_t before = chain.tap.count();
   Process intruder(SONOPOSE_TEST_INTRUDER, {std::to_string(chain.bus.domain_id()), enclave.string()});
   REQUIRE(intruder.wait_for_lines(Stream::output, 1));
@@ -147,7 +95,7 @@ std::string intrude(const Chain& chain, const fs::path& enclave) {
 }
 
 SCENARIO("stolen and forged permissions are refused") {
-  Chain chain;
+  SecuredChain chain;
   const fs::path forged = copied_consumer(chain.keys);
   WHEN("a consumer has the permissions of a fusion") {
     fs::copy(chain.keys.store.enclave_folder("fusion") / "permissions.p7s", forged / "permissions.p7s",
@@ -187,38 +135,11 @@ SCENARIO("stolen and forged permissions are refused") {
   }
 }
 
-SCENARIO("a certificate that expires") {
-  Chain chain;
-  WHEN("it has expired before the start") {
-    chain.keys.add("late", "monitor", -10);
-    const Result result = run(SONOPOSE_TEST_MONITOR, chain.in_domain({"--enclave", "late"}));
-    THEN("the program names file and verb, and a service does not try again") {
-      CHECK(result.code == 78);
-      CHECK_THAT(result.error, Contains("late/cert.pem: expired on") && Contains("sonopose-security renew"));
-    }
-  }
-  WHEN("it expires while a program and a consumer run") {
-    chain.keys.add("brief", "monitor", 8);
-    chain.keys.add("short", "consumer", 8);
-    Process monitor(SONOPOSE_TEST_MONITOR, chain.in_domain({"--json", "--enclave", "brief"}));
-    Process reader(SONOPOSE_TEST_INTRUDER, {std::to_string(chain.bus.domain_id()),
-                                            chain.keys.store.enclave_folder("short").string(), "read"});
-    REQUIRE(reader.wait_for_line(Stream::output, "receives poses"));
-    THEN("the program warns, and ends with the reason; the consumer loses its poses; the others go on") {
-      CHECK(monitor.wait_for_line(Stream::error, "expires in 0 days"));
-      CHECK(monitor.wait_for_exit() == 78);
-      CHECK_THAT(monitor.text(Stream::error), Contains("expired on") && Contains("renew"));
-      CHECK(reader.wait_for_line(Stream::output, "receives no poses"));
-      chain.check_undisturbed(chain.tap.count());
-    }
-  }
-}
-
 SCENARIO("a revoked certificate is refused by processes that start later") {
   const TemporaryFolder folder;
   const fs::path copy = folder / "stolen";
   fs::create_directory(copy);
-  const Chain chain([&copy](const KeyStoreOfRoles& keys) {
+  const SecuredChain chain([&copy](const KeyStoreOfRoles& keys) {
     for (const auto& entry : fs::directory_iterator(keys.store.enclave_folder("fusion"))) {
       if (entry.path().filename() != "crl.pem") fs::copy(entry.path(), copy);
     }

@@ -177,6 +177,14 @@ SCENARIO("a fusion begins with what the one before has learned of the sensors") 
         CHECK(fusion->wait_for_line(Stream::error, "sensors of 1 beacon known"));
       }
     }
+    WHEN("it ends, and another begins with another mount of the IMU") {
+      CHECK(fusion->end_by(SIGTERM).code == 0);
+      fusion = bus.fusion({"--learned", file.string(), "--set", "heading.mount_offset_deg=90"});
+      THEN("it begins without, and names the settings") {
+        CHECK(fusion->wait_for_line(Stream::error, "sensors of 0 beacons known"));
+        CHECK_THAT(fusion->text(Stream::error), Contains("none; now: heading.mount_offset_deg=90"));
+      }
+    }
     WHEN("the file is broken, and another begins") {
       write_text(file, "[beacon.7]\nfix_std_m = 5 m\n");
       const auto other = bus.fusion({"--learned", file.string()});

@@ -69,7 +69,11 @@ std::int64_t time_in(const pugi::xml_node& node, const std::string& origin) {
   const std::string text = node.text().get();
   const int fields = std::sscanf(text.c_str(), "%d-%d-%dT%d:%d:%d", &at.tm_year, &at.tm_mon, &at.tm_mday,
                                  &at.tm_hour, &at.tm_min, &at.tm_sec);
-  if (fields != 6) throw SecurityError(fmt::format("{}: {}: no date: '{}'", origin, node.name(), text));
+  const bool is_date = fields == 6 && at.tm_year >= 1900 && at.tm_year <= 9999 && at.tm_mon >= 1 &&
+                       at.tm_mon <= 12 && at.tm_mday >= 1 && at.tm_mday <= 31 && at.tm_hour >= 0 &&
+                       at.tm_hour <= 24 && at.tm_min >= 0 && at.tm_min <= 59 && at.tm_sec >= 0 &&
+                       at.tm_sec <= 60;
+  if (!is_date) throw SecurityError(fmt::format("{}: {}: no date: '{}'", origin, node.name(), text));
   at.tm_year -= 1900;
   at.tm_mon -= 1;
   return ::timegm(&at);

@@ -23,7 +23,8 @@ const std::shared_ptr<BeaconEstimator>& BeaconEstimators::find_or_make(BeaconAdd
     const auto scheduled = later_timelines_.extract(address);
     estimator = std::make_shared<BeaconEstimator>(
         address, scheduled.empty() ? default_timeline_ : std::move(scheduled.mapped()), lossless_);
-    const auto known = known_sensors_of_ ? known_sensors_of_(address) : std::nullopt;
+    const auto known =
+        known_sensors_of_ ? known_sensors_of_(address, estimator->timeline().settings()) : std::nullopt;
     if (known) estimator->start_from(*known);
   }
   return estimator;

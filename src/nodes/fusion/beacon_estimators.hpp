@@ -18,7 +18,8 @@
 namespace sonopose::fusion {
 
 /// Returns the errors of the sensors that are known before a beacon's first event.
-using KnownSensorsOf = std::function<std::optional<estimation::aiding::KnownSensors>(BeaconAddress)>;
+using KnownSensorsOf =
+    std::function<std::optional<estimation::aiding::KnownSensors>(BeaconAddress, const settings::Settings&)>;
 
 /// All estimators. Not thread-safe. They are shared pointers, so that one in use can be removed.
 class BeaconEstimators {

@@ -123,15 +123,15 @@ FusionNode::Impl::Impl(const FusionOptions& options)
       delivery_(options.lossless ? dds::topics::Delivery::lossless : dds::topics::Delivery::live),
       input_deadline_ns_(input_deadline_ns(qos_)),
       estimators_(options.config, options.lossless,
-                  [this](BeaconAddress address) {
-                    return learned_file_ ? learned_file_->known(address) : std::nullopt;
+                  [this](BeaconAddress address, const settings::Settings& settings) {
+                    return learned_file_ ? learned_file_->known(address, settings) : std::nullopt;
                   }),
       pose_publisher_(participant_, qos_, delivery_, options.standby, input_deadline_ns_, overload_,
                       endpoints_, stopping_),
       status_publisher_(participant_, qos_, estimators_, pose_publisher_, overload_, endpoints_,
                         transition_log_),
       settings_server_(participant_, qos_, estimators_, options.addresses) {
-  if (options.learned_file) learned_file_.emplace(*options.learned_file);
+  if (options.learned_file) learned_file_.emplace(*options.learned_file, options.config);
   receiver_.emplace(participant_, qos_, delivery_, admission_,
                     EventReceiver::Targets{estimators_, pose_publisher_, settings_server_},
                     input_deadline_ns_, overload_, endpoints_, stopping_);

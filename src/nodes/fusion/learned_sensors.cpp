@@ -6,6 +6,7 @@
 #include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <chrono>
 #include <cstddef>
@@ -21,6 +22,11 @@ std::optional<estimation::aiding::KnownSensors> known_now(const Estimate& estima
   return estimation::aiding::known_after(estimate, seconds_between(estimate.time_ns, clocks::host_now()));
 }
 
+/// "none", or "calibration.axes=+y-x+z, heading.mount_offset_deg=90".
+std::string text_of(const std::vector<std::string>& mounting) {
+  return mounting.empty() ? "none" : fmt::format("{}", fmt::join(mounting, ", "));
+}
+
 /// Returns the error, if any.
 std::string write(const std::filesystem::path& file, const config::LearnedSensors& learned) {
   try {
@@ -33,7 +39,7 @@ std::string write(const std::filesystem::path& file, const config::LearnedSensor
 
 }  // namespace
 
-LearnedSensorsFile::LearnedSensorsFile(const std::filesystem::path& file)
+LearnedSensorsFile::LearnedSensorsFile(const std::filesystem::path& file, const config::FusionConfig& config)
     : file_(file), due_(clocks::steady_now() + save_period_ns) {
   try {
     learned_ = config::read_learned(file);
@@ -43,8 +49,14 @@ LearnedSensorsFile::LearnedSensorsFile(const std::filesystem::path& file)
     return;
   }
   std::size_t known = 0;
-  for (const auto& [address, estimate] : learned_) {
-    if (known_now(estimate)) {
+  for (const auto& [address, beacon] : learned_) {
+    const auto mounting = config::mounting_of(config.for_beacon(address));
+    if (mounting != beacon.mounting) {
+      logging::warning(fmt::format(
+          "{}: beacon {}: not used, because it was learned with other settings of calibration and "
+          "mount: {}; now: {}",
+          file.string(), address, text_of(beacon.mounting), text_of(mounting)));
+    } else if (known_now(beacon.estimate)) {
       ++known;
     } else {
       logging::warning(
@@ -56,9 +68,11 @@ LearnedSensorsFile::LearnedSensorsFile(const std::filesystem::path& file)
   logging::info(fmt::format("{}: sensors of {} known", file.string(), text::count_text(known, "beacon")));
 }
 
-std::optional<estimation::aiding::KnownSensors> LearnedSensorsFile::known(BeaconAddress address) const {
+std::optional<estimation::aiding::KnownSensors> LearnedSensorsFile::known(
+    BeaconAddress address, const settings::Settings& settings) const {
   const auto found = learned_.find(address);
-  return found == learned_.end() ? std::nullopt : known_now(found->second);
+  if (found == learned_.end() || found->second.mounting != config::mounting_of(settings)) return std::nullopt;
+  return known_now(found->second.estimate);
 }
 
 void LearnedSensorsFile::update(threads::Guarded<BeaconEstimators>& estimators, SteadyTime now) {
@@ -95,10 +109,13 @@ void LearnedSensorsFile::save(threads::Guarded<BeaconEstimators>& estimators) {
   config::LearnedSensors learned;
   estimators.with([&](auto& all) {
     all.for_each([&](BeaconAddress address, BeaconEstimator& estimator) {
+      auto mounting = config::mounting_of(estimator.timeline().settings());
+      const auto [before, is_new] = mounting_.try_emplace(address, mounting);
+      if (!is_new && std::exchange(before->second, mounting) != mounting) return;
       auto estimate = estimator.learned();
       if (!estimate) return;
       estimate->time_ns = clocks::host_now();
-      learned_.insert_or_assign(address, *std::move(estimate));
+      learned_.insert_or_assign(address, config::LearnedBeacon{*std::move(estimate), std::move(mounting)});
       has_news = true;
     });
     learned = learned_;

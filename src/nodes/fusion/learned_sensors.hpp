@@ -8,8 +8,10 @@
 
 #include <filesystem>
 #include <future>
+#include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace sonopose::fusion {
 
@@ -18,15 +20,17 @@ namespace sonopose::fusion {
 /// be read is a warning, since a start needs none, and is not replaced.
 class LearnedSensorsFile {
 public:
-  /// Reads the file, and logs which beacons it knows.
-  explicit LearnedSensorsFile(const std::filesystem::path& file);
+  /// Reads the file, and logs which beacons it knows, with these settings.
+  LearnedSensorsFile(const std::filesystem::path& file, const config::FusionConfig& config);
   LearnedSensorsFile(const LearnedSensorsFile&) = delete;
   LearnedSensorsFile& operator=(const LearnedSensorsFile&) = delete;
   /// Waits for the file.
   ~LearnedSensorsFile() = default;
 
-  /// Returns what is still known of a beacon. Call it under the lock of the estimators.
-  [[nodiscard]] std::optional<estimation::aiding::KnownSensors> known(BeaconAddress address) const;
+  /// Returns what is still known of a beacon that has these settings. Call it under the lock of the
+  /// estimators.
+  [[nodiscard]] std::optional<estimation::aiding::KnownSensors> known(
+      BeaconAddress address, const settings::Settings& settings) const;
 
   /// Saves if a minute has passed since the last time.
   void update(threads::Guarded<BeaconEstimators>& estimators, SteadyTime now);
@@ -40,6 +44,8 @@ private:
 
   std::filesystem::path file_;
   config::LearnedSensors learned_;  ///< changed and read under the lock of the estimators
+  /// Mounting at the last time of saving. What was learned before a change is not saved after it.
+  std::map<BeaconAddress, std::vector<std::string>> mounting_;
   bool is_readable_ = true;
   SteadyTime due_;
   std::future<std::string> writing_;  ///< gives an error; empty if the file was written

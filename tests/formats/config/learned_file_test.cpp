@@ -8,6 +8,7 @@
 #include <catch2/catch.hpp>
 
 #include <string>
+#include <vector>
 
 namespace learned_file_test {
 
@@ -28,7 +29,9 @@ Estimate estimate_of(BeaconAddress address) {
 SCENARIO("what a fusion has learned is read as it was written") {
   const test::TemporaryFolder folder;
   GIVEN("two beacons in a file") {
-    const config::LearnedSensors written{{7, estimate_of(7)}, {131, estimate_of(131)}};
+    const config::LearnedSensors written{
+        {7, {estimate_of(7), {}}},
+        {131, {estimate_of(131), {"heading.mount_offset_deg=90", "calibration.axes=+y-x+z"}}}};
     test::write_text(folder / "learned.toml", config::learned_toml(written));
     THEN("every value is the same") {
       CHECK(config::read_learned(folder / "learned.toml") == written);
@@ -41,6 +44,22 @@ SCENARIO("what a fusion has learned is read as it was written") {
   }
 }
 
+SCENARIO("the mounting is what of the settings says where a sensor is") {
+  settings::Settings settings;
+  settings.outage.stale_after_s = 2.0;
+  CHECK(config::mounting_of(settings).empty());
+  settings.calibration.gyroscope.sensitivity_z = 1.02;
+  settings.heading.mount_offset_deg = -90.0;
+  CHECK(config::mounting_of(settings) ==
+        std::vector<std::string>{"heading.mount_offset_deg=-90", "calibration.gyroscope.sensitivity_z=1.02"});
+}
+
+SCENARIO("a beacon without its mounting is refused") {
+  const test::TemporaryFolder folder;
+  test::write_text(folder / "learned.toml", "[beacon.7]\nfix_std_m = 0.1\n");
+  CHECK_THROWS_WITH(config::read_learned(folder / "learned.toml"), Contains("beacon.7.mounting is missing"));
+}
+
 SCENARIO("a broken file names its line") {
   struct Mistake {
     const char* line;
@@ -50,6 +69,8 @@ SCENARIO("a broken file names its line") {
       {"gyro_bias_body_radps = [1.0, 2.0]", "three numbers"},
       {"gyro_bias_body_radps = [1.0, 2.0, \"x\"]", "three numbers"},
       {"fix_std_m = \"small\"", "a number"},
+      {"mounting = [1]", "KEY=VALUE"},
+      {"mounting = \"none\"", "KEY=VALUE"},
       {"time_ns = 1.5", "an integer"},
       {"colour = 3", "a key of this file"},
       {"fix_std_m = ", ""},

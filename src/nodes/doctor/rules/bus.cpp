@@ -41,7 +41,7 @@ void check_coverage(const Observations& observations, Findings& findings) {
 void check_security(const BusObservation& bus, Findings& findings) {
   if (bus.is_secured) findings.push_back({Severity::ok, "bus", "DDS Security is in use", {}});
   if (!bus.is_secured && !bus.loopback_only) {
-    findings.push_back({Severity::warning, "bus",
+    findings.push_back({Severity::note, "bus",
                         "no security: anybody on the network can write poses and change settings",
                         "let all processes use --security (SECURITY.md), or keep strangers off the network"});
   }

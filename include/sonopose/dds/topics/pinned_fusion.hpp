@@ -1,0 +1,39 @@
+#pragma once
+/// \file
+/// Accepts the poses of one fusion alone.
+
+#include <sonopose/dds/topics/topics.hpp>
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+
+namespace sonopose::dds::topics {
+
+/// Tells a fusion's poses from those of other processes, by the `fusion_id` in its statuses. The process that
+/// first shows this id is the one; a second process that shows it later is not. DDS delivers the poses of the
+/// strongest writer alone, so a stronger stranger leaves a consumer without poses instead of with false ones.
+/// An id is new at each start of a fusion, and no proof: a stranger who shows it first is taken for the
+/// fusion. What proves is DDS Security. Not thread-safe.
+class PinnedFusion {
+public:
+  /// `participant` is that of the reader of poses. Throws Error.
+  PinnedFusion(const DomainParticipant& participant, const qos::Provider& qos, std::uint64_t fusion_id);
+
+  /// True if the fusion wrote this sample of `poses`. False before its first status, and after its end.
+  /// Throws Error.
+  [[nodiscard]] bool wrote(const DataReader<sonopose_FusedPose>& poses, const SampleInfo& info);
+
+private:
+  using Participant = std::array<std::uint8_t, 16>;
+
+  void find_fusion();
+
+  std::uint64_t fusion_id_;
+  DataReader<sonopose_FusionStatus> statuses_;
+  std::optional<Participant> fusion_;
+  std::map<std::uint64_t, bool> writers_;  ///< by handle: true for those of the fusion
+};
+
+}  // namespace sonopose::dds::topics
