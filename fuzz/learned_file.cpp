@@ -1,12 +1,17 @@
-// Reads a file of what a fusion has learned of the sensors. An accepted one is saved as it was read, and an engine
-// begins with its values.
+// Reads a file of what a fusion has learned of the sensors. An accepted one is saved as it was read, and an
+// engine begins with its values.
+
+#include "config/learned_file.hpp"
 
 #include "config/fusion_config.hpp"
-#include "config/learned_file.hpp"
 #include "fused_events.hpp"
 #include "support.hpp"
 #include <sonopose/estimation/aiding/known_sensors.hpp>
 #include <sonopose/estimation/any_estimator.hpp>
+
+#include <array>
+#include <cstdint>
+#include <string>
 
 using namespace sonopose;
 using namespace sonopose::fuzz;

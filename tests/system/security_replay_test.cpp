@@ -145,11 +145,11 @@ SCENARIO("a recorded handshake is worth nothing") {
     const std::size_t before = tap.count();
     for (int i = 0; i < 2; ++i) send_again(datagrams);
     THEN("their poses go on, each is received once, and nobody else writes") {
-      std::uint64_t last = 0;
+      TimeNs last_ns = 0;
       for (const TappedPose& each : tap.wait_for_count(before, tap.count() - before + 400)) {
         REQUIRE(owners.contains(each.writer));
-        REQUIRE(each.pose.event_sequence > last);
-        last = each.pose.event_sequence;
+        REQUIRE(each.pose.time_ns > last_ns);
+        last_ns = each.pose.time_ns;
       }
       CHECK(tap.writers() == owners);
     }

@@ -81,8 +81,9 @@ std::int64_t expiry_of(const fs::path& folder) {
 std::string read_file(const fs::path& file, const std::string& remedy) {
   std::ifstream in(file, std::ios::binary);
   if (!in) {
-    const std::string reason = std::generic_category().message(errno);
-    throw SecurityError(fmt::format("{}: {}; {}", file.string(), reason, remedy));
+    const int cause = errno;
+    throw SecurityError(fmt::format("{}: {}; {}", file.string(), std::generic_category().message(cause),
+                                    cause == EACCES ? "run this as the owner of the file" : remedy));
   }
   return {std::istreambuf_iterator<char>(in), {}};
 }

@@ -149,12 +149,31 @@ fs::path KeyStore::enclave_folder(const std::string& name) const {
 std::vector<std::string> KeyStore::enclaves() const {
   std::vector<std::string> names;
   const fs::path root = folder_ / "enclaves";
-  for (const auto& entry : fs::recursive_directory_iterator(root)) {
-    if (entry.path().filename() != certificate_file) continue;
-    names.push_back(fs::relative(entry.path().parent_path(), root).string());
+  for (const fs::path& file : files_below(root)) {
+    if (file.filename() != certificate_file) continue;
+    names.push_back(file.parent_path().lexically_relative(root).string());
   }
-  std::ranges::sort(names);
   return names;
+}
+
+std::vector<fs::path> files_below(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::vector<fs::path> folders{folder};
+  while (!folders.empty()) {
+    const fs::path next = std::move(folders.back());
+    folders.pop_back();
+    std::error_code error;
+    for (fs::directory_iterator each(next, error), end; !error && each != end; each.increment(error)) {
+      std::error_code gone;
+      const bool is_folder = !each->is_symlink(gone) && each->is_directory(gone);
+      (is_folder ? folders : files).push_back(each->path());
+    }
+    if (!error) continue;
+    throw SecurityError(fmt::format("{}: {}{}", next.string(), error.message(),
+                                    error == std::errc::permission_denied ? "; run this as its owner" : ""));
+  }
+  std::ranges::sort(files);
+  return files;
 }
 
 KeyPair KeyStore::authority(const char* name) const {

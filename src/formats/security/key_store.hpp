@@ -58,6 +58,10 @@ private:
   std::filesystem::path folder_;
 };
 
+/// Returns all files and links below a folder, sorted. Throws SecurityError with a folder that cannot be
+/// read.
+std::vector<std::filesystem::path> files_below(const std::filesystem::path& folder);
+
 /// One line of check(): an enclave or a file, and what is wrong with it.
 struct StoreProblem {
   std::string subject;

@@ -15,18 +15,17 @@ namespace fs = std::filesystem;
 /// Returns the certificates below a folder that the permissions authority issued, itself excluded.
 std::vector<fs::path> leaves_of(const std::string& authority, const fs::path& folder) {
   std::vector<fs::path> leaves;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+  for (const fs::path& path : files_below(folder)) {
     std::error_code unreadable;
-    if (entry.is_symlink() || !entry.is_regular_file(unreadable)) continue;
-    std::ifstream file(entry.path(), std::ios::binary);
+    if (fs::is_symlink(path, unreadable) || !fs::is_regular_file(path, unreadable)) continue;
+    std::ifstream file(path, std::ios::binary);
     const std::string text(std::istreambuf_iterator<char>(file), {});
     if (text.find("BEGIN CERTIFICATE") == text.npos || text == authority) continue;
     try {
-      if (is_issued_by(text, authority)) leaves.push_back(entry.path());
+      if (is_issued_by(text, authority)) leaves.push_back(path);
     } catch (const SecurityError&) {  // NOLINT(bugprone-empty-catch): a broken one authorises nobody
     }
   }
-  std::ranges::sort(leaves);
   return leaves;
 }
 
