@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <ctime>
+
 namespace sonopose::security {
 namespace {
 

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <ctime>
 #include <initializer_list>
 #include <sstream>
 #include <string_view>
