@@ -5,12 +5,12 @@
 #include "support/bus_options.hpp"
 #include "support/choice.hpp"
 #include "support/log_option.hpp"
+#include "support/north_option.hpp"
 #include "support/options_file.hpp"
 #include "support/waiting.hpp"
 
 #include <array>
 #include <charconv>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -25,7 +25,6 @@ struct Given {
   std::string device;
   std::string addresses;
   std::array<double, 6> mount{};
-  std::optional<double> north_deg;
 };
 
 /// Splits "/dev/ttyTHS1:921600" at its last colon. Throws std::invalid_argument if no number follows, except
@@ -53,8 +52,11 @@ void apply(const Given& given, mavlink::sender::SenderOptions& options) {
   if (options.udp && options.udp->port == 0) throw std::invalid_argument("--udp: port 0 cannot be sent to");
   set_device(given.device, options);
   if (!given.addresses.empty()) options.addresses = presence::AddressSet::parse(given.addresses);
-  if (given.north_deg) options.north = *given.north_deg * std::numbers::pi / 180;
-  options.mount = ros2::mount_at(given.mount);
+  try {
+    options.mount = ros2::mount_at(given.mount);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(std::string("--mount: ") + error.what());
+  }
 }
 
 }  // namespace
@@ -77,6 +79,7 @@ int main(int argc, char** argv) {
           ->check(apps::readable_by(transport::parse_endpoint))
           ->option_text("ADDRESS:PORT");
   app.add_option("--local-port", options.local_port, "With --udp: receive on this port; 0: any")
+      ->check(CLI::Range(0, 65535))
       ->capture_default_str()
       ->type_name("PORT")
       ->needs(udp);
@@ -85,6 +88,7 @@ int main(int argc, char** argv) {
       ->excludes(udp);
   app.add_option("--addresses", given.addresses,
                  "Send the poses of the first of these beacons that is heard: 7 or 7-131 (default: all)")
+      ->check(apps::readable_by(presence::AddressSet::parse))
       ->type_name("LIST");
   apps::add_choice<Message>(app, "--message", options.message,
                             {{"odometry", Message::odometry}, {"vision_position", Message::vision_position}},
@@ -93,12 +97,7 @@ int main(int argc, char** argv) {
       ->check(apps::number_between(1.0, 1000.0))
       ->capture_default_str()
       ->type_name("HZ");
-  app.add_option(
-         "--north", given.north_deg,
-         "Direction of north in the map, counter-clockwise from x: 90 if y is north (default: unknown; "
-         "the autopilot's heading is then that of the map)")
-      ->check(apps::number_between(-360.0, 360.0))
-      ->type_name("DEG");
+  apps::add_north_option(app, options.north);
   app.add_option("--mount", given.mount, "Pose of the IMU on the vehicle: x y z (m) roll pitch yaw (deg)")
       ->type_name("N");
   apps::add_options_file(app);

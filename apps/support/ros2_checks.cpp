@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <array>
-#include <numbers>
 #include <stdexcept>
 #include <utility>
 
@@ -68,6 +67,15 @@ void check_frames(const ros2::FrameNames& frames) {
   }
 }
 
+/// Checks inputs by the resolved names of their topics: "imu" and "/imu" are often the same one.
+template <class Input>
+void check_resolved(const ros2::NameResolver& names, std::vector<Input> inputs) {
+  for (Input& input : inputs) {
+    input.topic = with_option(text_of(input), [&] { return names.topic(input.topic); });
+  }
+  check(inputs);
+}
+
 /// Prefers the option to the variable, which is then not validated.
 std::optional<ros2::Distro> select_distro(const Ros2Options& options, const ros2::Variables& environment) {
   if (options.distro) return options.distro;
@@ -97,7 +105,7 @@ void add_aiding_inputs(const Ros2Options& options, ros2::relay::RelayOptions& re
   for (AidingInput& input : relay.aiding_inputs) {
     if (input.kind == Kind::wheels) input.wheels = ros2::read_wheels(*options.wheels);
   }
-  check(relay.aiding_inputs);
+  check_resolved(relay.names, relay.aiding_inputs);
   const bool has_service = std::ranges::any_of(relay.aiding_inputs, [](const AidingInput& input) {
     return input.type == AidingInput::Type::set_pose_service;
   });
@@ -107,16 +115,25 @@ void add_aiding_inputs(const Ros2Options& options, ros2::relay::RelayOptions& re
   }
 }
 
+/// Converts "uav_1" or "/uav_1" to "/uav_1", and "/" to "".
+std::string absolute_namespace(const std::string& option, const std::string& name_space) {
+  if (name_space.empty() || name_space == "/") return "";
+  const std::string absolute = name_space.starts_with('/') ? name_space : "/" + name_space;
+  with_option(option, [&] { ros2::check_namespace(absolute); });
+  return absolute;
+}
+
 std::optional<ros2::relay::AutopilotOptions> autopilot_options(const Ros2Options& options) {
   using Autopilot = ros2::relay::AutopilotOptions;
   if (!options.px4 && !options.ardupilot) {
-    if (options.north_deg) throw std::invalid_argument("--north needs --px4 or --ardupilot");
+    if (options.north_rad) throw std::invalid_argument("--north needs --px4 or --ardupilot");
     return std::nullopt;
   }
   Autopilot autopilot{.kind = options.px4 ? Autopilot::Kind::px4 : Autopilot::Kind::ardupilot,
-                      .name_space = options.px4 ? *options.px4 : *options.ardupilot};
+                      .name_space = options.px4 ? absolute_namespace("--px4", *options.px4)
+                                                : absolute_namespace("--ardupilot", *options.ardupilot)};
   if (options.output.rate_hz > 0) autopilot.rate_hz = options.output.rate_hz;
-  if (options.north_deg) autopilot.north_rad = *options.north_deg * std::numbers::pi / 180;
+  autopilot.north_rad = options.north_rad;
   return autopilot;
 }
 
@@ -151,7 +168,7 @@ ros2::relay::RelayOptions relay_options(const Ros2Options& options, const ros2::
   for (const auto& text : options.imu_in) relay.inputs.push_back(ros2::Input::parse(Kind::imu, text));
   for (auto& input : relay.inputs) input.imu_meaning = options.imu_meaning.value_or(input.imu_meaning);
   for (const auto& text : options.fix_in) relay.inputs.push_back(ros2::Input::parse(Kind::fix, text));
-  check(relay.inputs);
+  check_resolved(relay.names, relay.inputs);
   add_aiding_inputs(options, relay);
   relay.autopilot = autopilot_options(options);
   relay.use_sim_time = options.use_sim_time;

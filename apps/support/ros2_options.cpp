@@ -2,6 +2,7 @@
 
 #include "choice.hpp"
 #include "imu_meaning_option.hpp"
+#include "north_option.hpp"
 #include "run.hpp"
 
 namespace sonopose::apps {
@@ -190,12 +191,7 @@ void add_autopilot_options(CLI::App& app, Ros2Options& options) {
       ->type_name("NAMESPACE")
       ->excludes(px4)
       ->group(group);
-  app.add_option("--north", options.north_deg,
-                 "Direction of north in the map for an autopilot, counter-clockwise from x: 90 if y is north "
-                 "(default: unknown; its heading is then that of the map)")
-      ->check(number_between(-360.0, 360.0))
-      ->type_name("DEG")
-      ->group(group);
+  add_north_option(app, options.north_rad)->group(group);
 }
 
 /// Describes a different default: other programs use loopback, the relay the network of the ROS 2 nodes.

@@ -34,7 +34,7 @@ struct Ros2Options {
   std::optional<ImuMeaning> imu_meaning;
   std::optional<std::string> px4;
   std::optional<std::string> ardupilot;
-  std::optional<double> north_deg;
+  std::optional<double> north_rad;  ///< of --north in degrees
   bool use_sim_time = false;
   ros2::relay::ServicesMode services = ros2::relay::ServicesMode::automatic;
 };

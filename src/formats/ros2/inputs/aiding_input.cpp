@@ -63,6 +63,10 @@ const char* option_name(Kind kind) {
   return option_of(kind).name;
 }
 
+std::string text_of(const AidingInput& input) {
+  return fmt::format("{} {}={}", option_name(input.kind), input.topic, input.address);
+}
+
 Input monitored_as(const AidingInput& input) {
   const auto kind = is_velocity(input.kind)       ? Input::Kind::twist
                     : input.kind == Kind::heading ? Input::Kind::heading
@@ -95,8 +99,12 @@ void check(const std::vector<AidingInput>& inputs) {
     for (std::size_t j = i + 1; j < inputs.size(); ++j) {
       const AidingInput& one = inputs[i];
       const AidingInput& other = inputs[j];
+      if (one.type == Type::set_pose_service && other.type == one.type && one.topic == other.topic) {
+        throw std::invalid_argument(fmt::format("{} and {}: one service can set the pose of one beacon only",
+                                                text_of(one), text_of(other)));
+      }
       const bool are_alike = one.kind == other.kind || (is_velocity(one.kind) && is_velocity(other.kind));
-      const bool is_set = one.kind == Kind::set_pose && one.topic != other.topic;
+      const bool is_set = one.kind == Kind::set_pose && (one.topic != other.topic || one.type != other.type);
       if (one.address != other.address || !are_alike || is_set) continue;
       throw std::invalid_argument(
           fmt::format("{} {} and {} {}: beacon {} can have only one source of {}", option_name(one.kind),

@@ -50,11 +50,14 @@ struct AidingInput {
 /// Name of the option of a kind: "--odom-in".
 [[nodiscard]] const char* option_name(AidingInput::Kind kind);
 
+/// Text as on the command line, without a type: "--odom-in /odom=7".
+[[nodiscard]] std::string text_of(const AidingInput& input);
+
 /// Input as which a topic is monitored.
 [[nodiscard]] Input monitored_as(const AidingInput& input);
 
 /// Throws std::invalid_argument for two topics of one beacon whose errors would be taken for independent: two
-/// of velocities, of headings or of poses.
+/// of velocities, of headings or of poses. A service is of one beacon.
 void check(const std::vector<AidingInput>& inputs);
 
 }  // namespace sonopose::ros2

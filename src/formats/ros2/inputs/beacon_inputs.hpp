@@ -74,6 +74,10 @@ public:
   [[nodiscard]] double offset_s() const { return offset_.value_s(); }
   /// Converts a time of reception to the clock of the stamps.
   [[nodiscard]] TimeNs stamp_at(TimeNs received_ns) const { return stamp_clock_.at(received_ns); }
+  /// The same for what applies at once, at the latest IMU sample.
+  [[nodiscard]] TimeNs latest_stamp_at(TimeNs received_ns) const {
+    return stamp_clock_.at_latest(received_ns);
+  }
 
 private:
   void take(ReceivedImu& received, std::string_view frame, MonitoredInput& input, Moment moment,

@@ -4,6 +4,8 @@
 
 #include <sonopose/samples/time.hpp>
 
+#include <algorithm>
+
 namespace sonopose::ros2 {
 
 /// Relates host time to the IMU's stamps, which in a played recording belong to another time. The delay of a
@@ -11,7 +13,10 @@ namespace sonopose::ros2 {
 class StampClock {
 public:
   /// Takes the stamp of an IMU sample, and its reception in the host's clock.
-  void on_imu(TimeNs stamp_ns, TimeNs received_ns) { lag_ns_ = saturated_difference(received_ns, stamp_ns); }
+  void on_imu(TimeNs stamp_ns, TimeNs received_ns) {
+    lag_ns_ = saturated_difference(received_ns, stamp_ns);
+    latest_ns_ = std::max(latest_ns_, stamp_ns);
+  }
 
   /// Converts a host time to the clock of the stamps. Before the first sample, or if they differ by at most
   /// `max_transport_ns`, the two are the same clock.
@@ -20,10 +25,17 @@ public:
     return is_same ? host_ns : saturated_difference(host_ns, lag_ns_);
   }
 
+  /// The same, but not after the latest sample: an engine that is behind, as on a busy machine, takes later
+  /// stamps for wrong ones.
+  [[nodiscard]] TimeNs at_latest(TimeNs host_ns) const {
+    return latest_ns_ == 0 ? at(host_ns) : std::min(at(host_ns), latest_ns_);
+  }
+
   static constexpr TimeNs max_transport_ns = 1'000'000'000;
 
 private:
   TimeNs lag_ns_ = 0;
+  TimeNs latest_ns_ = 0;  ///< 0: no sample yet
 };
 
 }  // namespace sonopose::ros2

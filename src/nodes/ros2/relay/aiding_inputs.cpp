@@ -96,7 +96,7 @@ public:
   void take(publication::SampleSink& sink, const Reception& reception, const InputFrames& frames,
             InputMonitor::Lines& lines) override {
     reader_.reader.try_take_each([&](const T& message, const dds::SampleInfo&) {
-      pass(samples_of(message, input_, frames, reception(input_.address)), sink, lines);
+      pass(samples_of(message, input_, frames, reception(input_)), sink, lines);
     });
   }
 
@@ -130,7 +130,7 @@ public:
     }
     if (!request) return;
     request->pose.header.frame_id = request->frame.data();
-    pass(samples_of(request->pose, input_, frames, reception(input_.address)), sink, lines);
+    pass(samples_of(request->pose, input_, frames, reception(input_)), sink, lines);
   }
 
 private:

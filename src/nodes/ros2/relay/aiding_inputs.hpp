@@ -31,8 +31,8 @@ struct SetPoseService {
 class AidingInputs {
 public:
   using Log = std::function<void(logging::Level level, const std::string& line)>;
-  /// Time of reception in the clock of the stamps of a beacon.
-  using Reception = std::function<TimeNs(BeaconAddress address)>;
+  /// Time of reception in the clock of the stamps of an input's beacon.
+  using Reception = std::function<TimeNs(const AidingInput& input)>;
 
   /// `timeout_ns`: time after which a topic is silent. Throws dds::Error.
   AidingInputs(ros2::Node& node, const std::vector<AidingInput>& inputs, InputFrames frames,

@@ -7,25 +7,14 @@
 #include <fmt/format.h>
 
 namespace sonopose::ros2::relay {
-namespace {
 
 using autopilot::Silence;
-
-/// "uav_1", "/uav_1" or "/" for none → "/uav_1" or "".
-std::string prefix_of(const std::string& name_space) {
-  if (name_space.empty() || name_space == "/") return "";
-  const std::string absolute = name_space.starts_with('/') ? name_space : "/" + name_space;
-  ros2::check_namespace(absolute);
-  return absolute;
-}
-
-}  // namespace
 
 AutopilotOutput::AutopilotOutput(ros2::Node& node, const AutopilotOptions& options, Log& log)
     : is_px4_(options.kind == AutopilotOptions::Kind::px4),
       name_(is_px4_ ? "PX4" : "ArduPilot"),
-      pose_topic_(prefix_of(options.name_space) + (is_px4_ ? "/fmu/in/vehicle_visual_odometry" : "/tf")),
-      clock_topic_(prefix_of(options.name_space) + (is_px4_ ? "/fmu/out/timesync_status" : "/clock")),
+      pose_topic_(options.name_space + (is_px4_ ? "/fmu/in/vehicle_visual_odometry" : "/tf")),
+      clock_topic_(options.name_space + (is_px4_ ? "/fmu/out/timesync_status" : "/clock")),
       north_(options.north_rad),
       log_(log),
       rate_(options.rate_hz),

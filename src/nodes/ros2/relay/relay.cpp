@@ -66,8 +66,7 @@ void check_inputs(const RelayOptions& options) {
     const std::string prefix = ros2::topic_prefix(options.output.beacon_namespace, input.address);
     for (const char* const output : {"imu/data_raw", "imu/data", "odom", "pose", "fix"}) {
       if (options.names.topic(input.topic) != options.names.topic(prefix + output)) continue;
-      throw std::invalid_argument(fmt::format("{} {}={} is the relay's own output of this beacon",
-                                              option_name(input.kind), input.topic, input.address));
+      throw std::invalid_argument(text_of(input) + " is the relay's own output of this beacon");
     }
   }
 }

@@ -242,9 +242,12 @@ private:
     if (!aiding_) return;
     aiding_->take(
         sink,
-        [this](BeaconAddress address) {
-          const auto beacon = beacons_.find(address);
-          return beacon != beacons_.end() ? beacon->second.inputs.stamp_at(now_()) : now_();
+        [this](const AidingInput& input) {
+          const auto beacon = beacons_.find(input.address);
+          if (beacon == beacons_.end()) return now_();
+          const BeaconInputs& inputs = beacon->second.inputs;
+          return input.kind == AidingInput::Kind::set_pose ? inputs.latest_stamp_at(now_())
+                                                           : inputs.stamp_at(now_());
         },
         lines_);
   }

@@ -42,8 +42,15 @@ SCENARIO("options of velocities") {
               "--heading-in /yaw:Float32=7: 'Float32' is not Imu or PoseWithCovarianceStamped or Float64"));
       CHECK_NOTHROW(ros2::check(std::vector{AidingInput::parse(Kind::set_pose, "/initialpose=7"),
                                             AidingInput::parse(Kind::set_pose, "/set_pose=7"),
+                                            AidingInput::parse(Kind::set_pose, "/set_pose:SetPose=7"),
+                                            AidingInput::parse(Kind::set_pose, "/set_pose=8"),
                                             AidingInput::parse(Kind::heading, "/compass=7"),
                                             AidingInput::parse(Kind::pose, "/vision=7")}));
+      for (const char* const other : {"/set_pose:SetPose=7", "/set_pose:SetPose=8"}) {
+        CHECK_THROWS_WITH(ros2::check(std::vector{AidingInput::parse(Kind::set_pose, "/set_pose:SetPose=7"),
+                                                  AidingInput::parse(Kind::set_pose, other)}),
+                          Contains("one service can set the pose of one beacon only"));
+      }
     }
   }
 }

@@ -61,7 +61,7 @@ SCENARIO("velocities of drivers become samples") {
     const auto take_until = [&](const auto& condition) {
       return test::wait_until([&] {
         inputs.take(
-            sink, [](BeaconAddress) { return TimeNs{5'000'000'000}; }, lines);
+            sink, [](const AidingInput&) { return TimeNs{5'000'000'000}; }, lines);
         return condition();
       });
     };
@@ -155,7 +155,7 @@ struct Rig {
     driver.write(message);
     REQUIRE(test::wait_until([&] {
       inputs.take(
-          sink, [](BeaconAddress) { return TimeNs{5'000'000'000}; }, lines);
+          sink, [](const AidingInput&) { return TimeNs{5'000'000'000}; }, lines);
       return sink.events.size() + inputs.unused(7) == count;
     }));
   }
