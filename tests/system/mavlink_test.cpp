@@ -204,6 +204,16 @@ TEST_CASE("sonopose-mavlink refuses a line that it cannot use") {
   CHECK(refusal({"--udp", "drone:1"}).find("not a numeric IP address") != std::string::npos);
   CHECK(refusal({"--device", "/etc/hostname"}).find("is not a serial device") != std::string::npos);
   CHECK(refusal({"--device", "/dev/ttyTHS1:fast"}).find("'fast' is not a baud rate") != std::string::npos);
+  const std::string udp = "127.0.0.1:14550";
+  CHECK(refusal({"--device", "/dev/ttyTHS1:0"}).find("baud rate of 0") != std::string::npos);
+  CHECK(refusal({"--udp", udp, "--device", "/dev/ttyTHS1"}).find("--device") != std::string::npos);
+  CHECK(refusal({"--udp", udp, "--addresses", "70000"}).find("--addresses: ") != std::string::npos);
+  CHECK(refusal({"--udp", udp, "--rate", "0"}).find("--rate: ") != std::string::npos);
+  CHECK(refusal({"--udp", udp, "--north", "nan"}).find("--north: ") != std::string::npos);
+  CHECK(refusal({"--udp", udp, "--message", "pose"}).find("--message: ") != std::string::npos);
+  CHECK(refusal({"--udp", udp, "--local-port", "70000"}).find("--local-port: ") != std::string::npos);
+  CHECK(refusal({"--udp", udp, "--mount", "0", "0", "nan", "0", "0", "0"}).find("--mount: z is nan") !=
+        std::string::npos);
 }
 
 }  // namespace mavlink_system_test

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <system_error>
 #include <vector>
 
 namespace sonopose::transport {
@@ -83,6 +84,10 @@ public:
 
   /// Number of messages that an open line did not take, at least in part. Thread-safe.
   [[nodiscard]] virtual std::uint64_t unsent() const = 0;
+
+  /// The reason why the last message could not be sent at all, other than a full line; 0 if there is none.
+  /// Thread-safe.
+  [[nodiscard]] virtual std::errc send_error() const { return {}; }
 };
 
 }  // namespace sonopose::transport

@@ -57,11 +57,14 @@ public:
     asio::post(loop_.context(), [this, bytes = std::move(bytes)] {
       asio::error_code error;
       socket_.send_to(asio::buffer(bytes), peer_, 0, error);
-      if (error == asio::error::would_block || error == asio::error::no_buffer_space) ++unsent_;
+      const bool is_full = error == asio::error::would_block || error == asio::error::no_buffer_space;
+      if (error) ++unsent_;
+      send_error_ = is_full ? 0 : error.value();
     });
   }
 
   [[nodiscard]] std::uint64_t unsent() const { return unsent_; }
+  [[nodiscard]] std::errc send_error() const { return std::errc{send_error_.load()}; }
   [[nodiscard]] const std::string& name() const { return name_; }
 
 private:
@@ -71,6 +74,7 @@ private:
   asio::ip::udp::endpoint peer_;                        ///< used by the reading thread only
   std::optional<asio::ip::udp::endpoint> last_sender_;  ///< likewise
   std::atomic<std::uint64_t> unsent_ = 0;
+  std::atomic<int> send_error_ = 0;  ///< errno of the last message
 };
 
 UdpPeer::UdpPeer(const Endpoint& peer, std::uint16_t local_port)
@@ -96,6 +100,10 @@ void UdpPeer::answer_last_sender() {
 
 std::uint64_t UdpPeer::unsent() const {
   return socket_->unsent();
+}
+
+std::errc UdpPeer::send_error() const {
+  return socket_->send_error();
 }
 
 std::string UdpPeer::name() const {

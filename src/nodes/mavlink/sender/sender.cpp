@@ -23,6 +23,7 @@
 #include <array>
 #include <chrono>
 #include <exception>
+#include <system_error>
 #include <thread>
 
 namespace sonopose::mavlink::sender {
@@ -65,6 +66,7 @@ public:
 
   [[nodiscard]] std::string name() const { return link_->name(); }
   [[nodiscard]] std::uint64_t unsent() const { return link_->unsent(); }
+  [[nodiscard]] std::errc send_error() const { return link_->send_error(); }
   /// Throws what ended the reading.
   void check() {
     const threads::Lock lock(mutex_);
@@ -161,14 +163,19 @@ public:
   }
 
 private:
-  /// Logs that the line begins to drop messages, or takes all of them again.
+  /// Logs that the line begins to drop messages, for another reason than before, or takes all of them again.
   void report_unsent() {
     const std::uint64_t unsent = line_.unsent();
+    const std::errc error = line_.send_error();
     const bool drops = unsent > unsent_;
     unsent_ = unsent;
-    if (drops == drops_) return;
+    if (drops == drops_ && error == send_error_) return;
     drops_ = drops;
-    if (drops) {
+    send_error_ = error;
+    if (error != std::errc{}) {
+      logging::warning(
+          fmt::format("{}: cannot be sent to: {}", line_.name(), std::make_error_code(error).message()));
+    } else if (drops) {
       logging::warning(fmt::format("{}: takes fewer bytes than are sent; use a lower --rate or a faster line",
                                    line_.name()));
     } else {
@@ -198,6 +205,7 @@ private:
   std::optional<Silence> logged_;
   std::uint64_t unsent_ = 0;
   bool drops_ = false;  ///< in the last second
+  std::errc send_error_{};
 };
 
 }  // namespace
