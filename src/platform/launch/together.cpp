@@ -62,13 +62,14 @@ private:
   int descriptor_;
 };
 
-/// Receives SIGINT, SIGTERM and SIGHUP as events. The programs get their previous handling back.
+/// Receives SIGINT, SIGTERM, SIGHUP and SIGXCPU (out of processor time) as events. The programs get their
+/// previous handling back.
 class Signals {
 public:
   Signals() {
     sigset_t mask;
     ::sigemptyset(&mask);
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGXCPU}) {
       struct sigaction action {};
       if (::sigaction(signal, nullptr, &action) != 0) fail("sigaction");
       if (action.sa_handler != SIG_IGN)
@@ -86,12 +87,18 @@ public:
 
   void restore() const { ::sigprocmask(SIG_SETMASK, &before_, nullptr); }
   [[nodiscard]] int file() const { return file_.get(); }
-  /// Returns the number of signals since the last call.
-  [[nodiscard]] int take() const {
+  struct Taken {
+    bool is_asked = false;        ///< by a person or a program
+    bool is_out_of_time = false;  ///< SIGXCPU, which the kernel repeats each second
+  };
+  /// Returns the signals since the last call.
+  [[nodiscard]] Taken take() const {
     signalfd_siginfo info{};
-    int count = 0;
-    while (::read(file_.get(), &info, sizeof info) == sizeof info) ++count;
-    return count;
+    Taken taken;
+    while (::read(file_.get(), &info, sizeof info) == sizeof info) {
+      (info.ssi_signo == SIGXCPU ? taken.is_out_of_time : taken.is_asked) = true;
+    }
+    return taken;
   }
 
 private:
@@ -242,7 +249,12 @@ private:
   /// Forwards signals. timeout(1) and shells send a signal twice: only another one after a second kills the
   /// programs.
   void look_for_signals() {
-    if (signals_.take() == 0) return;
+    const Signals::Taken taken = signals_.take();
+    if (taken.is_out_of_time && !deadline_) {
+      report_.emplace_back("stopped: the limit of processor time is reached (ulimit -t)");
+      end_rest();
+    }
+    if (!taken.is_asked) return;
     constexpr std::chrono::seconds repeat{1};
     const Clock::time_point now = Clock::now();
     if (signalled_at_ && now - *signalled_at_ > repeat) kill_rest();

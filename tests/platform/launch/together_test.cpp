@@ -46,6 +46,25 @@ SCENARIO("the first program that ends ends the others") {
   }
 }
 
+SCENARIO("a signal that asks this process to end ends the programs") {
+  const TemporaryFolder folder;
+  const std::string signal = GENERATE("INT", "TERM", "HUP");
+  const Program asking = then(folder, "kill -" + signal + " $PPID; while :; do sleep 0.1; done");
+  CHECK(run_together({waiting(folder), asking}, ErrorOutput::pass_on) == 0);
+  CHECK(read_text(folder / "asked") == "asked\n");
+}
+
+SCENARIO("out of processor time, a group ends, and repetitions of the signal kill nothing") {
+  const TemporaryFolder folder;
+  const Program slow{
+      "sh",
+      {"-c", "trap 'sleep 2.5; echo asked > " + (folder / "asked").string() + "; exit 0' TERM; touch " +
+                 (folder / "waits").string() + "; while :; do sleep 0.02; done"}};
+  const Program limit = then(folder, "trap '' TERM; for i in 1 2 3; do kill -XCPU $PPID; sleep 0.6; done");
+  CHECK(run_together({slow, limit}, ErrorOutput::pass_on) == 0);
+  CHECK(read_text(folder / "asked") == "asked\n");
+}
+
 SCENARIO("a program that has the terminal can restore it before it is killed") {
   const TemporaryFolder folder;
   // The third, if the second SIGTERM came less than a second after the first.
