@@ -38,7 +38,7 @@ void check_installation(const BeaconObservation& beacon, Findings& findings);
 /// Reports a wrong sign of one beacon's accelerometer axis Z, if it moves. Returns false if it is right.
 bool has_wrong_sign_of_z(const BeaconObservation& beacon, Findings& findings);
 /// Reports fixes off the track of one beacon.
-void check_tracks(const BeaconObservation& beacon, Findings& findings);
+void check_tracks(const BeaconObservation& beacon, bool is_frozen, Findings& findings);
 /// Checks units, mount and calibration of one beacon's IMU. Returns false if units or axes are wrong: then
 /// whatever is computed from its readings is wrong too.
 bool check_imu(const BeaconObservation& beacon, Findings& findings);

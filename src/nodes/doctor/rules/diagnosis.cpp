@@ -51,12 +51,12 @@ std::vector<Finding> diagnose(const Observations& observations) {
     const auto cause = [&] {
       if (!is_imu_right) return Cause::imu;  // what is fitted with its readings is wrong too
       if (beacon.bridges.size() > 1) return Cause::installation;  // two bridges mix their samples
-      // Repeated positions do not fit any installation.
+      // Repeated positions do not fit any installation, and all of them are outliers.
       const bool is_frozen = beacon.status_counts.share_of(status_frozen_track) > max_frozen_share;
       if (!is_frozen) check_installation(beacon, findings);
       if (findings.size() > before) return Cause::installation;
       // A wrong mount, delay or sign makes right fixes look wrong, and the fusion doubts them.
-      check_tracks(beacon, findings);
+      check_tracks(beacon, is_frozen, findings);
       return findings.size() > before ? Cause::fixes : Cause::none;
     }();
     check_pose(observations.window_s, beacon, cause, findings);

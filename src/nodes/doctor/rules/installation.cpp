@@ -138,6 +138,16 @@ private:
         return mount_error_rad_with(a) < mount_error_rad_with(b);
       })};
     }
+    const motion::TurnGain& turn = beacon_.turn_gain;
+    if (turn.by_heading && motion::turn_fault_of(turn) == motion::TurnFault::wrong_sign &&
+        has_gravity_upwards()) {
+      findings_.push_back(
+          {Severity::error, name_of(beacon_),
+           "its gyroscope has the wrong sign about the body's axis z, or about all axes, or its headings are "
+           "clockwise, as those of a compass: each turns against the other",
+           "correct the sign in the driver of the IMU or of the headings; calibration.axes can only rotate"});
+      return true;
+    }
     if (axes == std::vector<std::size_t>{2} && has_gravity_upwards()) {
       findings_.push_back(
           {Severity::error, name_of(beacon_),

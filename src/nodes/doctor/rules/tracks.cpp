@@ -83,8 +83,8 @@ bool check_outliers(const BeaconObservation& beacon, Findings& findings) {
 
 }  // namespace
 
-void check_tracks(const BeaconObservation& beacon, Findings& findings) {
-  if (check_outliers(beacon, findings)) return;
+void check_tracks(const BeaconObservation& beacon, bool is_frozen, Findings& findings) {
+  if (!is_frozen && check_outliers(beacon, findings)) return;
   // In a long run, the fixes outnumber those rejected before the fusion follows another track.
   const FixOutcomes& fixes = beacon.fix_outcomes;
   if (fixes.relocations == 0) return;

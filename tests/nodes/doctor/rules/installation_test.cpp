@@ -125,6 +125,20 @@ TEST_CASE("A gyroscope with the wrong sign is found where gravity shows the acce
   }
 }
 
+TEST_CASE("Headings that are clockwise, as of a compass, are named beside the gyroscope") {
+  for (const char* const scenario : {"walk", "kart", "forklift"}) {
+    CAPTURE(scenario);
+    auto events = events_of(scenario, 1948, 30);
+    for (Event& event : events) {
+      if (auto* const heading = std::get_if<PairHeading>(&event)) heading->heading_world_rad *= -1;
+    }
+    const std::string problems = problems_of(observed(events, {}, {10, 12}));
+    CAPTURE(problems);
+    CHECK_THAT(problems, Contains("or its headings are clockwise, as those of a compass"));
+    CHECK_THAT(problems, !Contains("accelerometer") && !Contains("track"));
+  }
+}
+
 TEST_CASE("Without headings, the direction of travel shows the sign of the gyroscope") {
   for (const char* const scenario : {"walk", "kart"}) {
     CAPTURE(scenario);

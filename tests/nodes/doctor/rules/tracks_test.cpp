@@ -96,6 +96,7 @@ TEST_CASE("A frozen track is found") {
   const std::string problems = problems_of(observed(events, {}, {10, 8}));
   CHECK_THAT(problems, Contains("repeat one position although the IMU measures motion"));
   CHECK_THAT(problems, !Contains("wrong sign") && !Contains("mount offset"));  // the IMU is right
+  CHECK_THAT(problems, !Contains("scattered") && !Contains("min_quality_percent"));
 }
 
 }  // namespace tracks_test
