@@ -123,6 +123,10 @@ SCENARIO("a recording of the bus is shown, selected and exported") {
       CHECK(result.code == 1);
       CHECK_THAT(result.error, Contains("run.mcap: none of its ") && Contains(" messages is selected"));
       CHECK_FALSE(std::filesystem::exists((folder / "nothing.mcap")));
+      const Result shown = mcap({"cat", file, "--start", "100000"});
+      CHECK(shown.code == 1);
+      CHECK(shown.output.empty());
+      CHECK_THAT(shown.error, Contains("run.mcap: none of its ") && Contains(" messages is selected"));
     }
   }
   GIVEN("a cut file") {

@@ -130,6 +130,12 @@ mcap::Selection selection_of(const mcap::Reader& reader, const Choice& choice,
   const mcap::TimeSpan part = part_of(times, choice.start, choice.end);
   selection.start_ns = part.start_ns;
   selection.end_ns = part.end_ns;
+  if (part.start_ns > times.end_ns || part.end_ns < times.start_ns) {
+    throw files::IoError(
+        fmt::format("{}: none of its {} messages is selected: they last {:.3f} s, from {} to {} ns",
+                    reader.name(), reader.statistics().message_count,
+                    static_cast<double>(times.end_ns - times.start_ns) * 1e-9, times.start_ns, times.end_ns));
+  }
   return selection;
 }
 

@@ -182,11 +182,15 @@ void FileSeries::remove_old(std::uint64_t current_bytes) {
     total -= oldest.front().bytes;
     const std::filesystem::path file = std::move(oldest.front().file);
     oldest.pop_front();
-    ++removed_files_;
     std::error_code error;
     std::filesystem::remove(file, error);
-    logging::info(error ? fmt::format("{}: cannot be removed: {}", file.string(), error.message())
-                        : fmt::format("{}: removed, the oldest file", file.string()));
+    if (error) {
+      logging::warning(fmt::format("{}: cannot be removed: {}; the recording becomes larger than the limit",
+                                   file.string(), error.message()));
+      continue;
+    }
+    ++removed_files_;
+    logging::info(fmt::format("{}: removed, the oldest file", file.string()));
   }
 }
 
