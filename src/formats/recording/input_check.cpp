@@ -283,6 +283,23 @@ std::optional<std::string> InputCheck::unit_of_positions() const {
   return fmt::format("all positions are whole numbers, up to {:.0f}{}", farthest_m, asks());
 }
 
+/// Suspects a driver that sends its last position again, or beacons that do, while the IMU accelerates. At
+/// rest positions may be equal.
+std::optional<std::string> InputCheck::repetitions() const {
+  constexpr double min_acceleration_mps2 = 0.2;
+  if (window_.imu.empty() || positions_world_m_.empty()) return std::nullopt;
+  if (motion::summary_of(window_.imu).turned_deviation_mps2 < min_acceleration_mps2) return std::nullopt;
+  std::size_t count = 0;
+  for (std::size_t i = 1; i < positions_world_m_.size(); ++i) {
+    if (positions_world_m_[i] == positions_world_m_[i - 1]) ++count;
+  }
+  if (2 * count <= positions_world_m_.size()) return std::nullopt;
+  return fmt::format(
+      "{} of {} fixes repeat the position of the one before, although the IMU moves: are they sent "
+      "again, or are the beacons frozen? A position counts once: leave its repetitions out",
+      count, positions_world_m_.size());
+}
+
 /// Suspects a share instead of a percentage.
 std::optional<std::string> InputCheck::unit_of_quality() const {
   constexpr std::size_t min_count = 10;
@@ -341,35 +358,44 @@ std::optional<std::string> InputCheck::unit_of_velocities() const {
 std::vector<std::string> InputCheck::findings() const {
   std::vector<std::string> texts;
   const auto add_if = [&texts](std::optional<std::string> text) {
+    const bool is_found = text.has_value();
     if (text) texts.push_back(*std::move(text));
+    return is_found;
   };
   if (imu_.empty()) texts.emplace_back("there is no IMU sample");
-  add_if(unit_of_time("IMU samples", imu_, Table::imu, 2.0, 10'000.0));
-  add_if(unit_of_time("fixes", fixes_, Table::positions, 0.05, 500.0));
+  TruthReferences references;
+  references.gyroscope = !add_if(unit_of_time("IMU samples", imu_, Table::imu, 2.0, 10'000.0));
+  references.fixes = !add_if(unit_of_time("fixes", fixes_, Table::positions, 0.05, 500.0));
   add_if(unit_of_time("headings", headings_, Table::positions, 0.05, 500.0));
   add_if(unit_of_time("velocities", twists_, Table::positions, 0.05, 5000.0));
-  add_if(overlap("fixes", fixes_));
+  references.fixes &= !add_if(overlap("fixes", fixes_));
   add_if(overlap("headings", headings_));
   add_if(overlap("velocities", twists_));
   Stamps true_times;
   for (const TruthSample& truth : truths_) true_times.push_back(truth.time_ns);
-  add_if(overlap("true poses", true_times));
+  if (add_if(overlap("true poses", true_times))) references = {.fixes = false, .gyroscope = false};
   for (const auto& [what, stamps] :
        {std::pair("fixes", &fixes_), std::pair("headings", &headings_), std::pair("velocities", &twists_)}) {
-    if (!overlap(what, *stamps)) add_if(shift(what, *stamps));
+    if (overlap(what, *stamps)) continue;
+    const bool is_shifted = add_if(shift(what, *stamps));
+    if (stamps == &fixes_) references.fixes &= !is_shifted;
   }
   add_if(age("fixes", fix_ages_ns_));
   add_if(age("headings", heading_ages_ns_));
   add_if(age("velocities", twist_ages_ns_));
-  add_if(order_finding("IMU samples", imu_));
+  references.gyroscope &= !add_if(order_finding("IMU samples", imu_));
   add_if(order_finding("fixes", fixes_));
   add_if(order_finding("headings", headings_));
   add_if(order_finding("velocities", twists_));
-  for (std::string& text : units_of_readings()) texts.push_back(std::move(text));
-  add_if(unit_of_positions());
+  for (std::string& text : units_of_readings()) {
+    texts.push_back(std::move(text));
+    references.gyroscope = false;
+  }
+  references.fixes &= !add_if(unit_of_positions());
+  if (references.gyroscope) references.fixes &= !add_if(repetitions());  // else rates are no motion
   add_if(unit_of_quality());
   add_if(unit_of_velocities());
-  if (texts.empty()) add_if(truth_finding(truths_, window_));
+  for (std::string& text : truth_findings(truths_, window_, references)) texts.push_back(std::move(text));
   return texts;
 }
 

@@ -49,6 +49,7 @@ private:
   static std::optional<std::string> age(const char* what, const std::vector<TimeNs>& ages_ns);
   [[nodiscard]] std::vector<std::string> units_of_readings() const;
   [[nodiscard]] std::optional<std::string> unit_of_positions() const;
+  [[nodiscard]] std::optional<std::string> repetitions() const;
   [[nodiscard]] std::optional<std::string> unit_of_quality() const;
   [[nodiscard]] std::optional<std::string> unit_of_velocities() const;
 

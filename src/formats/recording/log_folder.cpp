@@ -259,6 +259,10 @@ SensorLog read_sensor_log(const std::filesystem::path& folder, std::optional<Bea
   if (files::is_present(folder / truth_file)) {
     log.truth = read_truth_csv(folder / truth_file, log.address);
     sort_by_time(folder.string(), "true poses", log.truth, log.warnings);
+    const bool has_position = std::ranges::any_of(
+        log.truth, [](const TruthSample& truth) { return truth.position_world_m.allFinite(); });
+    if (!has_position)
+      log.warnings.push_back((folder / truth_file).string() + ": has no row with a position");
   }
   if (files::is_present(folder / wheel_speed_file)) {
     log.wheel_speeds = read_wheel_speed_csv(folder / wheel_speed_file);

@@ -77,18 +77,24 @@ std::map<std::string, std::size_t> rows_by_tag(const std::filesystem::path& file
   return rows_by_tag;
 }
 
-/// The device whose rows are read, if the table has several; else empty. Counts the rows of the others.
-/// Numbers of rows are no devices.
+/// The device whose rows are read, if the table has several or one is given; else empty. Counts the rows of
+/// the others. Numbers of rows are no devices.
 std::string chosen_tag(const std::filesystem::path& file, const TableFiles& files,
-                       const files::ColumnNames& names, BeaconAddress address, std::size_t& others) {
+                       const files::ColumnNames& names, BeaconAddress address, std::size_t& others,
+                       bool& was_chosen) {
   constexpr std::size_t max_tags = 64;
   const auto by_tag = rows_by_tag(file, names);
-  if (by_tag.size() < 2 || by_tag.size() > max_tags) return {};
+  if (files.tag.empty() && (by_tag.size() < 2 || by_tag.size() > max_tags)) return {};
+  if (by_tag.empty()) return {};
   const std::string own = files.tag.empty() ? std::to_string(address) : files.tag;
   if (!by_tag.contains(own)) {
-    throw files::IoError(fmt::format("{}: has rows of the devices {}; choose one with --tag", file.string(),
-                                     fmt::join(std::views::keys(by_tag), ", ")));
+    const auto listed = by_tag | std::views::keys | std::views::take(max_tags);
+    throw files::IoError(fmt::format(
+        "{}: has rows of the devices {}{}{}", file.string(), fmt::join(listed, ", "),
+        by_tag.size() > max_tags ? ", …" : "",
+        files.tag.empty() ? "; choose one with --tag" : ", and none of the device \"" + files.tag + "\""));
   }
+  was_chosen = true;
   for (const auto& [tag, rows] : by_tag) others += tag == own ? 0 : rows;
   return own;
 }
@@ -196,9 +202,10 @@ Tables read_tables(const TableFiles& given_files, files::ColumnNames& names, Bea
   ImuTable imu_table;
   std::vector<UltrasonicFix> fixes;
   MissingInAll missing;
+  bool has_chosen_tag = false;
   const auto table_for = [&](const std::filesystem::path& file, const files::CsvLayout& layout) {
     files::CsvLayout table = table_of(layout, names);
-    table.last_value = chosen_tag(file, files, names, address, tables.rows_of_other_tags);
+    table.last_value = chosen_tag(file, files, names, address, tables.rows_of_other_tags, has_chosen_tag);
     return table;
   };
   missing.collect([&] {
@@ -217,6 +224,9 @@ Tables read_tables(const TableFiles& given_files, files::ColumnNames& names, Bea
   });
   missing.check();
   check_given_names(names);
+  if (!files.tag.empty() && !has_chosen_tag) {
+    throw files::IoError("no table has a column that names devices, so there is none for --tag " + files.tag);
+  }
   std::vector<ImuSample>& imu = imu_table.samples;
   if (!is_one_file) tables.rows_without_imu = imu_table.rows_without_values;
   if (imu.empty()) throw files::IoError(files.imu.string() + ": has no row with IMU values");

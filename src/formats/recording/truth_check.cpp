@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <utility>
 
 namespace sonopose::recording {
@@ -98,8 +99,7 @@ std::optional<std::string> of_orientations(const std::vector<TruthSample>& truth
   }
   if (errors.size() < min_count || median(errors) <= max_error) return std::nullopt;
   return "the true orientations turn otherwise than the gyroscope: is the order of the quaternion as the "
-         "header "
-         "says, is it that of the IMU's axes, and does it turn the body to the world?";
+         "header says, is it that of the IMU's axes, and does it turn the body to the world?";
 }
 
 /// Compares the velocities with the steps of the positions.
@@ -138,12 +138,17 @@ std::optional<std::string> of_velocities(const std::vector<TruthSample>& truth) 
 
 }  // namespace
 
-std::optional<std::string> truth_finding(const std::vector<TruthSample>& truth,
-                                         const motion::Window& window) {
-  if (truth.empty()) return std::nullopt;
-  if (auto text = of_positions(truth, window)) return text;
-  if (auto text = of_orientations(truth, window)) return text;
-  return of_velocities(truth);
+std::vector<std::string> truth_findings(const std::vector<TruthSample>& truth, const motion::Window& window,
+                                        TruthReferences references) {
+  std::vector<std::string> texts;
+  const auto add_if = [&texts](std::optional<std::string> text) {
+    if (text) texts.push_back(*std::move(text));
+  };
+  if (references.fixes) add_if(of_positions(truth, window));
+  const bool are_positions_wrong = !texts.empty();  // then velocities differ from their steps, too
+  if (references.gyroscope) add_if(of_orientations(truth, window));
+  if (!are_positions_wrong) add_if(of_velocities(truth));
+  return texts;
 }
 
 }  // namespace sonopose::recording

@@ -5,14 +5,20 @@
 #include "motion/window.hpp"
 #include <sonopose/samples/samples.hpp>
 
-#include <optional>
 #include <string>
 #include <vector>
 
 namespace sonopose::recording {
 
-/// Sentence about a truth that contradicts fixes, gyroscope or itself; empty if it does not. Both are in the
-/// order of their times.
-std::optional<std::string> truth_finding(const std::vector<TruthSample>& truth, const motion::Window& window);
+/// What a truth can be compared with: stamps and units are right as far as known.
+struct TruthReferences {
+  bool fixes = true;
+  bool gyroscope = true;
+};
+
+/// Sentences about a truth that contradicts fixes, gyroscope or itself. Truth and window are in the order of
+/// their times.
+std::vector<std::string> truth_findings(const std::vector<TruthSample>& truth, const motion::Window& window,
+                                        TruthReferences references);
 
 }  // namespace sonopose::recording

@@ -62,6 +62,15 @@ Column column_in(const std::vector<std::string>& header, std::string_view cell) 
   return column;
 }
 
+/// True for two axes of a vector, such as `w_x [rad s^-1]` and `w_y [rad s^-1]`. Times may each have their
+/// own unit.
+bool is_vector(std::string_view one, std::string_view other) {
+  const std::string_view first = column_of(one).name;
+  const std::string_view second = column_of(other).name;
+  return first.size() == second.size() &&
+         first.substr(0, first.size() - 1) == second.substr(0, second.size() - 1);
+}
+
 std::string lower_case(std::string_view text) {
   std::string lower;
   for (const char c : text) lower += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -233,7 +242,7 @@ CsvHeader::CsvHeader(const CsvLayout& layout, std::string_view line, const std::
   factors_.fill(1.0L);
   ranks_.fill(missing);
   for (std::size_t place = 0; place < names_.size(); ++place) match(layout, place, where);
-  require_units(where);
+  require_units(layout, where);
   std::vector<std::string_view> not_found;
   for (std::size_t column = 0; column < layout.required_columns; ++column) {
     if (places_[column] == missing) {
@@ -322,11 +331,17 @@ void CsvHeader::join_seconds(const CsvLayout& layout) {
 }
 
 /// Refuses a vector, or two times, of which only a part names another unit than that of the layout.
-void CsvHeader::require_units(const std::string& where) const {
-  for (std::size_t column = 1; column < max_columns; ++column) {
+void CsvHeader::require_units(const CsvLayout& layout, const std::string& where) const {
+  for (std::size_t column = 1; column < layout.columns.size(); ++column) {
     for (const auto& [one, other] : {std::pair(column - 1, column), std::pair(column, column - 1)}) {
       if (places_[one] == missing || places_[other] == missing || own_units_[one] != own_units_[other])
         continue;
+      if (is_vector(layout.columns[one], layout.columns[other]) && has_unit_[one] && has_unit_[other] &&
+          factors_[one] != factors_[other]) {
+        throw IoError(where + ": column " + std::to_string(places_[one] + 1) + " (" + name(one) +
+                      ") has another unit than column " + std::to_string(places_[other] + 1) + " (" +
+                      name(other) + ")");
+      }
       if (factors_[one] == 1.0L || has_unit_[other]) continue;
       throw IoError(where + ": column " + std::to_string(places_[other] + 1) + " (" + name(other) +
                     ") names no unit, but column " + std::to_string(places_[one] + 1) + " (" + name(one) +

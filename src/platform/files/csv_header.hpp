@@ -116,7 +116,7 @@ private:
   void match(const CsvLayout& layout, std::size_t place, const std::string& where);
   void set_unit(const CsvLayout& layout, std::size_t column, std::optional<std::string_view> unit,
                 const std::string& where);
-  void require_units(const std::string& where) const;
+  void require_units(const CsvLayout& layout, const std::string& where) const;
 
   char separator_ = ',';
   bool is_open_ = false;  ///< the last name has an open bracket

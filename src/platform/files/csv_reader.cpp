@@ -20,7 +20,8 @@ namespace {
 
 /// True for a word that programs write for a missing value.
 bool is_absent(std::string_view text) {
-  constexpr std::array<std::string_view, 8> words{"nan", "NaN", "NAN", "NA", "null", "NULL", "None", "-"};
+  constexpr std::array<std::string_view, 11> words{"nan",  "NaN",  "NAN", "NA",  "null", "NULL",
+                                                   "None", "none", "n/a", "N/A", "-"};
   return std::ranges::find(words, text) != words.end();
 }
 
@@ -49,7 +50,7 @@ void CsvReader::read_header() {
     if (!line && refusal) std::rethrow_exception(refusal);
     if (!line) throw IoError(name_ + ": is empty; expected a header line with the names of the columns");
     // Below a comment, a row of numbers is not the header.
-    if (refusal && parse_number(line->substr(0, line->find_first_of(",;\t "))))
+    if (refusal && parse_number(line->substr(0, line->find_first_not_of("+-.0123456789eE"))))
       std::rethrow_exception(refusal);
     const std::string names(*line);
     const std::string where = position();
@@ -111,10 +112,18 @@ bool CsvReader::read_row() {
 
 /// A row in which decimal commas, as between semicolons, are points.
 std::string_view CsvReader::with_points(std::string_view line) {
-  if (line.find(',') == std::string_view::npos) return line;
+  has_decimal_commas_ = line.find(',') != std::string_view::npos;
+  if (!has_decimal_commas_) return line;
   decimal_row_ = std::make_unique<std::string>(line);
   std::ranges::replace(*decimal_row_, ',', '.');
   return *decimal_row_;
+}
+
+/// A cell with its decimal commas.
+std::string CsvReader::as_written(std::string_view cell) const {
+  std::string text(cell);
+  if (has_decimal_commas_) std::ranges::replace(text, '.', ',');
+  return text;
 }
 
 void CsvReader::detect_seconds() {
@@ -217,7 +226,7 @@ void CsvReader::fail(std::size_t column, std::string_view what) const {
     fail_line("has no column \"" + std::string(layout_.columns[column]) + "\": it " + std::string(what));
   }
   fail_line("column " + std::to_string(header_.place(column) + 1) + " (" + header_.name(column) + "): \"" +
-            std::string(cell(column)) + "\" " + std::string(what));
+            as_written(cell(column)) + "\" " + std::string(what));
 }
 
 void CsvReader::fail_line(std::string_view what) const {

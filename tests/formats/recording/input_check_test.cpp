@@ -212,6 +212,28 @@ SCENARIO("positions that are not in metres are found") {
   }
 }
 
+SCENARIO("positions that are sent again while the IMU moves are found") {
+  std::vector<Event> events = standing();
+  const auto with_acceleration = [&events](double most_mps2) {
+    for (Event& event : events) {
+      auto* const imu = std::get_if<ImuSample>(&event);
+      if (imu == nullptr) continue;
+      const double at_s = seconds_between(start_ns, imu->sensor_time_ns);
+      imu->specific_force_body_mps2.x() = most_mps2 * std::sin(2 * at_s);
+    }
+    return input_findings("log", events);
+  };
+  CHECK(with_acceleration(0).empty());  // at rest
+  const auto findings = with_acceleration(1.0);
+  REQUIRE(findings.size() == 1);
+  CHECK_THAT(findings[0], Contains("83 of 84 fixes repeat the position of the one before"));
+  int count = 0;
+  for (Event& event : events) {
+    if (auto* fix = std::get_if<UltrasonicFix>(&event)) fix->position_world_m.x() = 0.1 * (count++ / 2);
+  }
+  CHECK(with_acceleration(1.0).empty());
+}
+
 SCENARIO("headings in radians are found") {
   std::vector<Event> events = standing();
   for (Event& event : events) {
@@ -347,6 +369,26 @@ SCENARIO("a truth of another frame, unit or order of the quaternion is found") {
                    truth.velocity_world_mps = truth.q_body_to_world.conjugate() * truth.velocity_world_mps;
                  }),
                  Contains("axes of the body?"));
+    }
+    THEN("another finding does not hide it, unless it is the cause") {
+      for (Event& event : events) {
+        if (auto* fix = std::get_if<UltrasonicFix>(&event)) fix->quality_percent = 230;
+      }
+      const auto mirrored = [](TruthSample& truth) { truth.position_world_m.y() *= -1; };
+      CHECK_THAT(finding_of(mirrored), Contains("230 %") && Contains("are both in one frame?"));
+      const auto conjugated = [](TruthSample& truth) {
+        truth.q_body_to_world = truth.q_body_to_world.conjugate();
+        truth.velocity_world_mps *= 3.6;
+      };
+      CHECK_THAT(finding_of(conjugated), Contains("than the gyroscope") && Contains("km h^-1"));
+      for (Event& event : events) {
+        if (auto* fix = std::get_if<UltrasonicFix>(&event)) {
+          fix->emission_time_ns += 3'000'000'000;
+          fix->received_time_ns += 3'000'000'000;
+        }
+      }
+      CHECK_THAT(finding_of([](TruthSample&) {}),
+                 Contains("after the IMU samples") && !Contains("true positions"));
     }
   }
 }

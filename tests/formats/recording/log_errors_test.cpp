@@ -128,6 +128,18 @@ SCENARIO("rows and headers of the wrong width are named") {
     files = {};
     files.ultrasonic = "#timestamp,received,x,y_mm,z\n";
     CHECK_THAT(error_message_of(files), Contains("column 3 (x) names no unit, but column 4 (y_mm) does"));
+    files = {};
+    files.imu = "#timestamp [ns],w_x [deg/s],w_y [rad/s],w_z [rad/s],a_x,a_y,a_z\n";
+    CHECK_THAT(error_message_of(files),
+               Contains("/imu.csv:1: column 2 (w_x [deg/s]) has another unit than column 3 (w_y [rad/s])"));
+  }
+  WHEN("a row has both a decimal comma and a point") {
+    files.ultrasonic = "#timestamp;received;x;y;z\n1;1;1.234,5;0;0\n";
+    CHECK_THAT(error_message_of(files), Contains("column 3 (x): \"1,234,5\" is not a number"));
+  }
+  WHEN("cells are separated by an unknown character") {
+    files.imu = "#timestamp|w_x|w_y|w_z|a_x|a_y|a_z\n1|0|0|0|0|0|9.8\n";
+    CHECK_THAT(error_message_of(files), Contains("/imu.csv:1: the header has no column"));
   }
   WHEN("a row between spaces has a cell more than the header") {
     files.truth = "#timestamp [ns] tx ty tz sigma\n1 0 0 0 0 0\n";

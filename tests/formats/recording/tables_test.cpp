@@ -182,6 +182,16 @@ SCENARIO("positions of several tags are those of one, and may lack a height") {
       CHECK_THROWS_WITH(read_tables(files, names, 8),
                         Contains("positions.csv: has rows of the devices 12, 7; choose one with --tag"));
     }
+    THEN("a choice of another one is refused, also if there is a single one or no such column") {
+      TableFiles chosen = files;
+      chosen.tag = "9";
+      CHECK_THROWS_WITH(read_tables(chosen, names, 7),
+                        Contains("has rows of the devices 12, 7, and none of the device \"9\""));
+      write_text(folder / "positions.csv", "t,Tag ID,x,y\n1.5,12,1,2\n");
+      CHECK_THROWS_WITH(read_tables(chosen, names, 7), Contains("none of the device \"9\""));
+      write_text(folder / "positions.csv", "t,x,y\n1.5,1,2\n");
+      CHECK_THROWS_WITH(read_tables(chosen, names, 7), Contains("no table has a column that names devices"));
+    }
   }
   WHEN("the IMU's table has several devices too") {
     write_text(folder / "imu.csv",

@@ -60,7 +60,8 @@ std::vector<std::string> missing_files(const fs::path& folder) {
     for (const YAML::Node& each : bag["relative_file_paths"]) {
       const fs::path listed = scalar_of(each);
       // Early versions list the file with the name of the folder.
-      if (is_there(folder / listed) || is_there(folder / listed.filename())) continue;
+      const bool is_inside = listed.is_relative() && is_there(folder / listed);
+      if (is_inside || is_there(folder / listed.filename())) continue;
       fs::path expanded = folder / listed.filename();
       if (mode == "file" && is_there(expanded.replace_extension())) continue;
       missing.push_back(
