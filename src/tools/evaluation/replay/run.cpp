@@ -68,8 +68,7 @@ private:
   void count_warnings(const FusedPose& pose) {
     if (pose.time_ns < judged_from_ns_) return;
     ++result_.judged_poses;
-    for (const PoseStatus bit : {status_imu_inconsistent, status_fixes_inconsistent, status_heading_unknown,
-                                 status_frozen_track, status_stale}) {
+    for (const auto& [bit, name] : run_warnings) {
       if ((pose.status & bit) != 0U) ++result_.warned[bit];
     }
   }

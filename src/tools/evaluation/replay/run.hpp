@@ -14,11 +14,14 @@
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/settings/settings.hpp>
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 
 namespace sonopose::evaluation {
 
@@ -39,6 +42,16 @@ struct RunOptions {
   std::optional<double> until_s{};  ///< stop before the first two consecutive events that are later than this
   std::optional<SavedState> start{};  ///< continue from this state with the following events
 };
+
+/// Warnings of the status that a run counts, with their names.
+inline constexpr std::array<std::pair<PoseStatus, std::string_view>, 7> run_warnings{
+    {{status_imu_inconsistent, "IMU inconsistent"},
+     {status_fixes_inconsistent, "fixes inconsistent"},
+     {status_low_trust, "low trust"},
+     {status_heading_unknown, "heading unknown"},
+     {status_frozen_track, "frozen track"},
+     {status_imu_gap, "IMU gap"},
+     {status_stale, "stale"}}};
 
 /// Callbacks for each output; either may be empty.
 struct Observer {

@@ -6,6 +6,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+#include <cmath>
+
 namespace sonopose::evaluation {
 namespace {
 
@@ -19,7 +22,13 @@ std::string signed_cm(std::string_view direction, const SignedErrors& errors) {
   return fmt::format("{} {:+.1f} ({:.1f})", direction, 100.0 * errors.mean, 100.0 * errors.rms);
 }
 
-std::string innovations_text(const std::optional<NormalisedInnovations>& innovations) {
+/// Returns "-" for an unknown value.
+std::string known(double value, int decimals) {
+  return std::isnan(value) ? "-" : fmt::format("{:.{}f}", value, decimals);
+}
+
+std::string innovations_text(const std::optional<NormalisedInnovations>& innovations, bool has_used) {
+  if (!innovations && !has_used) return "not known: no fix was used without doubt";
   if (!innovations) return "not known: this engine reports no covariance";
   return fmt::format("{:8.2f} squared, per degree of freedom; {:.2f} to {:.2f} if the covariances are right",
                      innovations->mean, innovations->low, innovations->high);
@@ -29,9 +38,9 @@ std::string innovations_text(const std::optional<NormalisedInnovations>& innovat
 std::string quantity_line(std::string_view what, const PredictedQuantity& quantity, double factor,
                           std::string_view unit) {
   if (quantity.count == 0) return {};
-  return row(what, fmt::format("{:8.3f} {} RMS, {:.3f} p95, mean {:+.3f}, lag-1 correlation {:.2f}, over {}",
+  return row(what, fmt::format("{:8.3f} {} RMS, {:.3f} p95, mean {:+.3f}, lag-1 correlation {}, over {}",
                                factor * quantity.error.rms, unit, factor * quantity.p95,
-                               factor * quantity.error.mean, quantity.lag_one, quantity.count));
+                               factor * quantity.error.mean, known(quantity.lag_one, 2), quantity.count));
 }
 
 nlohmann::ordered_json json_of(const SignedErrors& errors) {
@@ -62,13 +71,14 @@ std::string prediction_text(const PredictionScore& score) {
       fmt::format("{:8.4f} m RMS from pose to fix, {:.4f} m p50, {:.4f} m p95, over {}, {} without a pose",
                   score.distance_m.rmse, score.distance_p50_m, score.distance_m.p95,
                   text::count_text(score.fixes.size(), "fix", "fixes"), score.fixes_without));
-  text += row(
-      "", fmt::format("trusted fixes, mean (RMS) in cm: {}, {}, {}; lag-1 correlation {:.2f}; {:.1f} % gated",
-                      signed_cm("along", score.along_m), signed_cm("left", score.left_m),
-                      signed_cm("up", score.up_m), score.lag_one, 100.0 * score.gated_share));
-  text += row("innovations", innovations_text(score.innovations));
+  text += row("", fmt::format("trusted fixes, mean (RMS) in cm: {}, {}, {}; lag-1 correlation {}; {} % gated",
+                              signed_cm("along", score.along_m), signed_cm("left", score.left_m),
+                              signed_cm("up", score.up_m), known(score.lag_one, 2),
+                              known(100.0 * score.gated_share, 1)));
+  const bool has_used = std::ranges::any_of(score.fixes, &FixError::trusted);
+  text += row("innovations", innovations_text(score.innovations, has_used));
   text += quantity_line("heading", score.heading_rad, 1.0 / geometry::radians_per_degree, "deg");
-  if (score.heading_innovations) text += row("", innovations_text(score.heading_innovations));
+  if (score.heading_innovations) text += row("", innovations_text(score.heading_innovations, true));
   return text + quantity_line("wheel speed", score.wheel_speed_mps, 1.0, "m/s");
 }
 

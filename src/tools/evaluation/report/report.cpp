@@ -6,7 +6,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <utility>
 
@@ -55,7 +57,7 @@ std::string fixes_text(const RunResult& result) {
 }
 
 std::string scores(const RunResult& result) {
-  if (!result.has_truth) return report_line("error", "not known: the recording has no truth.csv");
+  if (!result.has_truth) return report_line("error", "not known: the recording has no truth");
   if (result.fused.poses == 0)
     return report_line("error", "not known: no pose with a known true position was scored");
   const ErrorSummary& position_m = result.fused.position_m;
@@ -91,23 +93,35 @@ std::string smoothing_text(const RunResult& result) {
                                           noise.process.gyro_bias_radps_rts, noise.fix_scale));
 }
 
+/// Share of the poses with this warning.
+double share_of(const RunResult& result, PoseStatus bit) {
+  const auto found = result.warned.find(bit);
+  if (found == result.warned.end()) return 0.0;
+  return static_cast<double>(found->second) / static_cast<double>(result.judged_poses);
+}
+
 /// Shares of the poses with a warning, unless they are few.
 std::string warnings_of(const RunResult& result) {
   constexpr double min_share = 0.005;
-  constexpr std::array<std::pair<PoseStatus, std::string_view>, 5> names{
-      {{status_imu_inconsistent, "IMU inconsistent"},
-       {status_fixes_inconsistent, "fixes inconsistent"},
-       {status_heading_unknown, "heading unknown"},
-       {status_frozen_track, "frozen track"},
-       {status_stale, "stale"}}};
   std::string text;
-  for (const auto& [bit, name] : names) {
-    const auto found = result.warned.find(bit);
-    if (found == result.warned.end()) continue;
-    const double share = static_cast<double>(found->second) / static_cast<double>(result.judged_poses);
+  for (const auto& [bit, name] : run_warnings) {
+    const double share = share_of(result, bit);
     if (share >= min_share) text += fmt::format("{}{:.1f} % {}", text.empty() ? "" : ", ", 100 * share, name);
   }
   return text.empty() ? text : text + " of the poses";
+}
+
+/// {"imu_inconsistent": 0.1, …}
+nlohmann::ordered_json warnings_json(const RunResult& result) {
+  nlohmann::ordered_json shares;
+  for (const auto& [bit, name] : run_warnings) {
+    std::string key(name);
+    std::ranges::transform(key, key.begin(), [](char c) {
+      return c == ' ' ? '_' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    });
+    shares[key] = share_of(result, bit);
+  }
+  return shares;
 }
 
 nlohmann::ordered_json smoothing_json(const RunResult& result) {
@@ -173,6 +187,7 @@ std::string report_json(const RunResult& result, const Timing& timing) {
                                       {"fixes_down_weighted", result.fixes_down_weighted},
                                       {"fixes_rejected", result.counters.fixes_rejected},
                                       {"fix_flags", std::move(fix_flags)},
+                                      {"warnings", warnings_json(result)},
                                       {"imu_samples", result.counters.imu_samples},
                                       {"headings", result.counters.headings},
                                       {"twists_used", result.counters.twists_used},

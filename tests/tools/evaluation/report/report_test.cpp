@@ -51,7 +51,21 @@ TEST_CASE("values without a truth are null in JSON and explained in the text") {
     REQUIRE(report.contains(field));
     CHECK(report[field].is_null());
   }
-  CHECK_THAT(evaluation::report_text(result, {}), Contains("no truth.csv") && !Contains("nan"));
+  CHECK_THAT(evaluation::report_text(result, {}), Contains("the recording has no truth") && !Contains("nan"));
+}
+
+TEST_CASE("a run whose fixes are all doubted says so, and warnings are in both reports") {
+  auto log = sample_log("walk");
+  for (Event& event : log.events) {
+    if (auto* fix = std::get_if<UltrasonicFix>(&event)) fix->position_world_m = {1, 2, 0.5};
+  }
+  const auto result = evaluation::run(log, {.after_s = 6.0});
+  const std::string text = evaluation::report_text(result, {});
+  CHECK_THAT(text, !Contains("nan") && !Contains("reports no covariance"));
+  CHECK_THAT(text, Contains("frozen track"));
+  const json report = json::parse(evaluation::report_json(result, {}));
+  CHECK(report["warnings"]["frozen_track"] > 0.5);
+  CHECK(report["warnings"]["imu_gap"] == 0.0);
 }
 
 TEST_CASE("the text report contains scores with units, counts and the hash") {
