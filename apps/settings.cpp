@@ -94,6 +94,11 @@ int watch(const Options& options) {
 
 int reset(const Options& options) {
   const auto done = options.client().reset(options.address, options.timeout_s);
+  if (done.empty() && options.address != all_beacons) {
+    throw std::runtime_error(
+        fmt::format("beacon {} was not reset within {} s: does a fusion of this domain receive it?",
+                    options.address, options.timeout_s));
+  }
   if (done.empty()) fail(options, "no beacon was reset");
   for (const BeaconAddress address : done) apps::print("beacon {} was reset\n", address);
   return 0;
@@ -112,7 +117,7 @@ int main(int argc, char** argv) {
   apps::Program app("settings");
   add_bus_options(app, options.bus);
   app.add_option("--timeout", options.timeout_s, "Seconds to wait for an answer (get, set, save, reset)")
-      ->check(CLI::PositiveNumber)
+      ->check(apps::number_between(0.001, 1e6))
       ->capture_default_str();
   app.require_subcommand(1)->fallthrough();  // lets the program's options follow the command
 
@@ -127,7 +132,7 @@ int main(int argc, char** argv) {
   auto* watching = add_command(app, options, "watch", "Print each change when it takes effect");
   watching->add_flag("--json", options.json, "Print one JSON object per change");
   watching->add_option("--duration", options.duration_s, "Exit after this many seconds; 0: run until stopped")
-      ->check(CLI::NonNegativeNumber);
+      ->check(apps::number_between(0.0, 1e9));
 
   auto* saving = app.add_subcommand("save", "Keep the settings for the next start of the fusion");
   saving->add_option("FILE", options.file, "What differs from the defaults (default: a drop-in)");

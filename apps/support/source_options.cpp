@@ -119,7 +119,7 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
       ->capture_default_str();
   app.add_option("--duration", options.sim.duration_s,
                  "Length of the simulation in seconds; 0: run until stopped")
-      ->check(CLI::NonNegativeNumber)
+      ->check(number_between(0.0, 1e9))
       ->capture_default_str();
   app.option_defaults()->group("Options");
 }
