@@ -219,7 +219,9 @@ SCENARIO("positions that are sent again while the IMU moves are found") {
       auto* const imu = std::get_if<ImuSample>(&event);
       if (imu == nullptr) continue;
       const double at_s = seconds_between(start_ns, imu->sensor_time_ns);
-      imu->specific_force_body_mps2.x() = most_mps2 * std::sin(2 * at_s);
+      imu->specific_force_body_mps2 = {0, 0, standard_gravity_mps2};
+      imu->specific_force_body_mps2 +=
+          most_mps2 * Vector3d(std::sin(2 * at_s), 0.1 * std::sin(3 * at_s), 0.1 * std::sin(5 * at_s));
     }
     return input_findings("log", events);
   };
