@@ -16,7 +16,7 @@
     return response.json();
   };
 
-  // Why a WebSocket did not open or was lost, which a browser does not say; empty if it is not known.
+  // Reason why a WebSocket did not open or was lost, which a browser does not give; empty if it is not known.
   const refusal = async (hasOpened) => {
     try {
       const response = await fetch(urlOf("/ws"));

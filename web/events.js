@@ -78,7 +78,7 @@
       if (this.count(line, -1)) this.labelAll(nameOf(line.event));
     }
 
-    // How many lines are later than `t`.
+    // Number of lines later than `t`.
     countAfter(t) {
       let low = 0;
       let high = this.lines.length;

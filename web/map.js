@@ -204,7 +204,7 @@
       context.globalAlpha = 1;
     }
 
-    // Of very many only a part, but all that are remarkable.
+    // Draws all remarkable ones, and a part of the others if there are many.
     drawFixes(context, fixes, drawn) {
       const end = fixes.count(this.model.shown);
       const begin = Math.max(0, fixes.size - (fixes.pushed - drawn));

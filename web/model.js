@@ -1,4 +1,4 @@
-// What the page knows of each beacon: bounded columns of numbers over time.
+// Data of each beacon: bounded columns of numbers over time.
 "use strict";
 
 (() => {

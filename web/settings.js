@@ -91,7 +91,7 @@
       this.show();
     }
 
-    // Of a connection before: the server repeats what still exists.
+    // Forgets the previous connection's values: the server sends those that still exist again.
     clear() {
       this.wanted = this.parts.of.value;
       for (const address of [...this.values.keys()]) if (address !== "all") this.forget(address);
@@ -99,7 +99,7 @@
       this.show();
     }
 
-    // Whether the fusion got the requests is not known.
+    // It is not known if the fusion received the requests.
     onLost() {
       for (const id of [...this.pending.keys()]) {
         this.onReply({ id, accepted: false, reason: "the connection was lost before the answer; see the value" });

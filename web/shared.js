@@ -1,10 +1,10 @@
-// What the live page and the page of a run have in common.
+// Code shared by the live page and the page of a run.
 "use strict";
 
 globalThis.sonopose = {};
 
 (() => {
-  // What was done with a fix, in the order of FixVerdict.
+  // Names of the verdicts on a fix, in the order of FixVerdict.
   const verdicts = [
     { name: "used", colour: "#8796a5" },
     { name: "down-weighted", colour: "#e0a100" },
@@ -53,7 +53,7 @@ globalThis.sonopose = {};
       this.centre = [this.centre[0] - right / this.scale, this.centre[1] + down / this.scale];
     }
 
-    // What is at this place of the screen stays there.
+    // Keeps the content under this point of the screen in place.
     zoom(factor, [left, top]) {
       const before = this.toWorld(left, top);
       this.scale = Math.min(this.limits[1], Math.max(this.limits[0], this.scale * factor));
