@@ -2,6 +2,7 @@
 // sample by the number of beacons. Rounds of all numbers are interleaved.
 
 #include "beacons_round.hpp"
+#include "child.hpp"
 #include "process/stop_signal.hpp"
 #include "statistics.hpp"
 
@@ -9,8 +10,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
-#include <exception>
 #include <map>
 #include <string>
 #include <utility>
@@ -111,8 +110,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("--share", options.share, "Two fusion processes, each with half of the addresses");
   app.add_flag("--realtime", options.realtime, "--realtime for bridge and fusion, the same for the consumer");
-  CLI11_PARSE(app, argc, argv);
-  try {
+  return run_main(app, argc, argv, [&] {
     process::StopSignal stop;
     stop.listen_to_signals();
     std::map<Case, Rounds> all;
@@ -125,9 +123,5 @@ int main(int argc, char** argv) {
       }
     }
     print_table(options, all);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "benchmark_beacons: {}\n", error.what());
-    return 1;
-  }
-  return 0;
+  });
 }

@@ -9,21 +9,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <utility>
 
 namespace sonopose::benchmarks {
 namespace {
 
 constexpr std::uint32_t first_address = 7;
-
-void sleep_s(double seconds) {
-  std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
-}
 
 /// Starts one fusion for all beacons, two with half of the addresses each, or the bare minimum of a fusion.
 std::vector<Child> start_fusions(const BeaconsOptions& options, std::uint32_t beacons) {

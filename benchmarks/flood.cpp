@@ -12,13 +12,10 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
-#include <exception>
 #include <map>
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -44,10 +41,6 @@ struct Options {
   double round_s = 8;
   int rounds = 3;
 };
-
-void sleep_s(double seconds) {
-  std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
-}
 
 /// Publishes samples of all forged addresses, until it is killed.
 [[noreturn]] void forge_addresses(const dds::DomainParticipant& participant, const Options& options,
@@ -138,7 +131,7 @@ double measure(const Options& options, Flood flood) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app("Longest gap of a beacon's poses while a stranger floods the bus");
+  CLI::App app("Longest gap of a beacon's poses while a stranger floods the bus", "benchmark_flood");
   app.add_option("--domain", options.domain, "DDS domain")->capture_default_str();
   app.add_option("--floods", options.floods, "Cases")->check(CLI::IsMember(names))->capture_default_str();
   app.add_option("--addresses", options.addresses, "Forged addresses")->capture_default_str();
@@ -146,8 +139,7 @@ int main(int argc, char** argv) {
   app.add_option("--topics", options.topics, "Topics of the stranger")->capture_default_str();
   app.add_option("--rounds", options.rounds, "Rounds of each case")->capture_default_str();
   app.add_option("--round-seconds", options.round_s, "Length of a round")->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
-  try {
+  return run_main(app, argc, argv, [&] {
     std::map<std::size_t, std::vector<double>> gaps_s;
     for (int round = 0; round < options.rounds; ++round) {
       for (std::size_t i = 0; i < names.size(); ++i) {
@@ -160,9 +152,5 @@ int main(int argc, char** argv) {
       fmt::print("{:<8} {:>12.0f} {:>12.0f}\n", names.at(flood), 1e3 * median(all),
                  1e3 * *std::max_element(all.begin(), all.end()));
     }
-    return 0;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return 1;
-  }
+  });
 }

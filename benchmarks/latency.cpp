@@ -3,6 +3,7 @@
 // them equally; the ratios are the result.
 
 #include "chains.hpp"
+#include "child.hpp"
 #include "clocks/clocks.hpp"
 #include "latency_report.hpp"
 #include "process/stop_signal.hpp"
@@ -12,9 +13,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <cstdlib>
-#include <exception>
 #include <optional>
 
 namespace {
@@ -30,7 +29,7 @@ struct Options {
   int rounds = 10;
   double round_s = 3.0;
   unsigned fusion_cpu = 1;
-  std::string protection;  ///< of DDS Security; empty: none
+  std::string protection;  ///< kind of DDS Security; empty: none
 };
 
 std::vector<Chain> chains_of(const Options& options) {
@@ -119,8 +118,7 @@ int main(int argc, char** argv) {
       "Latency of bridge, fusion and consumer next to a bare Cyclone DDS chain and plain UDP sockets.",
       "benchmark_latency");
   add_options(app, options);
-  CLI11_PARSE(app, argc, argv);
-  try {
+  return run_main(app, argc, argv, [&] {
     std::optional<Secured> secured;
     if (!options.protection.empty()) secured.emplace(options.protection);
     process::StopSignal stop;
@@ -131,9 +129,5 @@ int main(int argc, char** argv) {
         print_report(rate_hz, options.round_s, results, secured.has_value());
       if (stop.requested()) break;
     }
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "benchmark_latency: {}\n", error.what());
-    return 1;
-  }
-  return 0;
+  });
 }

@@ -1,29 +1,22 @@
 // Compares the recorder with a consumer that only counts the same topics: missing messages, and processor
 // time with many beacons.
 
-#include "child.hpp"
 #include "clocks/clocks.hpp"
+#include "counting_consumer.hpp"
+#include "counting_reader.hpp"
 #include "mcap/reader.hpp"
-#include "statistics.hpp"
 #include <sonopose/dds/topics/serialized_topics.hpp>
-#include <sonopose/dds/topics/topics.hpp>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <chrono>
 #include <compare>
 #include <cstdint>
-#include <cstdio>
-#include <exception>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
-#include <sys/mman.h>
-#include <thread>
 #include <unistd.h>
 #include <vector>
 
@@ -34,20 +27,11 @@ using namespace sonopose::benchmarks;
 namespace topics = dds::topics;
 namespace fs = std::filesystem;
 
-struct Options {
-  std::uint32_t domain = 0;
-  std::uint32_t beacons = 250;
-  double imu_rate_hz = 100;
-  double seconds = 60;
-  double settle_s = 8;
-  bool with_fusion = false;
-  std::string compression = "lz4";
-  fs::path folder = fs::temp_directory_path();
-};
+constexpr double settle_s = 8;
 
 /// Topics with an increasing number after the address: that of the event, or the time.
-constexpr std::array<const char*, 6> counted_topics{"sonopose/imu",   "sonopose/fix",  "sonopose/heading",
-                                                    "sonopose/truth", "sonopose/pose", "sonopose/report"};
+constexpr std::array<const char*, 4> counted_topics{"sonopose/imu", "sonopose/fix", "sonopose/heading",
+                                                    "sonopose/truth"};
 
 /// A message that a consumer received, or a file contains.
 struct Seen {
@@ -82,58 +66,25 @@ std::uint64_t number_of(const T& sample) {
   }
 }
 
-template <class T>
-class Counter final : public dds::DataReaderListener<T> {
-public:
-  Counter(SeenTable& seen, std::uint32_t topic) : seen_(seen), topic_(topic) {}
-  void on_data_available(dds::DataReader<T>& reader) noexcept override {
-    reader.try_take_each([this](const T& sample, const dds::SampleInfo&) {
-      if (seen_.is_counting) seen_.on({topic_, sample.address, number_of(sample)});
-    });
-  }
-
-private:
-  SeenTable& seen_;
-  std::uint32_t topic_;
-};
-
 std::uint32_t index_of(const std::string& topic) {
   return static_cast<std::uint32_t>(std::find(counted_topics.begin(), counted_topics.end(), topic) -
                                     counted_topics.begin());
 }
 
-template <class T>
-struct CountingReader {
-  CountingReader(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
-                 const topics::Entry<T>& entry, SeenTable& seen)
-      : listener(seen, index_of(entry.name)),
-        reader(topics::make_reader(participant, qos, entry, &listener)) {}
-  Counter<T> listener;
-  dds::DataReader<T> reader;
-};
-
 /// Counts samples until the process is killed.
 void count_samples(std::uint32_t domain, SeenTable& seen) {
   const dds::qos::Provider qos;
   const dds::DomainParticipant participant({domain, dds::Network::loopback});
-  const CountingReader imu(participant, qos, topics::imu, seen);
-  const CountingReader fix(participant, qos, topics::fix, seen);
-  const CountingReader heading(participant, qos, topics::heading, seen);
-  const CountingReader truth(participant, qos, topics::truth, seen);
-  const CountingReader pose(participant, qos, topics::pose, seen);
-  const CountingReader report(participant, qos, topics::report, seen);
+  const auto on = [&seen](const auto& entry) {
+    return [&seen, topic = index_of(entry.name)](const auto& sample) {
+      if (seen.is_counting) seen.on({topic, sample.address, number_of(sample)});
+    };
+  };
+  const CountingReader imu(participant, qos, topics::imu, on(topics::imu));
+  const CountingReader fix(participant, qos, topics::fix, on(topics::fix));
+  const CountingReader heading(participant, qos, topics::heading, on(topics::heading));
+  const CountingReader truth(participant, qos, topics::truth, on(topics::truth));
   while (true) ::pause();
-}
-
-SeenTable& shared_table() {
-  void* const memory = ::mmap(nullptr, sizeof(SeenTable), PROT_READ | PROT_WRITE,
-                              MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-  if (memory == MAP_FAILED) throw std::runtime_error("mmap failed");
-  return *static_cast<SeenTable*>(memory);  // all zero
-}
-
-void sleep_s(double seconds) {
-  std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
 
 /// Returns the messages of the counted topics in a file, sorted.
@@ -173,32 +124,26 @@ void wait_for_file(const fs::path& file, double max_s) {
   }
 }
 
-void measure(const Options& options) {
-  const std::string domain = std::to_string(options.domain);
-  const fs::path file = options.folder / fmt::format("benchmark_record_{}.mcap", ::getpid());
-  SeenTable& seen = shared_table();
-  const Child recorder = Child::execute({SONOPOSE_RECORD, file.string(), "--domain", domain, "--compression",
-                                         options.compression, "--duration",
-                                         fmt::format("{}", options.settle_s + options.seconds + 6.0)});
+void measure(const ManyBeacons& options, double duration_s) {
+  const fs::path file = fs::temp_directory_path() / fmt::format("benchmark_record_{}.mcap", ::getpid());
+  SeenTable& seen = shared_zeros<SeenTable>();
+  const Child recorder =
+      Child::execute({SONOPOSE_RECORD, file.string(), "--domain", std::to_string(options.domain),
+                      "--duration", fmt::format("{}", settle_s + duration_s + 6.0)});
   double recorder_s = 0;
   double counter_s = 0;
   double length_s = 0;
   {
     const Child counter = Child::fork_to([&] { count_samples(options.domain, seen); });
     sleep_s(1.0);
-    std::vector<Child> others;
-    if (options.with_fusion) others.push_back(Child::execute({SONOPOSE_FUSION, "--domain", domain}));
     // The bridge ends by itself, so that both get the last message of each stream.
-    others.push_back(
-        Child::execute({SONOPOSE_BRIDGE, "--domain", domain, "--beacons", std::to_string(options.beacons),
-                        "--imu-rate", fmt::format("{}", options.imu_rate_hz), "--duration",
-                        fmt::format("{}", options.settle_s + options.seconds)}));
-    sleep_s(options.settle_s);
+    const Child bridge = start_bridge(options, {"--duration", fmt::format("{}", settle_s + duration_s)});
+    sleep_s(settle_s);
     seen.is_counting = true;
     const std::int64_t recorder_before_ns = recorder.cpu_time_ns();
     const std::int64_t counter_before_ns = counter.cpu_time_ns();
     const SteadyTime began = clocks::steady_now();
-    sleep_s(options.seconds - 2.0);
+    sleep_s(duration_s - 2.0);
     recorder_s = seconds_between(recorder_before_ns, recorder.cpu_time_ns());
     counter_s = seconds_between(counter_before_ns, counter.cpu_time_ns());
     length_s = seconds_between(began, clocks::steady_now());
@@ -207,8 +152,7 @@ void measure(const Options& options) {
   const Comparison compared = compare(seen, file);
   const double megabytes = static_cast<double>(fs::file_size(file)) * 1e-6;
   fs::remove(file);
-  fmt::print("{} beacons at {} Hz for {} s{}, {}\n", options.beacons, options.imu_rate_hz, options.seconds,
-             options.with_fusion ? " with a fusion" : "", options.compression);
+  fmt::print("{} beacons at {} Hz for {} s\n", options.beacons, options.imu_rate_hz, duration_s);
   fmt::print("messages counted {}, missing in the file {}, {:.0f} MB\n", compared.counted, compared.missing,
              megabytes);
   fmt::print("recorder CPU {:.1f} %, counting consumer CPU {:.1f} %, ratio {:.2f}\n",
@@ -218,27 +162,11 @@ void measure(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  Options options;
+  ManyBeacons options;
+  options.beacons = 250;
+  double duration_s = 60;
   CLI::App app("The recorder, next to a consumer that only counts.", "benchmark_record");
-  app.add_option("--domain", options.domain, "DDS domain")->capture_default_str();
-  app.add_option("--beacons", options.beacons, "Number of beacons")
-      ->check(CLI::Range(1U, 1000U))
-      ->capture_default_str();
-  app.add_option("--imu-rate", options.imu_rate_hz, "Rate of each beacon's IMU, Hz")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--seconds", options.seconds, "Length")
-      ->check(CLI::Range(5.0, 3600.0))
-      ->capture_default_str();
-  app.add_flag("--fusion", options.with_fusion, "With a fusion, whose poses are recorded too");
-  app.add_option("--compression", options.compression, "none, lz4 or zstd")->capture_default_str();
-  app.add_option("--folder", options.folder, "For the file, which is removed")->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
-  try {
-    measure(options);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "benchmark_record: {}\n", error.what());
-    return 1;
-  }
-  return 0;
+  add_options(app, options);
+  app.add_option("--seconds", duration_s, "Length")->check(CLI::Range(5.0, 3600.0))->capture_default_str();
+  return run_main(app, argc, argv, [&] { measure(options, duration_s); });
 }

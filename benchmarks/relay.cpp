@@ -11,11 +11,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include <chrono>
-#include <cstdio>
-#include <exception>
 #include <string>
-#include <thread>
 #include <vector>
 
 namespace {
@@ -31,10 +27,6 @@ struct Options {
   double round_s = 4.0;
   std::vector<std::string> relay;
 };
-
-void sleep_s(double seconds) {
-  std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
-}
 
 /// Returns the CPU share of a newly started process, after it has found the others.
 double share_of(const Child& process, const Options& options) {
@@ -98,12 +90,5 @@ int main(int argc, char** argv) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("relay", options.relay, "Arguments of the relay, after --");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    measure(options);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "benchmark_relay: {}\n", error.what());
-    return 1;
-  }
-  return 0;
+  return run_main(app, argc, argv, [&] { measure(options); });
 }

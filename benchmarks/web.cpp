@@ -1,22 +1,16 @@
 // Compares the processor time of the live page's server, which has one viewer, with that of a consumer that
 // only counts the same topics, with many beacons.
 
-#include "child.hpp"
 #include "clocks/clocks.hpp"
 #include "counting_consumer.hpp"
-#include "statistics.hpp"
 #include "support/upgrade_request.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <arpa/inet.h>
 #include <array>
 #include <atomic>
-#include <chrono>
 #include <cstdint>
-#include <cstdio>
-#include <exception>
 #include <netinet/in.h>
 #include <poll.h>
 #include <stdexcept>
@@ -24,25 +18,11 @@
 #include <sys/socket.h>
 #include <thread>
 #include <unistd.h>
-#include <vector>
 
 namespace {
 
 using namespace sonopose;
 using namespace sonopose::benchmarks;
-
-struct Options {
-  std::uint32_t domain = 0;
-  std::uint32_t beacons = 50;
-  double imu_rate_hz = 100;
-  std::uint16_t port = 48080;
-  double round_s = 10;
-  int rounds = 5;
-};
-
-void sleep_s(double seconds) {
-  std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
-}
 
 /// Reads a page's messages in a thread, and counts their bytes.
 class Viewer {
@@ -60,8 +40,11 @@ public:
     ::close(socket_);
   }
 
-  [[nodiscard]] std::int64_t bytes() const { return bytes_; }
-  [[nodiscard]] bool is_connected() const { return is_connected_; }
+  /// Throws std::runtime_error if the server has closed the connection.
+  [[nodiscard]] std::int64_t bytes() const {
+    if (!is_connected_) throw std::runtime_error("sonopose-web closed the connection");
+    return bytes_;
+  }
 
 private:
   static int connected(std::uint16_t port) {
@@ -108,67 +91,20 @@ private:
   std::thread reader_;
 };
 
-void measure(const Options& options) {
-  const std::string domain = std::to_string(options.domain);
-  std::atomic<std::uint64_t>& count = shared_counter();
-  const Child counter = Child::fork_to([&] { count_samples(options.domain, count); });
-  const Child web = Child::execute(
-      {SONOPOSE_WEB, "--domain", domain, "--listen", fmt::format("127.0.0.1:{}", options.port)});
-  const Child fusion = Child::execute({SONOPOSE_FUSION, "--domain", domain});
-  const Child bridge =
-      Child::execute({SONOPOSE_BRIDGE, "--domain", domain, "--beacons", std::to_string(options.beacons),
-                      "--imu-rate", fmt::format("{}", options.imu_rate_hz)});
-  const Viewer viewer(options.port);
-  sleep_s(8.0);  // lets every beacon be found and its fusion settle
-  fmt::print("{} beacons at {} Hz, rounds of {} s, one viewer\n", options.beacons, options.imu_rate_hz,
-             options.round_s);
-  fmt::print("round  samples/s  page CPU  counting consumer CPU  ratio  page kB/s\n");
-  std::vector<double> ratios;
-  for (int round = 1; round <= options.rounds; ++round) {
-    const std::int64_t web_before_ns = web.cpu_time_ns();
-    const std::int64_t counter_before_ns = counter.cpu_time_ns();
-    const std::int64_t bytes_before = viewer.bytes();
-    const std::uint64_t count_before = count;
-    const SteadyTime began = clocks::steady_now();
-    sleep_s(options.round_s);
-    const double web_s = seconds_between(web_before_ns, web.cpu_time_ns());
-    const double counter_s = seconds_between(counter_before_ns, counter.cpu_time_ns());
-    const double length_s = seconds_between(began, clocks::steady_now());
-    if (!viewer.is_connected()) throw std::runtime_error("sonopose-web closed the connection");
-    ratios.push_back(web_s / counter_s);
-    fmt::print("{:>5} {:>10.0f} {:>7.1f} % {:>20.1f} % {:>6.2f} {:>10.1f}\n", round,
-               static_cast<double>(count - count_before) / length_s, 100.0 * web_s / length_s,
-               100.0 * counter_s / length_s, ratios.back(),
-               1e-3 * static_cast<double>(viewer.bytes() - bytes_before) / length_s);
-    std::fflush(stdout);
-  }
-  fmt::print("median ratio {:.2f}\n", median(ratios));
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
-  Options options;
+  ComparisonOptions options;
+  std::uint16_t port = 48080;
   CLI::App app("The processor time of the live page's server, next to a consumer that only counts.",
                "benchmark_web");
-  app.add_option("--domain", options.domain, "DDS domain")->capture_default_str();
-  app.add_option("--beacons", options.beacons, "Number of beacons")
-      ->check(CLI::Range(1U, 1000U))
-      ->capture_default_str();
-  app.add_option("--imu-rate", options.imu_rate_hz, "Rate of each beacon's IMU, Hz")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--port", options.port, "Port of the page")->capture_default_str();
-  app.add_option("--rounds", options.rounds, "Rounds")->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_option("--seconds", options.round_s, "Length of a round")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
-  try {
-    measure(options);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "benchmark_web: {}\n", error.what());
-    return 1;
-  }
-  return 0;
+  add_options(app, options);
+  app.add_option("--port", port, "Port of the page")->capture_default_str();
+  return run_main(app, argc, argv, [&] {
+    const CountedChain chain(options);
+    const Child web = Child::execute({SONOPOSE_WEB, "--domain", std::to_string(options.domain), "--listen",
+                                      fmt::format("127.0.0.1:{}", port)});
+    const Viewer viewer(port);
+    chain.compare(web.pid(), "one viewer", [&] { return viewer.bytes(); });
+  });
 }
