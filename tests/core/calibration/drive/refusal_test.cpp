@@ -65,7 +65,7 @@ sim::Path straight_on(double time_s) {
 SCENARIO("neither rest nor a constant velocity shows mount, delay and lever arm") {
   for (const auto path : {at_rest, at_constant_velocity}) {
     GIVEN(std::string(path == at_rest ? "a body at rest" : "a body at constant velocity")) {
-      const std::vector<Event> events = events_on(path, 911, short_drive_s);
+      const std::vector<Event> events = events_on(path, 911, 20.0);
       WHEN("it is calibrated") {
         const DriveFit fit = calibrated(events);
         THEN("they are refused, with the motion that is missing; the noise of the fixes is known") {
@@ -83,7 +83,7 @@ SCENARIO("neither rest nor a constant velocity shows mount, delay and lever arm"
 
 SCENARIO("a drive without a turn shows the mount but no lever arm") {
   GIVEN("a body that accelerates and brakes along a line") {
-    const std::vector<Event> events = events_on(straight_on, 912, 90.0);
+    const std::vector<Event> events = events_on(straight_on, 912, 60.0);
     WHEN("it is calibrated") {
       const DriveFit fit = calibrated(events);
       THEN("the mount is right and the lever arm refused") {
