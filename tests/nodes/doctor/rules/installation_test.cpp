@@ -34,7 +34,7 @@ TEST_CASE("A wrong mount offset is found, with the offset to try") {
       CAPTURE(scenario, seed, error_deg, mount_deg, look.begin_s);
       settings::Settings settings;
       settings.heading.mount_offset_deg = std::remainder(mount_deg + error_deg, 360.0);
-      const auto events = events_of(scenario, seed++, 30, [&](sim::SensorSettings& sensors) {
+      const auto events = events_of(scenario, seed++, 28.5, [&](sim::SensorSettings& sensors) {
         sensors.pair_mount_offset_rad = mount_deg * geometry::radians_per_degree;
       });
       const std::string problems = problems_of(observed(events, settings, look));
@@ -74,7 +74,7 @@ TEST_CASE("A delay that is wrong by 40 ms is found while the beacon moves") {
   for (const char* const scenario : {"walk", "forklift", "kart"}) {
     for (const double error_s : {-0.04, 0.04}) {
       CAPTURE(scenario, seed, error_s);
-      const auto events = events_of(scenario, seed++, 30, [&](sim::SensorSettings& sensors) {
+      const auto events = events_of(scenario, seed++, 18.5, [&](sim::SensorSettings& sensors) {
         sensors.reported_delay_error_s = error_s;
       });
       const std::string problems = problems_of(observed(events, {}, {10, 8}));
@@ -94,7 +94,7 @@ TEST_CASE("An inverted axis of the accelerometer is found, and which one") {
   for (const char* const scenario : {"walk", "forklift", "kart"}) {
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
       CAPTURE(scenario, seed, axis);
-      auto events = events_of(scenario, seed++, 30);
+      auto events = events_of(scenario, seed++, 18.5);
       invert_axis(events, axis);
       const std::string problems = problems_of(observed(events, {}, {10, 8}));
       CAPTURE(problems);
@@ -109,14 +109,14 @@ TEST_CASE("A gyroscope with the wrong sign is found where gravity shows the acce
   for (const char* const scenario : {"walk", "kart", "forklift", "spin", "hall", "drone"}) {
     for (const bool all_axes : {false, true}) {
       CAPTURE(scenario, seed, all_axes);
-      auto events = events_of(scenario, seed++, 30);
+      auto events = events_of(scenario, seed++, 18.5);
       for (Event& event : events) {
         auto* const imu = std::get_if<ImuSample>(&event);
         if (imu == nullptr) continue;
         Vector3d& rate = imu->angular_velocity_body_radps;
         rate = all_axes ? Vector3d(-rate) : Vector3d(rate.x(), rate.y(), -rate.z());
       }
-      const std::string problems = problems_of(observed(events, {}, {10, 12}));
+      const std::string problems = problems_of(observed(events, {}, {10, 8}));
       CAPTURE(problems);
       CHECK_THAT(problems, Contains("its gyroscope has the wrong sign about the body's axis z"));
       CHECK_THAT(problems, !Contains("accelerometer") && !Contains("track") && !Contains("gyro bias") &&
@@ -143,11 +143,11 @@ TEST_CASE("Without headings, the direction of travel shows the sign of the gyros
   for (const char* const scenario : {"walk", "kart"}) {
     CAPTURE(scenario);
     const auto single = [](sim::SensorSettings& sensors) { sensors.pair_heading = false; };
-    auto events = events_of(scenario, 1951, 30, single);
+    auto events = events_of(scenario, 1951, 18.5, single);
     for (Event& event : events) {
       if (auto* imu = std::get_if<ImuSample>(&event)) imu->angular_velocity_body_radps.z() *= -1;
     }
-    CHECK_THAT(problems_of(observed(events, {}, {10, 12})), Contains("its gyroscope has the wrong sign"));
+    CHECK_THAT(problems_of(observed(events, {}, {10, 8})), Contains("its gyroscope has the wrong sign"));
   }
 }
 
@@ -155,7 +155,7 @@ TEST_CASE("An accelerometer that reports gravity instead of specific force is na
   std::uint64_t seed = 1961;
   for (const char* const scenario : {"walk", "forklift", "kart"}) {
     CAPTURE(scenario, seed);
-    auto events = events_of(scenario, seed++, 30);
+    auto events = events_of(scenario, seed++, 18.5);
     for (Eigen::Index axis = 0; axis < 3; ++axis) invert_axis(events, axis);
     const std::string problems = problems_of(observed(events, {}, {10, 8}));
     CAPTURE(problems);
@@ -165,7 +165,7 @@ TEST_CASE("An accelerometer that reports gravity instead of specific force is na
 }
 
 TEST_CASE("Where the IMU may be turned by 90° in the beacon, the axes that correct it are named") {
-  auto events = events_of("walk", 1971, 30);
+  auto events = events_of("walk", 1971, 18.5);
   const Eigen::Matrix3d sensor_from_body =
       geometry::rotation_about_z(0.5 * std::numbers::pi).toRotationMatrix();
   for (Event& event : events) {

@@ -27,7 +27,7 @@ TEST_CASE("Fixes of a second, wrong track are found, with its place") {
   for (const char* const scenario : {"walk", "forklift", "kart"}) {
     for (const double share : {0.1, 0.3}) {
       CAPTURE(scenario, share);
-      auto events = events_of(scenario, 1931, 30);
+      auto events = events_of(scenario, 1931, 18.5);
       displace(events, share, {0.9, -1.2, 0}, 5);
       const std::string problems = problems_of(observed(events, {}, {10, 8}));
       CAPTURE(problems);
@@ -69,7 +69,7 @@ TEST_CASE("A move of the map is found among many good fixes") {
 TEST_CASE("A move of the map is one jump, also where an engine spreads it over several fixes") {
   for (const settings::EngineKind engine : {settings::EngineKind::kalman, settings::EngineKind::documented}) {
     CAPTURE(static_cast<int>(engine));
-    auto events = events_of("walk", 1933, 40);
+    auto events = events_of("walk", 1933, 25.5);
     const TimeNs moved_ns = available_at_ns(events.front()) + to_ns(15);
     for (Event& event : events) {
       auto* fix = std::get_if<UltrasonicFix>(&event);
@@ -77,14 +77,14 @@ TEST_CASE("A move of the map is one jump, also where an engine spreads it over s
     }
     settings::Settings settings;
     settings.engine.engine = engine;
-    const auto outcomes = observed(events, settings, {10, 25}).beacons.front().fix_outcomes;
+    const auto outcomes = observed(events, settings, {10, 15}).beacons.front().fix_outcomes;
     CHECK(outcomes.relocations == 1);
     CHECK(outcomes.longest_relocation_m == Approx(1.5).margin(0.5));
   }
 }
 
 TEST_CASE("A frozen track is found") {
-  auto events = events_of("walk", 1932, 30);
+  auto events = events_of("walk", 1932, 18.5);
   std::optional<Vector3d> frozen_at;
   for (Event& event : events) {
     auto* fix = std::get_if<UltrasonicFix>(&event);
