@@ -3,12 +3,12 @@
 /// CMakeLists.txt lists. The include path makes every header reachable from everywhere, so the compiler alone
 /// does not enforce this.
 
+#include "support/temporary_folder.hpp"
+
 #include <catch2/catch.hpp>
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <regex>
 #include <set>
@@ -18,16 +18,12 @@
 namespace dependencies_test {
 
 namespace fs = std::filesystem;
+using sonopose::test::read_text;
 using Names = std::set<std::string>;
 using Breaches = std::vector<std::string>;
 const Breaches none;
 
 const fs::path root = SONOPOSE_SOURCE_DIR;
-
-std::string text_of(const fs::path& file) {
-  std::ifstream stream(file);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 std::vector<std::string> matches_of(const std::string& text, const std::regex& pattern) {
   std::vector<std::string> found;
@@ -55,7 +51,7 @@ std::vector<fs::path> sources_in(const fs::path& folder, bool recursive) {
 /// The names between the brackets or quotes of each #include.
 std::vector<std::string> includes_of(const fs::path& file) {
   static const std::regex directive(R"(#\s*include\s*[<"]([^>"]+)[>"])");
-  return matches_of(text_of(file), directive);
+  return matches_of(read_text(file), directive);
 }
 
 std::string target_name(std::string folder) {
@@ -101,7 +97,7 @@ std::map<std::string, Module> read_modules() {
   std::map<std::string, Module> modules;
   for (const auto& entry : fs::recursive_directory_iterator(root / "src")) {
     if (entry.path().filename() != "CMakeLists.txt") continue;
-    const std::string text = text_of(entry.path());
+    const std::string text = read_text(entry.path());
     const auto names = matches_of(text, declaration);
     if (names.empty()) continue;
     const std::string path = fs::relative(entry.path().parent_path(), root / "src").string();
@@ -271,7 +267,7 @@ TEST_CASE("a module's folder is its namespace") {
                           : names_parent      ? "sonopose::" + own.substr(0, own.find(':'))
                                               : "sonopose::" + own};
       if (file.filename() == "idl_types.hpp") continue;  // specialises a template of the binding
-      const auto names = matches_of(text_of(file), opened);
+      const auto names = matches_of(read_text(file), opened);
       const bool found =
           names.empty() || std::any_of(names.begin(), names.end(), [&](const std::string& name) {
             return std::any_of(allowed.begin(), allowed.end(),
@@ -305,7 +301,8 @@ TEST_CASE("only the DDS modules call Cyclone DDS") {
   for (const char* folder : {"src", "include/sonopose", "apps"}) {
     for (const fs::path& file : sources_in(root / folder, true)) {
       if (file.string().find("/dds/") != std::string::npos) continue;
-      for (const std::string& found : matches_of(text_of(file), call)) breaches.push_back(place(file, found));
+      for (const std::string& found : matches_of(read_text(file), call))
+        breaches.push_back(place(file, found));
     }
   }
   CHECK(breaches == none);
@@ -318,7 +315,7 @@ TEST_CASE("one module reads the host's clock") {
   for (const auto& [folder, module] : modules()) {
     if (readers.contains(folder)) continue;
     for (const fs::path& file : module.sources()) {
-      for (const std::string& found : matches_of(text_of(file), reading))
+      for (const std::string& found : matches_of(read_text(file), reading))
         breaches.push_back(place(file, found));
     }
   }
@@ -331,7 +328,7 @@ TEST_CASE("programs are thin: a command line over one process or one evaluation"
   CHECK(programs.size() > 10);
   for (const fs::path& file : programs) {
     CAPTURE(file);
-    const std::string text = text_of(file);
+    const std::string text = read_text(file);
     CHECK(static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) <= max_lines);
   }
 }

@@ -1,14 +1,13 @@
 #include "json/json.hpp"
 
 #include "monitor/echo/echo.hpp"
+#include "support/temporary_folder.hpp"
 #include <sonopose/dds/topics/topics.hpp>
 
 #include <catch2/catch.hpp>
 
 #include <algorithm>
 #include <array>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <regex>
 #include <string>
@@ -22,9 +21,8 @@ using namespace sonopose::monitor::echo;
 
 /// Names of a struct's fields in sonopose.idl.
 std::vector<std::string> idl_fields(const std::string& type) {
-  std::ifstream stream(SONOPOSE_SOURCE_DIR "/idl/sonopose.idl");
-  std::string text{std::istreambuf_iterator<char>(stream), {}};
-  text = std::regex_replace(text, std::regex("//[^\n]*"), "");
+  const std::string text = std::regex_replace(test::read_text(SONOPOSE_SOURCE_DIR "/idl/sonopose.idl"),
+                                              std::regex("//[^\n]*"), "");
   const std::size_t begin = text.find("struct " + type + " {");
   REQUIRE(begin != std::string::npos);
   const std::string body = text.substr(begin, text.find('}', begin) - begin);

@@ -4,14 +4,14 @@
 #include "marvelmind/conversions.hpp"
 #include "marvelmind/decoder.hpp"
 #include "marvelmind/frames.hpp"
+#include "support/recordings.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <iostream>
-#include <iterator>
 #include <random>
 #include <sstream>
 #include <string>
@@ -22,7 +22,7 @@ namespace recording_test {
 using namespace sonopose;
 using namespace sonopose::marvelmind;
 
-const std::string folder = SONOPOSE_RECORDINGS "/beacons/car/";
+const std::filesystem::path folder = test::beacon_recordings("car");
 
 struct Row {
   TimeNs time_ns = 0;
@@ -30,7 +30,7 @@ struct Row {
 };
 
 std::vector<Row> read_csv(const std::string& name) {
-  std::ifstream file(folder + name);
+  std::ifstream file(folder / name);
   std::vector<Row> rows;
   for (std::string line; std::getline(file, line);) {
     if (line.empty() || line.front() == '#') continue;
@@ -46,11 +46,9 @@ std::vector<Row> read_csv(const std::string& name) {
 
 /// The recorded bytes. If they are missing: none, and prints the word that marks a test as skipped.
 marvelmind::testing::Bytes read_stream() {
-  std::ifstream file(folder + "stream.bin", std::ios::binary);
-  if (!file)
-    std::cout << "skipped: no recordings in " SONOPOSE_RECORDINGS
-                 "; cmake --preset dev -DSONOPOSE_RECORDINGS=FOLDER uses those of another folder\n";
-  return {std::istreambuf_iterator<char>(file), {}};
+  if (!test::is_here(folder)) return {};
+  const std::string bytes = test::read_text(folder / "stream.bin");
+  return {bytes.begin(), bytes.end()};
 }
 
 template <typename Sample>

@@ -13,7 +13,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -257,8 +256,7 @@ SCENARIO("a file of bytes that have no sample is an error that names what they a
   GIVEN("a beacon's frames whose zeros became blanks") {
     BeaconFile bytes(file);
     for (int i = 0; i < 20; ++i) bytes << imu_at(10'000 + 10 * i);
-    std::ifstream in(file, std::ios::binary);
-    std::string text((std::istreambuf_iterator<char>(in)), {});
+    std::string text = sonopose::test::read_text(file);
     std::ranges::replace(text, '\0', ' ');
     sonopose::test::write_text(file, text);
     CHECK_THROWS_WITH(make_stream_source({file}), Catch::Contains("frames with a wrong checksum") &&

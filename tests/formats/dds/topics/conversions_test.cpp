@@ -1,11 +1,10 @@
 #include "dds/field_filler.hpp"
 #include "dds/topics/field_lists.hpp"
+#include "support/temporary_folder.hpp"
 #include <sonopose/dds/topics/conversions.hpp>
 
 #include <catch2/catch.hpp>
 
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <regex>
 #include <set>
@@ -252,9 +251,7 @@ TEST_CASE("Texts and lists for other programs are bounded") {
 }
 
 TEST_CASE("Every documented setting fits into its bounded types") {
-  std::ifstream page(std::string(SONOPOSE_SOURCE_DIR) + "/docs/settings.md");
-  REQUIRE(page.good());
-  const std::string text{std::istreambuf_iterator<char>(page), {}};
+  const std::string text = sonopose::test::read_text(SONOPOSE_SOURCE_DIR "/docs/settings.md");
   const std::regex key("`([a-z_]+(?:\\.[a-z_0-9]+)+)`");
   std::set<std::string> keys;
   for (std::sregex_iterator match(text.begin(), text.end(), key), end; match != end; ++match) {

@@ -1,13 +1,13 @@
 /// The tables of docs/qos.md match qos/sonopose.xml.
 
 #include "dds/dds_fixture.hpp"
+#include "support/temporary_folder.hpp"
 #include <sonopose/dds/qos/match.hpp>
 
 #include <catch2/catch.hpp>
 
 #include <chrono>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <set>
 #include <string>
@@ -128,8 +128,7 @@ TEST_CASE("The tables of docs/qos.md are what qos/sonopose.xml says, profile by 
 }
 
 TEST_CASE("The example of docs/qos.md does what it says, to the profile that it names and to no other") {
-  std::ifstream page(std::string(SONOPOSE_SOURCE_DIR) + "/docs/qos.md");
-  const std::string text{std::istreambuf_iterator<char>(page), {}};
+  const std::string text = sonopose::test::read_text(SONOPOSE_SOURCE_DIR "/docs/qos.md");
   const std::string fence = "```xml\n";
   const std::size_t begin = text.find(fence) + fence.size();
   const std::size_t end = text.find("```", begin);

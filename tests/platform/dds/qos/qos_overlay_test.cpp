@@ -1,4 +1,5 @@
 #include "dds/dds_fixture.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -132,8 +133,7 @@ TEST_CASE(
 }
 
 TEST_CASE("A copy of the project's whole file changes nothing") {
-  std::ifstream stream(qos::project_file());
-  const std::string copy{std::istreambuf_iterator<char>(stream), {}};
+  const std::string copy = sonopose::test::read_text(qos::project_file());
   const qos::Provider project = project_qos();
   qos::Provider qos = project_qos();
   qos.merge(copy, "copy.xml");

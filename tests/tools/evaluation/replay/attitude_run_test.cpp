@@ -2,6 +2,7 @@
 
 #include "evaluation/replay/attitude_run.hpp"
 
+#include "support/recordings.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
 #include <catch2/catch.hpp>
@@ -10,7 +11,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <iostream>
 
 namespace attitude_run_test {
 
@@ -91,18 +91,12 @@ TEST_CASE("without truth the errors are unknown, and the mean excludes that log"
 
 /// The ten recorded trials; empty if they are missing.
 const std::vector<recording::AttitudeLog>& trials() {
-  static const std::vector<recording::AttitudeLog> logs = [] {
-    std::vector<recording::AttitudeLog> read;
-    const std::filesystem::path folder = std::filesystem::path(SONOPOSE_RECORDINGS) / "attitude";
-    if (!exists(folder)) return read;
-    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-      if (entry.is_directory()) read.push_back(recording::read_attitude_log(entry.path()));
-    }
-    return read;
-  }();
-  if (logs.empty())
-    std::cout << "skipped: no recordings in " SONOPOSE_RECORDINGS
-                 "; cmake --preset dev -DSONOPOSE_RECORDINGS=FOLDER uses those of another folder\n";
+  static std::vector<recording::AttitudeLog> logs;
+  const std::filesystem::path folder = std::filesystem::path(SONOPOSE_RECORDINGS) / "attitude";
+  if (!test::is_here(folder) || !logs.empty()) return logs;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.is_directory()) logs.push_back(recording::read_attitude_log(entry.path()));
+  }
   return logs;
 }
 
