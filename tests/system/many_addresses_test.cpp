@@ -87,7 +87,7 @@ void measure(std::vector<Observed>& all, Usage Observed::*moment, const Receive&
   }
 }
 
-constexpr double tolerated_ratio = 5;  ///< of the processor times
+constexpr double tolerated_ratio = 5;  ///< ratio of the processor times
 
 bool is_as_before(const Observed& each) {
   return each.after.processor_s < tolerated_ratio * each.before.processor_s &&

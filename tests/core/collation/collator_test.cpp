@@ -19,7 +19,7 @@ constexpr TimeNs ms = 1'000'000;
 struct Line {
   Collator collator{5 * ms};
   std::vector<std::uint64_t> delivered;
-  std::vector<TimeNs> times_ns;  ///< of the delivered
+  std::vector<TimeNs> times_ns;  ///< times of the delivered samples
   std::vector<std::uint64_t> restarted_at;
   SteadyTime now{1000 * ms};
 

@@ -1,4 +1,4 @@
-// What is recognised in bytes without a beacon's frame.
+/// Protocols that are recognised in bytes without a beacon's frame.
 
 #include "marvelmind/foreign_protocol.hpp"
 

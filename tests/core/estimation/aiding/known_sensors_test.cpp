@@ -58,7 +58,7 @@ Estimate estimate_after(const std::vector<Event>& events) {
 
 struct Start {
   double unconverged_s = std::numeric_limits<double>::infinity();  ///< from the first pose on
-  double rms_m = 0;                                                ///< of the positions after 6 s
+  double rms_m = 0;                                                ///< error of the positions after 6 s
 };
 
 Start start_of(const sim::Recording& log, const std::optional<KnownSensors>& known) {
