@@ -5,7 +5,6 @@
 #include "clocks/clocks.hpp"
 #include "support/bus.hpp"
 
-#include <algorithm>
 #include <condition_variable>
 #include <mutex>
 #include <set>
@@ -128,19 +127,5 @@ private:
   dds::DomainParticipant participant_;
   dds::DataReader<sonopose_FusedPose> reader_;
 };
-
-/// Waits between consecutive poses.
-struct Waits {
-  double longest_ms = 0;
-};
-
-inline Waits waits_between(const std::vector<TappedPose>& poses) {
-  Waits waits;
-  for (std::size_t i = 1; i < poses.size(); ++i) {
-    const auto wait_ns = static_cast<double>(poses[i].received - poses[i - 1].received);
-    waits.longest_ms = std::max(waits.longest_ms, wait_ns * 1e-6);
-  }
-  return waits;
-}
 
 }  // namespace sonopose::test

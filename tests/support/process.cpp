@@ -9,6 +9,7 @@
 #include <sys/wait.h>
 #include <system_error>
 #include <unistd.h>
+#include <utility>
 
 // The header of glibc 2.36 lacks extern "C".
 extern "C" {
@@ -53,47 +54,71 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
   return pointers;
 }
 
-/// Executes the program in the child. Makes only async-signal-safe calls, as required between fork and exec.
-[[noreturn]] void become(const char* program, char* const* arguments, char* const* environment, int output,
-                         int error) {
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // a killed test takes its programs along
-  ::dup2(output, STDOUT_FILENO);
-  ::dup2(error, STDERR_FILENO);
-  ::close_range(STDERR_FILENO + 1, ~0U, 0);
-  ::execve(program, arguments, environment);
-  ::_exit(127);
+}  // namespace
+
+void ChildProcess::start(std::vector<std::string> command, const Environment& environment,
+                         const std::function<void()>& attach) {
+  std::vector<std::string> variables = merged(environment);
+  const auto argument_list = pointers(command);
+  const auto environment_list = pointers(variables);
+  pid_ = ::fork();
+  if (pid_ < 0) fail("fork");
+  if (pid_ == 0) {                       // only async-signal-safe calls between fork and exec
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // a killed test takes its programs along
+    attach();
+    ::close_range(STDERR_FILENO + 1, ~0U, 0);
+    ::execve(argument_list.front(), argument_list.data(), environment_list.data());
+    ::_exit(127);
+  }
+  file_ = ::pidfd_open(pid_, 0);
+  if (file_ < 0) fail("pidfd_open");
 }
 
-}  // namespace
+void ChildProcess::send(int signal) const {
+  if (!code_) ::kill(pid_, signal);
+}
+
+std::optional<int> ChildProcess::wait_for_exit(std::chrono::milliseconds limit) {
+  if (code_) return code_;
+  pollfd waited{file_, POLLIN, 0};
+  if (::poll(&waited, 1, static_cast<int>(limit.count())) <= 0) return std::nullopt;
+  int status = 0;
+  if (::waitpid(pid_, &status, 0) != pid_) return std::nullopt;
+  code_ = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  return code_;
+}
+
+void ChildProcess::kill() {
+  if (pid_ < 0 || code_) return;
+  send(SIGKILL);
+  wait_for_exit();
+}
+
+ChildProcess::~ChildProcess() {
+  kill();
+  if (file_ >= 0) ::close(file_);
+}
 
 Process::Process(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                  const Environment& environment) {
-  std::vector<std::string> argument_texts{program.string()};
-  argument_texts.insert(argument_texts.end(), arguments.begin(), arguments.end());
-  std::vector<std::string> environment_texts = merged(environment);
-  const auto argument_list = pointers(argument_texts);
-  const auto environment_list = pointers(environment_texts);
+  std::vector<std::string> command{program.string()};
+  command.insert(command.end(), arguments.begin(), arguments.end());
   const auto output = make_pipe();
   const auto error = make_pipe();
-  pid_ = ::fork();
-  if (pid_ < 0) fail("fork");
-  if (pid_ == 0) become(program.c_str(), argument_list.data(), environment_list.data(), output[1], error[1]);
+  child_.start(std::move(command), environment, [&] {
+    ::dup2(output[1], STDOUT_FILENO);
+    ::dup2(error[1], STDERR_FILENO);
+  });
   ::close(output[1]);
   ::close(error[1]);
   output_.file = output[0];
   error_.file = error[0];
-  pid_file_ = ::pidfd_open(pid_, 0);
-  if (pid_file_ < 0) fail("pidfd_open");
   listener_ = std::thread([this] { listen(); });
 }
 
 Process::~Process() {
-  if (!code_) {
-    ::kill(pid_, SIGKILL);
-    wait_for_exit();
-  }
+  child_.kill();
   listener_.join();
-  ::close(pid_file_);
 }
 
 void Process::listen() {
@@ -148,19 +173,11 @@ bool Process::wait_for_lines(Stream stream, std::size_t count, std::chrono::mill
 }
 
 std::optional<int> Process::wait_for_exit(std::chrono::milliseconds limit) {
-  if (code_) return code_;
-  pollfd waited{pid_file_, POLLIN, 0};
-  if (::poll(&waited, 1, static_cast<int>(limit.count())) <= 0) return std::nullopt;
-  int status = 0;
-  if (::waitpid(pid_, &status, 0) != pid_) return std::nullopt;
-  code_ = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  const std::optional<int> code = child_.wait_for_exit(limit);
+  if (!code) return std::nullopt;
   std::unique_lock lock(mutex_);
   news_.wait_for(lock, limit, [this] { return output_.ended && error_.ended; });
-  return code_;
-}
-
-void Process::send(int signal) const {
-  if (!code_) ::kill(pid_, signal);
+  return code;
 }
 
 Process::Ending Process::end_by(int signal) {

@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -21,6 +22,32 @@ inline constexpr std::chrono::milliseconds timeout{180'000};
 
 /// Variables added to the environment of the test; an empty value removes one.
 using Environment = std::map<std::string, std::string>;
+
+/// A child process that its destruction kills.
+class ChildProcess {
+public:
+  ChildProcess() = default;
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+  ChildProcess(ChildProcess&&) = delete;
+  ChildProcess& operator=(ChildProcess&&) = delete;
+  ~ChildProcess();
+
+  /// Runs a program after `attach`, which sets its standard streams and may only make async-signal-safe
+  /// calls. Throws std::system_error.
+  void start(std::vector<std::string> command, const Environment& environment,
+             const std::function<void()>& attach);
+  void send(int signal) const;
+  std::optional<int> wait_for_exit(std::chrono::milliseconds limit = timeout);
+  /// Kills it if it still runs.
+  void kill();
+  [[nodiscard]] int pid() const { return pid_; }
+
+private:
+  int pid_ = -1;
+  int file_ = -1;
+  std::optional<int> code_;
+};
 
 class Process {
 public:
@@ -47,7 +74,7 @@ public:
   std::optional<int> wait_for_exit(std::chrono::milliseconds limit = timeout);
 
   /// Sends a signal like kill(2).
-  void send(int signal) const;
+  void send(int signal) const { child_.send(signal); }
 
   /// Exit code after a signal, and the time until the exit.
   struct Ending {
@@ -61,7 +88,7 @@ public:
   /// The same lines as one string.
   [[nodiscard]] std::string text(Stream stream) const;
 
-  [[nodiscard]] int pid() const { return pid_; }
+  [[nodiscard]] int pid() const { return child_.pid(); }
 
 private:
   /// An output stream; `file` is our end of the pipe.
@@ -76,9 +103,7 @@ private:
   void take_in(Pipe& pipe);
   [[nodiscard]] const Pipe& pipe(Stream stream) const { return stream == Stream::output ? output_ : error_; }
 
-  int pid_ = -1;
-  int pid_file_ = -1;
-  std::optional<int> code_;
+  ChildProcess child_;
   mutable std::mutex mutex_;
   std::condition_variable news_;
   Pipe output_;

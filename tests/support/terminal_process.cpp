@@ -2,21 +2,14 @@
 
 #include <array>
 #include <cerrno>
-#include <csignal>
 #include <fcntl.h>
 #include <poll.h>
 #include <pty.h>
 #include <sys/ioctl.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
 #include <system_error>
 #include <termios.h>
 #include <unistd.h>
-
-// The header of glibc 2.36 lacks extern "C".
-extern "C" {
-#include <sys/pidfd.h>
-}
+#include <utility>
 
 namespace sonopose::test {
 namespace {
@@ -33,43 +26,27 @@ winsize size_of(std::size_t columns, std::size_t rows) {
 
 TerminalProcess::TerminalProcess(const std::filesystem::path& program,
                                  const std::vector<std::string>& arguments, std::size_t columns,
-                                 std::size_t rows, const std::vector<std::string>& variables)
+                                 std::size_t rows, Environment environment)
     : screen_(columns, rows) {
   const winsize size = size_of(columns, rows);
   if (::openpty(&master_, &slave_, nullptr, nullptr, &size) != 0) throw_errno("openpty");
   ::fcntl(master_, F_SETFD, FD_CLOEXEC);
-  std::vector<std::string> texts{"/usr/bin/env", "-u",    "NO_COLOR", "-u",      "COLUMNS",
-                                 "-u",           "LINES", "-u",       "ESCDELAY"};
-  texts.insert(texts.end(), variables.begin(), variables.end());
-  texts.push_back(program.string());
-  texts.insert(texts.end(), arguments.begin(), arguments.end());
-  std::vector<char*> pointers;
-  for (std::string& text : texts) pointers.push_back(text.data());
-  pointers.push_back(nullptr);
-  pid_ = ::fork();
-  if (pid_ < 0) throw_errno("fork");
-  if (pid_ == 0) {  // only async-signal-safe calls between fork and exec
-    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  environment.merge(Environment{{"NO_COLOR", ""}, {"COLUMNS", ""}, {"LINES", ""}, {"ESCDELAY", ""}});
+  std::vector<std::string> command{program.string()};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  child_.start(std::move(command), environment, [this] {
     ::setsid();
     ::ioctl(slave_, TIOCSCTTY, 0);
     for (const int file : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) ::dup2(slave_, file);
-    ::close_range(STDERR_FILENO + 1, ~0U, 0);
-    ::execv(pointers.front(), pointers.data());
-    ::_exit(127);
-  }
-  pid_file_ = ::pidfd_open(pid_, 0);
-  if (pid_file_ < 0) throw_errno("pidfd_open");
+  });
   listener_ = std::thread([this] { listen(); });
 }
 
 TerminalProcess::~TerminalProcess() {
-  if (!code_) {
-    ::kill(pid_, SIGKILL);
-    wait_for_exit();
-  }
+  child_.kill();
   ending_ = true;
   if (listener_.joinable()) listener_.join();
-  for (const int file : {pid_file_, slave_, master_}) ::close(file);
+  for (const int file : {slave_, master_}) ::close(file);
 }
 
 void TerminalProcess::listen() {
@@ -105,10 +82,6 @@ void TerminalProcess::resize(std::size_t columns, std::size_t rows) {
   if (::ioctl(master_, TIOCSWINSZ, &size) != 0) throw_errno("TIOCSWINSZ");
 }
 
-void TerminalProcess::send(int signal) const {
-  ::kill(pid_, signal);
-}
-
 bool TerminalProcess::wait_until(const std::function<bool(const TextScreen&)>& done,
                                  std::chrono::milliseconds limit) {
   std::unique_lock lock(mutex_);
@@ -121,17 +94,13 @@ bool TerminalProcess::wait_for(std::string_view text, std::chrono::milliseconds 
 }
 
 std::optional<int> TerminalProcess::wait_for_exit(std::chrono::milliseconds limit) {
-  if (code_) return code_;
-  pollfd waited{pid_file_, POLLIN, 0};
-  if (::poll(&waited, 1, static_cast<int>(limit.count())) <= 0) return std::nullopt;
-  int status = 0;
-  if (::waitpid(pid_, &status, 0) != pid_) return std::nullopt;
-  code_ = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  const std::optional<int> code = child_.wait_for_exit(limit);
+  if (!code || !listener_.joinable()) return code;
   ending_ = true;
   listener_.join();
   pollfd left{master_, POLLIN, 0};
   while (::poll(&left, 1, 0) > 0) take_in();
-  return code_;
+  return code;
 }
 
 TextScreen TerminalProcess::screen() const {

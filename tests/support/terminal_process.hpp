@@ -21,10 +21,10 @@ namespace sonopose::test {
 
 class TerminalProcess {
 public:
-  /// Starts the program with `variables` as "NAME=value". Throws std::system_error.
+  /// Starts the program. Throws std::system_error.
   TerminalProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                   std::size_t columns = 80, std::size_t rows = 24,
-                  const std::vector<std::string>& variables = {"TERM=xterm-256color"});
+                  Environment environment = {{"TERM", "xterm-256color"}});
   TerminalProcess(const TerminalProcess&) = delete;
   TerminalProcess& operator=(const TerminalProcess&) = delete;
   /// Kills the process if it still runs.
@@ -33,8 +33,8 @@ public:
   /// Types on the keyboard; "\x03" is Ctrl-C.
   void type(std::string_view keys) const;
   void resize(std::size_t columns, std::size_t rows);
-  void send(int signal) const;
-  [[nodiscard]] int pid() const { return pid_; }
+  void send(int signal) const { child_.send(signal); }
+  [[nodiscard]] int pid() const { return child_.pid(); }
 
   /// Waits until `done(screen)`. Returns false after the limit.
   bool wait_until(const std::function<bool(const TextScreen&)>& done,
@@ -58,9 +58,7 @@ private:
 
   int master_ = -1;
   int slave_ = -1;  ///< keeps the line open after the exit
-  int pid_ = -1;
-  int pid_file_ = -1;
-  std::optional<int> code_;
+  ChildProcess child_;
   mutable std::mutex mutex_;  // guards screen_ and output_
   std::condition_variable news_;
   TextScreen screen_;

@@ -28,9 +28,9 @@ const std::string escape = "\x1b";
 /// A monitor on its own terminal.
 class MonitorScreen : public TerminalProcess {
 public:
-  explicit MonitorScreen(const Bus& bus, const std::vector<std::string>& variables = {"TERM=xterm-256color"})
+  explicit MonitorScreen(const Bus& bus, const Environment& environment = {{"TERM", "xterm-256color"}})
       : TerminalProcess(SONOPOSE_TEST_MONITOR, {"--domain", std::to_string(bus.domain_id())}, 80, 24,
-                        variables) {}
+                        environment) {}
 
   /// Waits for a text in this row, counted from the top.
   bool wait_for_row(std::size_t row, std::string_view text) {
@@ -274,8 +274,8 @@ SCENARIO("TERM and NO_COLOR choose colours and the screen") {
   const Bus bus;
   GIVEN("monitors on three terminals, and a chain, so that there is a status to colour") {
     MonitorScreen coloured(bus);
-    MonitorScreen plain(bus, {"TERM=xterm-256color", "NO_COLOR=1"});
-    MonitorScreen dumb(bus, {"TERM=dumb"});
+    MonitorScreen plain(bus, {{"TERM", "xterm-256color"}, {"NO_COLOR", "1"}});
+    MonitorScreen dumb(bus, {{"TERM", "dumb"}});
     const auto fusion = bus.fusion();
     const auto bridge = bus.bridge({"--beacons", "2"});
     for (MonitorScreen* const monitor : {&coloured, &plain}) {
@@ -295,7 +295,7 @@ SCENARIO("TERM and NO_COLOR choose colours and the screen") {
   }
   GIVEN("a terminal of an unknown type") {
     // ncurses leaks 1.6 kB if it does not know the terminal.
-    MonitorScreen monitor(bus, {"TERM=unheard-of", "ASAN_OPTIONS=detect_leaks=0"});
+    MonitorScreen monitor(bus, {{"TERM", "unheard-of"}, {"ASAN_OPTIONS", "detect_leaks=0"}});
     THEN("the monitor prints lines and says why") {
       CHECK(monitor.wait_for("unheard-of"));
       monitor.type(ctrl_c);
