@@ -21,11 +21,8 @@ namespace record_test {
 
 using namespace sonopose;
 using namespace sonopose::test;
+using namespace sonopose::recorder::test;
 using Catch::Contains;
-using recorder::test::messages_of;
-using recorder::test::metadata_of;
-using recorder::test::of_topic;
-using recorder::test::OwnedMessage;
 namespace topics = dds::topics;
 namespace fs = std::filesystem;
 
