@@ -3,7 +3,6 @@
 #include "evaluation/report/side_by_side.hpp"
 #include "evaluation/report/summary_report.hpp"
 #include "logging/log.hpp"
-#include "recording/log_folder.hpp"
 #include "support/case_options.hpp"
 #include "support/config_options.hpp"
 #include "support/progress.hpp"
@@ -26,7 +25,6 @@ using namespace sonopose;
 struct Options {
   apps::ConfigOptions config;
   apps::CaseOptions cases;
-  BeaconAddress beacon = recording::default_log_address;
   std::vector<std::string> engines;             ///< names; empty: the engine of the settings
   std::vector<std::filesystem::path> compared;  ///< two files of settings, or none
   bool json = false;
@@ -34,12 +32,12 @@ struct Options {
 
 /// Returns the settings of each engine.
 std::vector<settings::Settings> settings_of(const Options& options) {
-  if (options.engines.empty()) return {apps::configuration(options.config).for_beacon(options.beacon)};
+  if (options.engines.empty()) return {apps::configuration(options.config).for_beacon(options.cases.beacon)};
   std::vector<settings::Settings> all;
   for (const std::string& engine : options.engines) {
     apps::ConfigOptions config = options.config;
-    apps::assign_everywhere(config, options.beacon, "fusion.engine", engine);
-    all.push_back(apps::configuration(config).for_beacon(options.beacon));
+    apps::assign_everywhere(config, options.cases.beacon, "fusion.engine", engine);
+    all.push_back(apps::configuration(config).for_beacon(options.cases.beacon));
   }
   return all;
 }
@@ -48,7 +46,7 @@ std::vector<settings::Settings> settings_of(const Options& options) {
 settings::Settings settings_of(const Options& options, const std::filesystem::path& file) {
   apps::ConfigOptions config = options.config;
   config.file = file;
-  return apps::configuration(config).for_beacon(options.beacon);
+  return apps::configuration(config).for_beacon(options.cases.beacon);
 }
 
 void show(const apps::CasePlace& place, apps::Progress& progress) {
@@ -129,7 +127,6 @@ int main(int argc, char** argv) {
                     "need no truth.");
   apps::add_case_options(app, options.cases);
   apps::add_config_options(app, options.config);
-  apps::add_beacon_option(app, options.beacon);
   auto* const engines = app.add_option("--engine", options.engines,
                                        "Engines to score, each in rows of its own, instead of fusion.engine")
                             ->check(CLI::IsMember({"documented", "kalman"}));
@@ -143,8 +140,5 @@ int main(int argc, char** argv) {
       ->excludes(engines)
       ->excludes("--config");
   app.add_flag("--json", options.json, "Print JSON instead of tables");
-  return apps::run(app, argc, argv, [&] {
-    if (app.count("--beacon") > 0) options.cases.beacon = options.beacon;
-    return evaluate(options);
-  });
+  return apps::run(app, argc, argv, [&] { return evaluate(options); });
 }

@@ -3,7 +3,6 @@
 #include "evaluation/replay/evaluation.hpp"
 #include "evaluation/replay/search.hpp"
 #include "logging/log.hpp"
-#include "recording/log_folder.hpp"
 #include "support/case_options.hpp"
 #include "support/config_options.hpp"
 #include "support/run.hpp"
@@ -25,7 +24,6 @@ using namespace sonopose;
 struct Options {
   apps::ConfigOptions config;
   apps::CaseOptions cases;
-  BeaconAddress beacon = recording::default_log_address;
   std::vector<std::string> vary;
   int rounds = 500;
   std::uint64_t search_seed = 1;
@@ -34,7 +32,6 @@ struct Options {
 void add_options(CLI::App& app, Options& options) {
   apps::add_case_options(app, options.cases);
   apps::add_config_options(app, options.config);
-  apps::add_beacon_option(app, options.beacon);
   app.add_option("--vary", options.vary,
                  "Setting to search: GROUP.KEY or GROUP.KEY=LOW..HIGH; may be repeated")
       ->required()
@@ -98,7 +95,7 @@ std::string origin_comment(const apps::ConfigOptions& options) {
 int tune(const Options& options) {
   apps::listen_for_interrupt();
   const config::FusionConfig config = apps::configuration(options.config);
-  const settings::Settings start = config.for_beacon(options.beacon);
+  const settings::Settings start = config.for_beacon(options.cases.beacon);
   std::vector<evaluation::Variable> variables;
   for (const std::string& text : options.vary) variables.push_back(evaluation::variable_of(text));
   check_read(variables, start);
@@ -124,7 +121,7 @@ int tune(const Options& options) {
               100.0 * *start_m,
               cost.has_truth_of_all() ? "" : " Cases without truth count with their prediction errors.",
               origin_comment(options.config),
-              changes(config, found.settings, variables, options.beacon).given_toml());
+              changes(config, found.settings, variables, options.cases.beacon).given_toml());
   return 0;
 }
 
@@ -138,8 +135,5 @@ int main(int argc, char** argv) {
                     "truth counts with its prediction errors. To search items 2, 3 and 4, add --set "
                     "documented.imu_weight=user.");
   add_options(app, options);
-  return apps::run(app, argc, argv, [&] {
-    if (app.count("--beacon") > 0) options.cases.beacon = options.beacon;
-    return tune(options);
-  });
+  return apps::run(app, argc, argv, [&] { return tune(options); });
 }

@@ -2,6 +2,7 @@
 
 #include "bag_options.hpp"
 #include "bus_log/recording_files.hpp"
+#include "config_options.hpp"
 #include "expanded_option.hpp"
 #include "logging/log.hpp"
 #include "run.hpp"
@@ -36,6 +37,8 @@ void add_case_options(CLI::App& app, CaseOptions& options) {
   app.add_option("--recordings", options.recordings, "Also score every recording in this folder")
       ->type_name("DIR")
       ->envname("SONOPOSE_RECORDINGS");
+  add_beacon_option(app, options.beacon);
+  app.get_option("--beacon")->each([&options](const std::string&) { options.is_beacon_given = true; });
 }
 
 namespace {
@@ -154,12 +157,13 @@ void for_each_case(const CaseOptions& options, const std::function<void(std::vec
     }
     use(std::move(runs));
   }
+  const auto beacon = options.is_beacon_given ? std::optional(options.beacon) : std::nullopt;
   std::size_t unreadable = 0;
   for (const Recording& recording : recordings) {
     begin_case(bus_log::name_of(recording));
     std::vector<evaluation::Case> runs;
     try {
-      runs.push_back(evaluation::recorded_case(recording, options.beacon));
+      runs.push_back(evaluation::recorded_case(recording, beacon));
     } catch (const files::IoError& error) {
       report_left_out(error.what());
       ++unreadable;

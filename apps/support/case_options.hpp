@@ -2,6 +2,7 @@
 // The choice of cases, common to all programs that score.
 
 #include "evaluation/replay/cases.hpp"
+#include "recording/log_folder.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -21,10 +22,11 @@ struct CaseOptions {
   std::uint64_t seeds = 5;
   std::uint64_t first_seed = 1;
   std::optional<std::filesystem::path> recordings;
-  std::optional<BeaconAddress> beacon;  ///< beacon in files with several
+  BeaconAddress beacon = recording::default_log_address;  ///< its own settings apply
+  bool is_beacon_given = false;                           ///< it is read from files of several
 };
 
-/// Adds CASE..., --harder, --seeds, --first-seed and --recordings.
+/// Adds CASE..., --harder, --seeds, --first-seed, --recordings and --beacon.
 void add_case_options(CLI::App& app, CaseOptions& options);
 
 /// A case that is about to be created.
