@@ -1,3 +1,4 @@
+#include "estimation/kalman/state_internal.hpp"
 #include <sonopose/estimation/aiding/delay.hpp>
 #include <sonopose/estimation/aiding/planar.hpp>
 #include <sonopose/estimation/kalman/engine.hpp>
@@ -383,7 +384,7 @@ std::uint32_t Engine::status(TimeNs time_ns) const {
   const double since_fix_s = seconds_between(last_used_received_ns_, time_ns);
   return bit(uncertainty_.gyro_bias_is_unknown, status_uncalibrated) |
          bit(since_fix_s > settings_.outage.stale_after_s, status_stale) |
-         bit(time_ns < now.converging_until_ns, status_converging) |
+         bit(time_ns < now.converging_until_ns || has_left_track(now), status_converging) |
          bit(uncertainty_.yaw_is_unknown || now.headings.rejected_in_row >= contradicted_by,
              status_heading_unknown) |
          bit(is_distrustful(now.bank.best().imu) || time_ns < now.imu_fault.faulty_until_ns ||

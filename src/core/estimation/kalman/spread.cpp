@@ -10,26 +10,53 @@
 namespace sonopose::estimation::kalman {
 namespace {
 
-/// Distance of the best filter from the one that trusts the IMU most, if it is another: either the IMU errs,
-/// or the fixes do for a while. Both follow the fixes, and so they disagree by less than the error.
-Vector3d disagreement_world_m(const HypothesisBank& bank) {
-  constexpr double error_ratio = 2.0;
-  for (const Hypothesis& each : bank) {
-    if (each.track != Track::followed || each.imu != ImuModel::quiet) continue;
-    return error_ratio *
-           (each.filter.tracked_position_world_m() - bank.best().filter.tracked_position_world_m());
+/// True for a track that the body may be on although another one is followed: the track that was left, or
+/// that of the fixes which are rejected.
+bool is_possible_track(const State& state, const Hypothesis& hypothesis) {
+  if (hypothesis.track == Track::former) return true;
+  return hypothesis.track != Track::followed && hypothesis.explained >= min_track_fixes &&
+         state.fixes.rejected_in_row > 0;
+}
+
+/// Hypothesis that trusts the IMU most.
+const Hypothesis* find_quiet(const HypothesisBank& bank) {
+  const auto found = std::find_if(bank.begin(), bank.end(), [](const Hypothesis& each) {
+    return each.track == Track::followed && each.imu == ImuModel::quiet;
+  });
+  return found == bank.end() ? nullptr : &*found;
+}
+
+/// Share of the best model's noise that the samples do not show: the IMU errs in another way, or the fixes
+/// do.
+double unexplained_share(const State& state) {
+  const auto unexplained = [](double shown, double assumed) { return std::max(0.0, 1.0 - shown / assumed); };
+  const ImuModel model = state.bank.best().imu;
+  const ProcessNoise& noise = parameters_of(model).noise;
+  if (model == ImuModel::rough) return unexplained(state.imu.shocks.density_rthz(), noise.accel_mps2_rthz);
+  if (model == ImuModel::rough_gyro) {
+    return unexplained(state.imu.turn_shocks.density_rthz(), noise.gyro_radps_rthz);
   }
-  return Vector3d::Zero();
+  return 1.0;
 }
 
 }  // namespace
+
+bool has_left_track(const State& state) {
+  constexpr double apart_m = 0.5;
+  return std::any_of(state.bank.begin(), state.bank.end(), [&state](const Hypothesis& each) {
+    return each.track == Track::former &&
+           (each.filter.tracked_position_world_m() - state.filter().tracked_position_world_m()).norm() >
+               apart_m;
+  });
+}
 
 bool State::is_ambiguous() const {
   if (phase != Phase::tracking) return phase == Phase::searching_yaw;
   if (is_distrustful(bank.best().imu)) return false;
   return bank.best().imu != ImuModel::quiet || imu_fault.mean_innovation_chi2 > chi2_explain_threshold ||
-         std::any_of(bank.begin(), bank.end(), [](const Hypothesis& each) {
-           return each.track == Track::followed && is_distrustful(each.imu);
+         std::any_of(bank.begin(), bank.end(), [this](const Hypothesis& each) {
+           return (each.track == Track::followed && is_distrustful(each.imu)) ||
+                  is_possible_track(*this, each);
          });
 }
 
@@ -40,6 +67,8 @@ Spread State::spread() const {
            (searches_yaw || is_distrustful(each.imu) || &each == &bank.best());
   };
   const auto log_weight = [&](const Hypothesis& each) { return searches_yaw ? each.score : each.evidence; };
+  constexpr double track_weight = 0.1;  // most tracks that are not followed are wrong
+  constexpr double error_ratio = 3.0;   // both follow the fixes, and so they disagree by less than the error
   double max_log_weight = -std::numeric_limits<double>::infinity();
   for (const Hypothesis& each : bank) {
     if (is_possible(each)) max_log_weight = std::max(max_log_weight, log_weight(each));
@@ -50,8 +79,9 @@ Spread State::spread() const {
   double weights = 0.0;
   double yaw_rad2 = 0.0;
   for (const Hypothesis& each : bank) {
-    if (!is_possible(each)) continue;
-    const double weight = std::exp(log_weight(each) - max_log_weight);
+    const bool is_track = !searches_yaw && is_possible_track(*this, each);
+    if (!is_possible(each) && !is_track) continue;
+    const double weight = is_track ? track_weight : std::exp(log_weight(each) - max_log_weight);
     weights += weight;
     if (searches_yaw && each.imu == ImuModel::distrusts_imu) {
       yaw_rad2 += weight * no_yaw_rad2;
@@ -60,21 +90,27 @@ Spread State::spread() const {
     const double by_rad = geometry::wrap_angle(geometry::yaw_of(each.filter.q_body_to_world) - yaw_rad);
     const Vector3d by_m = each.filter.tracked_position_world_m() - filter().tracked_position_world_m();
     const Vector3d by_mps = each.filter.tracked_velocity_world_mps() - filter().tracked_velocity_world_mps();
-    yaw_rad2 += weight * (square(by_rad) + (searches_yaw ? each.filter.yaw_variance_rad2() : 0.0));
+    yaw_rad2 += weight * (square(by_rad) + each.filter.yaw_variance_rad2());
     spread.position_m2 += weight * by_m * by_m.transpose();
     spread.velocity_m2ps2 += weight * by_mps * by_mps.transpose();
   }
-  spread.yaw_rad2 = std::min(yaw_rad2 / weights, no_yaw_rad2);
-  if (searches_yaw) spread.yaw_rad2 = std::max(0.0, spread.yaw_rad2 - filter().yaw_variance_rad2());
+  yaw_rad2 /= weights;
   spread.position_m2 /= weights;
   spread.velocity_m2ps2 /= weights;
   if (!searches_yaw && imu_fault.mean_innovation_chi2 > chi2_explain_threshold) {
     spread.position_m2 += imu_fault.mean_innovation_world_m * imu_fault.mean_innovation_world_m.transpose();
   }
-  if (!searches_yaw) {
-    const Vector3d by_m = disagreement_world_m(bank);
+  if (const Hypothesis* const quiet = searches_yaw ? nullptr : find_quiet(bank)) {
+    // Either the IMU errs, or the fixes do for a while.
+    const double ratio = error_ratio * unexplained_share(*this);
+    const Vector3d by_m =
+        ratio * (quiet->filter.tracked_position_world_m() - filter().tracked_position_world_m());
+    const double by_rad =
+        ratio * geometry::wrap_angle(geometry::yaw_of(quiet->filter.q_body_to_world) - yaw_rad);
     spread.position_m2 += by_m * by_m.transpose();
+    yaw_rad2 += square(by_rad);
   }
+  spread.yaw_rad2 = std::max(0.0, std::min(yaw_rad2, no_yaw_rad2) - filter().yaw_variance_rad2());
   if (bank.best().imu == ImuModel::other_clock) {  // either clock may be right
     const Vector3d by_m = filter().delay_error_s * filter().tracked_velocity_world_mps();
     spread.position_m2 += by_m * by_m.transpose();
