@@ -80,7 +80,7 @@ int main(int argc, char** argv) {
   const std::string first = words.front();
   words.erase(words.begin());
   if (first == "--version") {
-    sonopose::apps::print("sonopose {}\n", version());
+    sonopose::apps::print("sonopose {}\n", version_text());
     return end_of_output();
   }
   if (first == "help" && !words.empty()) return become(words.front(), {"--help"});

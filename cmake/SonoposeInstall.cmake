@@ -19,4 +19,5 @@ configure_package_config_file(cmake/sonoposeConfig.cmake.in ${PROJECT_BINARY_DIR
   INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/sonopose)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/sonoposeConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/sonoposeConfig.cmake ${PROJECT_BINARY_DIR}/sonoposeConfigVersion.cmake
+              ${CMAKE_CURRENT_LIST_DIR}/SonoposeCxx.cmake
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/sonopose)

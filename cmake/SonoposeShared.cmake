@@ -25,5 +25,7 @@ set_target_properties(sonopose_shared PROPERTIES
   OUTPUT_NAME sonopose EXPORT_NAME shared VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}
   LINK_DEPENDS "${archive_files};${names}")
 install(TARGETS sonopose_shared EXPORT sonopose_dds LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-configure_file(${CMAKE_CURRENT_LIST_DIR}/sonopose.pc.in ${PROJECT_BINARY_DIR}/sonopose.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/sonopose.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+foreach(name sonopose sonopose-cxx)  # the second adds <dds/dds.hpp>
+  configure_file(${CMAKE_CURRENT_LIST_DIR}/${name}.pc.in ${PROJECT_BINARY_DIR}/${name}.pc @ONLY)
+endforeach()
+install(FILES ${PROJECT_BINARY_DIR}/sonopose.pc ${PROJECT_BINARY_DIR}/sonopose-cxx.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

@@ -238,7 +238,7 @@ Program::Program(std::string_view verb, const std::string& details)
   help->label("SUBCOMMAND", "COMMAND");
   formatter(help);  // later commands inherit it
   set_help_all_flag("--help-all", "Print everything about every option and exit");
-  set_version_flag("--version", get_name() + " " + std::string(apps::version()),
+  set_version_flag("--version", get_name() + " " + std::string(apps::version_text()),
                    "Print the version and exit");
   add_completions(*this);
 }

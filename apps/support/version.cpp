@@ -6,4 +6,8 @@ std::string_view version() {
   return SONOPOSE_VERSION;
 }
 
+std::string_view version_text() {
+  return SONOPOSE_VERSION " (sonopose::cxx: " SONOPOSE_CXX_BINDING ")";
+}
+
 }  // namespace sonopose::apps

@@ -22,7 +22,8 @@ using namespace sonopose::test;
 using Catch::Contains;
 namespace fs = std::filesystem;
 
-const std::string version_line = " " SONOPOSE_TEST_VERSION "\n";
+const std::string version_line =
+    " " SONOPOSE_TEST_VERSION " (sonopose::cxx: " SONOPOSE_TEST_CXX_BINDING ")\n";
 const fs::path front_door = SONOPOSE_TEST_SONOPOSE;
 const std::string prefix = "sonopose-";
 

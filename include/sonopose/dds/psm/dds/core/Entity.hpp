@@ -1,0 +1,128 @@
+#pragma once
+/// \file
+/// References to entities. Copies refer to the same entity, which ends with its last reference or by
+/// `close()`. Left out: delegates, casts from an Entity to its kind, WeakReference.
+
+#include "Exception.hpp"
+#include "status/Status.hpp"
+
+#include <dds/dds.h>
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <utility>
+
+namespace dds::inline sonopose_psm::core {
+
+namespace detail {
+
+/// An entity or condition of Cyclone DDS, and the one that it belongs to.
+class Node : public std::enable_shared_from_this<Node> {
+public:
+  explicit Node(std::shared_ptr<Node> owner) : owner_(std::move(owner)) {}
+  Node(const Node&) = delete;
+  Node& operator=(const Node&) = delete;
+  Node(Node&&) = delete;
+  Node& operator=(Node&&) = delete;
+  virtual ~Node();
+
+  /// The handle in C. Throws AlreadyClosedError after `close()` of this node or of one that it belongs to.
+  dds_entity_t handle() const;
+  /// Sets the handle, once. A callback of the entity may do so before the constructor does.
+  void handle(dds_entity_t value) noexcept { handle_ = value; }
+
+  /// Deletes the entity. A second call has no effect.
+  void close() noexcept;
+  /// Keeps the entity until it or what it belongs to is closed, even without references.
+  void retain();
+
+  const std::shared_ptr<Node>& owner() const noexcept { return owner_; }
+
+  /// The status condition of the entity, while there is one.
+  std::weak_ptr<Node> status_condition;
+
+protected:
+  /// Deletes the entity in C.
+  virtual void end(dds_entity_t handle) noexcept { dds_delete(handle); }
+
+private:
+  bool is_closed() const noexcept;
+
+  std::shared_ptr<Node> owner_;
+  std::atomic<dds_entity_t> handle_ = 0;
+};
+
+struct Access;
+
+}  // namespace detail
+
+/// A reference to an entity, to a condition, or to nothing.
+class Reference {
+public:
+  bool is_nil() const noexcept { return node_ == nullptr; }
+  bool operator==(const Reference& other) const noexcept { return node_ == other.node_; }
+  bool operator==(null_type) const noexcept { return is_nil(); }
+
+protected:
+  Reference() = default;
+  explicit Reference(std::shared_ptr<detail::Node> node) : node_(std::move(node)) {}
+
+  /// What it refers to. Throws NullReferenceError for nothing.
+  template <class N = detail::Node>
+  N& node() const {
+    return static_cast<N&>(*pointer());
+  }
+  const std::shared_ptr<detail::Node>& pointer() const {
+    if (!node_) throw NullReferenceError("this reference is dds::core::null");
+    return node_;
+  }
+
+private:
+  friend detail::Access;
+  std::shared_ptr<detail::Node> node_;
+};
+
+namespace detail {
+/// What the other classes need of a reference.
+struct Access {
+  static const std::shared_ptr<Node>& node(const Reference& reference) { return reference.pointer(); }
+  static dds_entity_t handle(const Reference& reference) { return reference.pointer()->handle(); }
+};
+}  // namespace detail
+
+/// Identifies an instance, reader or writer within this process.
+class InstanceHandle {
+public:
+  static const InstanceHandle nil() { return {}; }
+
+  InstanceHandle() = default;
+  InstanceHandle(null_type) {}
+  explicit InstanceHandle(dds_instance_handle_t value) : value_(value) {}
+
+  bool is_nil() const noexcept { return value_ == DDS_HANDLE_NIL; }
+  auto operator<=>(const InstanceHandle&) const = default;
+
+  /// Beyond the PSM: the handle in C.
+  dds_instance_handle_t c_value() const noexcept { return value_; }
+
+private:
+  dds_instance_handle_t value_ = DDS_HANDLE_NIL;
+};
+
+/// What all entities have.
+class Entity : public Reference {
+public:
+  Entity(null_type) {}
+  explicit Entity(std::shared_ptr<detail::Node> node) : Reference(std::move(node)) {}
+
+  /// Without effect: entities are enabled when they are made.
+  void enable() const { detail::check("dds_enable", dds_enable(node().handle())); }
+  /// Statuses that changed since they were last read.
+  const status::StatusMask status_changes() const;
+  const InstanceHandle instance_handle() const;
+  void close() { node().close(); }
+  void retain() { node().retain(); }
+};
+
+}  // namespace dds::inline sonopose_psm::core

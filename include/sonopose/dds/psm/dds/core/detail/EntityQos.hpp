@@ -1,0 +1,108 @@
+#pragma once
+/// \file
+/// The QoS of an entity: one value of each of its policies.
+
+#include "../policy/CorePolicy.hpp"
+
+#include <dds/dds.h>
+
+#include <memory>
+#include <tuple>
+#include <type_traits>
+
+namespace dds::inline sonopose_psm::core::detail {
+
+struct DeleteQos {
+  void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
+};
+using CQos = std::unique_ptr<dds_qos_t, DeleteQos>;
+
+CQos make_qos();
+
+// Each writes a policy into a QoS in C, and throws for an invalid value.
+void apply(const policy::UserData& policy, dds_qos_t* qos);
+void apply(const policy::Durability& policy, dds_qos_t* qos);
+void apply(const policy::Deadline& policy, dds_qos_t* qos);
+void apply(const policy::LatencyBudget& policy, dds_qos_t* qos);
+void apply(const policy::Lifespan& policy, dds_qos_t* qos);
+void apply(const policy::Ownership& policy, dds_qos_t* qos);
+void apply(const policy::OwnershipStrength& policy, dds_qos_t* qos);
+void apply(const policy::Liveliness& policy, dds_qos_t* qos);
+void apply(const policy::Partition& policy, dds_qos_t* qos);
+void apply(const policy::Reliability& policy, dds_qos_t* qos);
+void apply(const policy::History& policy, dds_qos_t* qos);
+void apply(const policy::ResourceLimits& policy, dds_qos_t* qos);
+void apply(const policy::WriterDataLifecycle& policy, dds_qos_t* qos);
+void apply(const policy::TransportPriority& policy, dds_qos_t* qos);
+void apply(const policy::DurabilityService& policy, dds_qos_t* qos);
+
+/// `Defaults` changes what differs from the policies' own defaults.
+template <class Defaults, class... Policies>
+class EntityQos {
+  template <class Policy>
+  static constexpr bool has = (std::is_same_v<Policy, Policies> || ...);
+
+public:
+  EntityQos() { Defaults::apply(*this); }
+
+  /// Takes over the policies that another kind of entity has as well.
+  template <class D, class... Others>
+  EntityQos(const EntityQos<D, Others...>& other) : EntityQos() {
+    *this = other;
+  }
+  template <class D, class... Others>
+  EntityQos& operator=(const EntityQos<D, Others...>& other) {
+    const auto copy = [this]<class Policy>(const Policy& value) {
+      if constexpr (has<Policy>) std::get<Policy>(policies_) = value;
+    };
+    (copy(other.template policy<Others>()), ...);
+    return *this;
+  }
+
+  template <class Policy>
+  EntityQos& policy(const Policy& value) {
+    static_assert(has<Policy>, "this kind of entity has no such policy");
+    detail::apply(value, make_qos().get());  // throws if it is invalid
+    std::get<Policy>(policies_) = value;
+    return *this;
+  }
+  template <class Policy>
+  const Policy& policy() const {
+    return std::get<Policy>(policies_);
+  }
+  template <class Policy>
+  Policy& policy() {
+    return std::get<Policy>(policies_);
+  }
+  template <class Policy>
+  EntityQos& operator<<(const Policy& value) {
+    return policy(value);
+  }
+  template <class Policy>
+  const EntityQos& operator>>(Policy& value) const {
+    value = policy<Policy>();
+    return *this;
+  }
+  bool operator==(const EntityQos&) const = default;
+
+  /// Beyond the PSM: the QoS in C.
+  CQos c_qos() const {
+    CQos qos = make_qos();
+    (detail::apply(std::get<Policies>(policies_), qos.get()), ...);
+    return qos;
+  }
+
+private:
+  std::tuple<Policies...> policies_;
+};
+
+struct BestEffortDefaults {
+  static void apply(auto&) {}
+};
+struct ReliableDefaults {
+  static void apply(auto& qos) {
+    qos.template policy<policy::Reliability>().kind(policy::ReliabilityKind::RELIABLE);
+  }
+};
+
+}  // namespace dds::inline sonopose_psm::core::detail

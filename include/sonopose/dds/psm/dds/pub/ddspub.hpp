@@ -1,0 +1,254 @@
+#pragma once
+/// \file
+/// Publishers and writers. Left out: listeners of publishers, coherent sets, suspended publications,
+/// TopicInstance, writing of ranges and pairs, instance management with a time stamp, discovery.
+
+#include "../core/detail/EntityQos.hpp"
+#include "../topic/ddstopic.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <utility>
+
+namespace dds::inline sonopose_psm::pub {
+
+namespace qos {
+using DataWriterQos =
+    core::detail::EntityQos<core::detail::ReliableDefaults, core::policy::UserData, core::policy::Durability,
+                            core::policy::Deadline, core::policy::LatencyBudget, core::policy::Liveliness,
+                            core::policy::Reliability, core::policy::History, core::policy::ResourceLimits,
+                            core::policy::TransportPriority, core::policy::Lifespan, core::policy::Ownership,
+                            core::policy::OwnershipStrength, core::policy::WriterDataLifecycle>;
+}
+
+template <class T>
+class DataWriter;
+
+/// Callbacks of a writer, on threads of Cyclone DDS. They must not block, throw, or end the writer. The
+/// writer that they receive must not be kept. The listener must outlive its writer.
+template <class T>
+class DataWriterListener {
+public:
+  virtual ~DataWriterListener() = default;
+  virtual void on_offered_deadline_missed(DataWriter<T>& writer,
+                                          const core::status::OfferedDeadlineMissedStatus& status) = 0;
+  virtual void on_offered_incompatible_qos(DataWriter<T>& writer,
+                                           const core::status::OfferedIncompatibleQosStatus& status) = 0;
+  virtual void on_liveliness_lost(DataWriter<T>& writer,
+                                  const core::status::LivelinessLostStatus& status) = 0;
+  virtual void on_publication_matched(DataWriter<T>& writer,
+                                      const core::status::PublicationMatchedStatus& status) = 0;
+};
+
+/// A listener whose callbacks do nothing.
+template <class T>
+class NoOpDataWriterListener : public virtual DataWriterListener<T> {
+public:
+  void on_offered_deadline_missed(DataWriter<T>&, const core::status::OfferedDeadlineMissedStatus&) override {
+  }
+  void on_offered_incompatible_qos(DataWriter<T>&,
+                                   const core::status::OfferedIncompatibleQosStatus&) override {}
+  void on_liveliness_lost(DataWriter<T>&, const core::status::LivelinessLostStatus&) override {}
+  void on_publication_matched(DataWriter<T>&, const core::status::PublicationMatchedStatus&) override {}
+};
+
+namespace detail {
+
+class PublisherNode : public core::detail::Node {
+public:
+  using Node::Node;
+  ~PublisherNode() override { close(); }
+
+  qos::PublisherQos qos;
+};
+
+class WriterNode;
+
+/// What a writer's callbacks call, whatever its type.
+class WriterEvents {
+public:
+  WriterEvents() = default;
+  WriterEvents(const WriterEvents&) = delete;
+  WriterEvents& operator=(const WriterEvents&) = delete;
+  WriterEvents(WriterEvents&&) = delete;
+  WriterEvents& operator=(WriterEvents&&) = delete;
+  virtual ~WriterEvents() = default;
+  virtual void on(WriterNode& writer, const core::status::OfferedDeadlineMissedStatus& status) = 0;
+  virtual void on(WriterNode& writer, const core::status::OfferedIncompatibleQosStatus& status) = 0;
+  virtual void on(WriterNode& writer, const core::status::LivelinessLostStatus& status) = 0;
+  virtual void on(WriterNode& writer, const core::status::PublicationMatchedStatus& status) = 0;
+};
+
+class WriterNode : public core::detail::Node {
+public:
+  using Node::Node;
+  ~WriterNode() override { close(); }
+
+  std::shared_ptr<core::detail::Node> topic;
+  qos::DataWriterQos qos;
+  std::shared_ptr<WriterEvents> events;
+  std::shared_ptr<void> bridge;  ///< from the callbacks in C to `events`
+  void* listener = nullptr;      ///< the user's
+};
+
+std::shared_ptr<WriterNode> make_writer(const core::Reference& publisher, const core::Reference& topic,
+                                        const qos::DataWriterQos& qos, std::shared_ptr<WriterEvents> events,
+                                        const core::status::StatusMask& mask);
+void listen(WriterNode& writer, std::shared_ptr<WriterEvents> events, const core::status::StatusMask& mask);
+
+}  // namespace detail
+
+/// Groups writers that share a partition.
+class Publisher : public core::Entity {
+public:
+  Publisher(core::null_type) : Entity(core::null) {}
+  explicit Publisher(std::shared_ptr<core::detail::Node> node) : Entity(std::move(node)) {}
+  Publisher(const domain::DomainParticipant& participant);
+  Publisher(const domain::DomainParticipant& participant, const qos::PublisherQos& qos);
+
+  const qos::PublisherQos& qos() const { return node<detail::PublisherNode>().qos; }
+  void qos(const qos::PublisherQos& qos);
+  qos::DataWriterQos default_datawriter_qos() const { return {}; }
+  const domain::DomainParticipant participant() const { return domain::DomainParticipant(node().owner()); }
+  /// Throws TimeoutError unless all readers acknowledged all samples within `timeout`.
+  void wait_for_acknowledgments(const core::Duration& timeout);
+};
+
+/// A writer of any type.
+class AnyDataWriter : public core::Entity {
+public:
+  AnyDataWriter(core::null_type) : Entity(core::null) {}
+
+  const Publisher publisher() const { return Publisher(node().owner()); }
+  const topic::TopicDescription topic_description() const {
+    return topic::TopicDescription(node<detail::WriterNode>().topic);
+  }
+  qos::DataWriterQos qos() const { return node<detail::WriterNode>().qos; }
+  /// Throws ImmutablePolicyError for what an existing writer cannot change.
+  void qos(const qos::DataWriterQos& qos);
+  void wait_for_acknowledgments(const core::Duration& timeout);
+  void assert_liveliness();
+
+  const core::status::LivelinessLostStatus liveliness_lost_status();
+  const core::status::OfferedDeadlineMissedStatus offered_deadline_missed_status();
+  const core::status::OfferedIncompatibleQosStatus offered_incompatible_qos_status();
+  const core::status::PublicationMatchedStatus publication_matched_status();
+
+protected:
+  explicit AnyDataWriter(std::shared_ptr<core::detail::Node> node) : Entity(std::move(node)) {}
+};
+
+/// Writes samples of one type. `write` throws TimeoutError if slow readers block it for max_blocking_time.
+template <class T>
+class DataWriter : public AnyDataWriter {
+  using Support = topic::detail::TypeSupport<T>;
+  using AsC = topic::detail::AsC<T>;
+
+public:
+  using DataType = T;
+  using Listener = DataWriterListener<T>;
+
+  DataWriter(core::null_type) : AnyDataWriter(core::null) {}
+  explicit DataWriter(std::shared_ptr<core::detail::Node> node) : AnyDataWriter(std::move(node)) {}
+  DataWriter(const Publisher& publisher, const topic::Topic<T>& topic)
+      : DataWriter(publisher, topic, qos::DataWriterQos()) {}
+  DataWriter(const Publisher& publisher, const topic::Topic<T>& topic, const qos::DataWriterQos& qos,
+             DataWriterListener<T>* listener = nullptr,
+             const core::status::StatusMask& mask = core::status::StatusMask::none())
+      : AnyDataWriter(detail::make_writer(publisher, topic, qos, events_of(listener), mask)) {
+    node<detail::WriterNode>().listener = listener;
+  }
+
+  void write(const T& sample) { call("dds_write", dds_write, AsC(sample).get()); }
+  void write(const T& sample, const core::Time& timestamp) {
+    call("dds_write_ts", dds_write_ts, AsC(sample).get(), core::detail::to_c(timestamp));
+  }
+  /// The sample must be of the instance.
+  void write(const T& sample, const core::InstanceHandle&) { write(sample); }
+  DataWriter& operator<<(const T& sample) {
+    write(sample);
+    return *this;
+  }
+
+  const core::InstanceHandle register_instance(const T& key) {
+    dds_instance_handle_t instance = 0;
+    call("dds_register_instance", dds_register_instance, &instance, AsC(key).get());
+    return core::InstanceHandle(instance);
+  }
+  DataWriter& unregister_instance(const core::InstanceHandle& instance) {
+    call("dds_unregister_instance_ih", dds_unregister_instance_ih, instance.c_value());
+    return *this;
+  }
+  DataWriter& unregister_instance(const T& key) {
+    call("dds_unregister_instance", dds_unregister_instance, AsC(key).get());
+    return *this;
+  }
+  DataWriter& dispose_instance(const core::InstanceHandle& instance) {
+    call("dds_dispose_ih", dds_dispose_ih, instance.c_value());
+    return *this;
+  }
+  DataWriter& dispose_instance(const T& key) {
+    call("dds_dispose", dds_dispose, AsC(key).get());
+    return *this;
+  }
+  /// Nil for an unknown instance.
+  core::InstanceHandle lookup_instance(const T& key) {
+    return core::InstanceHandle(dds_lookup_instance(node().handle(), AsC(key).get()));
+  }
+  /// Sets the key fields of `key` to those of an instance.
+  T& key_value(T& key, const core::InstanceHandle& instance) {
+    topic::detail::read_key<T>(node().handle(), instance, key);
+    return key;
+  }
+
+  const topic::Topic<T> topic() const { return topic::Topic<T>(node<detail::WriterNode>().topic); }
+
+  void listener(DataWriterListener<T>* listener, const core::status::StatusMask& mask) {
+    auto& writer = node<detail::WriterNode>();
+    detail::listen(writer, events_of(listener), mask);
+    writer.listener = listener;
+  }
+  DataWriterListener<T>* listener() const {
+    return static_cast<DataWriterListener<T>*>(node<detail::WriterNode>().listener);
+  }
+
+private:
+  class Events : public detail::WriterEvents {
+  public:
+    explicit Events(DataWriterListener<T>& listener) : listener_(listener) {}
+    void on(detail::WriterNode& writer, const core::status::OfferedDeadlineMissedStatus& status) override {
+      DataWriter view = view_of(writer);
+      listener_.on_offered_deadline_missed(view, status);
+    }
+    void on(detail::WriterNode& writer, const core::status::OfferedIncompatibleQosStatus& status) override {
+      DataWriter view = view_of(writer);
+      listener_.on_offered_incompatible_qos(view, status);
+    }
+    void on(detail::WriterNode& writer, const core::status::LivelinessLostStatus& status) override {
+      DataWriter view = view_of(writer);
+      listener_.on_liveliness_lost(view, status);
+    }
+    void on(detail::WriterNode& writer, const core::status::PublicationMatchedStatus& status) override {
+      DataWriter view = view_of(writer);
+      listener_.on_publication_matched(view, status);
+    }
+
+  private:
+    /// Does not own the writer, whose end waits for its callbacks.
+    static DataWriter view_of(detail::WriterNode& writer) {
+      return DataWriter(std::shared_ptr<core::detail::Node>(std::shared_ptr<void>(), &writer));
+    }
+    DataWriterListener<T>& listener_;
+  };
+
+  static std::shared_ptr<detail::WriterEvents> events_of(DataWriterListener<T>* listener) {
+    return listener == nullptr ? nullptr : std::make_shared<Events>(*listener);
+  }
+
+  template <class Function, class... Arguments>
+  void call(const char* name, Function function, Arguments... arguments) {
+    core::detail::check(name, function(node().handle(), arguments...));
+  }
+};
+
+}  // namespace dds::inline sonopose_psm::pub

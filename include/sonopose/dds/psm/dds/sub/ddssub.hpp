@@ -1,0 +1,371 @@
+#pragma once
+/// \file
+/// Subscribers and readers. Left out: listeners of subscribers, content filters and queries, next_instance,
+/// coherent access, copying into iterators, the `>>` of readers, TopicInstance, discovery.
+
+#include "../core/cond/WaitSet.hpp"
+#include "../core/detail/EntityQos.hpp"
+#include "../topic/ddstopic.hpp"
+#include "LoanedSamples.hpp"
+#include "status/DataState.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace dds::inline sonopose_psm::sub {
+
+namespace qos {
+using DataReaderQos =
+    core::detail::EntityQos<core::detail::BestEffortDefaults, core::policy::UserData,
+                            core::policy::Durability, core::policy::Deadline, core::policy::LatencyBudget,
+                            core::policy::Liveliness, core::policy::Reliability, core::policy::History,
+                            core::policy::ResourceLimits, core::policy::Ownership>;
+}
+
+template <class T>
+class DataReader;
+
+/// Callbacks of a reader, on threads of Cyclone DDS. They must not block, throw, or end the reader. The
+/// reader that they receive must not be kept. The listener must outlive its reader.
+template <class T>
+class DataReaderListener {
+public:
+  virtual ~DataReaderListener() = default;
+  virtual void on_requested_deadline_missed(DataReader<T>& reader,
+                                            const core::status::RequestedDeadlineMissedStatus& status) = 0;
+  virtual void on_requested_incompatible_qos(DataReader<T>& reader,
+                                             const core::status::RequestedIncompatibleQosStatus& status) = 0;
+  virtual void on_sample_rejected(DataReader<T>& reader,
+                                  const core::status::SampleRejectedStatus& status) = 0;
+  virtual void on_liveliness_changed(DataReader<T>& reader,
+                                     const core::status::LivelinessChangedStatus& status) = 0;
+  virtual void on_data_available(DataReader<T>& reader) = 0;
+  virtual void on_subscription_matched(DataReader<T>& reader,
+                                       const core::status::SubscriptionMatchedStatus& status) = 0;
+  virtual void on_sample_lost(DataReader<T>& reader, const core::status::SampleLostStatus& status) = 0;
+};
+
+/// A listener whose callbacks do nothing.
+template <class T>
+class NoOpDataReaderListener : public virtual DataReaderListener<T> {
+public:
+  void on_requested_deadline_missed(DataReader<T>&,
+                                    const core::status::RequestedDeadlineMissedStatus&) override {}
+  void on_requested_incompatible_qos(DataReader<T>&,
+                                     const core::status::RequestedIncompatibleQosStatus&) override {}
+  void on_sample_rejected(DataReader<T>&, const core::status::SampleRejectedStatus&) override {}
+  void on_liveliness_changed(DataReader<T>&, const core::status::LivelinessChangedStatus&) override {}
+  void on_data_available(DataReader<T>&) override {}
+  void on_subscription_matched(DataReader<T>&, const core::status::SubscriptionMatchedStatus&) override {}
+  void on_sample_lost(DataReader<T>&, const core::status::SampleLostStatus&) override {}
+};
+
+namespace detail {
+
+class SubscriberNode : public core::detail::Node {
+public:
+  using Node::Node;
+  ~SubscriberNode() override { close(); }
+
+  qos::SubscriberQos qos;
+};
+
+class ReaderNode;
+
+/// What a reader's callbacks call, whatever its type.
+class ReaderEvents {
+public:
+  ReaderEvents() = default;
+  ReaderEvents(const ReaderEvents&) = delete;
+  ReaderEvents& operator=(const ReaderEvents&) = delete;
+  ReaderEvents(ReaderEvents&&) = delete;
+  ReaderEvents& operator=(ReaderEvents&&) = delete;
+  virtual ~ReaderEvents() = default;
+  virtual void on_data(ReaderNode& reader) = 0;
+  virtual void on(ReaderNode& reader, const core::status::RequestedDeadlineMissedStatus& status) = 0;
+  virtual void on(ReaderNode& reader, const core::status::RequestedIncompatibleQosStatus& status) = 0;
+  virtual void on(ReaderNode& reader, const core::status::SampleRejectedStatus& status) = 0;
+  virtual void on(ReaderNode& reader, const core::status::LivelinessChangedStatus& status) = 0;
+  virtual void on(ReaderNode& reader, const core::status::SubscriptionMatchedStatus& status) = 0;
+  virtual void on(ReaderNode& reader, const core::status::SampleLostStatus& status) = 0;
+};
+
+class ReaderNode : public core::detail::Node {
+public:
+  using Node::Node;
+  ~ReaderNode() override { close(); }
+
+  std::shared_ptr<core::detail::Node> topic;
+  qos::DataReaderQos qos;
+  status::DataState filter_state;
+  std::shared_ptr<ReaderEvents> events;
+  std::shared_ptr<void> bridge;  ///< from the callbacks in C to `events`
+  void* listener = nullptr;      ///< the user's
+};
+
+std::shared_ptr<ReaderNode> make_reader(const core::Reference& subscriber, const core::Reference& topic,
+                                        const qos::DataReaderQos& qos, std::shared_ptr<ReaderEvents> events,
+                                        const core::status::StatusMask& mask);
+void listen(ReaderNode& reader, std::shared_ptr<ReaderEvents> events, const core::status::StatusMask& mask);
+
+/// Samples to read or take.
+struct Selection {
+  bool take = false;
+  bool of_one_instance = false;
+  dds_instance_handle_t instance = DDS_HANDLE_NIL;
+  std::uint32_t mask = DDS_ANY_STATE;
+};
+
+/// Reads or takes into `size` samples of the caller. Returns their number.
+std::size_t fetch(dds_entity_t reader, const Selection& selection, void** samples, dds_sample_info_t* infos,
+                  std::size_t size);
+
+}  // namespace detail
+
+/// Groups readers that share a partition.
+class Subscriber : public core::Entity {
+public:
+  Subscriber(core::null_type) : Entity(core::null) {}
+  explicit Subscriber(std::shared_ptr<core::detail::Node> node) : Entity(std::move(node)) {}
+  Subscriber(const domain::DomainParticipant& participant);
+  Subscriber(const domain::DomainParticipant& participant, const qos::SubscriberQos& qos);
+
+  const qos::SubscriberQos& qos() const { return node<detail::SubscriberNode>().qos; }
+  void qos(const qos::SubscriberQos& qos);
+  qos::DataReaderQos default_datareader_qos() const { return {}; }
+  const domain::DomainParticipant participant() const { return domain::DomainParticipant(node().owner()); }
+};
+
+/// A reader of any type.
+class AnyDataReader : public core::Entity {
+public:
+  AnyDataReader(core::null_type) : Entity(core::null) {}
+
+  const Subscriber subscriber() const { return Subscriber(node().owner()); }
+  const topic::TopicDescription topic_description() const {
+    return topic::TopicDescription(node<detail::ReaderNode>().topic);
+  }
+  qos::DataReaderQos qos() const { return node<detail::ReaderNode>().qos; }
+  /// Throws ImmutablePolicyError for what an existing reader cannot change.
+  void qos(const qos::DataReaderQos& qos);
+  /// Throws TimeoutError unless the transient-local samples from before this reader arrive within `timeout`.
+  void wait_for_historical_data(const core::Duration& timeout);
+
+  core::status::LivelinessChangedStatus liveliness_changed_status();
+  core::status::SampleRejectedStatus sample_rejected_status();
+  core::status::SampleLostStatus sample_lost_status();
+  core::status::RequestedDeadlineMissedStatus requested_deadline_missed_status();
+  core::status::RequestedIncompatibleQosStatus requested_incompatible_qos_status();
+  core::status::SubscriptionMatchedStatus subscription_matched_status();
+
+protected:
+  explicit AnyDataReader(std::shared_ptr<core::detail::Node> node) : Entity(std::move(node)) {}
+};
+
+/// Reads samples of one type.
+template <class T>
+class DataReader : public AnyDataReader {
+  using C = typename topic::detail::TypeSupport<T>::C;
+
+public:
+  using DataType = T;
+  using Listener = DataReaderListener<T>;
+
+  /// Restricts one read or take.
+  class Selector {
+  public:
+    explicit Selector(DataReader& reader) : reader_(reader.pointer()) {
+      selection_.mask = reader.default_filter_state().c_mask();
+    }
+    Selector& instance(const core::InstanceHandle& instance) {
+      selection_.of_one_instance = true;
+      selection_.instance = instance.c_value();
+      return *this;
+    }
+    Selector& state(const status::DataState& state) {
+      selection_.mask = state.c_mask();
+      return *this;
+    }
+    Selector& max_samples(std::uint32_t count) {
+      max_samples_ =
+          count == static_cast<std::uint32_t>(core::LENGTH_UNLIMITED) ? default_max_samples : count;
+      return *this;
+    }
+    LoanedSamples<T> read() {
+      selection_.take = false;
+      return fetch(reader_->handle(), selection_, max_samples_);
+    }
+    LoanedSamples<T> take() {
+      selection_.take = true;
+      return fetch(reader_->handle(), selection_, max_samples_);
+    }
+
+  private:
+    std::shared_ptr<core::detail::Node> reader_;
+    detail::Selection selection_;
+    std::uint32_t max_samples_ = default_max_samples;
+  };
+
+  DataReader(core::null_type) : AnyDataReader(core::null) {}
+  explicit DataReader(std::shared_ptr<core::detail::Node> node) : AnyDataReader(std::move(node)) {}
+  DataReader(const Subscriber& subscriber, const topic::Topic<T>& topic)
+      : DataReader(subscriber, topic, qos::DataReaderQos()) {}
+  DataReader(const Subscriber& subscriber, const topic::Topic<T>& topic, const qos::DataReaderQos& qos,
+             DataReaderListener<T>* listener = nullptr,
+             const core::status::StatusMask& mask = core::status::StatusMask::none())
+      : AnyDataReader(detail::make_reader(subscriber, topic, qos, events_of(listener), mask)) {
+    node<detail::ReaderNode>().listener = listener;
+  }
+
+  /// What read, take and select select by default: everything.
+  status::DataState default_filter_state() { return node<detail::ReaderNode>().filter_state; }
+  DataReader& default_filter_state(const status::DataState& state) {
+    node<detail::ReaderNode>().filter_state = state;
+    return *this;
+  }
+
+  /// At most 256 samples, which stay in the reader. To read more, select().max_samples() and state().
+  LoanedSamples<T> read() { return select().read(); }
+  /// Takes at most 256 samples out of the reader. If there are more, the next call takes them.
+  LoanedSamples<T> take() { return select().take(); }
+  Selector select() { return Selector(*this); }
+
+  /// Sets the key fields of `key` to those of an instance.
+  T& key_value(T& key, const core::InstanceHandle& instance) {
+    topic::detail::read_key<T>(node().handle(), instance, key);
+    return key;
+  }
+  /// Nil for an unknown instance.
+  const core::InstanceHandle lookup_instance(const T& key) const {
+    return core::InstanceHandle(dds_lookup_instance(node().handle(), topic::detail::AsC<T>(key).get()));
+  }
+
+  void listener(DataReaderListener<T>* listener, const core::status::StatusMask& mask) {
+    auto& reader = node<detail::ReaderNode>();
+    detail::listen(reader, events_of(listener), mask);
+    reader.listener = listener;
+  }
+  DataReaderListener<T>* listener() const {
+    return static_cast<DataReaderListener<T>*>(node<detail::ReaderNode>().listener);
+  }
+
+private:
+  static constexpr std::uint32_t default_max_samples = 256;
+
+  class Events : public detail::ReaderEvents {
+  public:
+    explicit Events(DataReaderListener<T>& listener) : listener_(listener) {}
+    void on_data(detail::ReaderNode& reader) override {
+      DataReader view = view_of(reader);
+      listener_.on_data_available(view);
+    }
+    void on(detail::ReaderNode& reader, const core::status::RequestedDeadlineMissedStatus& status) override {
+      DataReader view = view_of(reader);
+      listener_.on_requested_deadline_missed(view, status);
+    }
+    void on(detail::ReaderNode& reader, const core::status::RequestedIncompatibleQosStatus& status) override {
+      DataReader view = view_of(reader);
+      listener_.on_requested_incompatible_qos(view, status);
+    }
+    void on(detail::ReaderNode& reader, const core::status::SampleRejectedStatus& status) override {
+      DataReader view = view_of(reader);
+      listener_.on_sample_rejected(view, status);
+    }
+    void on(detail::ReaderNode& reader, const core::status::LivelinessChangedStatus& status) override {
+      DataReader view = view_of(reader);
+      listener_.on_liveliness_changed(view, status);
+    }
+    void on(detail::ReaderNode& reader, const core::status::SubscriptionMatchedStatus& status) override {
+      DataReader view = view_of(reader);
+      listener_.on_subscription_matched(view, status);
+    }
+    void on(detail::ReaderNode& reader, const core::status::SampleLostStatus& status) override {
+      DataReader view = view_of(reader);
+      listener_.on_sample_lost(view, status);
+    }
+
+  private:
+    /// Does not own the reader, whose end waits for its callbacks.
+    static DataReader view_of(detail::ReaderNode& reader) {
+      return DataReader(std::shared_ptr<core::detail::Node>(std::shared_ptr<void>(), &reader));
+    }
+    DataReaderListener<T>& listener_;
+  };
+
+  static std::shared_ptr<detail::ReaderEvents> events_of(DataReaderListener<T>* listener) {
+    return listener == nullptr ? nullptr : std::make_shared<Events>(*listener);
+  }
+
+  /// Samples in C, and what Cyclone DDS put into them.
+  class Memory {
+  public:
+    explicit Memory(std::size_t size) : samples_(size), pointers_(size), infos_(size) {
+      for (std::size_t i = 0; i < size; ++i) pointers_[i] = &samples_[i];
+    }
+    Memory(const Memory&) = delete;
+    Memory& operator=(const Memory&) = delete;
+    Memory(Memory&&) = delete;
+    Memory& operator=(Memory&&) = delete;
+    ~Memory() { clear(); }
+
+    std::size_t fetch(dds_entity_t reader, const detail::Selection& selection, std::size_t size) {
+      clear();
+      used_ = detail::fetch(reader, selection, pointers_.data(), infos_.data(), size);
+      return used_;
+    }
+    void copy_to(std::vector<SampleRef<T>>& samples) const {
+      for (std::size_t i = 0; i < used_; ++i) {
+        T data;
+        topic::detail::copy_from_c<T>(samples_[i], data);
+        samples.emplace_back(std::move(data), SampleInfo(infos_[i]));
+      }
+    }
+
+  private:
+    void clear() {
+      for (std::size_t i = 0; i < used_; ++i) topic::detail::free_contents<T>(samples_[i]);
+      used_ = 0;
+    }
+
+    std::vector<C> samples_;
+    std::vector<void*> pointers_;
+    std::vector<dds_sample_info_t> infos_;
+    std::size_t used_ = 0;
+  };
+
+  static LoanedSamples<T> fetch(dds_entity_t reader, const detail::Selection& selection,
+                                std::size_t max_samples) {
+    // Samples that are taken leave the reader, so a small memory serves several times.
+    const std::size_t size = selection.take ? std::min<std::size_t>(max_samples, 8) : max_samples;
+    std::vector<SampleRef<T>> samples;
+    Memory memory(size);
+    while (samples.size() < max_samples) {
+      const std::size_t count = memory.fetch(reader, selection, std::min(size, max_samples - samples.size()));
+      memory.copy_to(samples);
+      if (count < size || !selection.take) break;
+    }
+    return LoanedSamples<T>(std::move(samples));
+  }
+};
+
+namespace cond {
+
+/// True while a reader has samples of the given state.
+class ReadCondition : public core::cond::Condition {
+public:
+  ReadCondition(core::null_type) : Condition(core::null) {}
+  ReadCondition(const AnyDataReader& reader, const status::DataState& state);
+  template <class Functor>
+  ReadCondition(const AnyDataReader& reader, const status::DataState& state, Functor functor)
+      : ReadCondition(reader, state) {
+    handler(std::move(functor));
+  }
+  const status::DataState state_filter() const;
+};
+
+}  // namespace cond
+}  // namespace dds::inline sonopose_psm::sub

@@ -1,0 +1,148 @@
+// Participants, topics, publishers and subscribers.
+
+#include <sonopose/dds/binding/error.hpp>
+#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/dds/pub/ddspub.hpp>
+#include <sonopose/dds/psm/dds/sub/ddssub.hpp>
+#include <sonopose/dds/psm/ext.hpp>
+
+#include <stdexcept>
+
+namespace sonopose::dds::ext {
+
+::dds::domain::DomainParticipant participant(const DomainOptions& options,
+                                             const ::dds::domain::qos::DomainParticipantQos& qos) try {
+  const auto& user_data = qos.policy<::dds::core::policy::UserData>();
+  const auto membership =
+      std::make_shared<DomainParticipant>(options, Qos() << policy::UserData{user_data.value()});
+  auto node = std::make_shared<::dds::domain::detail::ParticipantNode>(nullptr);
+  node->domain_id = membership->domain_id();
+  node->qos = qos;
+  node->partition = ::dds::core::policy::Partition(options.partition);
+  node->membership = membership;
+  node->handle(membership->handle());
+  return ::dds::domain::DomainParticipant(std::move(node));
+} catch (const Error& error) {
+  ::dds::core::detail::fail(error.what(), error.code());
+} catch (const ::dds::core::Exception&) {
+  throw;
+} catch (const std::invalid_argument& error) {
+  throw ::dds::core::InvalidArgumentError(error.what());
+}
+
+}  // namespace sonopose::dds::ext
+
+namespace dds::inline sonopose_psm {
+namespace {
+
+using core::detail::Access;
+using core::detail::check;
+
+sonopose::dds::DomainOptions options_for(std::uint32_t id) {
+  sonopose::dds::DomainOptions options;
+  if (id != DDS_DOMAIN_DEFAULT) options.domain_id = id;
+  return options;
+}
+
+/// Makes a publisher or subscriber.
+template <class Node, class Qos, class Create>
+std::shared_ptr<Node> make_group(const domain::DomainParticipant& participant, const Qos& qos,
+                                 const char* name, Create create) {
+  auto node = std::make_shared<Node>(Access::node(participant));
+  node->qos = qos;
+  node->handle(check(name, create(Access::handle(participant), qos.c_qos().get(), nullptr)));
+  return node;
+}
+
+/// Changes the QoS of an existing entity.
+template <class Node, class Qos>
+void change_qos(Node& node, const Qos& qos) {
+  check("dds_set_qos", dds_set_qos(node.handle(), qos.c_qos().get()));
+  node.qos = qos;
+}
+
+}  // namespace
+
+namespace domain {
+
+DomainParticipant::DomainParticipant(std::uint32_t id) : DomainParticipant(id, default_participant_qos()) {}
+
+DomainParticipant::DomainParticipant(std::uint32_t id, const qos::DomainParticipantQos& qos)
+    : DomainParticipant(sonopose::dds::ext::participant(options_for(id), qos)) {}
+
+void DomainParticipant::qos(const qos::DomainParticipantQos& qos) {
+  change_qos(node<detail::ParticipantNode>(), qos);
+}
+
+void DomainParticipant::assert_liveliness() {
+  check("dds_assert_liveliness", dds_assert_liveliness(node().handle()));
+}
+
+pub::qos::PublisherQos DomainParticipant::default_publisher_qos() const {
+  return pub::qos::PublisherQos() << node<detail::ParticipantNode>().partition;
+}
+
+sub::qos::SubscriberQos DomainParticipant::default_subscriber_qos() const {
+  return sub::qos::SubscriberQos() << node<detail::ParticipantNode>().partition;
+}
+
+}  // namespace domain
+
+namespace topic::detail {
+
+std::shared_ptr<TopicNode> make_topic(const domain::DomainParticipant& participant, const std::string& name,
+                                      const dds_topic_descriptor_t& type, const qos::TopicQos& qos) {
+  auto node = std::make_shared<TopicNode>(Access::node(participant));
+  node->name = name;
+  node->type_name = type.m_typename;
+  node->qos = qos;
+  node->handle(
+      check("dds_create_topic", name,
+            dds_create_topic(Access::handle(participant), &type, name.c_str(), qos.c_qos().get(), nullptr)));
+  return node;
+}
+
+}  // namespace topic::detail
+
+namespace pub {
+
+Publisher::Publisher(const domain::DomainParticipant& participant)
+    : Publisher(participant, participant.default_publisher_qos()) {}
+
+Publisher::Publisher(const domain::DomainParticipant& participant, const qos::PublisherQos& qos)
+    : Entity(make_group<detail::PublisherNode>(participant, qos, "dds_create_publisher",
+                                               dds_create_publisher)) {}
+
+void Publisher::qos(const qos::PublisherQos& qos) {
+  change_qos(node<detail::PublisherNode>(), qos);
+}
+
+void Publisher::wait_for_acknowledgments(const core::Duration& timeout) {
+  check("dds_wait_for_acks", dds_wait_for_acks(node().handle(), core::detail::to_c(timeout)));
+}
+
+void AnyDataWriter::qos(const qos::DataWriterQos& qos) {
+  change_qos(node<detail::WriterNode>(), qos);
+}
+
+}  // namespace pub
+
+namespace sub {
+
+Subscriber::Subscriber(const domain::DomainParticipant& participant)
+    : Subscriber(participant, participant.default_subscriber_qos()) {}
+
+Subscriber::Subscriber(const domain::DomainParticipant& participant, const qos::SubscriberQos& qos)
+    : Entity(make_group<detail::SubscriberNode>(participant, qos, "dds_create_subscriber",
+                                                dds_create_subscriber)) {}
+
+void Subscriber::qos(const qos::SubscriberQos& qos) {
+  change_qos(node<detail::SubscriberNode>(), qos);
+}
+
+void AnyDataReader::qos(const qos::DataReaderQos& qos) {
+  change_qos(node<detail::ReaderNode>(), qos);
+}
+
+}  // namespace sub
+}  // namespace dds::inline sonopose_psm

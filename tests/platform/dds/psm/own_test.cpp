@@ -1,0 +1,81 @@
+/// What our subset of the PSM does beyond the PSM, or in a way of its own.
+
+#include "platform/dds/psm/psm_fixture.hpp"
+#include <sonopose/dds/psm/ext.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <cstdlib>
+
+namespace psm_own_test {
+
+using namespace psm_fixture;
+using Catch::Matchers::Contains;
+namespace ext = sonopose::dds::ext;
+
+SCENARIO("values that the wire cannot carry are refused by name") {
+  Bus bus;
+  Sample wrong = sample(1, "123456789");
+  CHECK_THROWS_WITH(bus.writer.write(wrong), "code has 9 of at most 8 elements");
+  wrong.code("");
+  wrong.parts().resize(3);
+  CHECK_THROWS_AS(bus.writer.write(wrong), dds::core::InvalidArgumentError);
+  CHECK_THROWS_WITH(bus.writer.write(wrong), "parts has 3 of at most 2 elements");
+  wrong.parts().clear();
+  wrong.words({std::string("a\0b", 3)});
+  CHECK_THROWS_WITH(bus.writer.write(wrong), "words contains a zero byte");
+  CHECK(bus.reader.take().length() == 0);
+}
+
+SCENARIO("policies that crash or mislead Cyclone DDS are refused") {
+  dds::pub::qos::DataWriterQos qos;
+  using namespace dds::core::policy;
+  CHECK_THROWS_AS(qos << Deadline(dds::core::Duration::zero()), dds::core::InvalidArgumentError);
+  CHECK_THROWS_AS(qos << Lifespan(dds::core::Duration::zero()), dds::core::InvalidArgumentError);
+  CHECK_THROWS_AS(qos << Liveliness::Automatic(dds::core::Duration::zero()), dds::core::InvalidArgumentError);
+}
+
+SCENARIO("a participant of the PSM joins like the programs") {
+  GIVEN("a participant of the layer below in the same domain, on loopback") {
+    const dds::domain::DomainParticipant plain(domain_id());
+    THEN("options that differ are refused, since a process has one network per domain") {
+      CHECK_NOTHROW(ext::participant({.domain_id = domain_id()}));
+      CHECK_THROWS_AS(ext::participant({.domain_id = domain_id(), .network = sonopose::dds::Network::lan}),
+                      dds::core::PreconditionNotMetError);
+    }
+  }
+  GIVEN("a partition in the options") {
+    const auto participant = ext::participant({.domain_id = domain_id(), .partition = "hall"});
+    THEN("publishers and subscribers are in it") {
+      CHECK(dds::pub::Publisher(participant).qos().policy<dds::core::policy::Partition>().name() ==
+            dds::core::StringSeq{"hall"});
+      CHECK(dds::sub::Subscriber(participant).qos().policy<dds::core::policy::Partition>().name() ==
+            dds::core::StringSeq{"hall"});
+    }
+  }
+  GIVEN("the user's choice of a domain") {
+    setenv("ROS_DOMAIN_ID", std::to_string(domain_id()).c_str(), 1);
+    const dds::domain::DomainParticipant participant(org::eclipse::cyclonedds::domain::default_id());
+    unsetenv("ROS_DOMAIN_ID");
+    THEN("it is used") {
+      CHECK(participant.domain_id() == domain_id());
+    }
+  }
+  CHECK_THROWS_AS(dds::domain::DomainParticipant(233), dds::core::InvalidArgumentError);
+}
+
+SCENARIO("closing a participant closes what belongs to it") {
+  Bus bus;
+  bus.participant.close();
+  CHECK_THROWS_AS(bus.reader.take(), dds::core::AlreadyClosedError);
+  CHECK_THROWS_AS(bus.writer.write(sample(1)), dds::core::AlreadyClosedError);
+  CHECK_THROWS_AS(ext::handle(bus.topic), dds::core::AlreadyClosedError);
+}
+
+SCENARIO("an entity's handle serves calls in C") {
+  const Bus bus;
+  dds_guid_t guid{};
+  CHECK(dds_get_guid(ext::handle(bus.reader), &guid) == DDS_RETCODE_OK);
+}
+
+}  // namespace psm_own_test
