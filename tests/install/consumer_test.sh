@@ -2,7 +2,8 @@
 # GIVEN an installation of this build in an empty folder
 # WHEN the examples are configured with find_package(sonopose) alone, built and started; the consumer in plain C with
 #   nothing but the installed IDL and loopback configuration, and the embedded engine with nothing but Eigen
-# AND the C++ and CMake of the README, and the C++ of other pages, are pasted into files
+# AND the C++ and CMake of the README, and the C++ of other pages, are pasted into files, and an IDL file of a user is
+#   generated
 # THEN the consumers receive poses of the installed bridge and, on its circle, of the example producer, and those of
 #   ROS 2 from the relay; the embedded engine stays within 1 cm of its fixes, and an optional component dds is missing;
 #   what was pasted compiles.
@@ -26,7 +27,23 @@ eigen_only=(-DCMAKE_DISABLE_FIND_PACKAGE_CycloneDDS=ON -DCMAKE_DISABLE_FIND_PACK
 code_of() { # LANGUAGE PAGE
   awk -v fence="\`\`\`$1" '$0 == fence { inside = 1; next } /^```/ { inside = 0 } inside' "$source/$2"
 }
-mkdir "$work"/{optional,readme,pages}
+mkdir "$work"/{optional,readme,pages,types}
+cat >"$work/types/CMakeLists.txt" <<'END'
+cmake_minimum_required(VERSION 3.25)
+project(types LANGUAGES C CXX)
+find_package(sonopose REQUIRED)
+sonopose_idlcxx_generate(TARGET my_types FILES ${CMAKE_CURRENT_SOURCE_DIR}/mine.idl)
+add_executable(types main.cpp)
+target_link_libraries(types PRIVATE sonopose::cxx my_types)
+END
+echo 'module mine { @final struct Text { @key long id; string text; }; };' >"$work/types/mine.idl"
+cat >"$work/types/main.cpp" <<'END'
+#include "mine.hpp"
+#include <dds/dds.hpp>
+int main() {
+  return dds::topic::topic_type_name<mine::Text>::value() == "mine::Text" && mine::Text(1, "a").text() == "a" ? 0 : 1;
+}
+END
 cat >"$work/optional/CMakeLists.txt" <<'END'
 cmake_minimum_required(VERSION 3.25)
 project(optional LANGUAGES C CXX)
@@ -62,7 +79,7 @@ build_together() { # NAME FOLDERS CMAKE-ARGUMENTS
 }
 examples=$source/examples
 build_together on_the_bus "$examples/autopilot $examples/consumer $examples/producer $examples/ros2_listener_cyclone
-  $examples/c_consumer $work/readme $work/pages" -DSONOPOSE_IDL="$share/idl/sonopose.idl"
+  $examples/c_consumer $work/readme $work/pages $work/types" -DSONOPOSE_IDL="$share/idl/sonopose.idl" -DSONOPOSE_DDS=own
 build_together without_dds "$examples/embedded $work/optional" "${eigen_only[@]}"
 bus=$work/on_the_bus/build
 
@@ -70,6 +87,7 @@ bus=$work/on_the_bus/build
 tail -n 1 "$work/embedded.log" |
   awk '{ exit !($1 == 10 && ($3 - 2)^2 + ($4 - 1)^2 + ($5 - 0.5)^2 < 0.01^2) }'
 
+"$bus/types/types"
 . "$source/tests/install/reserve_domain.sh"
 "$work/prefix/bin/sonopose-fusion" & pids+=($!)
 "$work/prefix/bin/sonopose-ros2" & pids+=($!)

@@ -49,8 +49,8 @@ SCENARIO("listeners of the PSM are called") {
                                         StatusMask::publication_matched());
     dds::sub::DataReader<Sample> reader(bus.subscriber, topic, reliable_reader(), &on_reader,
                                         StatusMask::data_available() | StatusMask::subscription_matched());
-    CHECK(reader.listener() == &on_reader);
-    CHECK(writer.listener() == &on_writer);
+    CHECK((reader.listener() == &on_reader));
+    CHECK((writer.listener() == &on_writer));
 
     WHEN("they match, and a sample is written") {
       CHECK(wait_until([&] { return on_writer.matched == 1 && on_reader.matched == 1; }));
@@ -65,8 +65,8 @@ SCENARIO("listeners of the PSM are called") {
       writer.write(sample(9));
       THEN("the sample stays in the reader") {
         CHECK(wait_until([&] { return reader.read().length() == 1; }));
-        CHECK(on_reader.last_id == 0);
-        CHECK(reader.listener() == nullptr);
+        CHECK((on_reader.last_id == 0));
+        CHECK((reader.listener() == nullptr));
       }
     }
     writer.listener(nullptr, StatusMask::none());

@@ -1,5 +1,7 @@
 #pragma once
-// Shared by the tests of the PSM: a private domain, a pair of endpoints, and waiting for events.
+// Shared by the tests of the PSM: a private domain, a pair of endpoints, and waiting for events. Comparisons
+// are CHECK((a == b)), since Catch would print the operands, and an InstanceHandle of cyclonedds-cxx takes
+// anything.
 
 #include "psm_types.hpp"
 #include "support/test_domain.hpp"

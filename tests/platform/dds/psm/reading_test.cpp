@@ -23,23 +23,23 @@ SCENARIO("a reader of the PSM reads and takes samples") {
       const auto again = bus.reader.select().state(SampleState::not_read()).read();
       const auto taken = bus.reader.take();
       THEN("reading leaves them, marked as read, and taking does not") {
-        CHECK(codes(read) == Codes{"a", "b", "c"});
-        CHECK(read.begin()->info().timestamp() == dds::core::Time(7, 8));
+        CHECK((codes(read) == Codes{"a", "b", "c"}));
+        CHECK((read.begin()->info().timestamp() == dds::core::Time(7, 8)));
         CHECK(read.begin()->info().state() ==
               DataState(SampleState::not_read(), ViewState::new_view(), InstanceState::alive()));
-        CHECK(read.begin()->info().publication_handle() == bus.writer.instance_handle());
-        CHECK(again.length() == 0);
-        CHECK(codes(taken) == Codes{"a", "b", "c"});
-        CHECK(taken.begin()->info().state().sample_state() == SampleState::read());
-        CHECK(bus.reader.take().length() == 0);
+        CHECK((read.begin()->info().publication_handle() == bus.writer.instance_handle()));
+        CHECK((again.length() == 0));
+        CHECK((codes(taken) == Codes{"a", "b", "c"}));
+        CHECK((taken.begin()->info().state().sample_state() == SampleState::read()));
+        CHECK((bus.reader.take().length() == 0));
       }
     }
     WHEN("an instance or a number of samples is selected") {
       const auto second = bus.reader.lookup_instance(sample(2));
       THEN("nothing else is taken") {
-        CHECK(codes(bus.reader.select().instance(second).read()) == Codes{"c"});
-        CHECK(codes(bus.reader.select().max_samples(2).take()) == Codes{"a", "b"});
-        CHECK(codes(bus.reader.select().instance(second).take()) == Codes{"c"});
+        CHECK((codes(bus.reader.select().instance(second).read()) == Codes{"c"}));
+        CHECK((codes(bus.reader.select().max_samples(2).take()) == Codes{"a", "b"}));
+        CHECK((codes(bus.reader.select().instance(second).take()) == Codes{"c"}));
         CHECK(bus.reader.lookup_instance(sample(3)).is_nil());
       }
     }
@@ -50,10 +50,10 @@ SCENARIO("a reader of the PSM reads and takes samples") {
       THEN("only the end of the disposed instance comes, after its sample") {
         REQUIRE(ended.length() > 0);
         for (const auto& each : ended) {
-          CHECK(each.data().id() == 2);
-          CHECK(each.info().state().instance_state() == InstanceState::not_alive_disposed());
+          CHECK((each.data().id() == 2));
+          CHECK((each.info().state().instance_state() == InstanceState::not_alive_disposed()));
         }
-        CHECK(codes(bus.reader.select().state(DataState::any()).take()) == Codes{"a", "b"});
+        CHECK((codes(bus.reader.select().state(DataState::any()).take()) == Codes{"a", "b"}));
       }
     }
   }
@@ -64,18 +64,19 @@ SCENARIO("the end of an instance has its key and no data") {
   Sample key = sample(5, "x");
   key.group("north");
   bus.writer.write(key);
-  CHECK(bus.reader.take().length() == 1);
+  CHECK((bus.reader.take().length() == 1));
   const auto instance = bus.writer.lookup_instance(key);
   bus.writer.dispose_instance(instance);
   const auto samples = bus.reader.take();
-  REQUIRE(samples.length() == 1);
+  REQUIRE((samples.length() == 1));
   CHECK_FALSE(samples.begin()->info().valid());
-  CHECK(samples.begin()->data().id() == 5);
-  CHECK(samples.begin()->data().group() == "north");
+  CHECK((samples.begin()->data().id() == 5));
+  CHECK((samples.begin()->data().group() == "north"));
   CHECK(samples.begin()->data().code().empty());
   Sample found;
-  CHECK(bus.writer.key_value(found, instance).group() == "north");
-  CHECK(bus.writer.register_instance(sample(6)) == bus.writer.lookup_instance(sample(6)));
+  CHECK((bus.writer.key_value(found, instance).group() == "north"));
+  const auto registered = bus.writer.register_instance(sample(6));
+  CHECK((registered == bus.writer.lookup_instance(sample(6))));
   bus.writer.unregister_instance(sample(6));
 }
 
@@ -86,10 +87,10 @@ SCENARIO("samples outlive their reader and the next take") {
     for (int i = 0; i < 12; ++i) bus.writer.write(sample(1, std::to_string(i)));
     kept = bus.reader.take();
     const dds::sub::LoanedSamples<Sample> copy = kept;
-    CHECK(bus.reader.take().length() == 0);
-    CHECK(copy.length() == 12);
+    CHECK((bus.reader.take().length() == 0));
+    CHECK((copy.length() == 12));
   }
-  CHECK(codes(kept) == Codes{"0", "1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11"});
+  CHECK((codes(kept) == Codes{"0", "1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11"}));
 }
 
 SCENARIO("a late reader gets the history of a transient-local writer") {
@@ -103,7 +104,7 @@ SCENARIO("a late reader gets the history of a transient-local writer") {
                                       reliable_reader() << Durability::TransientLocal());
   reader.wait_for_historical_data(timeout);
   writer.wait_for_acknowledgments(timeout);
-  CHECK(codes(reader.take()) == Codes{"old"});
+  CHECK((codes(reader.take()) == Codes{"old"}));
 }
 
 }  // namespace psm_reading_test

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// Conditions, and wait sets that wait for them. Left out: handlers that take the condition, and
-/// WaitSet::wait into a given sequence.
+/// Conditions, and wait sets that wait for them. Left out: WaitSet::wait into a
+/// given sequence.
 
 #include "../Entity.hpp"
 #include "../Time.hpp"
@@ -13,13 +13,15 @@
 
 namespace dds::inline sonopose_psm::core::cond {
 
+class Condition;
+
 namespace detail {
 class ConditionNode : public core::detail::Node {
 public:
   using Node::Node;
   ~ConditionNode() override { close(); }
 
-  std::function<void()> handler;
+  std::function<void(Condition&)> handler;
 };
 }  // namespace detail
 
@@ -28,7 +30,7 @@ class Condition : public Reference {
 public:
   Condition(null_type) {}
 
-  /// Sets what `dispatch` calls.
+  /// Sets what `dispatch` calls, with this condition.
   template <class Functor>
   void handler(Functor functor) {
     node<detail::ConditionNode>().handler = std::move(functor);
@@ -36,7 +38,7 @@ public:
   void reset_handler() { node<detail::ConditionNode>().handler = nullptr; }
   /// Calls the handler, if there is one.
   void dispatch() {
-    if (const auto& handler = node<detail::ConditionNode>().handler) handler();
+    if (const auto& handler = node<detail::ConditionNode>().handler) handler(*this);
   }
   bool trigger_value() const;
 

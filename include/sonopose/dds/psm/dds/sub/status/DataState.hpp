@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// States of samples, which select those to read.
+/// States of samples, which select those to read. Left out: the `>>` of DataState.
 
 #include <bitset>
 #include <cstdint>
