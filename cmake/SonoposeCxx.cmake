@@ -8,7 +8,7 @@ endif()
 set(SONOPOSE_CXX_BINDING own)
 if(NOT SONOPOSE_DDS STREQUAL own)
   find_package(iceoryx_binding_c QUIET)  # cyclonedds-cxx may link it, and does not look for it
-  find_package(CycloneDDS-CXX 0.10 QUIET)
+  find_package(CycloneDDS-CXX QUIET)  # its version is in a file that CMake does not read
   if(CycloneDDS-CXX_FOUND)
     set(SONOPOSE_CXX_BINDING cyclonedds-cxx)
   elseif(SONOPOSE_DDS STREQUAL cyclonedds-cxx)

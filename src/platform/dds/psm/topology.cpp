@@ -117,10 +117,6 @@ void Publisher::qos(const qos::PublisherQos& qos) {
   change_qos(node<detail::PublisherNode>(), qos);
 }
 
-void Publisher::wait_for_acknowledgments(const core::Duration& timeout) {
-  check("dds_wait_for_acks", dds_wait_for_acks(node().handle(), core::detail::to_c(timeout)));
-}
-
 void AnyDataWriter::qos(const qos::DataWriterQos& qos) {
   change_qos(node<detail::WriterNode>(), qos);
 }

@@ -72,6 +72,39 @@ SCENARIO("closing a participant closes what belongs to it") {
   CHECK_THROWS_AS(ext::handle(bus.topic), dds::core::AlreadyClosedError);
 }
 
+SCENARIO("what cyclonedds-cxx 0.10 lacks of the PSM is there") {
+  Bus bus;
+  const auto matched = [&bus] { return bus.writer.publication_matched_status().current_count(); };
+  GIVEN("a retained reader without references") {
+    {
+      dds::sub::DataReader<Sample> reader(bus.subscriber, bus.topic, reliable_reader());
+      reader.retain();
+      REQUIRE(wait_until([&] { return matched() == 2; }));
+    }
+    THEN("it is still there, until what it belongs to is closed") {
+      CHECK(matched() == 2);
+      bus.subscriber.close();
+      CHECK(wait_until([&] { return matched() == 0; }));
+    }
+  }
+  GIVEN("a closed reader with references") {
+    dds::sub::DataReader<Sample> reader(bus.subscriber, bus.topic, reliable_reader());
+    REQUIRE(wait_until([&] { return matched() == 2; }));
+    reader.close();
+    THEN("its writers no longer see it") {
+      CHECK(wait_until([&] { return matched() == 1; }));
+    }
+  }
+}
+
+SCENARIO("a writer waits for acknowledgements, and no instance is none") {
+  Bus bus;
+  bus.writer.write(sample(1));
+  CHECK_NOTHROW(bus.writer.wait_for_acknowledgments(timeout));
+  CHECK_THROWS_AS(bus.reader.select().instance(dds::core::InstanceHandle::nil()).take(),
+                  dds::core::PreconditionNotMetError);
+}
+
 SCENARIO("an entity's handle serves calls in C") {
   const Bus bus;
   dds_guid_t guid{};

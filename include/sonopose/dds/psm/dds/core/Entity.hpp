@@ -122,6 +122,7 @@ public:
   const status::StatusMask status_changes() const;
   const InstanceHandle instance_handle() const;
   void close() { node().close(); }
+  /// cyclonedds-cxx 0.10 throws UnsupportedError.
   void retain() { node().retain(); }
 };
 

@@ -1,7 +1,8 @@
 #pragma once
 /// \file
-/// Publishers and writers. Left out: listeners of publishers, coherent sets, suspended publications,
-/// TopicInstance, writing of ranges and pairs, instance management with a time stamp, discovery.
+/// Publishers and writers. Left out: listeners and acknowledgements of publishers, coherent sets, suspended
+/// publications, TopicInstance, writing of ranges and pairs, instance management with a time stamp,
+/// discovery.
 
 #include "../core/detail/EntityQos.hpp"
 #include "../topic/ddstopic.hpp"
@@ -110,8 +111,6 @@ public:
   void qos(const qos::PublisherQos& qos);
   qos::DataWriterQos default_datawriter_qos() const { return {}; }
   const domain::DomainParticipant participant() const { return domain::DomainParticipant(node().owner()); }
-  /// Throws TimeoutError unless all readers acknowledged all samples within `timeout`.
-  void wait_for_acknowledgments(const core::Duration& timeout);
 };
 
 /// A writer of any type.
@@ -126,6 +125,8 @@ public:
   qos::DataWriterQos qos() const { return node<detail::WriterNode>().qos; }
   /// Throws ImmutablePolicyError for what an existing writer cannot change.
   void qos(const qos::DataWriterQos& qos);
+  /// Throws TimeoutError unless all readers acknowledged all samples within `timeout`. cyclonedds-cxx 0.10
+  /// always throws UnsupportedError.
   void wait_for_acknowledgments(const core::Duration& timeout);
   void assert_liveliness();
 
