@@ -36,12 +36,12 @@ sonopose_idlcxx_generate(TARGET my_types FILES ${CMAKE_CURRENT_SOURCE_DIR}/mine.
 add_executable(types main.cpp)
 target_link_libraries(types PRIVATE sonopose::cxx my_types)
 END
-echo 'module mine { @final struct Text { @key long id; string text; }; };' >"$work/types/mine.idl"
+echo 'module mine { @final struct Note { @key long id; string text; }; };' >"$work/types/mine.idl"
 cat >"$work/types/main.cpp" <<'END'
 #include "mine.hpp"
 #include <dds/dds.hpp>
 int main() {
-  return dds::topic::topic_type_name<mine::Text>::value() == "mine::Text" && mine::Text(1, "a").text() == "a" ? 0 : 1;
+  return dds::topic::topic_type_name<mine::Note>::value() == "mine::Note" && mine::Note(1, "a").text() == "a" ? 0 : 1;
 }
 END
 cat >"$work/optional/CMakeLists.txt" <<'END'

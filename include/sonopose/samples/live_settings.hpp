@@ -10,6 +10,8 @@
 
 namespace sonopose {
 
+inline namespace native {
+
 /// One setting by its key and its value as text: "documented.drift.jump_alpha", "0.5".
 struct SettingAssignment {
   std::string key;
@@ -55,5 +57,7 @@ struct EffectiveSettings {
 
   bool operator==(const EffectiveSettings&) const = default;
 };
+
+}  // namespace native
 
 }  // namespace sonopose

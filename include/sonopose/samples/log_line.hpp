@@ -2,6 +2,11 @@
 /// \file
 /// A line of a process's log, as other processes receive it.
 
+#ifdef DDSCXX_SONOPOSE_HPP
+#error "sonopose.hpp has classes of the same names as these native samples: include one of the two"
+#endif
+#define DDSCXX_SONOPOSE_HPP_EXCLUDED
+
 #include <sonopose/samples/time.hpp>
 
 #include <cstdint>
@@ -17,6 +22,8 @@ enum class LogLevel : std::uint32_t {
   failure  ///< reason why the process ends
 };
 
+inline namespace native {
+
 struct LogLine {
   std::string host;              ///< name of the machine; DDS cuts it at 64 bytes
   std::uint32_t process_id = 0;  ///< id in its operating system
@@ -28,5 +35,7 @@ struct LogLine {
 
   bool operator==(const LogLine&) const = default;
 };
+
+}  // namespace native
 
 }  // namespace sonopose

@@ -11,6 +11,8 @@
 
 namespace sonopose {
 
+inline namespace native {
+
 /// Pose of one beacon at one IMU sample.
 struct FusedPose {
   BeaconAddress address = 0;
@@ -35,6 +37,8 @@ struct FusedPose {
 
   bool operator==(const FusedPose&) const = default;
 };
+
+}  // namespace native
 
 /// Standard deviations of the position along the world axes. NaN: unknown.
 inline Vector3d position_std_m(const FusedPose& pose) {
@@ -66,6 +70,8 @@ enum FixFlag : std::uint32_t {
   fix_first = 1U << 9U,     ///< first fix of a run: sets the position directly
   fix_too_late = 1U << 10U  ///< measured too long ago for the engine to correct
 };
+
+inline namespace native {
 
 /// Treatment of one fix by the engine, with the reasons.
 struct FixReport {
@@ -121,6 +127,8 @@ struct Estimate {
 
   bool operator==(const Estimate&) const = default;
 };
+
+}  // namespace native
 
 /// Verdict of an engine on a fix.
 enum class FixVerdict : std::uint8_t {

@@ -4,6 +4,11 @@
 /// them once. Units are SI; times are integer nanoseconds since the Unix epoch in the host's clock. The name
 /// of a vector contains its frame (`body`: the IMU's axes, `world`: the beacons' map, Z up).
 
+#ifdef DDSCXX_SONOPOSE_HPP
+#error "sonopose.hpp has classes of the same names as these native samples: include one of the two"
+#endif
+#define DDSCXX_SONOPOSE_HPP_EXCLUDED
+
 #include <sonopose/samples/covariance.hpp>
 #include <sonopose/samples/time.hpp>
 
@@ -44,6 +49,10 @@ inline constexpr std::array<std::string_view, 3> imu_meaning_words{"unknown", "i
 /// when it arrives.
 inline constexpr std::uint64_t unnumbered = 0;
 
+// The types that sonopose.idl has too are in an inline namespace: for the linker, their names differ from
+// those of the classes in sonopose.hpp.
+inline namespace native {
+
 /// One inertial measurement.
 struct ImuSample {
   BeaconAddress address = 0;
@@ -58,6 +67,8 @@ struct ImuSample {
   bool operator==(const ImuSample&) const = default;
 };
 
+}  // namespace native
+
 /// Flags of the positioning system for a position; bits of `UltrasonicFix::flags`.
 enum UltrasonicFlag : std::uint32_t {
   ultrasonic_flag_user_button_1 = 1U << 0U,
@@ -68,6 +79,8 @@ enum UltrasonicFlag : std::uint32_t {
   ultrasonic_flag_second_resolution = 1U << 5U,  ///< stamped in 1/64 s by old firmware
   ultrasonic_flag_set_pose = 1U << 6U            ///< the user's word: the estimate starts again here
 };
+
+inline namespace native {
 
 /// One position from the ultrasonic system. A position that it flags as not available never becomes a fix.
 struct UltrasonicFix {
@@ -85,12 +98,16 @@ struct UltrasonicFix {
   bool operator==(const UltrasonicFix&) const = default;
 };
 
+}  // namespace native
+
 /// Bits of `PairHeading::flags`.
 enum HeadingFlag : std::uint32_t {
   heading_flag_of_body = 1U << 0U,  ///< direction of the body's x axis: no mount offset applies
   heading_flag_set_pose =
       1U << 1U  ///< the user's word, with a fix with ultrasonic_flag_set_pose just after it
 };
+
+inline namespace native {
 
 /// Direction of the axis of two paired beacons in the map, before any mount offset, or of the body.
 struct PairHeading {
@@ -106,6 +123,8 @@ struct PairHeading {
   bool operator==(const PairHeading&) const = default;
 };
 
+}  // namespace native
+
 /// Axes that a TwistSample measured; bits of `TwistSample::axes`.
 enum TwistAxis : std::uint32_t {
   twist_velocity_x = 1U << 0U,
@@ -115,6 +134,8 @@ enum TwistAxis : std::uint32_t {
   twist_angular_velocity_y = 1U << 4U,
   twist_angular_velocity_z = 1U << 5U
 };
+
+inline namespace native {
 
 /// A measured velocity of a point of the body (kalman.twist.point_x_m, point_y_m), such as wheel odometry, in
 /// the axes of the pose's body. The Kalman engine uses its linear part (docs/kalman.md).
@@ -140,6 +161,8 @@ struct StationaryBeacon {
 
   bool operator==(const StationaryBeacon&) const = default;
 };
+
+}  // namespace native
 
 /// An input of the engine.
 using Event = std::variant<ImuSample, UltrasonicFix, PairHeading, TwistSample>;
@@ -168,6 +191,8 @@ inline TimeNs available_at_ns(const Event& event) {
   return std::visit([](const auto& sample) { return available_at_ns(sample); }, event);
 }
 
+inline namespace native {
+
 /// A true state, if known (simulator, motion capture).
 struct TruthSample {
   BeaconAddress address = 0;
@@ -178,5 +203,7 @@ struct TruthSample {
 
   bool operator==(const TruthSample&) const = default;
 };
+
+}  // namespace native
 
 }  // namespace sonopose

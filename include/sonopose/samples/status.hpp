@@ -10,6 +10,8 @@
 
 namespace sonopose {
 
+inline namespace native {
+
 /// State of one beacon and its line, as seen by the bridge. Counters start with the bridge.
 struct BeaconStatus {
   BeaconAddress address = 0;
@@ -41,6 +43,8 @@ struct BeaconStatus {
   bool operator==(const BeaconStatus&) const = default;
 };
 
+}  // namespace native
+
 enum class LineState : std::uint32_t {
   closed,   ///< not opened yet, or closed
   waiting,  ///< waiting for the device or the peer to appear
@@ -49,6 +53,8 @@ enum class LineState : std::uint32_t {
   silent,    ///< open, but no bytes for 3 s
   no_frames  ///< open, but no valid frame for 3 s in the bytes received
 };
+
+inline namespace native {
 
 /// One serial line or socket of one bridge, known before any beacon address. Counters start with the bridge.
 struct LineStatus {
@@ -68,6 +74,8 @@ struct LineStatus {
   bool operator==(const LineStatus&) const = default;
 };
 
+}  // namespace native
+
 /// Role of a process, which decides which poses of a beacon consumers receive.
 enum class FusionRole : std::uint32_t {
   sole,     ///< not in a standby pair
@@ -78,6 +86,8 @@ enum class FusionRole : std::uint32_t {
 
 /// Greatest ownership strength of a fusion.
 inline constexpr std::int32_t max_fusion_strength = 1'000'000;
+
+inline namespace native {
 
 /// Counters and role of one engine. Counters start with the fusion.
 struct FusionStatus {
@@ -118,5 +128,7 @@ struct FusionStatus {
 
   bool operator==(const FusionStatus&) const = default;
 };
+
+}  // namespace native
 
 }  // namespace sonopose
