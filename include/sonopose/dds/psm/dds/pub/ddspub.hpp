@@ -87,9 +87,8 @@ public:
 
   std::shared_ptr<core::detail::Node> topic;
   qos::DataWriterQos qos;
-  std::shared_ptr<WriterEvents> events;
-  std::shared_ptr<void> bridge;  ///< from the callbacks in C to `events`
-  void* listener = nullptr;      ///< the user's
+  std::shared_ptr<void> bridge;  ///< what the callbacks in C call
+  void* listener = nullptr;      ///< what that calls: the user's
 };
 
 std::shared_ptr<WriterNode> make_writer(const core::Reference& publisher, const core::Reference& topic,

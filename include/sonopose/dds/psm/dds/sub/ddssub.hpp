@@ -102,9 +102,8 @@ public:
   std::shared_ptr<core::detail::Node> topic;
   qos::DataReaderQos qos;
   status::DataState filter_state;
-  std::shared_ptr<ReaderEvents> events;
-  std::shared_ptr<void> bridge;  ///< from the callbacks in C to `events`
-  void* listener = nullptr;      ///< the user's
+  std::shared_ptr<void> bridge;  ///< what the callbacks in C call
+  void* listener = nullptr;      ///< what that calls: the user's
 };
 
 std::shared_ptr<ReaderNode> make_reader(const core::Reference& subscriber, const core::Reference& topic,
