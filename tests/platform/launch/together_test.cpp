@@ -4,6 +4,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <csignal>
 #include <string>
 
 namespace together_test {
@@ -11,6 +12,25 @@ namespace together_test {
 using namespace sonopose::launch;
 using sonopose::test::read_text;
 using sonopose::test::TemporaryFolder;
+
+/// Gives a signal its default effect: nohup(1) and a shell's background jobs ignore some.
+class DefaultSignal {
+public:
+  explicit DefaultSignal(int signal) : signal_(signal) {
+    struct sigaction action {};
+    action.sa_handler = SIG_DFL;
+    REQUIRE(::sigaction(signal, &action, &before_) == 0);
+  }
+  DefaultSignal(const DefaultSignal&) = delete;
+  DefaultSignal& operator=(const DefaultSignal&) = delete;
+  DefaultSignal(DefaultSignal&&) = delete;
+  DefaultSignal& operator=(DefaultSignal&&) = delete;
+  ~DefaultSignal() { ::sigaction(signal_, &before_, nullptr); }
+
+private:
+  int signal_;
+  struct sigaction before_ {};
+};
 
 /// A program that ends and reports it when asked to.
 Program waiting(const TemporaryFolder& folder) {
@@ -48,7 +68,9 @@ SCENARIO("the first program that ends ends the others") {
 
 SCENARIO("a signal that asks this process to end ends the programs") {
   const TemporaryFolder folder;
-  const std::string signal = GENERATE("INT", "TERM", "HUP");
+  const auto [number, signal] =
+      GENERATE(table<int, std::string>({{SIGINT, "INT"}, {SIGTERM, "TERM"}, {SIGHUP, "HUP"}}));
+  const DefaultSignal is_default(number);
   const Program asking = then(folder, "kill -" + signal + " $PPID; while :; do sleep 0.1; done");
   CHECK(run_together({waiting(folder), asking}, ErrorOutput::pass_on) == 0);
   CHECK(read_text(folder / "asked") == "asked\n");
@@ -67,6 +89,7 @@ SCENARIO("out of processor time, a group ends, and repetitions of the signal kil
 
 SCENARIO("a program that has the terminal can restore it before it is killed") {
   const TemporaryFolder folder;
+  const DefaultSignal is_default(SIGINT);
   // The third, if the second SIGTERM came less than a second after the first.
   const int restores_at = GENERATE(2, 3);
   GIVEN("one that restores the terminal at a later SIGTERM, next to one that ignores the first") {
