@@ -72,6 +72,12 @@ public:
   [[nodiscard]] virtual std::string description() const { return name(); }
 };
 
+/// Messages that could not be sent at all, other than for a full line.
+struct SendFailures {
+  std::uint64_t count = 0;
+  std::errc reason{};  ///< error of the last one
+};
+
 /// A line in both directions.
 class ByteLink : public ByteSource {
 public:
@@ -82,12 +88,11 @@ public:
   /// Sends to the sender of the last data from now on, where a line has several. On the thread that reads.
   virtual void answer_last_sender() {}
 
-  /// Number of messages that an open line did not take, at least in part. Thread-safe.
+  /// Number of messages for which an open line was too full, at least in part. Thread-safe.
   [[nodiscard]] virtual std::uint64_t unsent() const = 0;
 
-  /// The reason why the last message could not be sent at all, other than a full line; 0 if there is none.
-  /// Thread-safe.
-  [[nodiscard]] virtual std::errc send_error() const { return {}; }
+  /// Failures since the start. Thread-safe.
+  [[nodiscard]] virtual SendFailures send_failures() const { return {}; }
 };
 
 }  // namespace sonopose::transport

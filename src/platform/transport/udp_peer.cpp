@@ -58,13 +58,20 @@ public:
       asio::error_code error;
       socket_.send_to(asio::buffer(bytes), peer_, 0, error);
       const bool is_full = error == asio::error::would_block || error == asio::error::no_buffer_space;
-      if (error) ++unsent_;
-      send_error_ = is_full ? 0 : error.value();
+      if (is_full) {
+        ++unsent_;
+      } else if (error) {
+        failure_ = error.value();
+        ++failures_;
+      }
     });
   }
 
   [[nodiscard]] std::uint64_t unsent() const { return unsent_; }
-  [[nodiscard]] std::errc send_error() const { return std::errc{send_error_.load()}; }
+  [[nodiscard]] SendFailures send_failures() const {
+    const std::uint64_t count = failures_;
+    return {.count = count, .reason = std::errc{failure_.load()}};
+  }
   [[nodiscard]] const std::string& name() const { return name_; }
 
 private:
@@ -74,7 +81,8 @@ private:
   asio::ip::udp::endpoint peer_;                        ///< used by the reading thread only
   std::optional<asio::ip::udp::endpoint> last_sender_;  ///< likewise
   std::atomic<std::uint64_t> unsent_ = 0;
-  std::atomic<int> send_error_ = 0;  ///< errno of the last message
+  std::atomic<std::uint64_t> failures_ = 0;
+  std::atomic<int> failure_ = 0;  ///< errno of the last one, set before it is counted
 };
 
 UdpPeer::UdpPeer(const Endpoint& peer, std::uint16_t local_port)
@@ -102,8 +110,8 @@ std::uint64_t UdpPeer::unsent() const {
   return socket_->unsent();
 }
 
-std::errc UdpPeer::send_error() const {
-  return socket_->send_error();
+SendFailures UdpPeer::send_failures() const {
+  return socket_->send_failures();
 }
 
 std::string UdpPeer::name() const {

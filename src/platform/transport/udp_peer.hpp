@@ -26,7 +26,7 @@ public:
   void send(std::vector<std::uint8_t> bytes) override;
   void answer_last_sender() override;
   [[nodiscard]] std::uint64_t unsent() const override;
-  [[nodiscard]] std::errc send_error() const override;
+  [[nodiscard]] SendFailures send_failures() const override;
   [[nodiscard]] std::string name() const override;
 
 private:

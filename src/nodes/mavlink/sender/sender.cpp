@@ -6,6 +6,7 @@
 #include "logging/log.hpp"
 #include "mavlink/messages.hpp"
 #include "mavlink/sender/autopilot_watch.hpp"
+#include "mavlink/sender/unsent_report.hpp"
 #include "presence/beacon_admission.hpp"
 #include "process/service.hpp"
 #include "process_log/log_publisher.hpp"
@@ -23,7 +24,6 @@
 #include <array>
 #include <chrono>
 #include <exception>
-#include <system_error>
 #include <thread>
 
 namespace sonopose::mavlink::sender {
@@ -66,7 +66,7 @@ public:
 
   [[nodiscard]] std::string name() const { return link_->name(); }
   [[nodiscard]] std::uint64_t unsent() const { return link_->unsent(); }
-  [[nodiscard]] std::errc send_error() const { return link_->send_error(); }
+  [[nodiscard]] transport::SendFailures send_failures() const { return link_->send_failures(); }
   /// Throws what ended the reading.
   void check() {
     const threads::Lock lock(mutex_);
@@ -151,7 +151,10 @@ public:
     } else if (clocks::steady_now() - posed_ > autopilot::no_poses_after_ns) {
       state_ = Silence::no_poses;
     }
-    report_unsent();
+    if (const auto news = unsent_report_.update(line_.unsent(), line_.send_failures())) {
+      const std::string text = line_.name() + ": " + news->text;
+      news->is_warning ? logging::warning(text) : logging::info(text);
+    }
     if (state_ == logged_) return;
     logged_ = state_;
     if (state_ == Silence::none) {
@@ -163,26 +166,6 @@ public:
   }
 
 private:
-  /// Logs that the line begins to drop messages, for another reason than before, or takes all of them again.
-  void report_unsent() {
-    const std::uint64_t unsent = line_.unsent();
-    const std::errc error = line_.send_error();
-    const bool drops = unsent > unsent_;
-    unsent_ = unsent;
-    if (drops == drops_ && error == send_error_) return;
-    drops_ = drops;
-    send_error_ = error;
-    if (error != std::errc{}) {
-      logging::warning(
-          fmt::format("{}: cannot be sent to: {}", line_.name(), std::make_error_code(error).message()));
-    } else if (drops) {
-      logging::warning(fmt::format("{}: takes fewer bytes than are sent; use a lower --rate or a faster line",
-                                   line_.name()));
-    } else {
-      logging::info(fmt::format("{}: takes all bytes again", line_.name()));
-    }
-  }
-
   [[nodiscard]] Silence state_of(const autopilot::PoseWatch::Verdict& verdict,
                                  const autopilot::ExternalOdometry& odometry,
                                  const Line::Known& known) const {
@@ -203,9 +186,7 @@ private:
   SteadyTime posed_ = clocks::steady_now();  ///< last pose, or the start
   std::optional<Silence> state_;
   std::optional<Silence> logged_;
-  std::uint64_t unsent_ = 0;
-  bool drops_ = false;  ///< in the last second
-  std::errc send_error_{};
+  UnsentReport unsent_report_;
 };
 
 }  // namespace

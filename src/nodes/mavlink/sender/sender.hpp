@@ -29,7 +29,7 @@ struct SenderOptions {
   double rate_hz = 30;
   autopilot::North north;
   ros2::Mount mount;
-  presence::AddressSet addresses;  ///< of these, the first beacon that is heard
+  presence::AddressSet addresses;  ///< the first beacon of these that is heard is served
 };
 
 /// Sends poses and heartbeats, and answers the autopilot's time synchronisation, until the stop. Throws if
