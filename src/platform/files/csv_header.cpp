@@ -330,7 +330,8 @@ void CsvHeader::join_seconds(const CsvLayout& layout) {
   names_[seconds_place_] = "time [s]";
 }
 
-/// Refuses a vector, or two times, of which only a part names another unit than that of the layout.
+/// Refuses a vector, or two times, of which only a part names another unit than that of the layout, and a
+/// vector with mixed units.
 void CsvHeader::require_units(const CsvLayout& layout, const std::string& where) const {
   for (std::size_t column = 1; column < layout.columns.size(); ++column) {
     for (const auto& [one, other] : {std::pair(column - 1, column), std::pair(column, column - 1)}) {

@@ -93,6 +93,7 @@ bool CsvReader::read_row() {
   std::optional<std::string_view> line = is_first && read_ahead_ ? *read_ahead_ : next_line();
   while (line && line->starts_with('#')) line = next_line();
   if (!line) return false;
+  written_row_ = *line;
   row_ = header_.separator() == ';' ? with_points(*line) : *line;
   cells_.fill({});
   const bool is_table = layout_.given_names != nullptr;
@@ -112,18 +113,16 @@ bool CsvReader::read_row() {
 
 /// A row in which decimal commas, as between semicolons, are points.
 std::string_view CsvReader::with_points(std::string_view line) {
-  has_decimal_commas_ = line.find(',') != std::string_view::npos;
-  if (!has_decimal_commas_) return line;
+  if (line.find(',') == std::string_view::npos) return line;
   decimal_row_ = std::make_unique<std::string>(line);
   std::ranges::replace(*decimal_row_, ',', '.');
   return *decimal_row_;
 }
 
-/// A cell with its decimal commas.
-std::string CsvReader::as_written(std::string_view cell) const {
-  std::string text(cell);
-  if (has_decimal_commas_) std::ranges::replace(text, '.', ',');
-  return text;
+/// A cell of the current row as the file has it, with its decimal commas.
+std::string_view CsvReader::as_written(std::string_view cell) const {
+  if (cell.empty()) return cell;
+  return written_row_.substr(static_cast<std::size_t>(cell.data() - row_.data()), cell.size());
 }
 
 void CsvReader::detect_seconds() {
@@ -226,7 +225,7 @@ void CsvReader::fail(std::size_t column, std::string_view what) const {
     fail_line("has no column \"" + std::string(layout_.columns[column]) + "\": it " + std::string(what));
   }
   fail_line("column " + std::to_string(header_.place(column) + 1) + " (" + header_.name(column) + "): \"" +
-            as_written(cell(column)) + "\" " + std::string(what));
+            std::string(as_written(cell(column))) + "\" " + std::string(what));
 }
 
 void CsvReader::fail_line(std::string_view what) const {

@@ -68,7 +68,7 @@ private:
   [[nodiscard]] TimeNs other_time_ns(std::size_t column) const;
   [[nodiscard]] TimeNs nanoseconds() const;
   std::string_view with_points(std::string_view line);
-  [[nodiscard]] std::string as_written(std::string_view cell) const;
+  [[nodiscard]] std::string_view as_written(std::string_view cell) const;
 
   std::string name_;
   CsvLayout layout_;
@@ -76,8 +76,8 @@ private:
   CsvHeader header_;
   std::unique_ptr<std::string> read_ahead_;   ///< first row; at the same place after a move
   std::unique_ptr<std::string> decimal_row_;  ///< current row with decimal points, likewise
-  bool has_decimal_commas_ = false;           ///< as written, in the current row
   std::string_view row_;
+  std::string_view written_row_;  ///< the same with decimal commas
   std::array<std::string_view, 64> cells_{};
   bool is_unit_of_time_open_ = true;
 };

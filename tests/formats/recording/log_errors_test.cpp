@@ -135,7 +135,7 @@ SCENARIO("rows and headers of the wrong width are named") {
   }
   WHEN("a row has both a decimal comma and a point") {
     files.ultrasonic = "#timestamp;received;x;y;z\n1;1;1.234,5;0;0\n";
-    CHECK_THAT(error_message_of(files), Contains("column 3 (x): \"1,234,5\" is not a number"));
+    CHECK_THAT(error_message_of(files), Contains("column 3 (x): \"1.234,5\" is not a number"));
   }
   WHEN("cells are separated by an unknown character") {
     files.imu = "#timestamp|w_x|w_y|w_z|a_x|a_y|a_z\n1|0|0|0|0|0|9.8\n";
