@@ -102,21 +102,32 @@ private:
   std::jthread thread_;
 };
 
-/// Sends datagrams again, in their order, from a port of its own.
-void send_again(std::span<const Datagram> datagrams) {
-  const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  REQUIRE(socket >= 0);
-  for (std::size_t i = 0; i < datagrams.size(); ++i) {
-    sockaddr_in to{};
-    to.sin_family = AF_INET;
-    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    to.sin_port = htons(datagrams[i].port);
-    ::sendto(socket, datagrams[i].bytes.data(), datagrams[i].bytes.size(), 0,
-             reinterpret_cast<const sockaddr*>(&to), sizeof to);
-    if (i % 50 == 49) std::this_thread::sleep_for(std::chrono::milliseconds(2));  // no flood
+/// A stranger with a port of its own.
+class Stranger {
+public:
+  Stranger() { REQUIRE(socket_ >= 0); }
+  Stranger(const Stranger&) = delete;
+  Stranger& operator=(const Stranger&) = delete;
+  Stranger(Stranger&&) = delete;
+  Stranger& operator=(Stranger&&) = delete;
+  ~Stranger() { ::close(socket_); }
+
+  /// Sends datagrams again, in their order. Any thread may call it.
+  void send_again(std::span<const Datagram> datagrams) const {
+    for (std::size_t i = 0; i < datagrams.size(); ++i) {
+      sockaddr_in to{};
+      to.sin_family = AF_INET;
+      to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+      to.sin_port = htons(datagrams[i].port);
+      ::sendto(socket_, datagrams[i].bytes.data(), datagrams[i].bytes.size(), 0,
+               reinterpret_cast<const sockaddr*>(&to), sizeof to);
+      if (i % 50 == 49) std::this_thread::sleep_for(std::chrono::milliseconds(2));  // no flood
+    }
   }
-  ::close(socket);
-}
+
+private:
+  int socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+};
 
 /// True for a datagram of a handshake: its messages are of the topic of stateless messages, which no
 /// signature protects.
@@ -141,9 +152,10 @@ SCENARIO("a recorded handshake is worth nothing") {
   const auto owners = tap.writers();
   const std::vector<Datagram> datagrams = recorder.finish();
   REQUIRE(std::ranges::count_if(datagrams, is_of_handshake) >= 6);  // three messages between two pairs
+  const Stranger stranger;
   WHEN("it is sent again to the processes that took part") {
     const std::size_t before = tap.count();
-    for (int i = 0; i < 2; ++i) send_again(datagrams);
+    for (int i = 0; i < 2; ++i) stranger.send_again(datagrams);
     THEN("their poses go on, each is received once, and nobody else writes") {
       TimeNs last_ns = 0;
       for (const TappedPose& each : tap.wait_for_count(before, tap.count() - before + 400)) {
@@ -159,11 +171,11 @@ SCENARIO("a recorded handshake is worth nothing") {
     REQUIRE(fusion->wait_for_exit() == -SIGKILL);
     REQUIRE(wait_until([&] { return tap.writers().empty(); }));
     const std::size_t before = tap.count();
-    send_again(datagrams);
+    stranger.send_again(datagrams);
     THEN("no pose is received, and the fusion that starts among a third copy serves") {
       CHECK(tap.writers().empty());
       CHECK(tap.count() == before);
-      std::jthread sender([&] { send_again(datagrams); });
+      const std::jthread sender([&] { stranger.send_again(datagrams); });
       fusion = bus.fusion();
       const auto poses = tap.wait_for_count(before, 400);
       REQUIRE(poses.size() >= 400);
