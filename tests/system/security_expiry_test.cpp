@@ -5,6 +5,8 @@
 #include "web_process.hpp"
 #endif
 
+#include <algorithm>
+#include <array>
 #include <csignal>
 #include <cstdint>
 #include <string>
@@ -78,29 +80,37 @@ SCENARIO("sonopose-security lists and renews enclaves") {
     names.insert(names.begin(), {verb, store});
     return run(SONOPOSE_TEST_SECURITY, names);
   };
-  const auto date_in = [](std::int64_t days) {
-    return security::date_text(time_now_s() + days * security::day_s);
+  // The date may change before a program reads the clock.
+  const auto shows = [start_s = time_now_s()](const Result& result, const std::string& name,
+                                              std::int64_t days) {
+    return std::ranges::any_of(std::array{start_s, time_now_s()}, [&](std::int64_t now_s) {
+      return result.output.find(name + ": until " + security::date_text(now_s + days * security::day_s)) !=
+             std::string::npos;
+    });
   };
   THEN("the list says what each may do and until when, and goes on after one that cannot be used") {
     const Result list = command("list", {});
     CHECK(list.code == 1);
+    CAPTURE(list.output);
+    CHECK(shows(list, "brief", 2));
     CHECK_THAT(list.output,
-               Contains("brief: until " + date_in(2) +
-                        "; writes sonopose/reset, sonopose/settings_request; reads sonopose/* (sign)") &&
+               Contains("; writes sonopose/reset, sonopose/settings_request; reads sonopose/* (sign)") &&
                    Contains("late: unusable: ") && Contains("expired on ") && Contains("web: until "));
   }
   THEN("a renewed enclave works again, for as long as before or as said, and the others are as they were") {
     const std::string other = read_text(keys.store.enclave_folder("web") / "cert.pem");
     const Result brief = command("renew", {"brief"});
     CHECK(brief.code == 0);
-    CHECK_THAT(brief.output, Contains("brief: until " + date_in(2)));
+    CAPTURE(brief.output);
+    CHECK(shows(brief, "brief", 2));
     CHECK(command("renew", {"late", "--days", "40"}).code == 0);
     CHECK(read_text(keys.store.enclave_folder("web") / "cert.pem") == other);
     const Result list = command("list", {});
     CHECK(list.code == 0);
-    CHECK_THAT(list.output, Contains("late: until " + date_in(40)));
+    CAPTURE(list.output);
+    CHECK(shows(list, "late", 40));
     const Result check = command("check", {});
-    CHECK(check.code == 1);  // brief and late expire within 30 days, or soon after
+    CHECK(check.code == 1);  // brief expires within 30 days
     CHECK_THAT(check.output, Contains("brief: expires in ") && !Contains("late"));
   }
   THEN("one that does not exist is named, with exit code 1") {
