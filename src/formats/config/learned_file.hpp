@@ -15,7 +15,7 @@ namespace sonopose::config {
 /// An estimate, dated by the host's clock, and the settings that it is true with.
 struct LearnedBeacon {
   Estimate estimate;
-  std::vector<std::string> mounting;  ///< of `mounting_of`
+  std::vector<std::string> mounting;  ///< settings as of `mounting_of`
 
   bool operator==(const LearnedBeacon&) const = default;
 };

@@ -17,6 +17,7 @@ namespace sonopose::fusion {
 namespace {
 
 constexpr TimeNs save_period_ns = 60'000'000'000;
+constexpr TimeNs relearn_ns = 600'000'000'000;  ///< wait after a change of the mounting
 
 std::optional<estimation::aiding::KnownSensors> known_now(const Estimate& estimate) {
   return estimation::aiding::known_after(estimate, seconds_between(estimate.time_ns, clocks::host_now()));
@@ -69,9 +70,12 @@ LearnedSensorsFile::LearnedSensorsFile(const std::filesystem::path& file, const 
 }
 
 std::optional<estimation::aiding::KnownSensors> LearnedSensorsFile::known(
-    BeaconAddress address, const settings::Settings& settings) const {
+    BeaconAddress address, const settings::Settings& settings) {
+  auto mounting = config::mounting_of(settings);
   const auto found = learned_.find(address);
-  if (found == learned_.end() || found->second.mounting != config::mounting_of(settings)) return std::nullopt;
+  const bool is_known = found != learned_.end() && found->second.mounting == mounting;
+  mountings_.insert_or_assign(address, Mounting{std::move(mounting)});
+  if (!is_known) return std::nullopt;
   return known_now(found->second.estimate);
 }
 
@@ -110,8 +114,9 @@ void LearnedSensorsFile::save(threads::Guarded<BeaconEstimators>& estimators) {
   estimators.with([&](auto& all) {
     all.for_each([&](BeaconAddress address, BeaconEstimator& estimator) {
       auto mounting = config::mounting_of(estimator.timeline().settings());
-      const auto [before, is_new] = mounting_.try_emplace(address, mounting);
-      if (!is_new && std::exchange(before->second, mounting) != mounting) return;
+      Mounting& before = mountings_.try_emplace(address, Mounting{mounting}).first->second;
+      if (before.settings != mounting) before = {mounting, clocks::steady_now()};
+      if (before.changed && clocks::steady_now() - *before.changed < relearn_ns) return;
       auto estimate = estimator.learned();
       if (!estimate) return;
       estimate->time_ns = clocks::host_now();

@@ -27,10 +27,10 @@ public:
   /// Waits for the file.
   ~LearnedSensorsFile() = default;
 
-  /// Returns what is still known of a beacon that has these settings. Call it under the lock of the
+  /// Returns what is still known of a beacon that begins with these settings. Call it under the lock of the
   /// estimators.
-  [[nodiscard]] std::optional<estimation::aiding::KnownSensors> known(
-      BeaconAddress address, const settings::Settings& settings) const;
+  [[nodiscard]] std::optional<estimation::aiding::KnownSensors> known(BeaconAddress address,
+                                                                      const settings::Settings& settings);
 
   /// Saves if a minute has passed since the last time.
   void update(threads::Guarded<BeaconEstimators>& estimators, SteadyTime now);
@@ -38,14 +38,21 @@ public:
   void finish(threads::Guarded<BeaconEstimators>& estimators);
 
 private:
+  /// The settings of calibration and mount that a beacon is learned with.
+  struct Mounting {
+    std::vector<std::string> settings;
+    std::optional<SteadyTime> changed{};  ///< time at which a change was seen; empty: none since the start
+  };
+
   void save(threads::Guarded<BeaconEstimators>& estimators);
   void report_last();
   void report(const std::string& error);
 
   std::filesystem::path file_;
   config::LearnedSensors learned_;  ///< changed and read under the lock of the estimators
-  /// Mounting at the last time of saving. What was learned before a change is not saved after it.
-  std::map<BeaconAddress, std::vector<std::string>> mounting_;
+  /// Mountings at the last time of saving, or at the start of a beacon. After a change a beacon is not saved
+  /// until it has been learned anew for some minutes.
+  std::map<BeaconAddress, Mounting> mountings_;
   bool is_readable_ = true;
   SteadyTime due_;
   std::future<std::string> writing_;  ///< gives an error; empty if the file was written
