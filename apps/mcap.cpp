@@ -58,10 +58,12 @@ int cat(const Options& options) {
   const mcap::Reader reader(bus_log::recording_files(options.files));
   warn(reader.damages());
   bus_log::ChosenMessages messages(reader, options.choice);
-  for (bus_log::MessageLines lines(reader); const auto chosen = messages.next();) {
+  bool has_printed = false;
+  for (bus_log::MessageLines lines(reader); const auto chosen = messages.next(); has_printed = true) {
     apps::print("{}\n", lines.line_of(*chosen->channel, chosen->message));
-    if (std::ferror(stdout) != 0) break;  // reported at the end
+    if (std::ferror(stdout) != 0) return 0;  // reported at the end
   }
+  if (!has_printed) throw bus_log::nothing_selected({&reader}, reader.statistics().message_count);
   return 0;
 }
 

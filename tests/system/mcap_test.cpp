@@ -128,6 +128,11 @@ SCENARIO("a recording of the bus is shown, selected and exported") {
       CHECK(shown.output.empty());
       CHECK_THAT(shown.error, Contains("run.mcap: none of its ") && Contains(" messages is selected"));
     }
+    THEN("cat fails for a gap inside the recording, too") {
+      const Result shown = mcap({"cat", file, "--start", "1", "--end", "1.000000001"});
+      CHECK(shown.code == 1);
+      CHECK_THAT(shown.error, Contains("run.mcap: none of its ") && Contains(" messages is selected"));
+    }
   }
   GIVEN("a cut file") {
     write_text(folder / "cut.mcap", read_text(file).substr(0, 3 * std::filesystem::file_size(file) / 4));

@@ -126,12 +126,9 @@ private:
   /// Refuses a copy without messages.
   void require_messages() const {
     if (result_.messages > 0) return;
-    std::string names;
-    for (const Input& input : inputs_) names += (names.empty() ? "" : ", ") + input.reader.name();
-    const std::string reason = result_.damages.empty() ? "" : "; " + result_.damages.front();
-    const char* const owner = inputs_.size() == 1 ? "its" : "their";
-    throw files::IoError(fmt::format("{}: none of {} {} messages is selected or readable{}", names, owner,
-                                     result_.stated, reason));
+    std::vector<const mcap::Reader*> readers;
+    for (const Input& input : inputs_) readers.push_back(&input.reader);
+    throw nothing_selected(readers, result_.stated, result_.damages.empty() ? "" : result_.damages.front());
   }
 
   void report_progress() const {

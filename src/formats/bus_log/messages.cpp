@@ -131,10 +131,7 @@ mcap::Selection selection_of(const mcap::Reader& reader, const Choice& choice,
   selection.start_ns = part.start_ns;
   selection.end_ns = part.end_ns;
   if (part.start_ns > times.end_ns || part.end_ns < times.start_ns) {
-    throw files::IoError(
-        fmt::format("{}: none of its {} messages is selected: they last {:.3f} s, from {} to {} ns",
-                    reader.name(), reader.statistics().message_count,
-                    static_cast<double>(times.end_ns - times.start_ns) * 1e-9, times.start_ns, times.end_ns));
+    throw nothing_selected({&reader}, reader.statistics().message_count);
   }
   return selection;
 }
@@ -149,6 +146,22 @@ std::string line_with(const std::string& content, const mcap::Channel& channel,
 }
 
 }  // namespace
+
+files::IoError nothing_selected(const std::vector<const mcap::Reader*>& readers, std::uint64_t message_count,
+                                const std::string& reason) {
+  std::string text;
+  for (const mcap::Reader* reader : readers) text += (text.empty() ? "" : ", ") + reader->name();
+  text += fmt::format(": none of {} {} messages is selected or readable",
+                      readers.size() == 1 ? "its" : "their", message_count);
+  if (!reason.empty()) text += "; " + reason;
+  const mcap::TimeSpan& times = readers.front()->statistics().log_times;
+  if (readers.size() == 1 && !times.is_empty()) {
+    text +=
+        fmt::format("; they last {:.3f} s, from {} to {} ns",
+                    static_cast<double>(times.end_ns - times.start_ns) * 1e-9, times.start_ns, times.end_ns);
+  }
+  return files::IoError(text);
+}
 
 std::optional<BeaconAddress> beacon_of(const mcap::Channel& channel, const mcap::Message& message) {
   if (channel.topic == instance_ends) return beacon_of_end(message);

@@ -4,6 +4,7 @@
 
 #include "bus_log/latched_start.hpp"
 #include "bus_log/moment.hpp"
+#include "files/error.hpp"
 #include "mcap/reader.hpp"
 #include "ros2/bag/message_definition.hpp"
 #include <sonopose/samples/samples.hpp>
@@ -45,6 +46,10 @@ struct Choice {
   std::optional<Moment> start{};
   std::optional<Moment> end{};
 };
+
+/// Error of a selection without a message: "run.mcap: none of its 15 messages is selected or readable".
+[[nodiscard]] files::IoError nothing_selected(const std::vector<const mcap::Reader*>& readers,
+                                              std::uint64_t message_count, const std::string& reason = {});
 
 /// The chosen messages of a recording, by time or in file order. Throws files::IoError that lists the file's
 /// topics if it lacks a topic of the choice.
