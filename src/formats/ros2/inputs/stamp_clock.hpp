@@ -15,7 +15,8 @@ public:
   /// Takes the stamp of an IMU sample, and its reception in the host's clock.
   void on_imu(TimeNs stamp_ns, TimeNs received_ns) {
     lag_ns_ = saturated_difference(received_ns, stamp_ns);
-    latest_ns_ = std::max(latest_ns_, stamp_ns);
+    const bool is_far_back = saturated_difference(latest_ns_, stamp_ns) > max_transport_ns;
+    latest_ns_ = is_far_back ? stamp_ns : std::max(latest_ns_, stamp_ns);
   }
 
   /// Converts a host time to the clock of the stamps. Before the first sample, or if they differ by at most
@@ -35,7 +36,7 @@ public:
 
 private:
   TimeNs lag_ns_ = 0;
-  TimeNs latest_ns_ = 0;  ///< 0: no sample yet
+  TimeNs latest_ns_ = 0;  ///< 0: no sample yet; falls where the stamps do, as after one that was far ahead
 };
 
 }  // namespace sonopose::ros2

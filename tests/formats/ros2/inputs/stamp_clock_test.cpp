@@ -30,6 +30,13 @@ SCENARIO("host times are converted to the clock of the IMU's stamps") {
         CHECK(clock.at_latest(now_ns + ms) == now_ns - 380 * ms);
       }
     }
+    AND_WHEN("one stamp is far ahead, and the next ones are right again") {
+      clock.on_imu(now_ns + hour_ns, now_ns);
+      clock.on_imu(now_ns - 390 * ms, now_ns + 10 * ms);
+      THEN("the right ones count") {
+        CHECK(clock.at_latest(now_ns + 11 * ms) == now_ns - 390 * ms);
+      }
+    }
   }
   GIVEN("a recording of an hour ago, that is then played from its start") {
     clock.on_imu(now_ns - hour_ns + 5000 * ms, now_ns);
