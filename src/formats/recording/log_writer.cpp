@@ -3,8 +3,12 @@
 #include "files/csv_writer.hpp"
 #include "files/error.hpp"
 #include "files/units.hpp"
+#include "logging/log.hpp"
 #include "recording/log_columns.hpp"
 #include "recording/part_folder.hpp"
+#include <sonopose/text/count_text.hpp>
+
+#include <fmt/format.h>
 
 #include <cmath>
 #include <limits>
@@ -44,6 +48,11 @@ SensorLogWriter::~SensorLogWriter() {
   try {
     if (!with_magnetometer_) write_imu_header(false);
     flush();
+    if (magnetic_fields_dropped_ > 0) {
+      logging::warning(fmt::format("{}: {} not written, because the first sample had none",
+                                   (folder_ / imu_file).string(),
+                                   text::count_text(magnetic_fields_dropped_, "magnetic field")));
+    }
   } catch (const std::exception&) {  // a destructor cannot report errors
   }
 }

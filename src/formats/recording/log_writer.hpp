@@ -31,7 +31,8 @@ public:
   /// Creates the folder if needed. Refuses one that already contains a recording. `settings` describe the
   /// source in `meta.toml`.
   explicit SensorLogWriter(std::filesystem::path folder, LogSettings settings = {});
-  /// Writes the remaining lines. Call flush() first to detect errors.
+  /// Writes the remaining lines, and warns of magnetic fields that were dropped. Call flush() first to detect
+  /// errors.
   ~SensorLogWriter();
   SensorLogWriter(const SensorLogWriter&) = delete;
   SensorLogWriter& operator=(const SensorLogWriter&) = delete;
