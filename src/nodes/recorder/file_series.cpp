@@ -183,12 +183,13 @@ void FileSeries::remove_old(std::uint64_t current_bytes) {
     const std::filesystem::path file = std::move(oldest.front().file);
     oldest.pop_front();
     std::error_code error;
-    std::filesystem::remove(file, error);
+    const bool is_removed = std::filesystem::remove(file, error);
     if (error) {
       logging::warning(fmt::format("{}: cannot be removed: {}; the recording becomes larger than the limit",
                                    file.string(), error.message()));
       continue;
     }
+    if (!is_removed) continue;  // by someone else
     ++removed_files_;
     logging::info(fmt::format("{}: removed, the oldest file", file.string()));
   }
