@@ -18,13 +18,13 @@ std::string row(std::string_view what, const std::string& text) {
 
 /// Returns the mean and the RMS error: "along +0.3 (2.1)".
 std::string signed_cm(std::string_view direction, const SignedErrors& errors) {
-  if (errors.mean != errors.mean) return fmt::format("{} -", direction);
+  if (errors.mean != errors.mean) return fmt::format("{} –", direction);
   return fmt::format("{} {:+.1f} ({:.1f})", direction, 100.0 * errors.mean, 100.0 * errors.rms);
 }
 
-/// Returns "-" for an unknown value.
+/// Returns "–" for an unknown value.
 std::string known(double value, int decimals) {
-  return std::isnan(value) ? "-" : fmt::format("{:.{}f}", value, decimals);
+  return std::isnan(value) ? "–" : fmt::format("{:.{}f}", value, decimals);
 }
 
 std::string innovations_text(const std::optional<NormalisedInnovations>& innovations, bool has_used) {
