@@ -15,14 +15,14 @@ namespace sonopose::dds::topics {
 /// first shows this id is the one; a second process that shows it later is not. DDS delivers the poses of the
 /// strongest writer alone, so a stronger stranger leaves a consumer without poses instead of with false ones.
 /// An id is new at each start of a fusion, and no proof: a stranger who shows it first is taken for the
-/// fusion. What proves is DDS Security. Not thread-safe.
+/// fusion. Only DDS Security proves who writes. `sonopose-monitor --json` prints the ids. Not thread-safe.
 class PinnedFusion {
 public:
   /// `participant` is that of the reader of poses. Throws Error.
   PinnedFusion(const DomainParticipant& participant, const qos::Provider& qos, std::uint64_t fusion_id);
 
-  /// True if the fusion wrote this sample of `poses`. False before its first status, and after its end.
-  /// Throws Error.
+  /// Returns true if the fusion wrote this sample of `poses`, also if it has ended since. Returns false
+  /// before the first status with its id, and for a sample of an unknown writer that has gone. Throws Error.
   [[nodiscard]] bool wrote(const DataReader<sonopose_FusedPose>& poses, const SampleInfo& info);
 
 private:
