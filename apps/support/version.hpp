@@ -8,7 +8,7 @@ namespace sonopose::apps {
 
 std::string_view version();
 
-/// What --version prints after the name of a program: the version, and whose C++ binding sonopose::cxx is.
+/// Text that --version prints after the name of a program: the version, and the C++ binding of sonopose::cxx.
 std::string_view version_text();
 
 }  // namespace sonopose::apps

@@ -127,7 +127,8 @@ private:
   Ring<Place, 64> places_;
   Vector3d tag_body_m_ = Vector3d::Zero();  ///< place of the one tag that is followed
   TimeNs tag_seen_ns_ = 0;
-  std::complex<double> product_{};  ///< of the changes of speed by IMU (conjugate) and fixes; fading sum
+  std::complex<double>
+      product_{};  ///< fading sum over changes of speed: by the IMU (conjugate) times by fixes
   double imu_square_ = 0;
   double fix_square_ = 0;
   double judged_ = 0;  ///< fading number of changes

@@ -43,8 +43,8 @@ std::vector<std::uint8_t> encode(const Frame& frame, std::uint8_t sequence);
 class Decoder {
 public:
   struct Counters {
-    std::uint64_t frames = 0;   ///< of known messages
-    std::uint64_t unknown = 0;  ///< of other messages
+    std::uint64_t frames = 0;   ///< known messages
+    std::uint64_t unknown = 0;  ///< other messages
     std::uint64_t damaged = 0;  ///< with a wrong checksum
     std::uint64_t skipped = 0;  ///< bytes outside of frames
   };

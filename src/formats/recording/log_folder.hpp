@@ -52,7 +52,7 @@ SensorLog read_sensor_log(const std::filesystem::path& folder, std::optional<Bea
 /// The IMU samples of a recording, in file order and without sequence numbers.
 struct ImuLog {
   std::vector<ImuSample> imu;
-  std::vector<std::string> warnings;  ///< what is wrong with the samples (input_check.hpp) or left out
+  std::vector<std::string> warnings;  ///< faults of the samples (input_check.hpp), and samples left out
 };
 
 /// Reads only the IMU samples of a folder. Throws files::IoError.

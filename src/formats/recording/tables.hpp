@@ -18,7 +18,7 @@ struct TableFiles {
   std::filesystem::path positions;             ///< fixes
   std::optional<std::filesystem::path> truth;  ///< positions, or poses
   TimeNs position_shift_ns = 0;                ///< added to the times of the positions
-  std::string tag{};  ///< of several devices in a table, that to read; empty: address
+  std::string tag{};                           ///< device to read, where a table has several; empty: address
 };
 
 struct Tables {

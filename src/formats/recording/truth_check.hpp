@@ -10,7 +10,7 @@
 
 namespace sonopose::recording {
 
-/// What a truth can be compared with: stamps and units are right as far as known.
+/// Sensors that a truth can be compared with: those whose stamps and units are right as far as known.
 struct TruthReferences {
   bool fixes = true;
   bool gyroscope = true;

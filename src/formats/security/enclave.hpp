@@ -24,7 +24,7 @@ inline constexpr const char* revocation_file = "crl.pem";  ///< may be absent
 /// State of an enclave that can be used.
 struct Enclave {
   std::string subject;       ///< "CN=/bridge"
-  std::string serial;        ///< of the certificate
+  std::string serial;        ///< serial number of the certificate
   std::int64_t expires_s{};  ///< first date after which one of its files is invalid
   Grant grant;
   std::string protection;  ///< "sign" or "encrypt"

@@ -30,7 +30,7 @@ public:
 
   struct Judgement {
     bool is_old = false;
-    TimeNs late_ns = 0;  ///< how much longer than usual it took from the bridge
+    TimeNs late_ns = 0;  ///< excess over the usual time from the bridge
   };
 
   explicit constexpr SampleAge(TimeNs old_after_ns) : old_after_ns_(old_after_ns) {}

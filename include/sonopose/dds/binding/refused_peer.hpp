@@ -12,7 +12,7 @@ namespace sonopose::dds {
 /// A refused process, by the one or the other.
 struct RefusedPeer {
   std::string key_prefix;  ///< first 24 digits of the key of its participant; may be empty
-  std::string subject;     ///< of its certificate: "/CN=/bridge"; may be empty
+  std::string subject;     ///< subject of its certificate: "/CN=/bridge"; may be empty
   std::string reason;
 };
 

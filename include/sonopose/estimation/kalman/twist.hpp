@@ -22,7 +22,7 @@ struct TwistMeasurement {
 struct TwistGate {
   TimeNs seen_ns = 0;
   double interval_s = 0;                            ///< usual interval, up to 1 s; 0: unknown
-  Vector3d mean_innovation_mps = Vector3d::Zero();  ///< of about the last 0.15 s, per axis
+  Vector3d mean_innovation_mps = Vector3d::Zero();  ///< mean of about the last 0.15 s, per axis
   TimeNs rejected_since_ns = 0;  ///< beginning of the current run of contradictions; 0: none
   TimeNs rejected_ns = 0;        ///< time of the last contradiction
   bool rejected = false;         ///< true if the latest one was: the wheels slip

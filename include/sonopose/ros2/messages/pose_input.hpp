@@ -18,7 +18,7 @@ inline constexpr double max_heading_std_rad = std::numbers::pi / 3.0;
 struct PoseFrames {
   Transform stated_in_map;
   Transform measured_in_base;
-  Mount mount;  ///< of the IMU on the base
+  Mount mount;  ///< place of the IMU on the base
 };
 
 /// Place of a point of the base in body axes, seen from the IMU.

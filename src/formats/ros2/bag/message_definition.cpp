@@ -269,7 +269,7 @@ private:
   }
 
   std::span<const std::byte> data_;  ///< without the encapsulation header, to which fields are aligned
-  bool is_foreign_;                  ///< of the other byte order
+  bool is_foreign_;                  ///< in the other byte order
   const std::vector<Type>& types_;
   std::size_t at_ = 0;
   std::string text_;

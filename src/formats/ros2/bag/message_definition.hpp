@@ -44,7 +44,7 @@ public:
     Kind kind = Kind::boolean;
     std::size_t part = 0;  ///< index of the type, for Kind::part
     Repetition repetition = Repetition::one;
-    std::size_t count = 1;  ///< of an array
+    std::size_t count = 1;  ///< length of an array
   };
   using Type = std::vector<Field>;
 

@@ -18,8 +18,8 @@ struct TopicChoice {
   std::vector<std::string> imu{};
   std::vector<std::string> fix{};
   std::map<AidingInput::Kind, std::vector<std::string>> aiding{};
-  std::optional<Wheels> wheels{};      ///< of --wheels
-  std::optional<std::string> truth{};  ///< of Odometry, PoseStamped or PoseWithCovarianceStamped
+  std::optional<Wheels> wheels{};      ///< value of --wheels
+  std::optional<std::string> truth{};  ///< topic of Odometry, PoseStamped or PoseWithCovarianceStamped
   std::string base_frame = "base_link";
   std::string map_frame = "map";
   ImuMeaning imu_meaning = ImuMeaning::unknown;
@@ -48,7 +48,7 @@ struct Inputs {
   std::vector<OfInput> inputs{};
   std::vector<OfAiding> aidings{};
   std::optional<std::size_t> truth{};
-  std::vector<std::string> notes{};  ///< what was chosen by type
+  std::vector<std::string> notes{};  ///< topics that were chosen by type
 };
 
 /// Finds the chosen topics. Without a choice of IMU or fixes, the only topic of that type with messages is

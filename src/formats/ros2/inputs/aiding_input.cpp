@@ -21,7 +21,7 @@ struct TypeName {
 
 struct Option {
   const char* name;
-  const char* source;  ///< what a beacon has once
+  const char* source;  ///< measurements that only one topic of a beacon may give
   const char* example;
   std::vector<TypeName> types;  ///< the default first
 };
@@ -106,10 +106,9 @@ void check(const std::vector<AidingInput>& inputs) {
       const bool are_alike = one.kind == other.kind || (is_velocity(one.kind) && is_velocity(other.kind));
       const bool is_set = one.kind == Kind::set_pose && (one.topic != other.topic || one.type != other.type);
       if (one.address != other.address || !are_alike || is_set) continue;
-      throw std::invalid_argument(
-          fmt::format("{} {} and {} {}: beacon {} can have only one source of {}", option_name(one.kind),
-                      one.topic, option_name(other.kind), other.topic, one.address,
-                      one.kind == Kind::set_pose ? "poses on this topic" : option_of(one.kind).source));
+      throw std::invalid_argument(fmt::format(
+          "{} and {}: beacon {} can have only one source of {}", text_of(one), text_of(other), one.address,
+          one.kind == Kind::set_pose ? "poses on this topic" : option_of(one.kind).source));
     }
   }
 }

@@ -38,7 +38,7 @@ struct AidingInput {
   Type type = Type::odometry;
   std::string topic;  ///< or service
   BeaconAddress address = 0;
-  Wheels wheels = {};  ///< of Kind::wheels
+  Wheels wheels = {};  ///< for Kind::wheels alone
 
   /// Parses "/odom=7" or, with one of the types of its kind, "/wheel/twist:TwistStamped=7". Throws
   /// std::invalid_argument.
@@ -57,7 +57,7 @@ struct AidingInput {
 [[nodiscard]] Input monitored_as(const AidingInput& input);
 
 /// Throws std::invalid_argument for two topics of one beacon whose errors would be taken for independent: two
-/// of velocities, of headings or of poses. A service is of one beacon.
+/// of velocities, of headings or of poses. Throws it also for a service of two beacons.
 void check(const std::vector<AidingInput>& inputs);
 
 }  // namespace sonopose::ros2

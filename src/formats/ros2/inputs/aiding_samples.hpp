@@ -18,7 +18,7 @@ struct AidingSamples {
   std::optional<TwistSample> twist = {};
   std::optional<PairHeading> heading = {};
   std::optional<UltrasonicFix> fix = {};
-  std::string unused = {};  ///< what is not used, and why; empty: all is used
+  std::string unused = {};  ///< parts that are not used, and why; empty: all are used
 };
 
 // A heading is that of the body. A pose is a fix, with its place on the body, and a heading.

@@ -50,7 +50,7 @@ bool BeaconInputs::on(const SensorCombined& message, MonitoredInput& input, Mome
 
 void BeaconInputs::take(ReceivedImu& received, std::string_view frame, MonitoredInput& input, Moment moment,
                         std::vector<ImuSample>& ready, Lines& lines) {
-  // Of two topics, one whose other values are exactly zero is that of one sensor that does not say so.
+  // A topic whose other values are all zero has one sensor only, even if it does not declare that.
   const bool is_unmarked = received.has_angular_velocity && received.has_specific_force;
   if (imus_ > 1 && is_unmarked) {
     received.has_specific_force = !received.sample.specific_force_body_mps2.isZero(0);

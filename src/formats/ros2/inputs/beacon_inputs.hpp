@@ -26,7 +26,7 @@ struct MonitoredInput {
 
   Input option;
   InputMonitor monitor;
-  FixRepeats repeats;     ///< of a topic of fixes, like the next two
+  FixRepeats repeats;     ///< for a topic of fixes, like the next two
   SmallestOffset offset;  ///< age of its positions at their arrival
   std::optional<SteadyTime> since{};
 };
@@ -74,7 +74,8 @@ public:
   [[nodiscard]] double offset_s() const { return offset_.value_s(); }
   /// Converts a time of reception to the clock of the stamps.
   [[nodiscard]] TimeNs stamp_at(TimeNs received_ns) const { return stamp_clock_.at(received_ns); }
-  /// The same for what applies at once, at the latest IMU sample.
+  /// Converts a time of reception likewise, but to no later time than that of the latest IMU sample: a set
+  /// pose applies at once.
   [[nodiscard]] TimeNs latest_stamp_at(TimeNs received_ns) const {
     return stamp_clock_.at_latest(received_ns);
   }
@@ -92,7 +93,7 @@ private:
   ImuJoiner joiner_;
   MonitoredInput* complete_ = nullptr;    ///< input with complete IMU samples
   MonitoredInput* gyroscope_ = nullptr;   ///< input with angular velocities
-  std::optional<std::string> imu_topic_;  ///< of the first sample
+  std::optional<std::string> imu_topic_;  ///< topic of the first sample
   SmallestOffset offset_;
 };
 

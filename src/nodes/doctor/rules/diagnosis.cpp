@@ -25,7 +25,7 @@ std::vector<const EndpointObservation*> on_topic(const std::vector<EndpointObser
 
 namespace {
 
-constexpr double max_frozen_share = 0.1;  ///< of the time, for the installation to be judged
+constexpr double max_frozen_share = 0.1;  ///< share of the time; with more, the installation is not judged
 
 /// Leaves out repetitions: a standby has two writers of poses, each of which may be wrong.
 Findings without_repetitions(const Findings& findings) {

@@ -150,7 +150,7 @@ struct BeaconObservation {
   std::uint64_t timed_fixes = 0;           ///< fixes whose delay was measured by the hardware
   std::vector<motion::fit::Piece> pieces;  ///< fits of the installation to IMU and fixes
   motion::ImuSummary imu_summary;          ///< summary with the calibration applied
-  motion::TurnGain turn_gain;              ///< of the calibrated gyroscope
+  motion::TurnGain turn_gain;              ///< gain of the calibrated gyroscope
   std::vector<std::string> stuck_axes;     ///< one text for each axis of the IMU that keeps one value
   std::optional<RestObservation> rest;     ///< empty if it does not rest
 };

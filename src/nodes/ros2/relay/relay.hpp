@@ -71,7 +71,7 @@ struct Output {
 struct AutopilotOptions {
   enum class Kind : std::uint8_t { px4, ardupilot };
   Kind kind = Kind::px4;
-  std::string name_space;  ///< of its topics: "/uav_1"; empty: none
+  std::string name_space;  ///< prefix of its topics: "/uav_1"; empty: none
   double rate_hz = 30;
   std::optional<double> north_rad = {};  ///< direction of north in the map, counter-clockwise from x
 };

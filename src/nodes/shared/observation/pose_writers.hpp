@@ -34,7 +34,7 @@ std::string text_of(const ProcessIdentity& process);
 /// Beacons that each writer serves, by the handle of its writer of poses or statuses.
 class ServedBeacons {
 public:
-  static constexpr std::size_t max_writers = 1024;  ///< of statuses
+  static constexpr std::size_t max_writers = 1024;  ///< limit of writers of statuses
 
   /// Writer whose poses of a beacon are received.
   struct Owner {

@@ -202,7 +202,7 @@ private:
 
   FullQueuePolicy when_full_;
   const process::StopSignal* stop_ = nullptr;
-  std::optional<SteadyTime> stopped_at_;  ///< when a push first saw the stop
+  std::optional<SteadyTime> stopped_at_;  ///< time at which a push first saw the stop
   std::shared_ptr<Queue> queue_;
   std::jthread thread_;
 };
