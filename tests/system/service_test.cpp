@@ -185,6 +185,13 @@ SCENARIO("a fusion begins with what the one before has learned of the sensors") 
         CHECK_THAT(fusion->text(Stream::error), Contains("none; now: heading.mount_offset_deg=90"));
       }
     }
+    WHEN("the calibration is changed live by a little before the first saving, and it ends") {
+      REQUIRE(bus.settings({"set", "calibration.gyro_offset_x=0.001"}).code == 0);
+      CHECK(fusion->end_by(SIGTERM).code == 0);
+      THEN("what it learned with the other calibration is not in the file") {
+        CHECK_FALSE(std::filesystem::exists(file));
+      }
+    }
     WHEN("the file is broken, and another begins") {
       write_text(file, "[beacon.7]\nfix_std_m = 5 m\n");
       const auto other = bus.fusion({"--learned", file.string()});

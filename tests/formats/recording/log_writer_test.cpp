@@ -1,5 +1,6 @@
 #include "recording/log_writer.hpp"
 
+#include "logging/captured_log.hpp"
 #include "recording/log_folder.hpp"
 #include "recording/samples_at.hpp"
 #include "sim/simulator.hpp"
@@ -197,14 +198,19 @@ SCENARIO("a recording is never overwritten or mixed") {
   }
 }
 
-SCENARIO("a magnetometer that appears after the first sample is counted") {
+SCENARIO("a magnetometer that appears after the first sample is counted and reported") {
   const TemporaryFolder folder;
-  SensorLogWriter writer(folder.path());
-  ImuSample sample = imu_at(1);
-  writer.write(sample);
-  sample.magnetic_field_body_t = Vector3d(1e-5, 0, 0);
-  writer.write(sample);
-  CHECK(writer.magnetic_fields_dropped() == 1);
+  logging::test::CapturedError error;
+  {
+    SensorLogWriter writer(folder.path());
+    ImuSample sample = imu_at(1);
+    writer.write(sample);
+    sample.magnetic_field_body_t = Vector3d(1e-5, 0, 0);
+    writer.write(sample);
+    CHECK(writer.magnetic_fields_dropped() == 1);
+  }
+  error.restore();
+  CHECK_THAT(error.read(), Contains("imu.csv: 1 magnetic field not written"));
 }
 
 SCENARIO("a killed process loses at most its last second, and no line is torn") {
