@@ -10,12 +10,18 @@
 namespace sonopose::estimation::kalman {
 namespace {
 
+/// True for a track that the fixes left. The former track of an IMU that was distrusted is led by that IMU
+/// alone, and says nothing.
+bool is_left_track(const Hypothesis& hypothesis) {
+  return hypothesis.track == Track::former && hypothesis.began_ns < hypothesis.explained_ns;
+}
+
 /// True for a track that the body may be on although another one is followed: the track that was left, or
 /// that of the fixes which are rejected.
 bool is_possible_track(const State& state, const Hypothesis& hypothesis) {
-  if (hypothesis.track == Track::former) return true;
-  return hypothesis.track != Track::followed && hypothesis.explained >= min_track_fixes &&
-         state.fixes.rejected_in_row > 0;
+  if (is_left_track(hypothesis)) return true;
+  return hypothesis.track != Track::followed && hypothesis.track != Track::former &&
+         hypothesis.explained >= min_track_fixes && state.fixes.rejected_in_row > 0;
 }
 
 /// Hypothesis that trusts the IMU most.
@@ -44,7 +50,7 @@ double unexplained_share(const State& state) {
 bool has_left_track(const State& state) {
   constexpr double apart_m = 0.5;
   return std::any_of(state.bank.begin(), state.bank.end(), [&state](const Hypothesis& each) {
-    return each.track == Track::former &&
+    return is_left_track(each) &&
            (each.filter.tracked_position_world_m() - state.filter().tracked_position_world_m()).norm() >
                apart_m;
   });
