@@ -8,6 +8,7 @@
 #include <array>
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
 
 namespace service_test {
 
@@ -186,7 +187,7 @@ SCENARIO("a fusion begins with what the one before has learned of the sensors") 
       }
     }
     WHEN("the calibration is changed live by a little before the first saving, and it ends") {
-      REQUIRE(bus.settings({"set", "calibration.gyro_offset_x=0.001"}).code == 0);
+      REQUIRE(bus.settings({"set", "calibration.gyroscope.offset_x_radps=0.0001"}).code == 0);
       CHECK(fusion->end_by(SIGTERM).code == 0);
       THEN("what it learned with the other calibration is not in the file") {
         CHECK_FALSE(std::filesystem::exists(file));

@@ -153,13 +153,13 @@ files::IoError nothing_selected(const std::vector<const mcap::Reader*>& readers,
   for (const mcap::Reader* reader : readers) text += (text.empty() ? "" : ", ") + reader->name();
   text += fmt::format(": none of {} {} messages is selected or readable",
                       readers.size() == 1 ? "its" : "their", message_count);
-  if (!reason.empty()) text += "; " + reason;
   const mcap::TimeSpan& times = readers.front()->statistics().log_times;
   if (readers.size() == 1 && !times.is_empty()) {
     text +=
         fmt::format("; they last {:.3f} s, from {} to {} ns",
                     static_cast<double>(times.end_ns - times.start_ns) * 1e-9, times.start_ns, times.end_ns);
   }
+  if (!reason.empty()) text += "; " + reason;
   return files::IoError(text);
 }
 

@@ -70,7 +70,7 @@ SCENARIO("a signal that asks this process to end ends the programs") {
   const TemporaryFolder folder;
   const auto [number, signal] =
       GENERATE(table<int, std::string>({{SIGINT, "INT"}, {SIGTERM, "TERM"}, {SIGHUP, "HUP"}}));
-  const DefaultSignal is_default(number);
+  const DefaultSignal default_signal(number);
   const Program asking = then(folder, "kill -" + signal + " $PPID; while :; do sleep 0.1; done");
   CHECK(run_together({waiting(folder), asking}, ErrorOutput::pass_on) == 0);
   CHECK(read_text(folder / "asked") == "asked\n");
@@ -89,7 +89,7 @@ SCENARIO("out of processor time, a group ends, and repetitions of the signal kil
 
 SCENARIO("a program that has the terminal can restore it before it is killed") {
   const TemporaryFolder folder;
-  const DefaultSignal is_default(SIGINT);
+  const DefaultSignal default_signal(SIGINT);
   // The third, if the second SIGTERM came less than a second after the first.
   const int restores_at = GENERATE(2, 3);
   GIVEN("one that restores the terminal at a later SIGTERM, next to one that ignores the first") {

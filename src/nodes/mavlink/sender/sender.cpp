@@ -153,7 +153,11 @@ public:
     }
     if (const auto news = unsent_report_.update(line_.unsent(), line_.send_failures())) {
       const std::string text = line_.name() + ": " + news->text;
-      news->is_warning ? logging::warning(text) : logging::info(text);
+      if (news->is_warning) {
+        logging::warning(text);
+      } else {
+        logging::info(text);
+      }
     }
     if (state_ == logged_) return;
     logged_ = state_;
