@@ -298,6 +298,16 @@ TEST_CASE("The oldest files of a recording are removed") {
     CHECK(series.message_count() == 4);
     CHECK(metadata_of(folder / "run_004.mcap", "sonopose.recording")["file_index"] == "4");
   }
+  SECTION("by their number, and those that someone else has removed do not count") {
+    options.max_files = 2;
+    FileSeries series(options);
+    for (std::uint64_t i = 1; i <= 2; ++i) write(series, chunk_of(1, 2 * i * second, command_cdr(7, i)), {});
+    REQUIRE(remove(folder / "run_001.mcap"));
+    for (std::uint64_t i = 3; i <= 4; ++i) write(series, chunk_of(1, 2 * i * second, command_cdr(7, i)), {});
+    series.finish("stopped", {});
+    CHECK_FALSE(exists(folder / "run_002.mcap"));
+    CHECK(series.removed_files() == 1);
+  }
   SECTION("by their size, together with the one that is being written") {
     options.max_total_bytes = 20'000;
     const std::vector<std::byte> data(1'000);
