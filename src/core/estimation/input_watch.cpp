@@ -130,7 +130,7 @@ void InputWatch::on(const FusedPose& pose) {
   const TimeNs step_ns = saturated_difference(pose.time_ns, last_pose_ns_);
   last_pose_ns_ = pose.time_ns;
   // Before the heading is known, accelerations have no direction.
-  constexpr std::uint32_t unknown = status_initialising | status_heading_unknown | status_converging;
+  constexpr std::uint32_t unknown = status_initialising | status_heading_unknown;
   if (step_ns < 0 || step_ns > max_step_ns) places_.clear();
   if ((pose.status & unknown) != 0 || step_ns < 0 || step_ns > max_step_ns) {
     known_since_ns_ = pose.time_ns;
