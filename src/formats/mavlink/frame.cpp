@@ -118,8 +118,7 @@ std::size_t Decoder::take(Bytes bytes, const std::function<void(const Frame&)>& 
     const Frame frame = frame_at(rest, *layout);
     const std::size_t covered = layout->header + layout->payload;
     const auto seed = checksum_seed(frame.message_id);
-    const std::uint16_t sent =
-        static_cast<std::uint16_t>(rest[covered] | std::uint32_t{rest[covered + 1]} << 8U);
+    const auto sent = static_cast<std::uint16_t>(rest[covered] | std::uint32_t{rest[covered + 1]} << 8U);
     if (seed && crc_of(rest.subspan(1, covered - 1), *seed) != sent) {
       ++counters_.damaged;
       ++at;  // the start may be a byte of another frame

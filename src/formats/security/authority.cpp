@@ -14,7 +14,7 @@ void set_name(X509_NAME* name, const std::string& common_name) {
 
 void set_serial(X509* certificate) {
   constexpr int bits = 127;  // positive, in 16 bytes
-  const openssl::BigNumber number = openssl::owned<openssl::BigNumber>(BN_new(), "BN_new");
+  const auto number = openssl::owned<openssl::BigNumber>(BN_new(), "BN_new");
   openssl::check(BN_rand(number.get(), bits, BN_RAND_TOP_ONE, BN_RAND_BOTTOM_ANY), "BN_rand");
   if (BN_to_ASN1_INTEGER(number.get(), X509_get_serialNumber(certificate)) == nullptr) {
     openssl::fail("BN_to_ASN1_INTEGER");
@@ -53,8 +53,8 @@ struct Extensions {
 /// Makes a certificate with a new key. Without an authority, it signs itself.
 KeyPair make(const KeyPair* authority, const std::string& common_name, const Validity& validity,
              const Extensions& extensions) {
-  const openssl::Key key = openssl::owned<openssl::Key>(EVP_EC_gen("P-256"), "EVP_EC_gen");
-  const openssl::Cert certificate = openssl::owned<openssl::Cert>(X509_new(), "X509_new");
+  const auto key = openssl::owned<openssl::Key>(EVP_EC_gen("P-256"), "EVP_EC_gen");
+  const auto certificate = openssl::owned<openssl::Cert>(X509_new(), "X509_new");
   openssl::check(X509_set_version(certificate.get(), X509_VERSION_3), "X509_set_version");
   set_serial(certificate.get());
   set_name(X509_get_subject_name(certificate.get()), common_name);

@@ -16,7 +16,7 @@ std::string text_of(const X509_NAME* name) {
 }
 
 std::tm calendar_of(std::int64_t time_s) {
-  const openssl::Time time =
+  const auto time =
       openssl::owned<openssl::Time>(ASN1_TIME_set(nullptr, static_cast<time_t>(time_s)), "ASN1_TIME_set");
   std::tm calendar{};
   openssl::check(ASN1_TIME_to_tm(time.get(), &calendar), "ASN1_TIME_to_tm");

@@ -90,12 +90,11 @@ std::string read_file(const fs::path& file, const std::string& remedy) {
 
 std::string command_for(const fs::path& folder, const std::string& verb) {
   fs::path store = folder;
-  std::string name;
   while (store.has_parent_path() && store != store.parent_path() && store.filename() != "enclaves") {
-    name = store.filename().string() + (name.empty() ? "" : "/" + name);
     store = store.parent_path();
   }
-  return fmt::format("sonopose-security {} {} {}", verb, store.parent_path().string(), name);
+  const fs::path name = folder.lexically_relative(store);
+  return fmt::format("sonopose-security {} {} {}", verb, store.parent_path().string(), name.string());
 }
 
 Enclave read_enclave(const fs::path& folder, std::int64_t now_s) {

@@ -88,7 +88,7 @@ inline Key key_of(const std::string& pem, const std::string& origin) {
 
 /// Seconds since 1970.
 inline std::int64_t seconds_of(const ASN1_TIME* time) {
-  const Time epoch = owned<Time>(ASN1_TIME_set(nullptr, 0), "ASN1_TIME_set");
+  const auto epoch = owned<Time>(ASN1_TIME_set(nullptr, 0), "ASN1_TIME_set");
   int days = 0;
   int seconds = 0;
   check(ASN1_TIME_diff(&days, &seconds, epoch.get(), time), "ASN1_TIME_diff");
@@ -96,7 +96,7 @@ inline std::int64_t seconds_of(const ASN1_TIME* time) {
 }
 
 inline std::string hexadecimal(const ASN1_INTEGER* serial) {
-  const BigNumber number = owned<BigNumber>(ASN1_INTEGER_to_BN(serial, nullptr), "ASN1_INTEGER_to_BN");
+  const auto number = owned<BigNumber>(ASN1_INTEGER_to_BN(serial, nullptr), "ASN1_INTEGER_to_BN");
   char* const text = BN_bn2hex(number.get());
   if (text == nullptr) fail("BN_bn2hex");
   std::string result(text);

@@ -28,7 +28,7 @@ pugi::xml_node root_of(pugi::xml_document& document, const char* kind) {
   pugi::xml_node declaration = document.append_child(pugi::node_declaration);
   declaration.append_attribute("version") = "1.0";
   declaration.append_attribute("encoding") = "UTF-8";
-  pugi::xml_node root = child(document, "dds");
+  pugi::xml_node root = document.append_child("dds");
   root.append_attribute("xmlns:xsi") = "http://www.w3.org/2001/XMLSchema-instance";
   root.append_attribute("xsi:noNamespaceSchemaLocation") = fmt::format(fmt::runtime(schema), kind).c_str();
   return root;

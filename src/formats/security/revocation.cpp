@@ -24,10 +24,10 @@ std::string revocation_list(const KeyPair& authority, const std::vector<std::str
                             std::int64_t now_s) {
   const openssl::Cert issuer = openssl::certificate_of(authority.certificate_pem, "authority");
   const openssl::Key key = openssl::key_of(authority.key_pem, "authority");
-  const openssl::Crl list = openssl::owned<openssl::Crl>(X509_CRL_new(), "X509_CRL_new");
+  const auto list = openssl::owned<openssl::Crl>(X509_CRL_new(), "X509_CRL_new");
   // A list from the future would be refused by a machine whose clock is behind.
-  const openssl::Time now = openssl::owned<openssl::Time>(
-      ASN1_TIME_set(nullptr, static_cast<time_t>(now_s - day_s)), "ASN1_TIME_set");
+  const auto now = openssl::owned<openssl::Time>(ASN1_TIME_set(nullptr, static_cast<time_t>(now_s - day_s)),
+                                                 "ASN1_TIME_set");
   openssl::check(X509_CRL_set_version(list.get(), X509_CRL_VERSION_2), "X509_CRL_set_version");
   openssl::check(X509_CRL_set_issuer_name(list.get(), X509_get_subject_name(issuer.get())),
                  "X509_CRL_set_issuer_name");
@@ -44,7 +44,7 @@ std::string revocation_list(const KeyPair& authority, const std::vector<std::str
 
 std::vector<std::string> revoked_serials(const std::string& list_pem, const std::string& authority_pem,
                                          const std::string& origin) {
-  const openssl::Crl list = openssl::owned<openssl::Crl>(
+  const auto list = openssl::owned<openssl::Crl>(
       PEM_read_bio_X509_CRL(openssl::reading(list_pem).get(), nullptr, nullptr, nullptr),
       origin + ": no list of revoked certificates");
   const openssl::Cert authority = openssl::certificate_of(authority_pem, "authority");

@@ -9,7 +9,7 @@ std::string signed_document(const std::string& text, const KeyPair& authority) {
   const openssl::Bio content = openssl::reading(text);
   const openssl::Cert signer = openssl::certificate_of(authority.certificate_pem, "authority");
   const openssl::Key key = openssl::key_of(authority.key_pem, "authority");
-  const openssl::Pkcs7 signature = openssl::owned<openssl::Pkcs7>(
+  const auto signature = openssl::owned<openssl::Pkcs7>(
       PKCS7_sign(signer.get(), key.get(), nullptr, content.get(), flags), "PKCS7_sign");
   const openssl::Bio document = openssl::writing();
   openssl::check(SMIME_write_PKCS7(document.get(), signature.get(), content.get(), flags),
@@ -21,10 +21,10 @@ std::string verified_document(const std::string& document, const std::string& au
                               const std::string& origin) {
   const openssl::Cert authority = openssl::certificate_of(authority_pem, "authority");
   BIO* content = nullptr;
-  const openssl::Pkcs7 signature = openssl::owned<openssl::Pkcs7>(
+  const auto signature = openssl::owned<openssl::Pkcs7>(
       SMIME_read_PKCS7(openssl::reading(document).get(), &content), origin + ": no signed document");
   const openssl::Bio owned_content(content);
-  const openssl::Store store = openssl::owned<openssl::Store>(X509_STORE_new(), "X509_STORE_new");
+  const auto store = openssl::owned<openssl::Store>(X509_STORE_new(), "X509_STORE_new");
   openssl::check(X509_STORE_add_cert(store.get(), authority.get()), "X509_STORE_add_cert");
   // The dates of the authority are reported elsewhere, with a better text.
   X509_STORE_set_flags(store.get(), X509_V_FLAG_NO_CHECK_TIME);
