@@ -16,7 +16,7 @@ public:
   State() = default;
   explicit State(std::uint32_t bits) : bitset(bits) {}
   State(const MaskType& bits) : bitset(bits) {}
-  static const State any() { return State(0xffffU); }
+  static const Kind any() { return Kind(0xffffU); }
 };
 }  // namespace detail
 
