@@ -18,7 +18,6 @@ public:
   explicit StatusConditionNode(std::shared_ptr<Node> entity) : ConditionNode(std::move(entity)) {
     handle(owner()->handle());
   }
-  ~StatusConditionNode() override { close(); }
 
 protected:
   void end(dds_entity_t) noexcept override {}  // the handle is that of the entity
@@ -29,7 +28,6 @@ public:
   WaitSetNode() : Node(nullptr) {
     handle(check("dds_create_waitset", dds_create_waitset(DDS_CYCLONEDDS_HANDLE)));
   }
-  ~WaitSetNode() override { close(); }
 
   std::mutex mutex;
   std::map<const Node*, Condition> conditions;  // guarded by mutex
@@ -41,7 +39,7 @@ std::shared_ptr<Node> status_condition_of(const std::shared_ptr<Node>& entity) {
   const std::lock_guard lock(mutex);
   std::shared_ptr<Node> condition = entity->status_condition.lock();
   if (condition == nullptr) {
-    condition = std::make_shared<StatusConditionNode>(entity);
+    condition = core::detail::Node::make<StatusConditionNode>(entity);
     entity->status_condition = condition;
   }
   return condition;
@@ -54,7 +52,7 @@ bool Condition::trigger_value() const {
 }
 
 StatusCondition::StatusCondition(const Entity& entity)
-    : Condition(status_condition_of(Access::node(entity))) {}
+    : Condition(status_condition_of(Access::owner(entity))) {}
 
 void StatusCondition::enabled_statuses(const status::StatusMask& mask) const {
   check("dds_set_status_mask", dds_set_status_mask(node().handle(), core::detail::to_c(mask)));
@@ -68,7 +66,7 @@ const status::StatusMask StatusCondition::enabled_statuses() const {
 
 GuardCondition::GuardCondition()
     : Condition([] {
-        auto node = std::make_shared<detail::ConditionNode>(nullptr);
+        auto node = core::detail::Node::make<detail::ConditionNode>(nullptr);
         node->handle(check("dds_create_guardcondition", dds_create_guardcondition(DDS_CYCLONEDDS_HANDLE)));
         return node;
       }()) {}
@@ -77,7 +75,7 @@ void GuardCondition::trigger_value(bool value) {
   check("dds_set_guardcondition", dds_set_guardcondition(node().handle(), value));
 }
 
-WaitSet::WaitSet() : Reference(std::make_shared<WaitSetNode>()) {}
+WaitSet::WaitSet() : Reference(core::detail::Node::make<WaitSetNode>()) {}
 
 const WaitSet::ConditionSeq WaitSet::wait(const Duration& timeout) {
   auto& waitset = node<WaitSetNode>();
@@ -119,9 +117,11 @@ bool WaitSet::detach_condition(const Condition& condition) {
   auto& waitset = node<WaitSetNode>();
   const Node& attached = condition.node();
   const std::lock_guard lock(waitset.mutex);
-  if (!waitset.conditions.contains(&attached)) return false;
-  check("dds_waitset_detach", dds_waitset_detach(waitset.handle(), attached.handle()));
-  waitset.conditions.erase(&attached);
+  if (waitset.conditions.erase(&attached) == 0) return false;
+  // Closing a condition has detached it.
+  if (!attached.is_closed()) {
+    check("dds_waitset_detach", dds_waitset_detach(waitset.handle(), attached.handle()));
+  }
   return true;
 }
 
@@ -139,7 +139,8 @@ namespace dds::inline sonopose_psm::sub::cond {
 
 ReadCondition::ReadCondition(const AnyDataReader& reader, const status::DataState& state)
     : Condition([&] {
-        auto node = std::make_shared<core::cond::detail::ConditionNode>(core::detail::Access::node(reader));
+        auto node =
+            core::detail::Node::make<core::cond::detail::ConditionNode>(core::detail::Access::owner(reader));
         node->handle(core::detail::check("dds_create_readcondition",
                                          dds_create_readcondition(node->owner()->handle(), state.c_mask())));
         return node;

@@ -74,10 +74,6 @@ Retained& retained() {
 
 }  // namespace
 
-Node::~Node() {
-  close();
-}
-
 dds_entity_t Node::handle() const {
   if (is_closed()) throw AlreadyClosedError("this entity is closed");
   return handle_;
@@ -87,11 +83,49 @@ bool Node::is_closed() const noexcept {
   return handle_ <= 0 || (owner_ != nullptr && owner_->is_closed());
 }
 
+void Node::release(Node* pointer) noexcept {
+  std::unique_ptr<Node> node(pointer);
+  node->close();
+  // If closing an owner deletes the entity, its callbacks may run until the owner's end.
+  for (Node* owner = node->owner_.get(); owner != nullptr && node != nullptr;) {
+    Node* const next = owner->owner_.get();
+    if (owner->inherit(node)) return;
+    owner = next;
+  }
+}
+
+bool Node::inherit(std::unique_ptr<Node>& node) noexcept {
+  const std::lock_guard lock(mutex_);
+  if (handle_ >= 0 || has_ended_) return false;
+  inherited_.push_back(std::move(node));
+  return true;
+}
+
+Pin::Pin(const Node& node) : node_(node) {
+  for (const Node* each = &node; each != nullptr; each = each->owner_.get()) ++each->pins_;
+  if (!node.is_closed()) return;
+  release();
+  throw AlreadyClosedError("this entity is closed");
+}
+
+void Pin::release() const noexcept {
+  for (const Node* each = &node_; each != nullptr; each = each->owner_.get()) {
+    if (--each->pins_ == 0) each->pins_.notify_all();
+  }
+}
+
 void Node::close() noexcept {
-  const bool was_closed = is_closed();  // closing the owner has deleted the entity
-  const dds_entity_t handle = handle_.exchange(0);
-  if (was_closed) return;
-  end(handle);
+  const dds_entity_t handle = handle_.exchange(-1);
+  if (handle <= 0) return;
+  for (std::int32_t pins = pins_; pins != 0; pins = pins_) pins_.wait(pins);
+  if (owner_ == nullptr || !owner_->is_closed()) end(handle);  // otherwise the owner deletes it
+  std::vector<std::unique_ptr<Node>> inherited;
+  {
+    const std::lock_guard lock(mutex_);
+    has_ended_ = true;
+    inherited.swap(inherited_);
+  }
+  for (auto& node : inherited) release(node.release());
   std::vector<std::shared_ptr<Node>> ended;  // end without the lock, since they close in turn
   const std::lock_guard lock(retained().mutex);
   auto& nodes = retained().nodes;
@@ -168,7 +202,7 @@ const InstanceHandle SubscriptionMatchedStatus::last_publication_handle() const 
 
 }  // namespace status
 
-const status::StatusMask Entity::status_changes() const {
+const status::StatusMask Entity::status_changes() {
   std::uint32_t mask = 0;
   detail::check("dds_get_status_changes", dds_get_status_changes(node().handle(), &mask));
   return detail::to_status_mask(mask);

@@ -71,8 +71,8 @@ namespace detail {
 std::shared_ptr<WriterNode> make_writer(const core::Reference& publisher, const core::Reference& topic,
                                         const qos::DataWriterQos& qos, std::shared_ptr<WriterEvents> events,
                                         const core::status::StatusMask& mask) {
-  auto node = std::make_shared<WriterNode>(Access::node(publisher));
-  node->topic = Access::node(topic);
+  auto node = core::detail::Node::make<WriterNode>(Access::owner(publisher));
+  node->topic = Access::owner(topic);
   node->qos = qos;
   const auto [bridge, listener] = listener_of(*node, std::move(events), mask);
   node->bridge = bridge;

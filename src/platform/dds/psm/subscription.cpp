@@ -4,6 +4,10 @@
 #include <sonopose/dds/binding/data_reader.hpp>
 #include <sonopose/dds/psm/dds/sub/ddssub.hpp>
 
+#include <dds/ddsc/dds_internal_api.h>
+
+#include <algorithm>
+
 namespace dds::inline sonopose_psm::sub {
 namespace {
 
@@ -83,8 +87,8 @@ namespace detail {
 std::shared_ptr<ReaderNode> make_reader(const core::Reference& subscriber, const core::Reference& topic,
                                         const qos::DataReaderQos& qos, std::shared_ptr<ReaderEvents> events,
                                         const core::status::StatusMask& mask) {
-  auto node = std::make_shared<ReaderNode>(Access::node(subscriber));
-  node->topic = Access::node(topic);
+  auto node = core::detail::Node::make<ReaderNode>(Access::owner(subscriber));
+  node->topic = Access::owner(topic);
   node->qos = qos;
   const auto [bridge, listener] = listener_of(*node, std::move(events), mask);
   node->bridge = bridge;
@@ -100,20 +104,45 @@ void listen(ReaderNode& reader, std::shared_ptr<ReaderEvents> events, const core
   reader.bridge = bridge;
 }
 
-std::size_t fetch(dds_entity_t reader, const Selection& selection, void** samples, dds_sample_info_t* infos,
-                  std::size_t size) {
-  const auto count = static_cast<std::uint32_t>(size);
-  const dds_instance_handle_t instance = selection.instance;
-  const std::uint32_t mask = selection.mask;
-  const auto call = [&]() -> dds_return_t {
-    if (selection.of_one_instance) {
-      return selection.take ? dds_take_instance_mask(reader, samples, infos, size, count, instance, mask)
-                            : dds_read_instance_mask(reader, samples, infos, size, count, instance, mask);
-    }
-    return selection.take ? dds_take_mask(reader, samples, infos, size, count, mask)
-                          : dds_read_mask(reader, samples, infos, size, count, mask);
+Fetched::Fetched(const core::detail::Node& node, const Selection& selection,
+                 const dds_topic_descriptor_t& type)
+    : type_(type) {
+  if (selection.of_one_instance && selection.instance == DDS_HANDLE_NIL) {
+    throw core::PreconditionNotMetError("nil is no instance to read");
+  }
+  if (selection.max_samples == 0) return;
+  const core::detail::Pin pin(node);  // an entity that ends meanwhile would stay locked
+  const dds_entity_t reader = node.handle();
+  const std::uint32_t available = dds_reader_lock_samples(reader);  // locks only if there are any
+  if (available == 0) return;
+  const std::uint32_t size = std::min({available, selection.max_samples, 0x7fffffffU});
+  std::vector<void*> samples;
+  try {
+    memory_ = std::make_unique<std::byte[]>(std::size_t{size} * type.m_size);
+    infos_.resize(size);
+    for (std::size_t i = 0; i < size; ++i) samples.push_back(&memory_[i * type.m_size]);
+  } catch (...) {
+    void* none = this;
+    dds_sample_info_t info;  // NOLINT(*-member-init): no instance has this handle, so the call only unlocks
+    dds_read_instance_mask(reader, &none, &info, 1, DDS_READ_WITHOUT_LOCK, ~dds_instance_handle_t{0}, 0);
+    throw;
+  }
+  const auto call = [&](auto all, auto of_instance) -> dds_return_t {
+    return selection.of_one_instance
+               ? of_instance(reader, samples.data(), infos_.data(), size, DDS_READ_WITHOUT_LOCK,
+                             selection.instance, selection.mask)
+               : all(reader, samples.data(), infos_.data(), size, DDS_READ_WITHOUT_LOCK, selection.mask);
   };
-  return static_cast<std::size_t>(check(selection.take ? "dds_take" : "dds_read", call()));
+  const dds_return_t count = selection.take ? call(dds_take_mask, dds_take_instance_mask)
+                                            : call(dds_read_mask, dds_read_instance_mask);
+  infos_.resize(static_cast<std::size_t>(check(selection.take ? "dds_take" : "dds_read", count)));
+}
+
+Fetched::~Fetched() {
+  if ((type_.m_flagset & DDS_TOPIC_FIXED_SIZE) != 0) return;
+  for (std::size_t i = 0; i < infos_.size(); ++i) {
+    dds_sample_free(&memory_[i * type_.m_size], &type_, DDS_FREE_CONTENTS);
+  }
 }
 
 }  // namespace detail

@@ -15,7 +15,7 @@ namespace sonopose::dds::ext {
   const auto& user_data = qos.policy<::dds::core::policy::UserData>();
   const auto membership =
       std::make_shared<DomainParticipant>(options, Qos() << policy::UserData{user_data.value()});
-  auto node = std::make_shared<::dds::domain::detail::ParticipantNode>(nullptr);
+  auto node = ::dds::core::detail::Node::make<::dds::domain::detail::ParticipantNode>(nullptr);
   node->domain_id = membership->domain_id();
   node->qos = qos;
   node->partition = ::dds::core::policy::Partition(options.partition);
@@ -48,7 +48,7 @@ sonopose::dds::DomainOptions options_for(std::uint32_t id) {
 template <class Node, class Qos, class Create>
 std::shared_ptr<Node> make_group(const domain::DomainParticipant& participant, const Qos& qos,
                                  const char* name, Create create) {
-  auto node = std::make_shared<Node>(Access::node(participant));
+  auto node = core::detail::Node::make<Node>(Access::owner(participant));
   node->qos = qos;
   node->handle(check(name, create(Access::handle(participant), qos.c_qos().get(), nullptr)));
   return node;
@@ -92,7 +92,7 @@ namespace topic::detail {
 
 std::shared_ptr<TopicNode> make_topic(const domain::DomainParticipant& participant, const std::string& name,
                                       const dds_topic_descriptor_t& type, const qos::TopicQos& qos) {
-  auto node = std::make_shared<TopicNode>(Access::node(participant));
+  auto node = core::detail::Node::make<TopicNode>(Access::owner(participant));
   node->name = name;
   node->type_name = type.m_typename;
   node->qos = qos;

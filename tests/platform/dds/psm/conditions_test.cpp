@@ -96,4 +96,17 @@ SCENARIO("dispatch calls the handlers of the conditions that are true") {
   CHECK_THROWS_AS(waitset.dispatch(dds::core::Duration::zero()), dds::core::TimeoutError);
 }
 
+SCENARIO("a closed condition can be detached") {
+  Bus bus;
+  dds::core::cond::WaitSet waitset;
+  dds::sub::cond::ReadCondition has_data(bus.reader, DataState::any());
+  dds::core::cond::StatusCondition changed(bus.reader);
+  waitset += has_data;
+  waitset += changed;
+  bus.reader.close();
+  CHECK(waitset.detach_condition(changed));
+  CHECK(waitset.detach_condition(has_data));
+  CHECK((waitset.conditions().empty()));
+}
+
 }  // namespace psm_conditions_test

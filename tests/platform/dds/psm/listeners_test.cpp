@@ -74,4 +74,38 @@ SCENARIO("listeners of the PSM are called") {
   }
 }
 
+/// Keeps what it is called with.
+class KeepingListener : public dds::sub::NoOpDataReaderListener<Sample> {
+public:
+  void on_data_available(dds::sub::DataReader<Sample>& reader) override {
+    kept = reader;
+    condition = dds::sub::cond::ReadCondition(reader, dds::sub::status::DataState::any());
+    status = dds::core::cond::StatusCondition(reader);
+    called = true;
+  }
+
+  dds::sub::DataReader<Sample> kept = dds::core::null;
+  dds::sub::cond::ReadCondition condition = dds::core::null;
+  dds::core::cond::StatusCondition status = dds::core::null;
+  std::atomic<bool> called = false;
+};
+
+SCENARIO("a reader that a callback kept lives on") {
+  Bus bus;
+  const dds::topic::Topic<Sample> topic(bus.participant, "kept");
+  KeepingListener listener;
+  dds::pub::DataWriter<Sample> writer(bus.publisher, topic, reliable_writer());
+  {
+    dds::sub::DataReader<Sample> reader(bus.subscriber, topic, reliable_reader(), &listener,
+                                        StatusMask::data_available());
+    writer.write(sample(4));
+    REQUIRE(wait_until([&] { return listener.called.load(); }));
+    reader.listener(nullptr, StatusMask::none());
+  }
+  CHECK(listener.condition.trigger_value());
+  CHECK((dds::core::cond::StatusCondition(listener.kept) == listener.status));
+  REQUIRE((listener.kept.take().length() == 1));
+  CHECK_FALSE(listener.condition.trigger_value());
+}
+
 }  // namespace psm_listeners_test

@@ -5,7 +5,9 @@
 
 #include <catch2/catch.hpp>
 
+#include <atomic>
 #include <cstdlib>
+#include <thread>
 
 namespace psm_own_test {
 
@@ -103,6 +105,49 @@ SCENARIO("a writer waits for acknowledgements, and no instance is none") {
   CHECK_NOTHROW(bus.writer.wait_for_acknowledgments(timeout));
   CHECK_THROWS_AS(bus.reader.select().instance(dds::core::InstanceHandle::nil()).take(),
                   dds::core::PreconditionNotMetError);
+}
+
+/// Waits in its callback, and then uses its reader.
+class BlockedListener : public dds::sub::NoOpDataReaderListener<Sample> {
+public:
+  void on_data_available(dds::sub::DataReader<Sample>& reader) override {
+    is_in = true;
+    while (!may_leave) std::this_thread::yield();
+    name = reader.topic_description().name();
+    has_closed = throws_closed([&] { reader.take(); });
+  }
+
+  template <class Call>
+  static bool throws_closed(Call call) try {
+    call();
+    return false;
+  } catch (const dds::core::AlreadyClosedError&) {
+    return true;
+  }
+
+  std::atomic<bool> is_in = false;
+  std::atomic<bool> may_leave = false;
+  std::atomic<bool> has_closed = false;
+  std::string name;
+};
+
+SCENARIO("a callback that runs while its owner closes keeps its reader") {
+  Bus bus;
+  BlockedListener listener;
+  dds::sub::Subscriber subscriber(bus.participant);
+  dds::sub::DataReader<Sample> reader(subscriber, bus.topic, reliable_reader(), &listener,
+                                      dds::core::status::StatusMask::data_available());
+  std::thread delivery([&] { bus.writer.write(sample(1)); });
+  REQUIRE(wait_until([&] { return listener.is_in.load(); }));
+  std::thread closing([&] { subscriber.close(); });
+  REQUIRE(wait_until([&] { return BlockedListener::throws_closed([&] { ext::handle(subscriber); }); }));
+  reader = dds::core::null;  // the last reference, while its owner closes
+  listener.may_leave = true;
+  closing.join();
+  delivery.join();
+  CHECK(listener.name == "psm");
+  CHECK(listener.has_closed);
+  CHECK_THROWS_AS(ext::handle(subscriber), dds::core::AlreadyClosedError);
 }
 
 SCENARIO("an entity's handle serves calls in C") {

@@ -59,6 +59,46 @@ SCENARIO("a reader of the PSM reads and takes samples") {
   }
 }
 
+SCENARIO("one call reads or takes all samples, as they were when it began") {
+  Bus bus;
+  const dds::topic::Topic<Sample> topic(bus.participant, "many");
+  dds::pub::DataWriter<Sample> writer(bus.publisher, topic, reliable_writer(1000));
+  dds::sub::DataReader<Sample> reader(bus.subscriber, topic, reliable_reader(1000));
+  REQUIRE(wait_until([&] { return reader.subscription_matched_status().current_count() == 1; }));
+  constexpr std::uint32_t count = 600;
+  for (std::uint32_t i = 0; i < count; ++i) writer.write(sample(1, std::to_string(i)));
+
+  CHECK((reader.select().max_samples(0x7fffffffU).state(ViewState::not_new_view()).read().length() == 0));
+  const auto taken = reader.select().state(DataState::new_instance()).take();
+  REQUIRE((taken.length() == count));
+  CHECK((codes(taken).back() == "599"));
+  CHECK((taken.begin()->info().state().view_state() == ViewState::new_view()));
+  CHECK(((taken.end() - 1)->info().state().view_state() == ViewState::new_view()));
+
+  for (std::uint32_t i = 0; i < count; ++i) writer.write(sample(1));
+  CHECK((reader.read().length() == count));
+  CHECK((reader.select().max_samples(500).take().length() == 500));
+  CHECK((reader.take().length() == 100));
+}
+
+SCENARIO("a read that is refused leaves the reader usable") {
+  Bus bus;
+  bus.writer.write(sample(1, "a"));
+  const auto unknown = bus.writer.instance_handle();  // of no instance
+  CHECK_THROWS_AS(bus.reader.select().instance(unknown).take(), dds::core::PreconditionNotMetError);
+  CHECK((bus.reader.select().max_samples(0).take().length() == 0));
+  bus.writer.write(sample(1, "b"));
+  CHECK((codes(bus.reader.take()) == Codes{"a", "b"}));
+}
+
+SCENARIO("states combine") {
+  DataState state;
+  state << SampleState::any() << ViewState::any() << InstanceState::any();
+  const DataState copied = SampleState::any();
+  CHECK((copied == DataState(InstanceState::any())));
+  CHECK((copied == DataState(ViewState::any())));
+}
+
 SCENARIO("the end of an instance has its key and no data") {
   Bus bus;
   Sample key = sample(5, "x");

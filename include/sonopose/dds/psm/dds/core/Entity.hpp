@@ -9,9 +9,11 @@
 #include <dds/dds.h>
 
 #include <atomic>
+#include <cstdint>
 #include <memory>
-#include <string>
+#include <mutex>
 #include <utility>
+#include <vector>
 
 namespace dds::inline sonopose_psm::core {
 
@@ -25,15 +27,25 @@ public:
   Node& operator=(const Node&) = delete;
   Node(Node&&) = delete;
   Node& operator=(Node&&) = delete;
-  virtual ~Node();
+  virtual ~Node() = default;
+
+  /// Makes a node, which closes with its last reference.
+  template <class N, class... Arguments>
+  static std::shared_ptr<N> make(Arguments&&... arguments) {
+    return std::shared_ptr<N>(new N(std::forward<Arguments>(arguments)...), release);
+  }
 
   /// The handle in C. Throws AlreadyClosedError after `close()` of this node or of one that it belongs to.
   dds_entity_t handle() const;
   /// Sets the handle, once. A callback of the entity may do so before the constructor does.
-  void handle(dds_entity_t value) noexcept { handle_ = value; }
+  void handle(dds_entity_t value) noexcept {
+    dds_entity_t unset = 0;
+    handle_.compare_exchange_strong(unset, value);
+  }
 
   /// Deletes the entity. A second call has no effect.
   void close() noexcept;
+  bool is_closed() const noexcept;
   /// Keeps the entity until it or what it belongs to is closed, even without references.
   void retain();
 
@@ -47,11 +59,41 @@ protected:
   virtual void end(dds_entity_t handle) noexcept { dds_delete(handle); }
 
 private:
-  bool is_closed() const noexcept;
+  friend class Pin;
+  static void release(Node* node) noexcept;
+  bool inherit(std::unique_ptr<Node>& node) noexcept;
 
   std::shared_ptr<Node> owner_;
-  std::atomic<dds_entity_t> handle_ = 0;
+  std::atomic<dds_entity_t> handle_ = 0;  ///< 0 until it is set, -1 when it is closed
+  mutable std::atomic<std::int32_t> pins_ = 0;
+  std::mutex mutex_;
+  bool has_ended_ = false;                        // guarded by mutex_
+  std::vector<std::unique_ptr<Node>> inherited_;  // guarded by mutex_: what callbacks may use until the end
 };
+
+/// Keeps an entity and those that it belongs to from being deleted, for a short time.
+class Pin {
+public:
+  /// Throws AlreadyClosedError.
+  explicit Pin(const Node& node);
+  Pin(const Pin&) = delete;
+  Pin& operator=(const Pin&) = delete;
+  Pin(Pin&&) = delete;
+  Pin& operator=(Pin&&) = delete;
+  ~Pin() { release(); }
+
+private:
+  void release() const noexcept;
+  const Node& node_;
+};
+
+/// A callback's pointer to its entity owns nothing, since the entity's end waits for the callback. This
+/// returns one that owns it, if there still is an owner.
+inline std::shared_ptr<Node> owning(const std::shared_ptr<Node>& node) {
+  if (node == nullptr || node.use_count() > 0) return node;
+  auto owner = node->weak_from_this().lock();
+  return owner == nullptr ? node : owner;
+}
 
 struct Access;
 
@@ -60,6 +102,15 @@ struct Access;
 /// A reference to an entity, to a condition, or to nothing.
 class Reference {
 public:
+  Reference(const Reference& other) : node_(detail::owning(other.node_)) {}
+  Reference(Reference&& other) noexcept : Reference(other) {}
+  Reference& operator=(const Reference& other) {
+    node_ = detail::owning(other.node_);
+    return *this;
+  }
+  Reference& operator=(Reference&& other) noexcept { return *this = other; }
+  ~Reference() = default;
+
   bool is_nil() const noexcept { return node_ == nullptr; }
   bool operator==(const Reference& other) const noexcept { return node_ == other.node_; }
   bool operator==(null_type) const noexcept { return is_nil(); }
@@ -86,7 +137,13 @@ private:
 namespace detail {
 /// What the other classes need of a reference.
 struct Access {
-  static const std::shared_ptr<Node>& node(const Reference& reference) { return reference.pointer(); }
+  static std::shared_ptr<Node> node(const Reference& reference) { return owning(reference.pointer()); }
+  /// For what belongs to it. Throws AlreadyClosedError in a callback of an entity that is ending.
+  static std::shared_ptr<Node> owner(const Reference& reference) {
+    auto node = owning(reference.pointer());
+    if (node.use_count() == 0) throw AlreadyClosedError("this entity is ending");
+    return node;
+  }
   static dds_entity_t handle(const Reference& reference) { return reference.pointer()->handle(); }
 };
 }  // namespace detail
@@ -101,7 +158,9 @@ public:
   explicit InstanceHandle(dds_instance_handle_t value) : value_(value) {}
 
   bool is_nil() const noexcept { return value_ == DDS_HANDLE_NIL; }
-  auto operator<=>(const InstanceHandle&) const = default;
+  bool operator==(const InstanceHandle&) const = default;
+  bool operator<(const InstanceHandle& other) const noexcept { return value_ < other.value_; }
+  bool operator>(const InstanceHandle& other) const noexcept { return other < *this; }
 
   /// Beyond the PSM: the handle in C.
   dds_instance_handle_t c_value() const noexcept { return value_; }
@@ -117,9 +176,9 @@ public:
   explicit Entity(std::shared_ptr<detail::Node> node) : Reference(std::move(node)) {}
 
   /// Without effect: entities are enabled when they are made.
-  void enable() const { detail::check("dds_enable", dds_enable(node().handle())); }
+  void enable() { detail::check("dds_enable", dds_enable(node().handle())); }
   /// Statuses that changed since they were last read.
-  const status::StatusMask status_changes() const;
+  const status::StatusMask status_changes();
   const InstanceHandle instance_handle() const;
   void close() { node().close(); }
   /// cyclonedds-cxx 0.10 throws UnsupportedError.

@@ -34,7 +34,6 @@ namespace detail {
 class ParticipantNode : public core::detail::Node {
 public:
   using Node::Node;
-  ~ParticipantNode() override { close(); }
 
   std::uint32_t domain_id = 0;
   qos::DomainParticipantQos qos;

@@ -58,7 +58,6 @@ namespace detail {
 class PublisherNode : public core::detail::Node {
 public:
   using Node::Node;
-  ~PublisherNode() override { close(); }
 
   qos::PublisherQos qos;
 };
@@ -83,7 +82,6 @@ public:
 class WriterNode : public core::detail::Node {
 public:
   using Node::Node;
-  ~WriterNode() override { close(); }
 
   std::shared_ptr<core::detail::Node> topic;
   qos::DataWriterQos qos;

@@ -9,7 +9,6 @@
 #include "LoanedSamples.hpp"
 #include "status/DataState.hpp"
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -69,7 +68,6 @@ namespace detail {
 class SubscriberNode : public core::detail::Node {
 public:
   using Node::Node;
-  ~SubscriberNode() override { close(); }
 
   qos::SubscriberQos qos;
 };
@@ -97,7 +95,6 @@ public:
 class ReaderNode : public core::detail::Node {
 public:
   using Node::Node;
-  ~ReaderNode() override { close(); }
 
   std::shared_ptr<core::detail::Node> topic;
   qos::DataReaderQos qos;
@@ -117,11 +114,28 @@ struct Selection {
   bool of_one_instance = false;
   dds_instance_handle_t instance = DDS_HANDLE_NIL;
   std::uint32_t mask = DDS_ANY_STATE;
+  std::uint32_t max_samples = static_cast<std::uint32_t>(core::LENGTH_UNLIMITED);
 };
 
-/// Reads or takes into `size` samples of the caller. Returns their number.
-std::size_t fetch(dds_entity_t reader, const Selection& selection, void** samples, dds_sample_info_t* infos,
-                  std::size_t size);
+/// Samples in C that were read or taken, in memory that was zero before.
+class Fetched {
+public:
+  Fetched(const core::detail::Node& reader, const Selection& selection, const dds_topic_descriptor_t& type);
+  Fetched(const Fetched&) = delete;
+  Fetched& operator=(const Fetched&) = delete;
+  Fetched(Fetched&&) = delete;
+  Fetched& operator=(Fetched&&) = delete;
+  ~Fetched();
+
+  std::size_t size() const { return infos_.size(); }
+  const void* sample(std::size_t i) const { return &memory_[i * type_.m_size]; }
+  const dds_sample_info_t& info(std::size_t i) const { return infos_[i]; }
+
+private:
+  const dds_topic_descriptor_t& type_;
+  std::unique_ptr<std::byte[]> memory_;
+  std::vector<dds_sample_info_t> infos_;
+};
 
 }  // namespace detail
 
@@ -177,7 +191,7 @@ public:
   /// Restricts one read or take.
   class Selector {
   public:
-    explicit Selector(DataReader& reader) : reader_(reader.pointer()) {
+    explicit Selector(DataReader& reader) : reader_(core::detail::Access::node(reader)) {
       selection_.mask = reader.default_filter_state().c_mask();
     }
     Selector& instance(const core::InstanceHandle& instance) {
@@ -190,23 +204,21 @@ public:
       return *this;
     }
     Selector& max_samples(std::uint32_t count) {
-      max_samples_ =
-          count == static_cast<std::uint32_t>(core::LENGTH_UNLIMITED) ? default_max_samples : count;
+      selection_.max_samples = count;
       return *this;
     }
     LoanedSamples<T> read() {
       selection_.take = false;
-      return fetch(reader_->handle(), selection_, max_samples_);
+      return fetch(*reader_, selection_);
     }
     LoanedSamples<T> take() {
       selection_.take = true;
-      return fetch(reader_->handle(), selection_, max_samples_);
+      return fetch(*reader_, selection_);
     }
 
   private:
     std::shared_ptr<core::detail::Node> reader_;
     detail::Selection selection_;
-    std::uint32_t max_samples_ = default_max_samples;
   };
 
   DataReader(core::null_type) : AnyDataReader(core::null) {}
@@ -227,9 +239,9 @@ public:
     return *this;
   }
 
-  /// At most 256 samples, which stay in the reader. To read more, select().max_samples() and state().
+  /// Samples stay in the reader.
   LoanedSamples<T> read() { return select().read(); }
-  /// Takes at most 256 samples out of the reader. If there are more, the next call takes them.
+  /// Takes samples out of the reader.
   LoanedSamples<T> take() { return select().take(); }
   Selector select() { return Selector(*this); }
 
@@ -253,8 +265,6 @@ public:
   }
 
 private:
-  static constexpr std::uint32_t default_max_samples = 256;
-
   class Events : public detail::ReaderEvents {
   public:
     explicit Events(DataReaderListener<T>& listener) : listener_(listener) {}
@@ -299,53 +309,14 @@ private:
     return listener == nullptr ? nullptr : std::make_shared<Events>(*listener);
   }
 
-  /// Samples in C, and what Cyclone DDS put into them.
-  class Memory {
-  public:
-    explicit Memory(std::size_t size) : samples_(size), pointers_(size), infos_(size) {
-      for (std::size_t i = 0; i < size; ++i) pointers_[i] = &samples_[i];
-    }
-    Memory(const Memory&) = delete;
-    Memory& operator=(const Memory&) = delete;
-    Memory(Memory&&) = delete;
-    Memory& operator=(Memory&&) = delete;
-    ~Memory() { clear(); }
-
-    std::size_t fetch(dds_entity_t reader, const detail::Selection& selection, std::size_t size) {
-      clear();
-      used_ = detail::fetch(reader, selection, pointers_.data(), infos_.data(), size);
-      return used_;
-    }
-    void copy_to(std::vector<SampleRef<T>>& samples) const {
-      for (std::size_t i = 0; i < used_; ++i) {
-        T data;
-        topic::detail::copy_from_c<T>(samples_[i], data);
-        samples.emplace_back(std::move(data), SampleInfo(infos_[i]));
-      }
-    }
-
-  private:
-    void clear() {
-      for (std::size_t i = 0; i < used_; ++i) topic::detail::free_contents<T>(samples_[i]);
-      used_ = 0;
-    }
-
-    std::vector<C> samples_;
-    std::vector<void*> pointers_;
-    std::vector<dds_sample_info_t> infos_;
-    std::size_t used_ = 0;
-  };
-
-  static LoanedSamples<T> fetch(dds_entity_t reader, const detail::Selection& selection,
-                                std::size_t max_samples) {
-    // Samples that are taken leave the reader, so a small memory serves several times.
-    const std::size_t size = selection.take ? std::min<std::size_t>(max_samples, 8) : max_samples;
+  static LoanedSamples<T> fetch(const core::detail::Node& reader, const detail::Selection& selection) {
+    const detail::Fetched fetched(reader, selection, topic::detail::TypeSupport<T>::descriptor());
     std::vector<SampleRef<T>> samples;
-    Memory memory(size);
-    while (samples.size() < max_samples) {
-      const std::size_t count = memory.fetch(reader, selection, std::min(size, max_samples - samples.size()));
-      memory.copy_to(samples);
-      if (count < size || !selection.take) break;
+    samples.reserve(fetched.size());
+    for (std::size_t i = 0; i < fetched.size(); ++i) {
+      T data;
+      topic::detail::copy_from_c<T>(*static_cast<const C*>(fetched.sample(i)), data);
+      samples.emplace_back(std::move(data), SampleInfo(fetched.info(i)));
     }
     return LoanedSamples<T>(std::move(samples));
   }

@@ -32,7 +32,6 @@ namespace detail {
 class TopicNode : public core::detail::Node {
 public:
   using Node::Node;
-  ~TopicNode() override { close(); }
 
   std::string name;
   std::string type_name;

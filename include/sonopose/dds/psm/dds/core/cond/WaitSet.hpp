@@ -19,7 +19,6 @@ namespace detail {
 class ConditionNode : public core::detail::Node {
 public:
   using Node::Node;
-  ~ConditionNode() override { close(); }
 
   std::function<void(Condition&)> handler;
 };
