@@ -90,11 +90,14 @@ const WaitSet::ConditionSeq WaitSet::wait(const Duration& timeout) {
   if (count == 0) throw TimeoutError("no condition of the wait set became true in time");
   triggered.resize(std::min(count, triggered.size()));
   ConditionSeq result;
-  const std::lock_guard lock(waitset.mutex);
-  for (const dds_attach_t each : triggered) {
-    const auto found = waitset.conditions.find(reinterpret_cast<const Node*>(each));
-    if (found != waitset.conditions.end()) result.push_back(found->second);
+  {
+    const std::lock_guard lock(waitset.mutex);
+    for (const dds_attach_t each : triggered) {
+      const auto found = waitset.conditions.find(reinterpret_cast<const Node*>(each));
+      if (found != waitset.conditions.end()) result.push_back(found->second);
+    }
   }
+  for (Condition& condition : result) condition.dispatch();
   return result;
 }
 

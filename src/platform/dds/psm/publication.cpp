@@ -79,6 +79,7 @@ std::shared_ptr<WriterNode> make_writer(const core::Reference& publisher, const 
   node->handle(check("dds_create_writer", static_cast<const topic::detail::TopicNode&>(*node->topic).name,
                      dds_create_writer(Access::handle(publisher), node->topic->handle(), qos.c_qos().get(),
                                        listener.get())));
+  static_cast<topic::detail::TopicNode&>(*node->topic).add_user(node);
   return node;
 }
 
@@ -89,14 +90,6 @@ void listen(WriterNode& writer, std::shared_ptr<WriterEvents> events, const core
 }
 
 }  // namespace detail
-
-void AnyDataWriter::wait_for_acknowledgments(const core::Duration& timeout) {
-  check("dds_wait_for_acks", dds_wait_for_acks(node().handle(), core::detail::to_c(timeout)));
-}
-
-void AnyDataWriter::assert_liveliness() {
-  check("dds_assert_liveliness", dds_assert_liveliness(node().handle()));
-}
 
 const core::status::LivelinessLostStatus AnyDataWriter::liveliness_lost_status() {
   return status_of<core::status::LivelinessLostStatus>("dds_get_liveliness_lost_status",

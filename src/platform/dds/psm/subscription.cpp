@@ -95,6 +95,7 @@ std::shared_ptr<ReaderNode> make_reader(const core::Reference& subscriber, const
   node->handle(check("dds_create_reader", static_cast<const topic::detail::TopicNode&>(*node->topic).name,
                      dds_create_reader(Access::handle(subscriber), node->topic->handle(), qos.c_qos().get(),
                                        listener.get())));
+  static_cast<topic::detail::TopicNode&>(*node->topic).add_user(node);
   return node;
 }
 

@@ -74,10 +74,6 @@ void DomainParticipant::qos(const qos::DomainParticipantQos& qos) {
   change_qos(node<detail::ParticipantNode>(), qos);
 }
 
-void DomainParticipant::assert_liveliness() {
-  check("dds_assert_liveliness", dds_assert_liveliness(node().handle()));
-}
-
 pub::qos::PublisherQos DomainParticipant::default_publisher_qos() const {
   return pub::qos::PublisherQos() << node<detail::ParticipantNode>().partition;
 }
@@ -89,6 +85,22 @@ sub::qos::SubscriberQos DomainParticipant::default_subscriber_qos() const {
 }  // namespace domain
 
 namespace topic::detail {
+
+void TopicNode::add_user(const std::shared_ptr<core::detail::Node>& endpoint) {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(users_, [](const auto& user) { return user.expired(); });
+  users_.push_back(endpoint);
+}
+
+void TopicNode::check_unused() {
+  std::vector<std::shared_ptr<core::detail::Node>> users;  // end after the lock, if they are the last ones
+  const std::lock_guard lock(mutex_);
+  for (const auto& each : users_) {
+    users.push_back(each.lock());
+    if (users.back() == nullptr || users.back()->is_closed()) continue;
+    throw core::PreconditionNotMetError("the topic " + name + " has open readers or writers");
+  }
+}
 
 std::shared_ptr<TopicNode> make_topic(const domain::DomainParticipant& participant, const std::string& name,
                                       const dds_topic_descriptor_t& type, const qos::TopicQos& qos) {

@@ -72,6 +72,16 @@ SCENARIO("a writer keeps its publisher and topic") {
   CHECK((bus.reader.take().length() == 1));
 }
 
+SCENARIO("a topic closes after its readers and writers") {
+  Bus bus;
+  CHECK_THROWS_AS(bus.topic.close(), dds::core::PreconditionNotMetError);
+  bus.reader.close();
+  CHECK_THROWS_AS(bus.topic.close(), dds::core::PreconditionNotMetError);
+  bus.writer.close();
+  bus.topic.close();
+  CHECK_THROWS_AS(bus.topic.instance_handle(), dds::core::AlreadyClosedError);
+}
+
 SCENARIO("what Cyclone DDS refuses is an exception") {
   Bus bus;
   CHECK_THROWS_AS(dds::topic::Topic<Sample>(bus.participant, "not a name"), dds::core::Exception);
@@ -89,6 +99,8 @@ SCENARIO("durations and times are seconds and nanoseconds") {
   CHECK((Time(5, 0) - Duration(1, 0) == Time(4, 0)));
   CHECK((Time(5, 1).to_microsecs() == 5'000'000));
   CHECK_THROWS_AS(Duration(-1, 0), dds::core::Error);
+  CHECK_THROWS_AS(Time(-1, 0), dds::core::Error);
+  CHECK((Time::invalid() < Time(0, 0)));
   CHECK_THROWS_AS(Duration(0, 1'000'000'000), dds::core::Error);
   CHECK_THROWS_AS(Duration::infinite().to_millisecs(), dds::core::IllegalOperationError);
 }

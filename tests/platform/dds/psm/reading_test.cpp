@@ -91,6 +91,14 @@ SCENARIO("a read that is refused leaves the reader usable") {
   CHECK((codes(bus.reader.take()) == Codes{"a", "b"}));
 }
 
+SCENARIO("a sample written with the invalid time is written now") {
+  Bus bus;
+  bus.writer.write(sample(1), dds::core::Time::invalid());
+  const auto taken = bus.reader.take();
+  REQUIRE((taken.length() == 1));
+  CHECK((taken.begin()->info().timestamp() > dds::core::Time(1, 0)));
+}
+
 SCENARIO("states combine") {
   DataState state;
   state << SampleState::any() << ViewState::any() << InstanceState::any();

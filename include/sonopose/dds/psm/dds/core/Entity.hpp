@@ -1,7 +1,9 @@
 #pragma once
 /// \file
 /// References to entities. Copies refer to the same entity, which ends with its last reference or by
-/// `close()`. Left out: delegates, casts from an Entity to its kind, WeakReference.
+/// `close()`. Left out: delegates, casts from an Entity to its kind, WeakReference. The classes are derived
+/// from Entity and AnyDataReader or AnyDataWriter; in cyclonedds-cxx they are only converted to those, so
+/// code for both takes them by value or `const&`.
 
 #include "Exception.hpp"
 #include "status/Status.hpp"
@@ -43,6 +45,8 @@ public:
     handle_.compare_exchange_strong(unset, value);
   }
 
+  /// Throws PreconditionNotMetError if others need the entity.
+  virtual void check_unused() {}
   /// Deletes the entity. A second call has no effect.
   void close() noexcept;
   bool is_closed() const noexcept;
@@ -180,7 +184,11 @@ public:
   /// Statuses that changed since they were last read.
   const status::StatusMask status_changes();
   const InstanceHandle instance_handle() const;
-  void close() { node().close(); }
+  /// Throws PreconditionNotMetError for a topic with open readers or writers.
+  void close() {
+    node().check_unused();
+    node().close();
+  }
   /// cyclonedds-cxx 0.10 throws UnsupportedError.
   void retain() { node().retain(); }
 };

@@ -54,6 +54,11 @@ protected:
     nanosec(nanoseconds);
   }
 
+  void set_invalid() {
+    sec_ = -1;
+    nanosec_ = special;
+  }
+
   /// Nanoseconds as a number. Throws IllegalOperationError for an infinite or invalid value.
   std::int64_t ns() const {
     if (nanosec_ == special) throw IllegalOperationError("an infinite or invalid time is not a number");
@@ -96,10 +101,14 @@ public:
 
 /// A time since the Unix epoch.
 class Time
-    : public detail::SecondsAndNanoseconds<Time, -1,
+    : public detail::SecondsAndNanoseconds<Time, 0,
                                            std::numeric_limits<std::int64_t>::max() / detail::ns_per_s> {
 public:
-  static const Time invalid() { return Time(-1, special); }
+  static const Time invalid() {
+    Time time;
+    time.set_invalid();
+    return time;
+  }
 
   Time() = default;
   explicit Time(std::int64_t seconds, std::uint32_t nanoseconds = 0)

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Participants. Left out: their listeners, and to set what new entities have by default.
+/// Participants. Left out: their listeners, assert_liveliness, and to set what new entities have by default.
 ///
 /// A participant joins the domain as the programs of sonopose do: on loopback, unless CYCLONEDDS_URI names
 /// interfaces, and with the security that the variables of ROS 2 ask for. <sonopose/dds/psm/ext.hpp> joins it
@@ -19,13 +19,13 @@ namespace dds::inline sonopose_psm {
 
 namespace domain::qos {
 using DomainParticipantQos =
-    core::detail::EntityQos<core::detail::BestEffortDefaults, core::policy::UserData>;
+    core::detail::EntityQos<core::detail::ParticipantDefaults, core::policy::UserData>;
 }
 namespace pub::qos {
-using PublisherQos = core::detail::EntityQos<core::detail::BestEffortDefaults, core::policy::Partition>;
+using PublisherQos = core::detail::EntityQos<core::detail::PublisherDefaults, core::policy::Partition>;
 }
 namespace sub::qos {
-using SubscriberQos = core::detail::EntityQos<core::detail::BestEffortDefaults, core::policy::Partition>;
+using SubscriberQos = core::detail::EntityQos<core::detail::SubscriberDefaults, core::policy::Partition>;
 }
 
 namespace domain {
@@ -59,7 +59,6 @@ public:
   std::uint32_t domain_id() const { return node<detail::ParticipantNode>().domain_id; }
   const qos::DomainParticipantQos& qos() const { return node<detail::ParticipantNode>().qos; }
   void qos(const qos::DomainParticipantQos& qos);
-  void assert_liveliness();
   core::Time current_time() const { return core::detail::to_time(dds_time()); }
 
   static qos::DomainParticipantQos default_participant_qos() { return {}; }
@@ -71,7 +70,7 @@ public:
 }  // namespace dds::inline sonopose_psm
 
 namespace org::eclipse::cyclonedds::domain::inline sonopose_psm {
-/// The id that stands for the user's choice.
+/// The id that stands for the user's choice. With cyclonedds-cxx, this is the domain in CYCLONEDDS_URI.
 inline std::uint32_t default_id() {
   return DDS_DOMAIN_DEFAULT;
 }

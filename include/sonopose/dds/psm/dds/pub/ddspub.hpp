@@ -1,8 +1,8 @@
 #pragma once
 /// \file
-/// Publishers and writers. Left out: listeners and acknowledgements of publishers, coherent sets, suspended
-/// publications, TopicInstance, writing of ranges and pairs, instance management with a time stamp,
-/// discovery.
+/// Publishers and writers. Left out: listeners of publishers, acknowledgements, assert_liveliness, coherent
+/// sets, suspended publications, TopicInstance, writing of ranges and pairs, instance management with a time
+/// stamp, discovery.
 
 #include "../core/detail/EntityQos.hpp"
 #include "../topic/ddstopic.hpp"
@@ -15,7 +15,7 @@ namespace dds::inline sonopose_psm::pub {
 
 namespace qos {
 using DataWriterQos =
-    core::detail::EntityQos<core::detail::ReliableDefaults, core::policy::UserData, core::policy::Durability,
+    core::detail::EntityQos<core::detail::WriterDefaults, core::policy::UserData, core::policy::Durability,
                             core::policy::Deadline, core::policy::LatencyBudget, core::policy::Liveliness,
                             core::policy::Reliability, core::policy::History, core::policy::ResourceLimits,
                             core::policy::TransportPriority, core::policy::Lifespan, core::policy::Ownership,
@@ -122,10 +122,6 @@ public:
   qos::DataWriterQos qos() const { return node<detail::WriterNode>().qos; }
   /// Throws ImmutablePolicyError for what an existing writer cannot change.
   void qos(const qos::DataWriterQos& qos);
-  /// Throws TimeoutError unless all readers acknowledged all samples within `timeout`. cyclonedds-cxx 0.10
-  /// always throws UnsupportedError.
-  void wait_for_acknowledgments(const core::Duration& timeout);
-  void assert_liveliness();
 
   const core::status::LivelinessLostStatus liveliness_lost_status();
   const core::status::OfferedDeadlineMissedStatus offered_deadline_missed_status();
@@ -139,11 +135,9 @@ protected:
 /// Writes samples of one type. `write` throws TimeoutError if slow readers block it for max_blocking_time.
 template <class T>
 class DataWriter : public AnyDataWriter {
-  using Support = topic::detail::TypeSupport<T>;
   using AsC = topic::detail::AsC<T>;
 
 public:
-  using DataType = T;
   using Listener = DataWriterListener<T>;
 
   DataWriter(core::null_type) : AnyDataWriter(core::null) {}
@@ -158,7 +152,9 @@ public:
   }
 
   void write(const T& sample) { call("dds_write", dds_write, AsC(sample).get()); }
+  /// The invalid time stands for now.
   void write(const T& sample, const core::Time& timestamp) {
+    if (timestamp == core::Time::invalid()) return write(sample);
     call("dds_write_ts", dds_write_ts, AsC(sample).get(), core::detail::to_c(timestamp));
   }
   /// The sample must be of the instance.

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
 /// Samples that were read or taken, each with its SampleInfo. Left out: GenerationCount, Rank, SharedSamples,
-/// and to change a Sample.
+/// and Sample, to which the official SampleRef converts.
 
 #include "../core/Entity.hpp"
 #include "../core/Time.hpp"
@@ -53,9 +53,6 @@ private:
   T data_{};
   SampleInfo info_;
 };
-
-template <class T>
-using Sample = SampleRef<T>;
 
 /// A range of samples; copies share it. It may outlive its reader.
 template <class T>

@@ -19,10 +19,10 @@ namespace dds::inline sonopose_psm::sub {
 
 namespace qos {
 using DataReaderQos =
-    core::detail::EntityQos<core::detail::BestEffortDefaults, core::policy::UserData,
-                            core::policy::Durability, core::policy::Deadline, core::policy::LatencyBudget,
-                            core::policy::Liveliness, core::policy::Reliability, core::policy::History,
-                            core::policy::ResourceLimits, core::policy::Ownership>;
+    core::detail::EntityQos<core::detail::ReaderDefaults, core::policy::UserData, core::policy::Durability,
+                            core::policy::Deadline, core::policy::LatencyBudget, core::policy::Liveliness,
+                            core::policy::Reliability, core::policy::History, core::policy::ResourceLimits,
+                            core::policy::Ownership>;
 }
 
 template <class T>
@@ -185,7 +185,6 @@ class DataReader : public AnyDataReader {
   using C = typename topic::detail::TypeSupport<T>::C;
 
 public:
-  using DataType = T;
   using Listener = DataReaderListener<T>;
 
   /// Restricts one read or take.

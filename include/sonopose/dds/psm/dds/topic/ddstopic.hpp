@@ -8,14 +8,16 @@
 #include "detail/TypeSupport.hpp"
 
 #include <memory>
+#include <mutex>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace dds::inline sonopose_psm::topic {
 
 namespace qos {
 using TopicQos =
-    core::detail::EntityQos<core::detail::BestEffortDefaults, core::policy::Durability,
+    core::detail::EntityQos<core::detail::TopicDefaults, core::policy::Durability,
                             core::policy::DurabilityService, core::policy::Deadline,
                             core::policy::LatencyBudget, core::policy::Liveliness, core::policy::Reliability,
                             core::policy::History, core::policy::ResourceLimits,
@@ -36,6 +38,13 @@ public:
   std::string name;
   std::string type_name;
   qos::TopicQos qos;
+
+  void add_user(const std::shared_ptr<core::detail::Node>& endpoint);
+  void check_unused() override;
+
+private:
+  std::mutex mutex_;
+  std::vector<std::weak_ptr<core::detail::Node>> users_;  // guarded by mutex_
 };
 
 std::shared_ptr<TopicNode> make_topic(const domain::DomainParticipant& participant, const std::string& name,

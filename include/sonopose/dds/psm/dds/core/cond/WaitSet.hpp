@@ -1,7 +1,6 @@
 #pragma once
 /// \file
-/// Conditions, and wait sets that wait for them. Left out: WaitSet::wait into a
-/// given sequence.
+/// Conditions, and wait sets that wait for them. Left out: WaitSet::wait into a given sequence.
 
 #include "../Entity.hpp"
 #include "../Time.hpp"
@@ -35,9 +34,10 @@ public:
     node<detail::ConditionNode>().handler = std::move(functor);
   }
   void reset_handler() { node<detail::ConditionNode>().handler = nullptr; }
-  /// Calls the handler, if there is one.
+  /// Calls the handler, if there is one and the condition is true.
   void dispatch() {
-    if (const auto& handler = node<detail::ConditionNode>().handler) handler(*this);
+    const auto handler = node<detail::ConditionNode>().handler;
+    if (handler && trigger_value()) handler(*this);
   }
   bool trigger_value() const;
 
@@ -73,7 +73,7 @@ public:
   }
 
   void trigger_value(bool value);
-  using Condition::trigger_value;
+  bool trigger_value() { return Condition::trigger_value(); }
 };
 
 /// Blocks a thread until a condition is true.
@@ -84,11 +84,12 @@ public:
   WaitSet();
   WaitSet(null_type) {}
 
-  /// Returns the conditions that are true. Throws TimeoutError after `timeout`.
+  /// Calls the handlers of the conditions that are true, and returns these conditions. Throws TimeoutError
+  /// after `timeout`.
   const ConditionSeq wait(const Duration& timeout);
   const ConditionSeq wait() { return wait(Duration::infinite()); }
 
-  /// Waits, and calls the handlers of the conditions that are true.
+  /// Waits, and calls once more the handlers of the conditions that are still true.
   void dispatch(const Duration& timeout);
   void dispatch() { dispatch(Duration::infinite()); }
 

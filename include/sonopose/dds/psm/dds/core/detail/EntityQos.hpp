@@ -36,7 +36,9 @@ void apply(const policy::WriterDataLifecycle& policy, dds_qos_t* qos);
 void apply(const policy::TransportPriority& policy, dds_qos_t* qos);
 void apply(const policy::DurabilityService& policy, dds_qos_t* qos);
 
-/// `Defaults` changes what differs from the policies' own defaults.
+struct TopicDefaults;
+
+/// `Defaults` tells the kinds of entities apart, and changes what differs from the policies' own defaults.
 template <class Defaults, class... Policies>
 class EntityQos {
   template <class Policy>
@@ -45,13 +47,13 @@ class EntityQos {
 public:
   EntityQos() { Defaults::apply(*this); }
 
-  /// Takes over the policies that another kind of entity has as well.
-  template <class D, class... Others>
-  EntityQos(const EntityQos<D, Others...>& other) : EntityQos() {
+  /// Takes over the policies of a topic that this kind of entity has as well.
+  template <class... Others>
+  EntityQos(const EntityQos<TopicDefaults, Others...>& other) : EntityQos() {
     *this = other;
   }
-  template <class D, class... Others>
-  EntityQos& operator=(const EntityQos<D, Others...>& other) {
+  template <class... Others>
+  EntityQos& operator=(const EntityQos<TopicDefaults, Others...>& other) {
     const auto copy = [this]<class Policy>(const Policy& value) {
       if constexpr (has<Policy>) std::get<Policy>(policies_) = value;
     };
@@ -96,10 +98,15 @@ private:
   std::tuple<Policies...> policies_;
 };
 
-struct BestEffortDefaults {
+struct NoDefaults {
   static void apply(auto&) {}
 };
-struct ReliableDefaults {
+struct ParticipantDefaults : NoDefaults {};
+struct TopicDefaults : NoDefaults {};
+struct PublisherDefaults : NoDefaults {};
+struct SubscriberDefaults : NoDefaults {};
+struct ReaderDefaults : NoDefaults {};
+struct WriterDefaults {
   static void apply(auto& qos) {
     qos.template policy<policy::Reliability>().kind(policy::ReliabilityKind::RELIABLE);
   }

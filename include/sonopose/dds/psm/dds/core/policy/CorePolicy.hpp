@@ -6,6 +6,7 @@
 /// TimeBasedFilter, TopicData, TypeConsistencyEnforcement, and the durabilities TRANSIENT and PERSISTENT.
 
 #include "../Time.hpp"
+#include "../status/Status.hpp"
 #include "../types.hpp"
 
 #include <dds/dds.h>
@@ -15,21 +16,24 @@
 
 namespace dds::inline sonopose_psm::core::policy {
 
-using QosPolicyId = std::uint32_t;
-
 struct OwnershipKind {
+  OwnershipKind() = delete;
   enum Type { SHARED, EXCLUSIVE };
 };
 struct DurabilityKind {
+  DurabilityKind() = delete;
   enum Type { VOLATILE, TRANSIENT_LOCAL };
 };
 struct ReliabilityKind {
+  ReliabilityKind() = delete;
   enum Type { BEST_EFFORT, RELIABLE };
 };
 struct HistoryKind {
+  HistoryKind() = delete;
   enum Type { KEEP_LAST, KEEP_ALL };
 };
 struct LivelinessKind {
+  LivelinessKind() = delete;
   enum Type { AUTOMATIC, MANUAL_BY_PARTICIPANT, MANUAL_BY_TOPIC };
 };
 
