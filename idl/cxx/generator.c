@@ -17,6 +17,7 @@
 struct output {
   FILE* file;
   const idl_pstate_t* state;
+  const void* refused[64];  // nodes
   bool failed;
 };
 
@@ -28,10 +29,40 @@ static void print(struct output* out, const char* format, ...) {
 }
 
 static void refuse(struct output* out, const void* node, const char* what) {
+  out->failed = true;
+  size_t count = 0;  // a field's type is printed several times
+  for (; count < sizeof(out->refused) / sizeof(out->refused[0]) && out->refused[count] != NULL; ++count) {
+    if (out->refused[count] == node) return;
+  }
+  if (count < sizeof(out->refused) / sizeof(out->refused[0])) out->refused[count] = node;
   const idl_position_t* at = &idl_location(node)->first;
   fprintf(stderr, "%s:%" PRIu32 ":%" PRIu32 ": %s are not supported by sonopose's C++ generator\n",
           at->source->path->name, at->line, at->column, what);
-  out->failed = true;
+}
+
+// Returns the name of a definition. Refuses the reserved words of C++, which the struct in C cannot have
+// either.
+static const char* name_of(struct output* out, const void* node) {
+  static const char* const reserved[] = {
+      "alignas",     "alignof",  "and",        "and_eq",    "asm",       "auto",         "bitand",
+      "bitor",       "bool",     "break",      "case",      "catch",     "char",         "char16_t",
+      "char32_t",    "char8_t",  "class",      "co_await",  "co_return", "co_yield",     "compl",
+      "concept",     "const",    "const_cast", "consteval", "constexpr", "constinit",    "continue",
+      "decltype",    "default",  "delete",     "do",        "double",    "dynamic_cast", "else",
+      "enum",        "explicit", "export",     "extern",    "false",     "float",        "for",
+      "friend",      "goto",     "if",         "inline",    "int",       "long",         "mutable",
+      "namespace",   "new",      "noexcept",   "not",       "not_eq",    "nullptr",      "operator",
+      "or",          "or_eq",    "private",    "protected", "public",    "register",     "reinterpret_cast",
+      "requires",    "return",   "short",      "signed",    "sizeof",    "static",       "static_assert",
+      "static_cast", "struct",   "switch",     "template",  "this",      "thread_local", "throw",
+      "true",        "try",      "typedef",    "typeid",    "typename",  "union",        "unsigned",
+      "using",       "virtual",  "void",       "volatile",  "wchar_t",   "while",        "xor",
+      "xor_eq"};
+  const char* name = idl_identifier(node);
+  for (size_t i = 0; i < sizeof(reserved) / sizeof(reserved[0]); ++i) {
+    if (strcmp(name, reserved[i]) == 0) refuse(out, node, "reserved words of C++ as names");
+  }
+  return name;
 }
 
 // Prints the scopes and the name of a definition: "::a::b::Name", or "a_b_Name" as in C.
@@ -92,8 +123,6 @@ static void print_type(struct output* out, const void* type) {
     print(out, "std::string");
   } else if (idl_is_alias(type) || idl_is_struct(type) || idl_is_enum(type)) {
     print_scoped(out, type, false);
-  } else if (idl_is_forward(type)) {
-    print_scoped(out, type, false);
   } else if (idl_is_base_type(type) && base_type(idl_type(type)) != NULL) {
     print(out, "%s", base_type(idl_type(type)));
   } else {
@@ -139,6 +168,10 @@ static void print_literal(struct output* out, const idl_const_t* constant) {
       print(out, "%s", literal->value.bln ? "true" : "false");
       break;
     case IDL_CHAR:
+      if (!isprint((unsigned char)literal->value.chr) || literal->value.chr == '\'' ||
+          literal->value.chr == '\\') {
+        refuse(out, constant, "character constants that idlc cannot write into its header for C");
+      }
       print(out, "static_cast<char>(%d)", literal->value.chr);
       break;
     case IDL_INT8:
@@ -158,7 +191,8 @@ static void print_literal(struct output* out, const idl_const_t* constant) {
       break;
     case IDL_LONG:
     case IDL_INT32:
-      print(out, "%" PRId32, literal->value.int32);
+      // The smallest number has no literal.
+      print(out, literal->value.int32 == INT32_MIN ? "-2147483647 - 1" : "%" PRId32, literal->value.int32);
       break;
     case IDL_ULONG:
     case IDL_UINT32:
@@ -166,7 +200,8 @@ static void print_literal(struct output* out, const idl_const_t* constant) {
       break;
     case IDL_LLONG:
     case IDL_INT64:
-      print(out, "%" PRId64 "LL", literal->value.int64);
+      print(out, literal->value.int64 == INT64_MIN ? "-9223372036854775807LL - 1" : "%" PRId64 "LL",
+            literal->value.int64);
       break;
     case IDL_ULLONG:
     case IDL_UINT64:
@@ -197,15 +232,15 @@ static void print_literal(struct output* out, const idl_const_t* constant) {
 static void print_const(struct output* out, const idl_const_t* constant) {
   print(out, "const ");
   print_type(out, constant->type_spec);
-  print(out, " %s = ", idl_identifier(constant));
+  print(out, " %s = ", name_of(out, constant));
   print_literal(out, constant);
   print(out, ";\n\n");
 }
 
 static void print_enum(struct output* out, const idl_enum_t* type) {
-  print(out, "enum class %s {", idl_identifier(type));
+  print(out, "enum class %s {", name_of(out, type));
   for (const idl_enumerator_t* each = type->enumerators; each != NULL; each = idl_next(each)) {
-    print(out, "%s\n  %s = %" PRIu32, each == type->enumerators ? "" : ",", idl_identifier(each),
+    print(out, "%s\n  %s = %" PRIu32, each == type->enumerators ? "" : ",", name_of(out, each),
           each->value.value);
   }
   print(out, "\n};\n\n");
@@ -215,7 +250,7 @@ static void print_typedef(struct output* out, const idl_typedef_t* alias) {
   for (const idl_declarator_t* each = alias->declarators; each != NULL; each = idl_next(each)) {
     print(out, "typedef ");
     print_declared(out, alias->type_spec, each);
-    print(out, " %s;\n\n", idl_identifier(each));
+    print(out, " %s;\n\n", name_of(out, each));
   }
 }
 
@@ -236,7 +271,7 @@ static void print_data(struct output* out, const void* type, const idl_declarato
   (void)is_first;
   print(out, "  ");
   print_declared(out, type, field);
-  print(out, " %s_", idl_identifier(field));
+  print(out, " %s_", name_of(out, field));
   const void* stripped = idl_strip(type, IDL_STRIP_ALIASES);
   if (field->const_expr == NULL && stripped != NULL && idl_is_enum(stripped)) {
     print(out, " = ");
@@ -282,11 +317,12 @@ static void print_accessors(struct output* out, const void* type, const idl_decl
 }
 
 static void print_struct(struct output* out, const idl_struct_t* type) {
-  const char* name = idl_identifier(type);
+  const char* name = name_of(out, type);
   if (type->inherit_spec != NULL) refuse(out, type, "derived structs");
   for (const idl_member_t* member = type->members; member != NULL; member = idl_next(member)) {
     if (member->optional.value) refuse(out, member, "optional members");
     if (member->external.value) refuse(out, member, "external members");
+    if (member->value.annotation != NULL) refuse(out, member, "default values of members");
   }
   print(out, "class %s {\nprivate:\n", name);
   each_field(out, type, print_data);
@@ -302,9 +338,23 @@ static void print_struct(struct output* out, const idl_struct_t* type) {
   print(out, "\n  bool operator==(const %s& _other) const = default;\n};\n\n", name);
 }
 
+// Refuses bounds that no conversion checks: those of sequences in arrays and sequences.
+static void check_inner_bounds(struct output* out, const void* type, bool is_inner) {
+  while (idl_is_alias(type)) {
+    if (((const idl_declarator_t*)type)->const_expr != NULL) is_inner = true;
+    type = ((const idl_typedef_t*)idl_parent(type))->type_spec;
+  }
+  if (!idl_is_sequence(type)) return;
+  if (is_inner && ((const idl_sequence_t*)type)->maximum != 0) {
+    refuse(out, type, "bounded sequences in arrays and sequences");
+  }
+  check_inner_bounds(out, ((const idl_sequence_t*)type)->type_spec, true);
+}
+
 static void print_visit(struct output* out, const void* type, const idl_declarator_t* field, bool is_first) {
   (void)is_first;
   const char* name = idl_identifier(field);
+  check_inner_bounds(out, type, field->const_expr != NULL);
   print(out, "    visit(\"%s\", sample.%s(), c.%s", name, name, name);
   const void* stripped = field->const_expr == NULL ? idl_strip(type, IDL_STRIP_ALIASES) : NULL;
   if (stripped != NULL && idl_is_sequence(stripped) && ((const idl_sequence_t*)stripped)->maximum != 0) {
@@ -341,7 +391,7 @@ static void print_definitions(struct output* out, const void* first) {
   for (const void* node = first; node != NULL; node = idl_next(node)) {
     if (!is_of_this_file(out, node)) continue;
     if (idl_is_module(node)) {
-      print(out, "namespace %s {\n\n", idl_identifier(node));
+      print(out, "namespace %s {\n\n", name_of(out, node));
       print_definitions(out, ((const idl_module_t*)node)->definitions);
       print(out, "}  // namespace %s\n\n", idl_identifier(node));
     } else if (idl_is_const(node)) {
@@ -408,9 +458,14 @@ idl_retcode_t generate(const idl_pstate_t* state, const idlc_generator_config_t*
   char path[4096];
   if (stem == NULL) return IDL_RETCODE_NO_MEMORY;
   const bool has_folder = config != NULL && config->output_dir != NULL && config->output_dir[0] != '\0';
-  snprintf(path, sizeof(path), "%s%s%s.hpp", has_folder ? config->output_dir : "", has_folder ? "/" : "",
-           stem);
-  struct output out = {.file = fopen(path, "w"), .state = state, .failed = false};
+  const int length = snprintf(path, sizeof(path), "%s%s%s.hpp", has_folder ? config->output_dir : "",
+                              has_folder ? "/" : "", stem);
+  if (length < 0 || (size_t)length >= sizeof(path)) {
+    fprintf(stderr, "%s.hpp: the path is too long\n", stem);
+    free(stem);
+    return IDL_RETCODE_BAD_PARAMETER;
+  }
+  struct output out = {.file = fopen(path, "w"), .state = state, .refused = {NULL}, .failed = false};
   if (out.file == NULL) {
     fprintf(stderr, "%s: cannot be written\n", path);
     free(stem);

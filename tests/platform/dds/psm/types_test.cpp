@@ -46,6 +46,8 @@ SCENARIO("accessors set and return fields") {
   CHECK((copy.mode() == Mode::BUSY));
   CHECK((copy != Sample()));
   CHECK((psm_test::GREETING == "hi"));
+  CHECK((psm_test::LOW == std::numeric_limits<std::int32_t>::min()));
+  CHECK((psm_test::LOWEST == std::numeric_limits<std::int64_t>::min()));
   CHECK((psm_test::LARGE == std::numeric_limits<std::uint64_t>::max()));
 }
 
