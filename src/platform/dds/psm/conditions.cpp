@@ -121,10 +121,8 @@ bool WaitSet::detach_condition(const Condition& condition) {
   const Node& attached = condition.node();
   const std::lock_guard lock(waitset.mutex);
   if (waitset.conditions.erase(&attached) == 0) return false;
-  // Closing a condition has detached it.
-  if (!attached.is_closed()) {
-    check("dds_waitset_detach", dds_waitset_detach(waitset.handle(), attached.handle()));
-  }
+  if (attached.is_closed()) return false;  // closing it has detached it
+  check("dds_waitset_detach", dds_waitset_detach(waitset.handle(), attached.handle()));
   return true;
 }
 

@@ -15,6 +15,8 @@ namespace psm_own_test {
 
 using namespace psm_fixture;
 using Catch::Matchers::Contains;
+using dds::sub::status::DataState;
+using dds::sub::status::ViewState;
 namespace ext = sonopose::dds::ext;
 
 SCENARIO("values that the wire cannot carry are refused by name") {
@@ -99,6 +101,28 @@ SCENARIO("what cyclonedds-cxx 0.10 lacks of the PSM is there") {
       CHECK(wait_until([&] { return matched() == 1; }));
     }
   }
+}
+
+SCENARIO("one call reads or takes all samples, as they were when it began") {
+  Bus bus;
+  const dds::topic::Topic<Sample> topic(bus.participant, "many");
+  dds::pub::DataWriter<Sample> writer(bus.publisher, topic, reliable_writer(1000));
+  dds::sub::DataReader<Sample> reader(bus.subscriber, topic, reliable_reader(1000));
+  REQUIRE(wait_until([&] { return reader.subscription_matched_status().current_count() == 1; }));
+  constexpr std::uint32_t count = 600;
+  for (std::uint32_t i = 0; i < count; ++i) writer.write(sample(1, std::to_string(i)));
+
+  CHECK((reader.select().max_samples(0x7fffffffU).state(ViewState::not_new_view()).read().length() == 0));
+  const auto taken = reader.select().state(DataState::new_instance()).take();
+  REQUIRE((taken.length() == count));
+  CHECK((codes(taken).back() == "599"));
+  CHECK((taken.begin()->info().state().view_state() == ViewState::new_view()));
+  CHECK(((taken.end() - 1)->info().state().view_state() == ViewState::new_view()));
+
+  for (std::uint32_t i = 0; i < count; ++i) writer.write(sample(1));
+  CHECK((reader.read().length() == count));
+  CHECK((reader.select().max_samples(500).take().length() == 500));
+  CHECK((reader.take().length() == 100));
 }
 
 SCENARIO("nil is no instance") {

@@ -59,28 +59,6 @@ SCENARIO("a reader of the PSM reads and takes samples") {
   }
 }
 
-SCENARIO("one call reads or takes all samples, as they were when it began") {
-  Bus bus;
-  const dds::topic::Topic<Sample> topic(bus.participant, "many");
-  dds::pub::DataWriter<Sample> writer(bus.publisher, topic, reliable_writer(1000));
-  dds::sub::DataReader<Sample> reader(bus.subscriber, topic, reliable_reader(1000));
-  REQUIRE(wait_until([&] { return reader.subscription_matched_status().current_count() == 1; }));
-  constexpr std::uint32_t count = 600;
-  for (std::uint32_t i = 0; i < count; ++i) writer.write(sample(1, std::to_string(i)));
-
-  CHECK((reader.select().max_samples(0x7fffffffU).state(ViewState::not_new_view()).read().length() == 0));
-  const auto taken = reader.select().state(DataState::new_instance()).take();
-  REQUIRE((taken.length() == count));
-  CHECK((codes(taken).back() == "599"));
-  CHECK((taken.begin()->info().state().view_state() == ViewState::new_view()));
-  CHECK(((taken.end() - 1)->info().state().view_state() == ViewState::new_view()));
-
-  for (std::uint32_t i = 0; i < count; ++i) writer.write(sample(1));
-  CHECK((reader.read().length() == count));
-  CHECK((reader.select().max_samples(500).take().length() == 500));
-  CHECK((reader.take().length() == 100));
-}
-
 SCENARIO("a read that is refused leaves the reader usable") {
   Bus bus;
   bus.writer.write(sample(1, "a"));

@@ -100,7 +100,7 @@ public:
   }
   /// A second call for a condition has no effect.
   WaitSet& attach_condition(const Condition& condition);
-  /// Returns false if the condition was not attached.
+  /// Returns false if the condition was not attached, or is closed.
   bool detach_condition(const Condition& condition);
   const ConditionSeq conditions() const;
 };
