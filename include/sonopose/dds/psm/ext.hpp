@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// What sonopose adds to the PSM, as free functions.
+/// Additions of sonopose to the PSM, as free functions.
 
 #include "dds/domain/ddsdomain.hpp"
 #include <sonopose/dds/binding/domain.hpp>

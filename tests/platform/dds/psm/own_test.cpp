@@ -1,4 +1,4 @@
-/// What our subset of the PSM does beyond the PSM, or in a way of its own.
+/// Behaviour of our subset beyond the PSM, or of its own.
 
 #include "platform/dds/psm/psm_fixture.hpp"
 #include <sonopose/dds/psm/ext.hpp>

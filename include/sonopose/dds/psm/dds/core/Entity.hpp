@@ -123,7 +123,7 @@ protected:
   Reference() = default;
   explicit Reference(std::shared_ptr<detail::Node> node) : node_(std::move(node)) {}
 
-  /// What it refers to. Throws NullReferenceError for nothing.
+  /// The object referred to. Throws NullReferenceError if there is none.
   template <class N = detail::Node>
   N& node() const {
     return static_cast<N&>(*pointer());
@@ -139,7 +139,7 @@ private:
 };
 
 namespace detail {
-/// What the other classes need of a reference.
+/// Access of the other classes to a reference.
 struct Access {
   static std::shared_ptr<Node> node(const Reference& reference) { return owning(reference.pointer()); }
   /// For what belongs to it. Throws AlreadyClosedError in a callback of an entity that is ending.
@@ -173,7 +173,7 @@ private:
   dds_instance_handle_t value_ = DDS_HANDLE_NIL;
 };
 
-/// What all entities have.
+/// Members of all entities.
 class Entity : public Reference {
 public:
   Entity(null_type) {}

@@ -64,7 +64,7 @@ public:
 
 class WriterNode;
 
-/// What a writer's callbacks call, whatever its type.
+/// Target of a writer's callbacks, for writers of any type.
 class WriterEvents {
 public:
   WriterEvents() = default;

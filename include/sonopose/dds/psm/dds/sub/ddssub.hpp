@@ -74,7 +74,7 @@ public:
 
 class ReaderNode;
 
-/// What a reader's callbacks call, whatever its type.
+/// Target of a reader's callbacks, for readers of any type.
 class ReaderEvents {
 public:
   ReaderEvents() = default;
@@ -231,7 +231,7 @@ public:
     node<detail::ReaderNode>().listener = listener;
   }
 
-  /// What read, take and select select by default: everything.
+  /// Default selection of read, take and select: everything.
   status::DataState default_filter_state() { return node<detail::ReaderNode>().filter_state; }
   DataReader& default_filter_state(const status::DataState& state) {
     node<detail::ReaderNode>().filter_state = state;

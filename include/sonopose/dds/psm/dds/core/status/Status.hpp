@@ -50,7 +50,7 @@ public:
   static StatusMask subscription_matched() { return StatusMask(1U << 14U); }
 };
 
-/// What all statuses count. `…_change` is since the last call.
+/// Counts common to all statuses. `…_change` is since the last call.
 template <class C>
 class CountedStatus {
 public:

@@ -20,7 +20,7 @@ public:
 };
 }  // namespace detail
 
-/// Whether the sample was read before.
+/// States of a sample: read before, or not.
 class SampleState : public detail::State<SampleState> {
 public:
   using State::State;
@@ -29,7 +29,7 @@ public:
   static const SampleState not_read() { return SampleState(2U); }
 };
 
-/// Whether the instance was seen before.
+/// States of an instance to a reader: seen before, or new.
 class ViewState : public detail::State<ViewState> {
 public:
   using State::State;
@@ -38,7 +38,7 @@ public:
   static const ViewState not_new_view() { return ViewState(2U); }
 };
 
-/// Whether the instance has a living writer that did not dispose of it.
+/// States of an instance: alive, disposed of, or without writers.
 class InstanceState : public detail::State<InstanceState> {
 public:
   using State::State;
