@@ -35,7 +35,8 @@ SCENARIO("options of velocities") {
       CHECK_THROWS_WITH(
           ros2::check(std::vector{AidingInput::parse(Kind::odometry, "/odom=7"),
                                   AidingInput::parse(Kind::twist, "/wheel=7")}),
-          Contains("--odom-in /odom and --twist-in /wheel: beacon 7 can have only one source of velocities"));
+          Contains(
+              "--odom-in /odom=7 and --twist-in /wheel=7: beacon 7 can have only one source of velocities"));
       CHECK_THROWS_WITH(
           AidingInput::parse(Kind::heading, "/yaw:Float32=7"),
           Contains(
