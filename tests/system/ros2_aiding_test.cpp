@@ -95,7 +95,10 @@ SCENARIO("headings and set poses of ROS 2 reach the fusion") {
           });
           return is_answered;
         }));
-        REQUIRE(poses.wait_until([&] { return faces(90); }));
+        REQUIRE(poses.wait_until([&] {
+          if (!faces(90)) requests.write({.header = {.client = 4711, .sequence_number = 4}, .pose = message});
+          return faces(90);
+        }));
         CHECK(relay->wait_for_line(Stream::error, "beacon 42: /set_pose sets the pose to (1.000, 2.000) m"));
       }
     }
