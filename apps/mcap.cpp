@@ -63,8 +63,7 @@ int cat(const Options& options) {
     apps::print("{}\n", lines.line_of(*chosen->channel, chosen->message));
     if (std::ferror(stdout) != 0) return 0;  // reported at the end
   }
-  if (!has_printed) throw bus_log::nothing_selected({&reader}, reader.statistics().message_count);
-  return 0;
+  return has_printed ? 0 : throw bus_log::nothing_selected({&reader}, reader.statistics().message_count);
 }
 
 int copy(const Options& options, mcap::Selection::Damaged damaged, bool is_one_recording) {
@@ -144,8 +143,7 @@ int main(int argc, char** argv) {
   add_output(*exporting, options, false);
   apps::add_bag_options(*exporting);
   return apps::run(app, argc, argv, [&] {
-    if (shown->parsed()) return info(options);
-    if (lines->parsed()) return cat(options);
+    if (shown->parsed() || lines->parsed()) return shown->parsed() ? info(options) : cat(options);
     if (exporting->parsed()) return export_files(options);
     return copy(options, recover->parsed() ? skip : refuse, filter->parsed());
   });

@@ -138,7 +138,6 @@ int main(int argc, char** argv) {
   saving->add_option("FILE", options.file, "What differs from the defaults (default: a drop-in)");
   saving->add_option("--config", options.base, "Write its drop-in 90-saved.toml: what differs from it")
       ->option_text("FILE (default: " + options.base.string() + ")");
-
   add_command(app, options, "reset", "Restart the engines and wait until they have restarted");
 
   return apps::run(app, argc, argv, [&] {

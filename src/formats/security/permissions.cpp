@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <ctime>
 #include <initializer_list>
 #include <sstream>
 #include <string_view>
