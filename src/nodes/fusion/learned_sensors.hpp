@@ -51,7 +51,7 @@ private:
   std::filesystem::path file_;
   config::LearnedSensors learned_;  ///< changed and read under the lock of the estimators
   /// Mountings at the last time of saving, or at the start of a beacon. After a change a beacon is not saved
-  /// until it has been learned anew for some minutes.
+  /// until it has been learned again for some minutes.
   std::map<BeaconAddress, Mounting> mountings_;
   bool is_readable_ = true;
   SteadyTime due_;

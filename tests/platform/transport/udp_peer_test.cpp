@@ -38,8 +38,8 @@ public:
     socklen_t size = sizeof own;
     REQUIRE(::getsockname(descriptor_, reinterpret_cast<sockaddr*>(&own), &size) == 0);
     endpoint_ = {.address = address, .port = ntohs(own.sin_port)};
-    const timeval patience{.tv_sec = 20, .tv_usec = 0};
-    REQUIRE(::setsockopt(descriptor_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience) == 0);
+    const timeval limit{.tv_sec = 20, .tv_usec = 0};
+    REQUIRE(::setsockopt(descriptor_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit) == 0);
   }
   ~Port() { ::close(descriptor_); }
   Port(const Port&) = delete;

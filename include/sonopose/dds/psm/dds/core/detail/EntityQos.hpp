@@ -38,7 +38,7 @@ void apply(const policy::DurabilityService& policy, dds_qos_t* qos);
 
 struct TopicDefaults;
 
-/// `Defaults` tells the kinds of entities apart, and changes what differs from the policies' own defaults.
+/// `Defaults` separates the kinds of entities, and changes what differs from the policies' own defaults.
 template <class Defaults, class... Policies>
 class EntityQos {
   template <class Policy>
