@@ -129,7 +129,8 @@ SCENARIO("a recording of the bus is shown, selected and exported") {
       CHECK_THAT(shown.error, Contains("run.mcap: none of its ") && Contains(" messages is selected"));
     }
     THEN("cat fails for a gap inside the recording, too") {
-      const Result shown = mcap({"cat", file, "--topics", "imu", "--start", "1.0030001", "--end", "1.0030002"});
+      const Result shown =
+          mcap({"cat", file, "--topics", "imu", "--start", "1.0030001", "--end", "1.0030002"});
       CHECK(shown.code == 1);
       CHECK_THAT(shown.error, Contains("run.mcap: none of its ") && Contains(" messages is selected"));
     }
