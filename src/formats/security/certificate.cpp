@@ -13,10 +13,10 @@ std::string text_of(const X509_NAME* name) {
   return openssl::text_in(text.get());
 }
 
-std::tm calendar_of(std::int64_t time_s) {
+tm calendar_of(std::int64_t time_s) {
   const auto time =
       openssl::owned<openssl::Time>(ASN1_TIME_set(nullptr, static_cast<time_t>(time_s)), "ASN1_TIME_set");
-  std::tm calendar{};
+  tm calendar{};
   openssl::check(ASN1_TIME_to_tm(time.get(), &calendar), "ASN1_TIME_to_tm");
   return calendar;
 }
@@ -53,7 +53,7 @@ std::string date_text(std::int64_t time_s) {
 }
 
 std::string date_time_text(std::int64_t time_s) {
-  const std::tm at = calendar_of(time_s);
+  const tm at = calendar_of(time_s);
   return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}", at.tm_year + 1900, at.tm_mon + 1, at.tm_mday,
                      at.tm_hour, at.tm_min, at.tm_sec);
 }

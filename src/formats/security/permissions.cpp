@@ -65,7 +65,7 @@ pugi::xml_node grant_in(pugi::xml_document& document, const std::string& xml, co
 }
 
 std::int64_t time_in(const pugi::xml_node& node, const std::string& origin) {
-  std::tm at{};
+  tm at{};
   const std::string text = node.text().get();
   const int fields = std::sscanf(text.c_str(), "%d-%d-%dT%d:%d:%d", &at.tm_year, &at.tm_mon, &at.tm_mday,
                                  &at.tm_hour, &at.tm_min, &at.tm_sec);
