@@ -53,8 +53,6 @@ std::vector<marvelmind::Packet> packets_of_each_kind() {
     packets.emplace_back(Quality{.address = 7, .quality_percent = 90});
     if (base == TimeBase::uptime_64ths) continue;
     packets.emplace_back(RawImu{.accel = {0, 0, 1000}, .address = 7, .time = stamp});
-    packets.emplace_back(RawDistances{.address = 7, .time = stamp});
-    packets.emplace_back(VendorFusion{.quaternion = {10000, 0, 0, 0}, .address = 7, .time = stamp});
   }
   packets.emplace_back(Telemetry{.battery_mv = 3900, .rssi_dbm = -60, .address = 7});
   for (const bool in_cm : {false, true}) {
@@ -62,8 +60,6 @@ std::vector<marvelmind::Packet> packets_of_each_kind() {
     beacons.items[0] = {.address = 1, .xyz_mm = {10, 20, 30}};
     packets.emplace_back(beacons);
   }
-  packets.emplace_back(Waypoint{.type = 1, .index = 0, .total = 3});
-  packets.emplace_back(UserData{.time_ms = 1'700'000'000'000, .size = 3});
   return packets;
 }
 

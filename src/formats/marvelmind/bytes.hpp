@@ -16,7 +16,6 @@ class ByteReader {
 public:
   explicit constexpr ByteReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
 
-  constexpr std::size_t position() const { return position_; }
   constexpr std::size_t remaining() const { return bytes_.size() - position_; }
   constexpr void skip(std::size_t count) { position_ += count; }
 
@@ -64,10 +63,6 @@ public:
   template <std::integral T, std::size_t N>
   constexpr void write_array(const std::array<T, N>& values) {
     for (const T value : values) write(value);
-  }
-
-  constexpr void write_bytes(std::span<const std::uint8_t> bytes) {
-    for (const std::uint8_t byte : bytes) write(byte);
   }
 
   /// Writes reserved bytes.

@@ -10,12 +10,27 @@ namespace sonopose::marvelmind {
 
 namespace {
 
-/// Counts a frame with a valid checksum. Returns true if it is a packet.
-bool count(ParseResult result, DecoderCounters& counters) {
-  switch (result) {
+std::uint16_t code_of(std::span<const std::uint8_t> frame) {
+  return ByteReader(frame.subspan(2)).read<std::uint16_t>();
+}
+
+std::size_t payload_size_of(std::span<const std::uint8_t> frame) {
+  return frame[4];
+}
+
+/// Parses the payload of a frame with a valid checksum, and counts it. Returns true if it is a packet.
+bool parse(std::span<const std::uint8_t> frame, Packet& packet, DecoderCounters& counters) {
+  const std::uint8_t type = frame[1];
+  const std::uint16_t code = code_of(frame);
+  const auto payload = frame.subspan(header_size, payload_size_of(frame));
+  switch (parse_payload(type, code, payload, packet)) {
     case ParseResult::ok:
       ++counters.frames;
       return true;
+    case ParseResult::unused:
+      ++counters.frames;
+      if (++counters.unused_frames == 1) counters.first_unused = find_unused_kind(type, code)->name;
+      return false;
     case ParseResult::unknown:
       ++counters.unknown_frames;
       return false;
@@ -24,14 +39,6 @@ bool count(ParseResult result, DecoderCounters& counters) {
       return false;
   }
   return false;
-}
-
-std::uint16_t code_of(std::span<const std::uint8_t> frame) {
-  return ByteReader(frame.subspan(2)).read<std::uint16_t>();
-}
-
-std::size_t payload_size_of(std::span<const std::uint8_t> frame) {
-  return frame[4];
 }
 
 /// Copies the datagram's leading address into the packet's address slot if that is empty.
@@ -93,8 +100,7 @@ const Packet* Decoder::next_packet() {
       continue;
     }
     begin_ += frame_size;
-    const auto payload = frame.subspan(header_size, payload_size_of(frame));
-    if (count(parse_payload(frame[1], code_of(frame), payload, packet_), counters_)) return &packet_;
+    if (parse(frame, packet_, counters_)) return &packet_;
   }
 }
 
@@ -109,8 +115,7 @@ const Packet* DatagramDecoder::decode(std::span<const std::uint8_t> datagram) {
     counters_.bytes_lost += datagram.size();
     return nullptr;
   }
-  const auto payload = datagram.subspan(header_size, payload_size_of(datagram));
-  if (!count(parse_payload(datagram[1], code_of(datagram), payload, packet_), counters_)) return nullptr;
+  if (!parse(datagram, packet_, counters_)) return nullptr;
   complete_from_datagram(packet_, datagram.front());
   return &packet_;
 }

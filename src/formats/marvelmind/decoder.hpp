@@ -8,12 +8,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 namespace sonopose::marvelmind {
 
-/// Counts since the decoder's construction.
+/// Counters since the decoder's construction.
 struct DecoderCounters {
-  std::uint64_t frames = 0;            ///< valid frames, decoded into packets
+  std::uint64_t frames = 0;            ///< valid frames of known kinds
+  std::uint64_t unused_frames = 0;     ///< those of them that are of an `UnusedKind`
+  std::string_view first_unused{};     ///< name of the first of these kinds
   std::uint64_t crc_errors = 0;        ///< frames, or false starts, with a wrong checksum
   std::uint64_t bytes_lost = 0;        ///< bytes skipped in search of a frame
   std::uint64_t unknown_frames = 0;    ///< frames with valid checksum and unknown kind

@@ -10,9 +10,8 @@ namespace sonopose::marvelmind {
 
 namespace {
 
-/// A frame under construction: the header's numbers, and the payload.
+/// A frame under construction: the header's code, and the payload.
 struct Draft {
-  std::uint8_t type = stream_type;
   std::uint16_t code = 0;
   ByteWriter payload;
 };
@@ -104,34 +103,6 @@ void write(const RawImu& imu, Draft& draft) {
   out.zeros(3);
 }
 
-void write(const RawDistances& raw, Draft& draft) {
-  draft.code = is_real_time(raw.time) ? RawDistances::code_real_time : RawDistances::code;
-  ByteWriter& out = draft.payload;
-  out.write(raw.address);
-  for (const Distance& distance : raw.distances) {
-    out.write(distance.beacon_address);
-    out.write(distance.distance_mm);
-    out.write<std::uint8_t>(distance.available ? 0 : 1);
-  }
-  write_stamp(out, raw.time);
-  out.write(raw.time_passed_ms);
-  out.zeros(1);
-}
-
-void write(const VendorFusion& fusion, Draft& draft) {
-  draft.code = is_real_time(fusion.time) ? VendorFusion::code_real_time : VendorFusion::code;
-  ByteWriter& out = draft.payload;
-  out.write_array(fusion.xyz_mm);
-  out.write_array(fusion.quaternion);
-  out.write_array(fusion.velocity_mmps);
-  out.write_array(fusion.accel_mmps2);
-  out.write(fusion.address);
-  out.zeros(1);
-  write_stamp(out, fusion.time);
-  out.write(fusion.flags);
-  out.zeros(3);
-}
-
 void write(const Telemetry& telemetry, Draft& draft) {
   draft.code = Telemetry::code;
   draft.payload.write(telemetry.battery_mv);
@@ -148,30 +119,13 @@ void write(const Quality& quality, Draft& draft) {
   draft.payload.zeros(13);
 }
 
-void write(const Waypoint& waypoint, Draft& draft) {
-  draft.type = user_device_type;
-  draft.code = Waypoint::code;
-  draft.payload.write(waypoint.type);
-  draft.payload.write(waypoint.index);
-  draft.payload.write(waypoint.total);
-  draft.payload.write_array(waypoint.parameters);
-  draft.payload.zeros(3);
-}
-
-void write(const UserData& user_data, Draft& draft) {
-  draft.type = user_device_type;
-  draft.code = UserData::code;
-  draft.payload.write(user_data.time_ms);
-  draft.payload.write_bytes(user_data.bytes());
-}
-
 /// Writes header and payload into `bytes`, and returns their length.
 std::size_t write_frame(const Packet& packet, std::uint8_t first_byte, std::span<std::uint8_t> bytes) {
   Draft draft{.payload = ByteWriter(bytes.subspan(header_size))};
   std::visit([&draft](const auto& body) { write(body, draft); }, packet);
   ByteWriter header(bytes);
   header.write(first_byte);
-  header.write(draft.type);
+  header.write(stream_type);
   header.write(draft.code);
   header.write(static_cast<std::uint8_t>(draft.payload.position()));
   return header_size + draft.payload.position();
@@ -180,8 +134,7 @@ std::size_t write_frame(const Packet& packet, std::uint8_t first_byte, std::span
 std::uint8_t sender_of(const Packet& packet) {
   return std::visit(
       [](const auto& body) {
-        using Body = std::decay_t<decltype(body)>;
-        if constexpr (requires { body.address; } && !std::is_same_v<Body, RawDistances>) {
+        if constexpr (requires { body.address; }) {
           return body.address;
         } else {
           return frame_start;

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
 /// The packets of a Marvelmind mobile beacon ("hedge"): the datasheet of the wire format, one struct per
-/// kind.
+/// kind that is used.
 ///
 ///     FF | type u8 | code u16 | N u8 | payload[N] | CRC u16          all numbers little-endian
 ///
@@ -148,55 +148,6 @@ struct RawImu {
   bool operator==(const RawImu&) const = default;
 };
 
-/// One measured distance to a stationary beacon.
-struct Distance {
-  std::uint8_t beacon_address = 0;  ///< 0: the slot is empty
-  std::uint32_t distance_mm = 0;
-  bool available = true;  ///< bit 0 of the item's last byte is clear
-
-  bool operator==(const Distance&) const = default;
-};
-
-/// 0x0004 (N = 32) and 0x0084 (N = 36, unix time).
-struct RawDistances {
-  static constexpr std::uint16_t code = 0x0004;
-  static constexpr std::uint16_t code_real_time = 0x0084;
-  static constexpr std::size_t slots = 4;
-
-  //                                                                                   0x0004    0x0084
-  std::uint8_t address = 0;               ///< address of the hedge                    [0]       [0]
-  std::array<Distance, slots> distances;  ///< address, u32 mm, u8                     [1 + 6k]  [1 + 6k]
-  Stamp time;                             ///< emission                                [25] u32  [25] i64
-  std::uint16_t time_passed_ms = 0;       ///< emission → sent; 1 reserved byte after  [29]      [33]
-
-  bool operator==(const RawDistances&) const = default;
-};
-
-/// Bits of `VendorFusion::flags`.
-enum VendorFusionFlag : std::uint8_t {
-  vendor_position_not_available = 1U << 0U,
-  vendor_quaternion_not_available = 1U << 1U,
-  vendor_velocity_not_available = 1U << 2U,
-  vendor_accel_not_available = 1U << 3U
-};
-
-/// 0x0005 (N = 42) and 0x0085 (N = 46, unix time): the vendor's own fusion.
-struct VendorFusion {
-  static constexpr std::uint16_t code = 0x0005;
-  static constexpr std::uint16_t code_real_time = 0x0085;
-
-  //                                                                         0x0005    0x0085
-  Vector3i32 xyz_mm{};                       ///< map frame                   [0] i32   [0]
-  std::array<std::int16_t, 4> quaternion{};  ///< w, x, y, z in 1/10000      [12] i16  [12]
-  Vector3i16 velocity_mmps{};                ///<                             [20] i16  [20]
-  Vector3i16 accel_mmps2{};                  ///<                             [26] i16  [26]
-  std::uint8_t address = 0;                  ///< 33 reserved                 [32]      [32]
-  Stamp time;                                ///<                             [34] u32  [34] i64
-  std::uint8_t flags = 0;                    ///< bits of VendorFusionFlag, 3 reserved after   [38]      [42]
-
-  bool operator==(const VendorFusion&) const = default;
-};
-
 /// 0x0006 (N = 16).
 struct Telemetry {
   static constexpr std::uint16_t code = 0x0006;
@@ -219,35 +170,32 @@ struct Quality {
   bool operator==(const Quality&) const = default;
 };
 
-/// 4A/0x0201 (N = 12): one point of a path to drive.
-struct Waypoint {
-  static constexpr std::uint16_t code = 0x0201;
+using Packet = std::variant<Position, RawImu, Quality, Telemetry, StationaryBeacons>;
 
-  std::uint8_t type = 0;    ///< [0]
-  std::uint8_t index = 0;   ///< [1]
-  std::uint8_t total = 0;   ///< [2]
-  Vector3i16 parameters{};  ///< [3] i16, 3 reserved
-
-  bool operator==(const Waypoint&) const = default;
+/// A kind of packet that is known and not used, so that its frames are no sign of a wrong line.
+struct UnusedKind {
+  std::uint8_t type;
+  std::uint16_t code;
+  std::size_t min_size;  ///< of the payload
+  const char* name;
 };
 
-/// 4A/0x0280 (N = 8 + k): bytes that the user sent through the system.
-struct UserData {
-  static constexpr std::uint16_t code = 0x0280;
-  static constexpr std::size_t max_size = max_payload_size - 8;
+inline constexpr std::array<UnusedKind, 6> unused_kinds{{
+    {stream_type, 0x0004, 32, "raw distances"},
+    {stream_type, 0x0084, 36, "raw distances"},
+    {stream_type, 0x0005, 42, "the beacon's own fusion"},
+    {stream_type, 0x0085, 46, "the beacon's own fusion"},
+    {user_device_type, 0x0201, 12, "waypoints"},
+    {user_device_type, 0x0280, 8, "user data"},
+}};
 
-  std::int64_t time_ms = 0;                   ///< [0] i64
-  std::uint8_t size = 0;                      ///< k
-  std::array<std::uint8_t, max_size> data{};  ///< [8]
-
-  std::span<const std::uint8_t> bytes() const {
-    return std::span(data).first(std::min<std::size_t>(size, max_size));
+/// Returns the unused kind of a frame; null if it is another kind.
+constexpr const UnusedKind* find_unused_kind(std::uint8_t type, std::uint16_t code) {
+  for (const UnusedKind& kind : unused_kinds) {
+    if (kind.type == type && kind.code == code) return &kind;
   }
-  bool operator==(const UserData&) const = default;
-};
-
-using Packet = std::variant<Position, RawImu, Quality, Telemetry, RawDistances, VendorFusion,
-                            StationaryBeacons, Waypoint, UserData>;
+  return nullptr;
+}
 
 /// Returns the beacon of a packet; empty for packets of no single beacon.
 inline std::optional<std::uint8_t> address_of(const Packet& packet) {

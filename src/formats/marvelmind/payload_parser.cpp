@@ -2,8 +2,6 @@
 
 #include "marvelmind/bytes.hpp"
 
-#include <algorithm>
-
 namespace sonopose::marvelmind {
 
 namespace {
@@ -87,38 +85,6 @@ ParseResult parse_raw_imu(std::uint16_t code, Payload payload, Packet& packet) {
   return ParseResult::ok;
 }
 
-ParseResult parse_raw_distances(std::uint16_t code, Payload payload, Packet& packet) {
-  const bool real_time = code == RawDistances::code_real_time;
-  if (payload.size() < (real_time ? 36U : 32U)) return ParseResult::malformed;
-  ByteReader in(payload);
-  auto& out = packet.emplace<RawDistances>();
-  out.address = in.read<std::uint8_t>();
-  for (Distance& distance : out.distances) {
-    distance.beacon_address = in.read<std::uint8_t>();
-    distance.distance_mm = in.read<std::uint32_t>();
-    distance.available = (in.read<std::uint8_t>() & 1U) == 0;
-  }
-  out.time = read_stamp(in, real_time);
-  out.time_passed_ms = in.read<std::uint16_t>();
-  return ParseResult::ok;
-}
-
-ParseResult parse_vendor_fusion(std::uint16_t code, Payload payload, Packet& packet) {
-  const bool real_time = code == VendorFusion::code_real_time;
-  if (payload.size() < (real_time ? 46U : 42U)) return ParseResult::malformed;
-  ByteReader in(payload);
-  auto& out = packet.emplace<VendorFusion>();
-  out.xyz_mm = in.read_array<std::int32_t, 3>();
-  out.quaternion = in.read_array<std::int16_t, 4>();
-  out.velocity_mmps = in.read_array<std::int16_t, 3>();
-  out.accel_mmps2 = in.read_array<std::int16_t, 3>();
-  out.address = in.read<std::uint8_t>();
-  in.skip(1);
-  out.time = read_stamp(in, real_time);
-  out.flags = in.read<std::uint8_t>();
-  return ParseResult::ok;
-}
-
 ParseResult parse_telemetry(Payload payload, Packet& packet) {
   if (payload.size() < 16) return ParseResult::malformed;
   ByteReader in(payload);
@@ -135,43 +101,16 @@ ParseResult parse_quality(Payload payload, Packet& packet) {
   return ParseResult::ok;
 }
 
-ParseResult parse_waypoint(Payload payload, Packet& packet) {
-  if (payload.size() < 12) return ParseResult::malformed;
-  ByteReader in(payload);
-  auto& out = packet.emplace<Waypoint>();
-  out.type = in.read<std::uint8_t>();
-  out.index = in.read<std::uint8_t>();
-  out.total = in.read<std::uint8_t>();
-  out.parameters = in.read_array<std::int16_t, 3>();
-  return ParseResult::ok;
-}
-
-ParseResult parse_user_data(Payload payload, Packet& packet) {
-  if (payload.size() < 8) return ParseResult::malformed;
-  ByteReader in(payload);
-  auto& out = packet.emplace<UserData>();
-  out.time_ms = in.read<std::int64_t>();
-  const Payload data = payload.subspan(in.position());
-  out.size = static_cast<std::uint8_t>(data.size());
-  std::copy(data.begin(), data.end(), out.data.begin());
-  return ParseResult::ok;
-}
-
-ParseResult parse_user_device(std::uint16_t code, Payload payload, Packet& packet) {
-  switch (code) {
-    case Waypoint::code:
-      return parse_waypoint(payload, packet);
-    case UserData::code:
-      return parse_user_data(payload, packet);
-    default:
-      return ParseResult::unknown;
-  }
+ParseResult check_unused(std::uint8_t type, std::uint16_t code, Payload payload) {
+  const UnusedKind* const kind = find_unused_kind(type, code);
+  if (kind == nullptr) return ParseResult::unknown;
+  return payload.size() < kind->min_size ? ParseResult::malformed : ParseResult::unused;
 }
 
 }  // namespace
 
 ParseResult parse_payload(std::uint8_t type, std::uint16_t code, Payload payload, Packet& packet) {
-  if (type == user_device_type) return parse_user_device(code, payload, packet);
+  if (type == user_device_type) return check_unused(type, code, payload);
   switch (code) {
     case RawImu::code:
     case RawImu::code_real_time:
@@ -184,17 +123,11 @@ ParseResult parse_payload(std::uint8_t type, std::uint16_t code, Payload payload
       return parse_quality(payload, packet);
     case Telemetry::code:
       return parse_telemetry(payload, packet);
-    case RawDistances::code:
-    case RawDistances::code_real_time:
-      return parse_raw_distances(code, payload, packet);
-    case VendorFusion::code:
-    case VendorFusion::code_real_time:
-      return parse_vendor_fusion(code, payload, packet);
     case StationaryBeacons::code_cm:
     case StationaryBeacons::code_mm:
       return parse_stationary_beacons(code, payload, packet);
     default:
-      return ParseResult::unknown;
+      return check_unused(type, code, payload);
   }
 }
 

@@ -9,7 +9,7 @@
 
 namespace sonopose::marvelmind {
 
-enum class ParseResult : std::uint8_t { ok, unknown, malformed };
+enum class ParseResult : std::uint8_t { ok, unused, unknown, malformed };
 
 /// Returns true if a frame can have this type.
 constexpr bool is_frame_type(std::uint8_t type) {

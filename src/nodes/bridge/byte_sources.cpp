@@ -186,8 +186,14 @@ private:
 
   void report_line(publication::SampleSink& sink) {
     LineStatus status = line_status();
-    watch_.judge(status, clocks::steady_now());
+    const SteadyTime now = clocks::steady_now();
+    watch_.judge(status, now);
     sink.on(status);
+    if (said_unused_ || decoder_.counters().unused_frames == 0) return;
+    said_unused_ = true;
+    watch_.log().write(
+        logging::Level::info,
+        fmt::format("{}: {} arrive, and are not used", status.name, decoder_.counters().first_unused), now);
   }
 
   [[nodiscard]] LineStatus line_status() const {
@@ -228,6 +234,7 @@ private:
   StepFreeClock clock_{clocks::host_now(), clocks::steady_now()};
   std::uint64_t bytes_received_ = 0;
   std::uint64_t packets_refused_ = 0;
+  bool said_unused_ = false;
 };
 
 constexpr const char* protocol_setting =
@@ -335,6 +342,10 @@ private:
       throw files::IoError(
           fmt::format("{}: {}, but no sample: enable the streams of raw IMU and positions of the beacon",
                       options_.file.string(), text::count_text(counters.frames, "valid frame")));
+    }
+    if (counters.unused_frames > 0) {
+      logging::info(fmt::format("{}: {} of kinds that are not used, such as {}", options_.file.string(),
+                                text::count_text(counters.unused_frames, "frame"), counters.first_unused));
     }
     const std::uint64_t other_frames = counters.unknown_frames + counters.malformed_frames;
     if (counters.bytes_lost == 0 && other_frames == 0) return;

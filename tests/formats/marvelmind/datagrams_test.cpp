@@ -58,17 +58,16 @@ TEST_CASE("Angle bit 13 is reserved over UDP and does not invalidate the heading
 }
 
 TEST_CASE("Packets that begin with 0xFF over UDP keep the address in their payload") {
-  for (const Bytes& frame : {distances_frame(), distances_real_time_frame()}) {
-    DatagramDecoder decoder;
-    const Packet* packet = decoder.decode(frame);
-    REQUIRE(packet != nullptr);
-    CHECK(std::get<RawDistances>(*packet).address == 7);
-  }
   DatagramDecoder decoder;
-  const Bytes stationary = stationary_mm_frame();
-  const Packet* packet = decoder.decode(stationary);
+  const Packet* packet = decoder.decode(quality_frame());
+  REQUIRE(packet != nullptr);
+  CHECK(std::get<Quality>(*packet).address == 7);
+  packet = decoder.decode(stationary_mm_frame());
   REQUIRE(packet != nullptr);
   CHECK(std::get<StationaryBeacons>(*packet).count == 2);
+  for (const Bytes& frame : unused_frames()) CHECK(decoder.decode(frame) == nullptr);
+  CHECK(decoder.counters() ==
+        DecoderCounters{.frames = 8, .unused_frames = 6, .first_unused = "raw distances"});
 }
 
 TEST_CASE("NMEA sentences are ignored and counted") {

@@ -90,42 +90,9 @@ TEST_CASE("Raw IMU packets of both generations are read from their tables") {
   CHECK(real_time.flags == 0);
 }
 
-TEST_CASE("Raw distances of both generations are read from their tables, with their time") {
-  const auto uptime = decode_one<RawDistances>(distances_frame());
-  const auto real_time = decode_one<RawDistances>(distances_real_time_frame());
-  for (const RawDistances& raw : {uptime, real_time}) {
-    CHECK(raw.address == 7);
-    CHECK(raw.distances[0] == Distance{2, 1000, true});
-    CHECK(raw.distances[1] == Distance{3, 70000, false});
-    CHECK(raw.distances[3] == Distance{});
-    CHECK(raw.time_passed_ms == 40);
-  }
-  CHECK(uptime.time == Stamp{TimeBase::uptime_ms, 16});
-  CHECK(real_time.time == Stamp{TimeBase::unix_ms, unix_ms});
-}
-
-TEST_CASE("The vendor's own fusion of both generations is read from its tables") {
-  const auto uptime = decode_one<VendorFusion>(vendor_fusion_frame());
-  const auto real_time = decode_one<VendorFusion>(vendor_fusion_real_time_frame());
-  for (const VendorFusion& fusion : {uptime, real_time}) {
-    CHECK(fusion.xyz_mm == Vector3i32{1, -1, 2});
-    CHECK(fusion.quaternion == std::array<std::int16_t, 4>{10000, 0, 0, -10000});
-    CHECK(fusion.velocity_mmps == Vector3i16{1, 2, 3});
-    CHECK(fusion.accel_mmps2 == Vector3i16{-1, -2, -3});
-    CHECK(fusion.address == 8);
-    CHECK(fusion.flags == vendor_velocity_not_available);
-  }
-  CHECK(uptime.time == Stamp{TimeBase::uptime_ms, 1000});
-  CHECK(real_time.time == Stamp{TimeBase::unix_ms, unix_ms});
-}
-
-TEST_CASE("Telemetry, quality, waypoint and user data are read from their tables") {
+TEST_CASE("Telemetry and quality are read from their tables") {
   CHECK(decode_one<Telemetry>(telemetry_frame()) == Telemetry{3870, -71, 7});
   CHECK(decode_one<Quality>(quality_frame()) == Quality{7, 90, 2});
-  CHECK(decode_one<Waypoint>(waypoint_frame()) == Waypoint{1, 2, 3, {100, -100, 0}});
-  const auto user_data = decode_one<UserData>(user_data_frame());
-  CHECK(user_data.time_ms == unix_ms);
-  CHECK(Bytes(user_data.bytes().begin(), user_data.bytes().end()) == Bytes{'h', 'i', '!'});
 }
 
 TEST_CASE("The encoder reproduces every golden frame") {

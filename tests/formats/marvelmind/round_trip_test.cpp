@@ -18,7 +18,7 @@ public:
   explicit RandomPackets(unsigned seed) : random_(seed) {}
 
   Packet next() {
-    switch (random_() % 9) {
+    switch (random_() % 5) {
       case 0:
         return position();
       case 1:
@@ -27,17 +27,8 @@ public:
         return Quality{any<std::uint8_t>(), any<std::uint8_t>(), any<std::uint8_t>()};
       case 3:
         return Telemetry{any<std::uint16_t>(), any<std::int8_t>(), any<std::uint8_t>()};
-      case 4:
-        return raw_distances();
-      case 5:
-        return vendor_fusion();
-      case 6:
-        return stationary_beacons();
-      case 7:
-        return Waypoint{any<std::uint8_t>(), any<std::uint8_t>(), any<std::uint8_t>(),
-                        vector<std::int16_t>()};
       default:
-        return user_data();
+        return stationary_beacons();
     }
   }
 
@@ -92,26 +83,6 @@ private:
             .flags = any<std::uint8_t>()};
   }
 
-  RawDistances raw_distances() {
-    RawDistances out;
-    out.address = any<std::uint8_t>();
-    for (Distance& slot : out.distances) slot = {any<std::uint8_t>(), any<std::uint32_t>(), coin()};
-    out.time = stamp();
-    out.time_passed_ms = any<std::uint16_t>();
-    return out;
-  }
-
-  VendorFusion vendor_fusion() {
-    return {
-        .xyz_mm = vector<std::int32_t>(),
-        .quaternion = {any<std::int16_t>(), any<std::int16_t>(), any<std::int16_t>(), any<std::int16_t>()},
-        .velocity_mmps = vector<std::int16_t>(),
-        .accel_mmps2 = vector<std::int16_t>(),
-        .address = any<std::uint8_t>(),
-        .time = stamp(),
-        .flags = any<std::uint8_t>()};
-  }
-
   StationaryBeacons stationary_beacons() {
     StationaryBeacons out;
     out.in_cm = coin();
@@ -120,14 +91,6 @@ private:
     for (StationaryBeacon& beacon : std::span(out.items).first(out.count)) {
       beacon = {any<std::uint8_t>(), out.in_cm ? centimetres() : vector<std::int32_t>(), out.in_cm || coin()};
     }
-    return out;
-  }
-
-  UserData user_data() {
-    UserData out;
-    out.time_ms = any<std::int64_t>();
-    out.size = static_cast<std::uint8_t>(random_() % (UserData::max_size + 1));
-    for (auto& byte : std::span(out.data).first(out.size)) byte = any<std::uint8_t>();
     return out;
   }
 

@@ -7,6 +7,7 @@
 #include "files/error.hpp"
 #include "logging/captured_log.hpp"
 #include "marvelmind/encoder.hpp"
+#include "marvelmind/frames.hpp"
 #include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
@@ -289,6 +290,23 @@ SCENARIO("a beacon that turns to another protocol is named with it") {
   CHECK(sink.events.size() == 2);
   CHECK_THAT(error.read(), Catch::Contains(" bytes are in no valid frame") &&
                                Catch::Contains("found " + name + ": set the protocol"));
+}
+
+SCENARIO("frames of kinds that are not used are counted and said once") {
+  const TemporaryFolder folder;
+  BeaconFile file(folder / "bytes.bin");
+  file << imu_at(10'000);
+  for (int i = 0; i < 3; ++i) {
+    for (const auto& frame : sonopose::marvelmind::testing::unused_frames()) file.append(frame);
+  }
+  file << imu_at(10'010);
+  CollectingSink sink;
+  logging::test::CapturedError error;
+  make_stream_source({file.path(), 0.0})->run(sink, StopSignal());
+  error.restore();
+  CHECK(sink.events.size() == 2);
+  CHECK_THAT(error.read(),
+             Catch::Contains("bytes.bin: 18 frames of kinds that are not used, such as raw distances"));
 }
 
 SCENARIO("a stream is a recording, and ends at the stop") {
