@@ -103,4 +103,16 @@ TEST_CASE("an acceleration to the north is one along body X where the nose point
   CHECK(attitude::vector_in(Convention::enu, north_is_y, earth).isApprox(Vector3d(0, 2, 0), 1e-9));
 }
 
+TEST_CASE("a yaw converts from a convention to the world and back") {
+  for (const Convention convention : {Convention::nwu, Convention::enu, Convention::ned}) {
+    for (const double yaw_rad : {-3.0, -1.0, 0.0, 0.5, 2.0}) {
+      const Eigen::Vector2d north(-0.28, 0.96);
+      const double world_rad = attitude::yaw_in_world(convention, north, yaw_rad);
+      const Quaterniond q = geometry::rotation_about_z(world_rad) * geometry::rotation_by({0, 0.4, 0});
+      CHECK(geometry::yaw_of(attitude::orientation_in(convention, north, q)) ==
+            Approx(yaw_rad).margin(1e-12));
+    }
+  }
+}
+
 }  // namespace ahrs_outputs_test
