@@ -90,7 +90,7 @@ std::string description(const std::string& name, const Types& types) {
   return R"({"type_name": )" + quoted(name) + R"(, "fields": [)" + types.at(name).fields + "]}";
 }
 
-/// What the type uses, and what that uses.
+/// Adds the types that a type uses, directly or through others.
 void collect_used(const std::string& name, const Types& types, Names& used) {
   for (const std::string& other : types.at(name).used) {
     if (used.insert(other).second) collect_used(other, types, used);

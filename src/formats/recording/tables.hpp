@@ -18,7 +18,8 @@ struct TableFiles {
   std::filesystem::path positions;             ///< fixes
   std::optional<std::filesystem::path> truth;  ///< positions, or poses
   TimeNs position_shift_ns = 0;                ///< added to the times of the positions
-  std::string tag{};                           ///< device to read, where a table has several; empty: address
+  /// Device whose rows are read, where a table has several; empty: the one of the address.
+  std::string tag{};
 };
 
 struct Tables {
