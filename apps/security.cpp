@@ -43,6 +43,8 @@ int main(int argc, char** argv) {
       ->add_option("--partition", options.partitions,
                    "Partition it may use, or a pattern; may be repeated (default: no partition)")
       ->allow_extra_args(false);
+  adding->add_flag("--fastdds", options.for_fastdds,
+                   "For a program with Fast DDS: its certificate lets the other side begin the handshake");
   days(adding, "365");
   CLI::App* const listing = command("list", "Print what each enclave may do, and until when");
   CLI::App* const checking = command("check", "Check dates, signatures and keys; exit code 1 for a problem");

@@ -51,7 +51,9 @@ int add_enclaves(const SecurityOptions& options) {
     }
     store.add(name, {.roles = options.roles.empty() ? std::vector{name} : options.roles,
                      .partitions = options.partitions,
-                     .validity = validity(options.days.value_or(default_days))});
+                     .validity = validity(options.days.value_or(default_days)),
+                     .handshake =
+                         options.for_fastdds ? security::Handshake::answers : security::Handshake::either});
     print("{}\n", store.enclave_folder(name).string());
   }
   return 0;

@@ -15,6 +15,7 @@ struct SecurityOptions {
   std::vector<std::string> names;
   std::vector<std::string> roles;
   std::vector<std::string> partitions;
+  bool for_fastdds = false;
   std::optional<int> days;  ///< none: a year, or what the enclave had
   security::Protection protection = security::Protection::sign;
 };

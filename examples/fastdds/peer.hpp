@@ -27,6 +27,30 @@ inline std::uint64_t number(const std::string& name, const std::string& text, in
   return std::stoull(text, nullptr, base);
 }
 
+/// Adds the files of the enclave ROS_SECURITY_ENCLAVE_OVERRIDE in the key store ROS_SECURITY_KEYSTORE, if
+/// ROS_SECURITY_ENABLE is true. An enclave of `sonopose-security enclave` needs `--fastdds`.
+inline void secure(DomainParticipantQos& qos) {
+  const auto variable = [](const char* name) {
+    const char* const value = std::getenv(name);
+    return std::string(value == nullptr ? "" : value);
+  };
+  if (variable("ROS_SECURITY_ENABLE") != "true") return;
+  const std::string folder = "file://" + variable("ROS_SECURITY_KEYSTORE") + "/enclaves/" +
+                             variable("ROS_SECURITY_ENCLAVE_OVERRIDE") + "/";
+  auto& properties = qos.properties().properties();
+  const std::string identity = "dds.sec.auth.builtin.PKI-DH.";
+  properties.emplace_back("dds.sec.auth.plugin", "builtin.PKI-DH");
+  properties.emplace_back(identity + "identity_ca", folder + "identity_ca.cert.pem");
+  properties.emplace_back(identity + "identity_certificate", folder + "cert.pem");
+  properties.emplace_back(identity + "private_key", folder + "key.pem");
+  const std::string access = "dds.sec.access.builtin.Access-Permissions.";
+  properties.emplace_back("dds.sec.access.plugin", "builtin.Access-Permissions");
+  properties.emplace_back(access + "permissions_ca", folder + "permissions_ca.cert.pem");
+  properties.emplace_back(access + "governance", folder + "governance.p7s");
+  properties.emplace_back(access + "permissions", folder + "permissions.p7s");
+  properties.emplace_back("dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC");
+}
+
 /// UDP on loopback, without shared memory and multicast. Discovery uses the unicast ports of the first
 /// participants of a domain.
 inline DomainParticipantQos loopback_qos() {
@@ -40,6 +64,7 @@ inline DomainParticipantQos loopback_qos() {
   qos.transport().use_builtin_transports = false;
   qos.transport().user_transports.push_back(udp);
   qos.wire_protocol().builtin.initialPeersList.push_back(all_ports);
+  secure(qos);
   return qos;
 }
 

@@ -2,13 +2,32 @@
 
 #include "security/openssl.hpp"
 
+#include <array>
+
 namespace sonopose::security {
 namespace {
 
+const unsigned char* bytes_of(const std::string& text) {
+  return reinterpret_cast<const unsigned char*>(text.c_str());
+}
+
 void set_name(X509_NAME* name, const std::string& common_name) {
-  const auto* const text = reinterpret_cast<const unsigned char*>(common_name.c_str());
-  if (X509_NAME_add_entry_by_txt(name, "CN", MBSTRING_UTF8, text, -1, -1, 0) != 1) {
+  if (X509_NAME_add_entry_by_txt(name, "CN", MBSTRING_UTF8, bytes_of(common_name), -1, -1, 0) != 1) {
     openssl::fail(common_name + ": not a name of 1 to 64 bytes");
+  }
+}
+
+/// Adds the first qualifier that gives the subject one of the highest hashes, one of 65,536.
+void qualify_to_answer(X509_NAME* name) {
+  const int at = X509_NAME_entry_count(name);
+  for (int qualifier = 1;; ++qualifier) {
+    const std::string text = std::to_string(qualifier);
+    openssl::check(X509_NAME_add_entry_by_txt(name, "dnQualifier", MBSTRING_ASC, bytes_of(text), -1, -1, 0),
+                   "X509_NAME_add_entry_by_txt");
+    std::array<unsigned char, EVP_MAX_MD_SIZE> hash{};
+    openssl::check(X509_NAME_digest(name, EVP_sha256(), hash.data(), nullptr), "X509_NAME_digest");
+    if (hash[0] == 0xff && hash[1] == 0xff) return;
+    X509_NAME_ENTRY_free(X509_NAME_delete_entry(name, at));
   }
 }
 
@@ -52,12 +71,13 @@ struct Extensions {
 
 /// Makes a certificate with a new key. Without an authority, it signs itself.
 KeyPair make(const KeyPair* authority, const std::string& common_name, const Validity& validity,
-             const Extensions& extensions) {
+             const Extensions& extensions, Handshake handshake = Handshake::either) {
   const auto key = openssl::owned<openssl::Key>(EVP_EC_gen("P-256"), "EVP_EC_gen");
   const auto certificate = openssl::owned<openssl::Cert>(X509_new(), "X509_new");
   openssl::check(X509_set_version(certificate.get(), X509_VERSION_3), "X509_set_version");
   set_serial(certificate.get());
   set_name(X509_get_subject_name(certificate.get()), common_name);
+  if (handshake == Handshake::answers) qualify_to_answer(X509_get_subject_name(certificate.get()));
   ASN1_TIME_set(X509_getm_notBefore(certificate.get()), static_cast<time_t>(validity.not_before_s));
   ASN1_TIME_set(X509_getm_notAfter(certificate.get()), static_cast<time_t>(validity.not_after_s));
   openssl::check(X509_set_pubkey(certificate.get(), key.get()), "X509_set_pubkey");
@@ -85,8 +105,10 @@ KeyPair make_permissions_authority(const std::string& common_name, const Validit
   return make(nullptr, common_name, validity, {"critical,CA:FALSE", "critical,digitalSignature"});
 }
 
-KeyPair issue(const KeyPair& authority, const std::string& common_name, const Validity& validity) {
-  return make(&authority, common_name, validity, {"critical,CA:FALSE", "critical,digitalSignature"});
+KeyPair issue(const KeyPair& authority, const std::string& common_name, const Validity& validity,
+              Handshake handshake) {
+  return make(&authority, common_name, validity, {"critical,CA:FALSE", "critical,digitalSignature"},
+              handshake);
 }
 
 }  // namespace sonopose::security

@@ -4,6 +4,7 @@
 
 #include "security/certificate.hpp"
 
+#include <cstdint>
 #include <string>
 
 namespace sonopose::security {
@@ -15,7 +16,16 @@ KeyPair make_identity_authority(const std::string& common_name, const Validity& 
 /// would accept permissions signed with any of those (CVE-2023-24011).
 KeyPair make_permissions_authority(const std::string& common_name, const Validity& validity);
 
-/// Issues a certificate with a new key (EC P-256). Throws SecurityError for a name of more than 64 bytes.
-KeyPair issue(const KeyPair& authority, const std::string& common_name, const Validity& validity);
+/// The side of a handshake that a holder of a certificate takes: DDS Security lets the participant with the
+/// lower GUID begin, and the GUID starts with the hash of the certificate's subject.
+enum class Handshake : std::uint8_t {
+  either,  ///< as the common name falls
+  answers  ///< a qualifier in the subject makes the hash so high that practically every other begins
+};
+
+/// Issues a certificate with a new key (EC P-256); its subject depends on name and handshake alone. Throws
+/// SecurityError for a name of more than 64 bytes.
+KeyPair issue(const KeyPair& authority, const std::string& common_name, const Validity& validity,
+              Handshake handshake = Handshake::either);
 
 }  // namespace sonopose::security

@@ -181,15 +181,14 @@ KeyPair KeyStore::authority(const char* name) const {
   return {read_file(certificate_path(folder_, name), remedy), read_file(key_path(folder_, name), remedy)};
 }
 
-void KeyStore::write_identity(const std::string& name, const Validity& validity) const {
+void KeyStore::write_identity(const std::string& name, const KeyPair& identity) const {
   const fs::path folder = enclave_folder(name);
-  const KeyPair pair = issue(authority(identity_authority), "/" + name, validity);
-  const std::string serial = facts_of(pair.certificate_pem, certificate_file).serial;
+  const std::string serial = facts_of(identity.certificate_pem, certificate_file).serial;
   std::error_code absent;
   const fs::path issued = issued_path(folder_);
   const std::string earlier = fs::exists(issued, absent) ? read_file(issued, "") : "";
   files::write_private(issued, fmt::format("{}{} {}\n", earlier, serial, name));
-  write_pair(folder / certificate_file, folder / key_file, pair);
+  write_pair(folder / certificate_file, folder / key_file, identity);
 }
 
 void KeyStore::sign(const fs::path& document, const fs::path& file) const {
@@ -207,7 +206,9 @@ void KeyStore::add(const std::string& name, const EnclaveOptions& options) const
                     "a new certificate, revoke removes it",
                     folder.string(), folder_.string(), name));
   }
-  const Grant grant{.subject = "CN=/" + name,
+  const KeyPair identity =
+      issue(authority(identity_authority), "/" + name, options.validity, options.handshake);
+  const Grant grant{.subject = facts_of(identity.certificate_pem, certificate_file).subject,
                     .validity = options.validity,
                     .access = access_of(options.roles),
                     .partitions = options.partitions};
@@ -218,7 +219,7 @@ void KeyStore::add(const std::string& name, const EnclaveOptions& options) const
   link(folder_ / "public" / revocation_file, folder / revocation_file);
   files::write_whole(folder / permissions_source, permissions_xml(grant));
   sign(folder / permissions_source, folder / permissions_file);
-  write_identity(name, options.validity);  // last: its certificate makes the folder an enclave
+  write_identity(name, identity);  // last: its certificate makes the folder an enclave
 }
 
 void KeyStore::renew(const std::string& name, const Validity& validity) const {
@@ -226,9 +227,11 @@ void KeyStore::renew(const std::string& name, const Validity& validity) const {
   const fs::path folder = enclave_folder(name);
   const fs::path source = folder / permissions_source;
   const std::string permissions = read_file(source, "make it with " + command_for(folder, "enclave"));
+  const bool is_qualified = grant_of(permissions, source.string()).subject.starts_with("dnQualifier=");
   files::write_whole(source, with_validity(permissions, validity, source.string()));
   sign(source, folder / permissions_file);
-  write_identity(name, validity);
+  write_identity(name, issue(authority(identity_authority), "/" + name, validity,
+                             is_qualified ? Handshake::answers : Handshake::either));
 }
 
 std::size_t KeyStore::revoke(const std::string& name, std::int64_t now_s) const {

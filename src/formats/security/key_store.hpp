@@ -2,6 +2,7 @@
 /// \file
 /// A key store in the layout of SROS2: `public/`, `private/` and `enclaves/NAME/`.
 
+#include "security/authority.hpp"
 #include "security/certificate.hpp"
 #include "security/permissions.hpp"
 
@@ -35,12 +36,13 @@ public:
     std::vector<std::string> roles;
     std::vector<std::string> partitions = {};
     Validity validity = {};
+    Handshake handshake = Handshake::either;
   };
 
   /// Makes an enclave. Throws SecurityError if it exists.
   void add(const std::string& name, const EnclaveOptions& options) const;
 
-  /// Makes a new key and certificate for an enclave, and signs its permissions.xml again.
+  /// Makes a new key and certificate with the same subject, and signs its permissions.xml again.
   void renew(const std::string& name, const Validity& validity) const;
 
   /// Puts every certificate that the enclave had on the list of revoked ones, and deletes its files,
@@ -52,7 +54,7 @@ public:
 
 private:
   [[nodiscard]] KeyPair authority(const char* name) const;
-  void write_identity(const std::string& name, const Validity& validity) const;
+  void write_identity(const std::string& name, const KeyPair& identity) const;
   void sign(const std::filesystem::path& document, const std::filesystem::path& file) const;
 
   std::filesystem::path folder_;

@@ -98,7 +98,7 @@ void check_children(const pugi::xml_node& parent, std::initializer_list<std::str
 std::string permissions_xml(const Grant& grant) {
   pugi::xml_document document;
   pugi::xml_node node = child(child(root_of(document, "permissions"), "permissions"), "grant");
-  const std::string name = grant.subject.substr(grant.subject.find('=') + 1);
+  const std::string name = grant.subject.substr(grant.subject.rfind('=') + 1);
   node.append_attribute("name") = name.c_str();
   child(node, "subject_name", grant.subject);
   pugi::xml_node validity = child(node, "validity");

@@ -12,7 +12,7 @@ namespace sonopose::security {
 
 /// Rights of one subject, and their dates.
 struct Grant {
-  std::string subject;  ///< "CN=/bridge"
+  std::string subject;  ///< "CN=/bridge", or "dnQualifier=4711,CN=/panel"
   Validity validity;
   Access access;
   std::vector<std::string> partitions;  ///< names or patterns; empty: only without a partition

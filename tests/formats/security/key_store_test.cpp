@@ -250,6 +250,20 @@ SCENARIO("Renewed and revoked enclaves") {
   }
 }
 
+SCENARIO("A certificate that lets others begin the handshake") {
+  const Store store;
+  store.keys.add("panel", {.roles = {"consumer"}, .validity = year, .handshake = Handshake::answers});
+  const std::string subject = store.read("panel").subject;
+  CHECK_THAT(subject, Catch::StartsWith("dnQualifier=") && Catch::EndsWith(",CN=/panel"));
+  CHECK(store.problems().empty());
+  THEN("its subject, which the permissions name, stays when it is renewed") {
+    const Validity later{now_s, now_s + 700 * day_s};
+    store.keys.renew("panel", later);
+    CHECK(store.read("panel").subject == subject);
+    CHECK(store.read("panel").expires_s == later.not_after_s);
+  }
+}
+
 SCENARIO("The expiries of a store are those of all its readable enclaves") {
   const Store store;
   store.add("bridge", {"bridge"});

@@ -132,7 +132,7 @@ ParameterServer::ParameterServer(ros2::Node& node, const dds::DomainParticipant&
                                  const ParameterServerOptions& options, Log& log, std::function<void()> wake)
     : log_(log),
       wake_(std::move(wake)),
-      client_(options.domain, options.qos_file),
+      client_(participant, options.qos_file),
       addresses_(options.addresses),
       startup_requests_(requests_of(options.startup_settings)),
       own_parameters_(options.own_parameters),

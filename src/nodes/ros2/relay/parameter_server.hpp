@@ -29,7 +29,6 @@
 namespace sonopose::ros2::relay {
 
 struct ParameterServerOptions {
-  dds::DomainOptions domain;
   std::optional<std::filesystem::path> qos_file;
   std::vector<StartupSetting> startup_settings;  ///< sent when a fusion appears and no other is known
   OptionParameters own_parameters = {};          ///< read-only

@@ -74,7 +74,11 @@ using ResetCounters = std::map<std::pair<BeaconAddress, std::uint64_t>, std::uin
 
 SettingsClient::SettingsClient(const dds::DomainOptions& domain,
                                const std::optional<std::filesystem::path>& qos_file)
-    : qos_(qos_file), participant_(domain) {}
+    : qos_(qos_file), own_participant_(domain), participant_(*own_participant_) {}
+
+SettingsClient::SettingsClient(const dds::DomainParticipant& participant,
+                               const std::optional<std::filesystem::path>& qos_file)
+    : qos_(qos_file), participant_(participant) {}
 
 std::vector<EffectiveSettings> SettingsClient::effective(BeaconAddress address, double timeout_s) {
   auto reader = dds::topics::make_reader(participant_, qos_, topics::settings);

@@ -19,6 +19,14 @@ class SettingsClient {
 public:
   /// Joins the domain. Throws dds::Error, dds::qos::FileError.
   SettingsClient(const dds::DomainOptions& domain, const std::optional<std::filesystem::path>& qos_file);
+  /// Uses a participant, which must outlive it.
+  SettingsClient(const dds::DomainParticipant& participant,
+                 const std::optional<std::filesystem::path>& qos_file);
+  SettingsClient(const SettingsClient&) = delete;
+  SettingsClient& operator=(const SettingsClient&) = delete;
+  SettingsClient(SettingsClient&&) = delete;
+  SettingsClient& operator=(SettingsClient&&) = delete;
+  ~SettingsClient() = default;
 
   /// Effective settings of one beacon. If the fusion has none of this beacon, returns the default settings of
   /// all beacons, with the address all_beacons. For all_beacons: first the default settings, then those of
@@ -51,7 +59,8 @@ public:
 
 private:
   dds::qos::Provider qos_;
-  dds::DomainParticipant participant_;
+  std::optional<dds::DomainParticipant> own_participant_;
+  const dds::DomainParticipant& participant_;
 };
 
 }  // namespace sonopose::settings_client

@@ -45,6 +45,7 @@ std::string plain(std::string_view reason) {
       Words{"certificate has expired", "its certificate has expired"},
       Words{"Certificate expired", "its certificate has expired"},
       Words{"certificate revoked", "its certificate is revoked"},
+      Words{"ASN1 integer", "it has Fast DDS and began the handshake; make its enclave with --fastdds"},
   };
   const auto* const found =
       std::ranges::find_if(all, [&](const Words& words) { return reason.find(words.part) != reason.npos; });
@@ -105,8 +106,10 @@ Refusals::Verdict Refusals::refuse(RefusedPeer peer) {
     return verdict;
   }
   known_.insert(name);
-  const std::string who = peer.subject.empty() ? "key " + peer.key_prefix : "certificate " + peer.subject;
-  verdict.text = "security: refused a process (" + who + "): " + peer.reason;
+  const std::string who = !peer.subject.empty()      ? " (certificate " + peer.subject + ")"
+                          : !peer.key_prefix.empty() ? " (key " + peer.key_prefix + ")"
+                                                     : "";
+  verdict.text = "security: refused a process" + who + ": " + peer.reason;
   peers_.push_back(std::move(peer));
   return verdict;
 }

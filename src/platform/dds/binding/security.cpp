@@ -2,11 +2,29 @@
 
 #include <sonopose/dds/binding/domain.hpp>
 
+#include <dds/ddsrt/time.h>
+#include <dds/version.h>
+
 #include <array>
 #include <filesystem>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
+
+#if DDS_VERSION_MAJOR == 0  // 11.0 is the first release without the defect
+/// Takes the place of Cyclone DDS's own function, which it finds here first. That ends a handshake after 100
+/// s, and then removes its timer from the heap of timers a second time: the next handshake, of whomever,
+/// works on freed memory (https://github.com/eclipse-cyclonedds/cyclonedds/issues/1548). So any stranger who
+/// starts a handshake and waits could end all secured processes. Without the limit, a handshake is tried each
+/// second until it succeeds or the peer leaves.
+extern "C" {
+struct dds_security_fsm;  // its header is not C++
+[[gnu::visibility("default")]] void dds_security_fsm_set_timeout(dds_security_fsm* /*handshake*/,
+                                                                 void (* /*action*/)(dds_security_fsm*,
+                                                                                     void*),
+                                                                 dds_duration_t /*limit*/) {}
+}
+#endif
 
 namespace sonopose::dds {
 

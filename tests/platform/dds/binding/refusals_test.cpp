@@ -25,6 +25,17 @@ SCENARIO("a refused certificate is named once, with the reason in plain words") 
   CHECK(refusals.peers().size() == 1);
 }
 
+SCENARIO("a peer with Fast DDS that begins the handshake is reported with the remedy") {
+  Refusals refusals;
+  const std::string message =
+      "Begin handshake reply failed: Failed to convert octet sequence to ASN1 integer: "
+      "error:0680008E:asn1 encoding routines::not enough data(code: 200)";
+  CHECK(refusals.on_message(message).text ==
+        "security: refused a process: it has Fast DDS and began the handshake; make its enclave with "
+        "--fastdds");
+  CHECK(refusals.on_message(message).text.empty());
+}
+
 SCENARIO("another governance is reported when the process is refused again") {
   Refusals refusals;
   const std::string message = "Remote secure participant 83f0a0a6:36b864f1:34fcf8:1c1 not allowed";
