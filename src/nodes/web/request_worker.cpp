@@ -24,9 +24,9 @@ std::string doctor_failure_json(const char* reason) {
 
 }  // namespace
 
-RequestWorker::RequestWorker(dds::DomainOptions domain, std::optional<std::filesystem::path> qos_file,
-                             Examine examine, Publish publish)
-    : domain_(std::move(domain)),
+RequestWorker::RequestWorker(const dds::DomainParticipant& participant,
+                             std::optional<std::filesystem::path> qos_file, Examine examine, Publish publish)
+    : participant_(participant),
       qos_file_(std::move(qos_file)),
       examine_(std::move(examine)),
       publish_(std::move(publish)) {
@@ -77,7 +77,7 @@ void RequestWorker::run() {
 }
 
 Reply RequestWorker::carry_out(const ChangeRequest& request) {
-  settings_client::SettingsClient client(domain_, qos_file_);
+  settings_client::SettingsClient client(participant_, qos_file_);
   const std::string no_answer = fmt::format(
       "no fusion answered within {} s; is sonopose-fusion running in this domain?", answer_timeout_s);
   Reply reply{.id = request.id, .reason = {}};

@@ -6,7 +6,7 @@
 #include "threads/mutex.hpp"
 #include "web/page_messages.hpp"
 #include "web/page_requests.hpp"
-#include <sonopose/dds/binding/domain.hpp>
+#include <sonopose/dds/binding/participant.hpp>
 
 #include <condition_variable>
 #include <cstddef>
@@ -28,9 +28,10 @@ public:
   using Answer = std::function<void(const Reply& reply)>;
   using Publish = std::function<void(std::string text)>;
 
-  /// `examine` is the doctor; `publish` takes its findings. Refuses more than a few requests at a time.
-  RequestWorker(dds::DomainOptions domain, std::optional<std::filesystem::path> qos_file, Examine examine,
-                Publish publish);
+  /// `examine` is the doctor; `publish` takes its findings. Refuses more than a few requests at a time. The
+  /// participant must outlive it.
+  RequestWorker(const dds::DomainParticipant& participant, std::optional<std::filesystem::path> qos_file,
+                Examine examine, Publish publish);
   RequestWorker(const RequestWorker&) = delete;
   RequestWorker& operator=(const RequestWorker&) = delete;
   /// Gives up unfinished requests.
@@ -60,7 +61,7 @@ private:
   /// The doctor's findings as a text for the pages; empty if stopped.
   [[nodiscard]] std::optional<std::string> examined(double seconds) const;
 
-  dds::DomainOptions domain_;
+  const dds::DomainParticipant& participant_;
   std::optional<std::filesystem::path> qos_file_;
   Examine examine_;
   Publish publish_;

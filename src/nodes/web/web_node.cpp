@@ -61,7 +61,7 @@ public:
                 const auto loss = is_text ? http::Loss::never : http::Loss::allowed;
                 server_.send({client}, http::shared_text(std::move(message)), is_text, loss);
               }),
-        worker_(options.domain, options.qos_file, options.examine,
+        worker_(bus.participant(), options.qos_file, options.examine,
                 [this](std::string findings) { pages_.broadcast_latest("findings", std::move(findings)); }) {
     metrics_.update({}, clocks::host_now(), clocks::steady_now());
   }
