@@ -203,7 +203,7 @@ SCENARIO("a run continues seamlessly from a saved state") {
     CHECK_THAT(refusal({recording.log(), "--load-state", state}),
                Contains("state.json: state: trust.trust: is missing"));
     CHECK_THAT(refusal({recording.log(), "--load-state", out("none.json")}),
-               Contains("none.json: cannot be read"));
+               Contains("none.json: does not exist"));
   }
 }
 

@@ -1,5 +1,7 @@
 #include "security/enclave.hpp"
 
+#include "files/error.hpp"
+#include "files/input_file.hpp"
 #include "security/error.hpp"
 #include "security/revocation.hpp"
 #include "security/signed_document.hpp"
@@ -8,9 +10,8 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <fstream>
-#include <iterator>
 #include <system_error>
+#include <unistd.h>
 
 namespace sonopose::security {
 namespace {
@@ -79,13 +80,13 @@ std::int64_t expiry_of(const fs::path& folder) {
 }  // namespace
 
 std::string read_file(const fs::path& file, const std::string& remedy) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) {
-    const int cause = errno;
-    throw SecurityError(fmt::format("{}: {}; {}", file.string(), std::generic_category().message(cause),
-                                    cause == EACCES ? "run this as the owner of the file" : remedy));
+  try {
+    return files::read_text(file);
+  } catch (const files::IoError& error) {
+    const bool is_denied = ::access(file.c_str(), R_OK) != 0 && errno == EACCES;
+    const std::string advice = is_denied ? "run this as the owner of the file" : remedy;
+    throw SecurityError(error.what() + (advice.empty() ? "" : "; " + advice));
   }
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 std::string command_for(const fs::path& folder, const std::string& verb) {

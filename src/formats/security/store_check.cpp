@@ -1,10 +1,10 @@
+#include "files/input_file.hpp"
 #include "security/enclave.hpp"
 #include "security/error.hpp"
 #include "security/key_store.hpp"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
+#include <stdexcept>
 #include <system_error>
 
 namespace sonopose::security {
@@ -18,12 +18,11 @@ std::vector<fs::path> leaves_of(const std::string& authority, const fs::path& fo
   for (const fs::path& path : files_below(folder)) {
     std::error_code unreadable;
     if (fs::is_symlink(path, unreadable) || !fs::is_regular_file(path, unreadable)) continue;
-    std::ifstream file(path, std::ios::binary);
-    const std::string text(std::istreambuf_iterator<char>(file), {});
-    if (text.find("BEGIN CERTIFICATE") == text.npos || text == authority) continue;
     try {
+      const std::string text = files::read_text(path);
+      if (text.find("BEGIN CERTIFICATE") == text.npos || text == authority) continue;
       if (is_issued_by(text, authority)) leaves.push_back(path);
-    } catch (const SecurityError&) {  // NOLINT(bugprone-empty-catch): a broken one authorises nobody
+    } catch (const std::runtime_error&) {  // NOLINT(bugprone-empty-catch): a broken one authorises nobody
     }
   }
   return leaves;

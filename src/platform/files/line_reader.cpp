@@ -1,7 +1,7 @@
 #include "files/line_reader.hpp"
 
 #include "files/error.hpp"
-#include "files/missing.hpp"
+#include "files/input_file.hpp"
 
 #include <cerrno>
 #include <cstring>
@@ -17,8 +17,7 @@ constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 }  // namespace
 
 LineReader::LineReader(const std::filesystem::path& file)
-    : name_{file.string()}, file_{std::fopen(name_.c_str(), "rbe")}, buffer_(max_line_bytes) {
-  if (!file_) throw IoError(opening_error(name_, errno));
+    : name_{file.string()}, file_{::fdopen(open_input(file), "rb")}, buffer_(max_line_bytes) {
   std::error_code not_known;
   const auto size = std::filesystem::file_size(file, not_known);
   if (!not_known) file_size_ = size;

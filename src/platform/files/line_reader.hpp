@@ -17,7 +17,7 @@ namespace sonopose::files {
 /// lack it. Skips the byte order mark of UTF-8.
 class LineReader {
 public:
-  /// Throws IoError if the file cannot be opened, or is UTF-16.
+  /// Throws IoError as open_input does, and for UTF-16.
   explicit LineReader(const std::filesystem::path& file);
 
   /// Returns the next line without its line ending, valid until the next call; empty at the end of the file.

@@ -1,19 +1,17 @@
 #include "files/random_access_file.hpp"
 
 #include "files/error.hpp"
-#include "files/missing.hpp"
+#include "files/input_file.hpp"
 
 #include <cerrno>
 #include <cstring>
-#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 namespace sonopose::files {
 
 RandomAccessFile::RandomAccessFile(const std::filesystem::path& file) : name_{file.string()} {
-  descriptor_ = ::open(name_.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor_ < 0) throw IoError(opening_error(name_, errno));
+  descriptor_ = open_input(file);
   struct stat status {};
   if (::fstat(descriptor_, &status) != 0 || !S_ISREG(status.st_mode)) {
     ::close(descriptor_);

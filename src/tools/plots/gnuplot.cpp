@@ -1,12 +1,11 @@
 #include "plots/gnuplot.hpp"
 
 #include "files/csv_writer.hpp"
+#include "files/input_file.hpp"
 #include "plots/plot.hpp"
 
 #include <algorithm>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 
 namespace sonopose::plots {
 namespace {
@@ -60,11 +59,6 @@ void write(const fs::path& file, const std::string& text) {
   out.flush();
 }
 
-std::string content_of(const fs::path& file) {
-  std::ifstream in(file);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 }  // namespace
 
 void check_plot_file(const fs::path& file, const files::Replacement& replacement) {
@@ -90,7 +84,7 @@ void draw_plot(const fs::path& file, files::Replacement& replacement, const std:
   const int status = std::system(command.c_str());
   std::error_code ignored;
   if (status != 0 || fs::file_size(replacement.part(), ignored) == 0) {
-    throw PlotError(file.string() + ": gnuplot could not draw it: " + content_of(folder.messages()));
+    throw PlotError(file.string() + ": gnuplot could not draw it: " + files::read_text(folder.messages()));
   }
   replacement.commit();
 }

@@ -177,7 +177,7 @@ SCENARIO("missing files are named") {
   write_text(log / "imu.csv", Files{}.imu);
   CHECK_THROWS_WITH(read_sensor_log(log.path()), Contains("/ultrasonic.csv: does not exist"));
   std::filesystem::create_directory(log / "ultrasonic.csv");
-  CHECK_THROWS_WITH(read_sensor_log(log.path()), Contains("/ultrasonic.csv: cannot be read: Is a directory"));
+  CHECK_THROWS_WITH(read_sensor_log(log.path()), Contains("/ultrasonic.csv: is a folder, not a file"));
 }
 
 SCENARIO("a binary file is refused") {

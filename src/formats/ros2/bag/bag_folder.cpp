@@ -1,6 +1,7 @@
 #include "ros2/bag/bag_folder.hpp"
 
 #include "files/error.hpp"
+#include "files/input_file.hpp"
 #include "recording/log_columns.hpp"
 #include "ros2/bag/storage.hpp"
 
@@ -51,7 +52,7 @@ std::vector<std::string> missing_files(const fs::path& folder) {
   std::vector<std::string> missing;
   if (!is_there(file)) return missing;
   try {
-    const YAML::Node bag = YAML::LoadFile(file.string())["rosbag2_bagfile_information"];
+    const YAML::Node bag = YAML::Load(files::read_text(file))["rosbag2_bagfile_information"];
     if (!bag || !bag.IsMap()) return missing;
     std::string mode = scalar_of(bag["compression_mode"]);
     std::ranges::transform(mode, mode.begin(), [](char each) {

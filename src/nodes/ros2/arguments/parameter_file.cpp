@@ -1,5 +1,8 @@
 #include "ros2/arguments/parameter_file.hpp"
 
+#include "files/error.hpp"
+#include "files/input_file.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -93,10 +96,10 @@ bool selects(Part pattern, Part pattern_end, Part name, Part name_end) {
 std::vector<Parameter> read_parameter_file(const std::filesystem::path& file) {
   std::vector<Parameter> found;
   try {
-    const YAML::Node root = YAML::LoadFile(file.string());
+    const YAML::Node root = YAML::Load(files::read_text(file));
     if (!root.IsNull()) add_nodes(root, "", file.string(), found);
-  } catch (const YAML::BadFile&) {
-    throw ParameterFileError(file.string() + ": the file cannot be read");
+  } catch (const files::IoError& error) {
+    throw ParameterFileError(error.what());
   } catch (const YAML::Exception& error) {
     throw ParameterFileError(fmt::format("{}, line {}: {}", file.string(), error.mark.line + 1, error.msg));
   }

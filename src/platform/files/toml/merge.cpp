@@ -1,14 +1,13 @@
 #include "files/toml/merge.hpp"
 
 #include "files/csv_writer.hpp"
+#include "files/input_file.hpp"
 #include "files/replacement.hpp"
 #include "files/toml/toml_leaves.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <string_view>
 #include <vector>
 
@@ -24,13 +23,7 @@ constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 
 /// Reads lines including carriage returns and a byte order mark.
 std::vector<std::string> lines_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
-  std::error_code error;
-  const auto size = std::filesystem::file_size(file, error);
-  if (!in.is_open() || in.bad() || (!error && text.size() != size)) {
-    throw IoError(file.string() + ": cannot be read");
-  }
+  const std::string text = read_text(file);
   std::vector<std::string> lines;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());

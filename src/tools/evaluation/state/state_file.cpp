@@ -3,14 +3,11 @@
 #include "evaluation/state/state_reader.hpp"
 #include "files/csv_writer.hpp"
 #include "files/error.hpp"
+#include "files/input_file.hpp"
 #include "files/replacement.hpp"
 #include <sonopose/estimation/snapshot_fields.hpp>
 
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <fstream>
-#include <iterator>
 #include <type_traits>
 
 namespace sonopose::evaluation {
@@ -87,16 +84,6 @@ void check_format(StateReader& file) {
   }
 }
 
-std::string content_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (!in.is_open() || in.bad() || is_directory(file)) {
-    throw files::IoError(file.string() +
-                         ": cannot be read: " + std::strerror(is_directory(file) ? EISDIR : errno));
-  }
-  return text;
-}
-
 }  // namespace
 
 std::string state_text(const SavedState& saved) {
@@ -158,7 +145,7 @@ void save_state(const std::filesystem::path& file, const SavedState& saved) {
 }
 
 SavedState load_state(const std::filesystem::path& file) {
-  return parse_state(content_of(file), file.string());
+  return parse_state(files::read_text(file), file.string());
 }
 
 void check_fits(const SavedState& saved, const recording::SensorLog& log, const std::string& name) {

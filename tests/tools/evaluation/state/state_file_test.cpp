@@ -141,7 +141,7 @@ TEST_CASE("a file that is no saved state is refused with file and field") {
   CHECK_THROWS_WITH(evaluation::parse_state("{\"format\": ", "s.json"), Contains("s.json: is not JSON"));
   CHECK_THROWS_WITH(evaluation::parse_state("[]", "s.json"), Contains("instead of an object"));
   CHECK_THROWS_AS(evaluation::load_state("/nowhere/s.json"), files::IoError);
-  CHECK_THROWS_WITH(evaluation::load_state("/"), Contains("Is a directory"));
+  CHECK_THROWS_WITH(evaluation::load_state("/"), Contains("/: is a folder, not a file"));
 }
 
 TEST_CASE("a field that is missing, unknown, of the wrong kind or impossible is named") {
