@@ -5,39 +5,39 @@
 #include <chrono>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace fastdds_security_test {
 
 using namespace sonopose;
 using namespace sonopose::test;
 
-/// A bus with a relay, and the enclaves of two peers, which differ in who begins the handshake.
-struct SecuredRelay {
-  SecuredRelay() {
-    add("panel", security::Handshake::answers);
-    add("rviz2", security::Handshake::either);  // a lower hash of its subject than that of "ros2"
+/// A secured bus with the enclaves of two peers, which differ in who begins the handshake.
+struct SecuredPeers {
+  SecuredPeers() {
+    add("panel", {"ros2"}, security::Handshake::answers);
+    add("rviz2", {"ros2"}, security::Handshake::either);  // a lower hash of its subject than that of "ros2"
+    add("relay", {"ros2", "bridge"}, security::Handshake::either);
   }
 
-  void add(const std::string& name, security::Handshake handshake) const {
-    keys.store.add(name, {.roles = {"ros2"}, .validity = valid_for(security::day_s), .handshake = handshake});
+  void add(const std::string& name, const std::vector<std::string>& roles,
+           security::Handshake handshake) const {
+    keys.store.add(name, {.roles = roles, .validity = valid_for(security::day_s), .handshake = handshake});
   }
 
-  /// A peer that ends after some poses.
-  [[nodiscard]] std::unique_ptr<Process> peer(const std::string& enclave) const {
+  [[nodiscard]] std::unique_ptr<Process> peer(const std::string& enclave, const Arguments& arguments) const {
     const Environment variables{{"ROS_DOMAIN_ID", std::to_string(bus.domain_id())},
                                 {"ROS_SECURITY_ENCLAVE_OVERRIDE", enclave}};
-    auto process = std::make_unique<Process>(
-        SONOPOSE_TEST_FASTDDS_PEER, Arguments{"listen", "rt/hedge_7/odom", "odometry", "20"}, variables);
-    REQUIRE(process->wait_for_line(Stream::error, "listening"));
-    return process;
+    return std::make_unique<Process>(SONOPOSE_TEST_FASTDDS_PEER, arguments, variables);
   }
 
-  /// Returns true if one of some peers receives poses. Fast DDS 2.9 can miss the last message of a handshake,
-  /// which neither side repeats.
-  [[nodiscard]] bool serves_peer(const std::string& enclave) const {
+  /// Returns true if a process ends well while one of some peers runs, which may be itself. Fast DDS 2.9 can
+  /// miss the last message of a handshake, which neither side repeats.
+  [[nodiscard]] bool serves_one(const Arguments& arguments, Process* process = nullptr) const {
     constexpr int peers = 12;
     for (int i = 0; i < peers; ++i) {
-      if (peer(enclave)->wait_for_exit(std::chrono::seconds(10)) == 0) return true;
+      const auto one = peer("panel", arguments);
+      if ((process == nullptr ? *one : *process).wait_for_exit(std::chrono::seconds(10)) == 0) return true;
     }
     return false;
   }
@@ -45,24 +45,33 @@ struct SecuredRelay {
   KeyStoreOfRoles keys;
   SecuredByEnvironment environment{keys.store};
   Bus bus;
-  std::unique_ptr<Process> relay = bus.ros2();
-  std::unique_ptr<Process> fusion = bus.fusion();
-  std::unique_ptr<Process> bridge = bus.bridge({});
 };
 
+const Arguments listening{"listen", "rt/hedge_7/odom", "odometry", "20"};
+
 SCENARIO("A program with Fast DDS receives the poses of a secured relay") {
-  const SecuredRelay bus;
+  const SecuredPeers peers;
+  const auto relay = peers.bus.ros2();
+  const auto fusion = peers.bus.fusion();
+  const auto bridge = peers.bus.bridge({});
   WHEN("its certificate lets the relay begin the handshake") {
-    CHECK(bus.serves_peer("panel"));
+    CHECK(peers.serves_one(listening));
   }
   WHEN("its certificate lets it begin") {
-    const auto peer = bus.peer("rviz2");
+    const auto peer = peers.peer("rviz2", listening);
     THEN("the relay says what is missing, and serves others") {
-      CHECK(bus.relay->wait_for_line(Stream::error, "it has Fast DDS and began the handshake"));
-      CHECK(bus.serves_peer("panel"));
+      CHECK(relay->wait_for_line(Stream::error, "it has Fast DDS and began the handshake"));
+      CHECK(peers.serves_one(listening));
       CHECK(peer->lines(Stream::output).empty());
     }
   }
+}
+
+SCENARIO("A secured relay takes the samples of a driver in Fast DDS in") {
+  const SecuredPeers peers;
+  const auto relay = peers.bus.ros2({"--imu-in", "/driver/imu=9", "--enclave", "relay"});
+  const auto monitor = peers.bus.monitor({"--echo", "imu", "--count", "5"});
+  CHECK(peers.serves_one({"send", "rt/driver/imu", "imu", "1000000", "3fd5555555555555"}, monitor.get()));
 }
 
 }  // namespace fastdds_security_test

@@ -53,7 +53,7 @@ bool is_aiding(const Event& event) {
 
 class SensorPublisher::Publisher final : public SampleSink {
 public:
-  explicit Publisher(const PublisherOptions& options);
+  Publisher(const PublisherOptions& options, const dds::DomainParticipant* participant);
   ~Publisher() override;
   Publisher(const Publisher&) = delete;
   Publisher& operator=(const Publisher&) = delete;
@@ -128,7 +128,8 @@ private:
 
   bool lossless_;
   bool reports_to_manager_;
-  dds::DomainParticipant participant_;
+  std::optional<dds::DomainParticipant> own_participant_;
+  const dds::DomainParticipant& participant_;
   dds::qos::Provider qos_;
   std::unique_ptr<process_log::LogPublisher> log_publisher_;
   TopicWriters writers_;
@@ -149,10 +150,11 @@ private:
       std::make_shared<transitions::TransitionLog>();
 };
 
-SensorPublisher::Publisher::Publisher(const PublisherOptions& options)
+SensorPublisher::Publisher::Publisher(const PublisherOptions& options,
+                                      const dds::DomainParticipant* participant)
     : lossless_(options.lossless),
       reports_to_manager_(options.publishes_log),
-      participant_(domain_options(options)),
+      participant_(participant != nullptr ? *participant : own_participant_.emplace(domain_options(options))),
       qos_(options.qos_file),
       log_publisher_(options.publishes_log ? std::make_unique<process_log::LogPublisher>(participant_, qos_)
                                            : nullptr),
@@ -358,7 +360,9 @@ void SensorPublisher::Publisher::log_silence(BeaconAddress address, transitions:
 }
 
 SensorPublisher::SensorPublisher(const PublisherOptions& options)
-    : publisher_(std::make_unique<Publisher>(options)) {}
+    : publisher_(std::make_unique<Publisher>(options, nullptr)) {}
+SensorPublisher::SensorPublisher(const dds::DomainParticipant& participant, const PublisherOptions& options)
+    : publisher_(std::make_unique<Publisher>(options, &participant)) {}
 SensorPublisher::~SensorPublisher() = default;
 
 void SensorPublisher::run(Source& source, const process::StopSignal& stop) {

@@ -7,6 +7,7 @@
 #include "publication/source.hpp"
 #include "recording/log_meta.hpp"
 #include <sonopose/dds/binding/domain.hpp>
+#include <sonopose/dds/binding/participant.hpp>
 
 #include <cstdint>
 #include <filesystem>
@@ -31,6 +32,8 @@ class SensorPublisher {
 public:
   /// Joins the domain. Throws dds::Error, dds::qos::FileError, files::IoError.
   explicit SensorPublisher(const PublisherOptions& options);
+  /// Uses a participant, which must outlive it, instead of the domain of the options.
+  SensorPublisher(const dds::DomainParticipant& participant, const PublisherOptions& options);
   SensorPublisher(const SensorPublisher&) = delete;
   SensorPublisher& operator=(const SensorPublisher&) = delete;
   ~SensorPublisher();
