@@ -55,7 +55,8 @@ int main(int argc, char** argv) {
       if (monitor::echo::echo(echo, stop)) return 0;
       const std::string beacon = echo.beacon ? fmt::format(" of beacon {}", *echo.beacon) : "";
       logging::failure(fmt::format("no sample of {}{} in {} s in domain {}; sonopose-doctor may say why",
-                                   echo.topic, beacon, duration_s, dds::resolve_domain_id(bus.domain)));
+                                   echo.topic, beacon, duration_s,
+                                   sonopose::dds::resolve_domain_id(bus.domain)));
       return 1;
     }
     options.domain = bus.domain;

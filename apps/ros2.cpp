@@ -15,7 +15,7 @@ using namespace sonopose;
 /// Returns the options of the relay. Without --network, the discovery range follows the environment variables
 /// of ROS 2.
 ros2::relay::RelayOptions relay_options(apps::Ros2Program& program) {
-  const ros2::Variables environment = dds::environment_variables(ros2::variable_names());
+  const ros2::Variables environment = sonopose::dds::environment_variables(ros2::variable_names());
   program.ros2.enclave = apps::announced_enclave(program.bus);
   auto options = apps::relay_options(program.ros2, environment);
   options.domain = program.bus.domain;

@@ -2,7 +2,7 @@
 
 #include "clocks/clocks.hpp"
 #include "pulse.hpp"
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/idl/sonopose.h>
 
@@ -37,8 +37,8 @@ const dds_qos_t* writer_qos(const char* profile) {
 /// Joins with the configuration of the real chain; secured as that one if the environment says so.
 dds_entity_t join(std::uint32_t domain, const char* role) {
   ::setenv("ROS_SECURITY_ENCLAVE_OVERRIDE", role, 1);
-  static const dds::DomainParticipant participant({.domain_id = domain});
-  return participant.handle();
+  static const auto participant = dds::ext::participant({.domain_id = domain});
+  return dds::ext::handle(participant);
 }
 
 dds_entity_t imu_topic(dds_entity_t participant) {

@@ -70,7 +70,7 @@ BeaconsRound measure_beacons(const BeaconsOptions& options, std::uint32_t beacon
   const Child bridge = start_bridge(options, beacons);
   PoseStream poses(beacon_imu_rate_hz);
   LostEvents lost;
-  const dds::DomainParticipant participant({options.domain, dds::Network::loopback});
+  const auto participant = dds::ext::participant({options.domain, dds::Network::loopback});
   const dds::qos::Provider qos;
   const auto status_reader = dds::topics::make_reader(participant, qos, dds::topics::fusion_status, &lost);
   const auto pose_reader = dds::topics::make_reader(participant, qos, dds::topics::pose, &poses);

@@ -41,13 +41,14 @@ private:
   std::vector<Latency> latencies_;
 };
 
-class PoseListener final : public dds::DataReaderListener<sonopose_FusedPose> {
+class PoseListener final : public dds::sub::NoOpDataReaderListener<sonopose_FusedPose> {
 public:
   explicit PoseListener(LatencyCollector& latencies) : latencies_(latencies) {}
-  void on_data_available(dds::DataReader<sonopose_FusedPose>& reader) noexcept override {
+  void on_data_available(dds::sub::DataReader<sonopose_FusedPose>& reader) noexcept override {
     const TimeNs received_ns = clocks::host_now();
-    reader.try_take_each(
-        [&](const sonopose_FusedPose& pose, const dds::SampleInfo&) { latencies_.on(pose, received_ns); });
+    dds::ext::try_take_each(reader, [&](const sonopose_FusedPose& pose, const dds::sub::SampleInfo&) {
+      latencies_.on(pose, received_ns);
+    });
   }
 
 private:
@@ -78,19 +79,19 @@ Round measure(const RoundOptions& options, const Child& relay, LatencyCollector&
 /// Measures with a ROS 2 process as the consumer.
 Round measure_in_ros2(const RoundOptions& options, const Child& relay) {
   Ros2LatencyCollector latencies;
-  const dds::DomainParticipant participant({options.domain, dds::Network::loopback});
+  const auto participant = dds::ext::participant({options.domain, dds::Network::loopback});
   const dds::qos::Provider qos;
   const auto native = dds::topics::make_reader(participant, qos, dds::topics::pose, &latencies);
-  const dds::Topic<ros2::Odometry> topic(participant, ros2::name_in_dds("/hedge_7/odom"));
-  const dds::DataReader<ros2::Odometry> reader(participant, topic, qos.datareader_qos("ros2::Default"),
-                                               &latencies);
+  const dds::topic::Topic<ros2::Odometry> topic(participant, ros2::name_in_dds("/hedge_7/odom"));
+  const dds::sub::DataReader<ros2::Odometry> reader(dds::sub::Subscriber(participant), topic,
+                                                    qos.datareader_qos("ros2::Default"), &latencies);
   return measure(options, relay, latencies);
 }
 
 Round measure_on_bus(const RoundOptions& options, const Child& relay, bool realtime = false) {
   LatencyCollector latencies;
   PoseListener listener(latencies);
-  const dds::DomainParticipant participant({options.domain, dds::Network::loopback});
+  const auto participant = dds::ext::participant({options.domain, dds::Network::loopback});
   const dds::qos::Provider qos;
   const auto reader = dds::topics::make_reader(participant, qos, dds::topics::pose, &listener);
   std::optional<OwnRealtime> own;

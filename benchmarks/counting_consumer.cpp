@@ -16,7 +16,7 @@ namespace {
 [[noreturn]] void count_samples(std::uint32_t domain, std::atomic<std::uint64_t>& count) {
   namespace topics = dds::topics;
   const dds::qos::Provider qos;
-  const dds::DomainParticipant participant({domain, dds::Network::loopback});
+  const auto participant = dds::ext::participant({domain, dds::Network::loopback});
   const auto on = [&count](const auto&) { count.fetch_add(1, std::memory_order_relaxed); };
   const CountingReader pose(participant, qos, topics::pose, on);
   const CountingReader truth(participant, qos, topics::truth, on);

@@ -8,19 +8,19 @@
 namespace sonopose::benchmarks {
 
 template <class T, class On>
-class CountingReader final : public dds::DataReaderListener<T> {
+class CountingReader final : public dds::sub::NoOpDataReaderListener<T> {
 public:
-  CountingReader(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+  CountingReader(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos,
                  const dds::topics::Entry<T>& entry, On on)
       : on_(std::move(on)), reader_(dds::topics::make_reader(participant, qos, entry, this)) {}
 
-  void on_data_available(dds::DataReader<T>& reader) noexcept override {
-    reader.try_take_each([this](const T& sample, const dds::SampleInfo&) { on_(sample); });
+  void on_data_available(dds::sub::DataReader<T>& reader) noexcept override {
+    dds::ext::try_take_each(reader, [this](const T& sample, const dds::sub::SampleInfo&) { on_(sample); });
   }
 
 private:
   On on_;
-  dds::DataReader<T> reader_;
+  dds::sub::DataReader<T> reader_;
 };
 
 }  // namespace sonopose::benchmarks

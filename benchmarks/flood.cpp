@@ -23,6 +23,7 @@ namespace {
 
 using namespace sonopose;
 using namespace sonopose::benchmarks;
+namespace dds = sonopose::dds;
 namespace topics = dds::topics;
 
 constexpr BeaconAddress healthy = 7;
@@ -43,7 +44,7 @@ struct Options {
 };
 
 /// Publishes samples of all forged addresses, until it is killed.
-[[noreturn]] void forge_addresses(const dds::DomainParticipant& participant, const Options& options,
+[[noreturn]] void forge_addresses(const dds::domain::DomainParticipant& participant, const Options& options,
                                   Flood flood) {
   const dds::qos::Provider qos;
   auto imu_writer = topics::make_writer(participant, qos, topics::imu);
@@ -56,42 +57,42 @@ struct Options {
       imu.sequence = flood == Flood::both ? 2 * sequence : sequence;
       imu.sensor_time_ns = imu.bridge_time_ns = clocks::host_now();
       imu.specific_force_body_mps2 = {0, 0, 9.81};
-      if (flood != Flood::fixes) imu_writer.try_write(dds::topics::to_idl(imu));
+      if (flood != Flood::fixes) dds::ext::try_write(imu_writer, dds::topics::to_idl(imu));
       UltrasonicFix fix;
       fix.address = imu.address;
       fix.sequence = flood == Flood::both ? 2 * sequence + 1 : sequence;
       fix.emission_time_ns = fix.received_time_ns = imu.sensor_time_ns;
       fix.position_world_m = {static_cast<double>(sequence % 7), 1, 1};
-      if (flood != Flood::imu) fix_writer.try_write(dds::topics::to_idl(fix));
+      if (flood != Flood::imu) dds::ext::try_write(fix_writer, dds::topics::to_idl(fix));
     }
     sleep_s(flood == Flood::once ? 1000 : 1 / options.forged_rate_hz);
   }
 }
 
 /// Creates topics with a writer each, and keeps them until it is killed.
-[[noreturn]] void create_topics(const dds::DomainParticipant& participant, const Options& options) {
+[[noreturn]] void create_topics(const dds::domain::DomainParticipant& participant, const Options& options) {
   sleep_s(1);
   for (std::uint32_t i = 0; i < options.topics; ++i) {
     const std::string name = fmt::format("stranger/{}", i);
-    const auto topic =
-        dds_create_topic(participant.handle(), &sonopose_ImuSample_desc, name.c_str(), nullptr, nullptr);
-    if (topic < 0 || dds_create_writer(participant.handle(), topic, nullptr, nullptr) < 0) break;
+    const auto topic = dds_create_topic(dds::ext::handle(participant), &sonopose_ImuSample_desc, name.c_str(),
+                                        nullptr, nullptr);
+    if (topic < 0 || dds_create_writer(dds::ext::handle(participant), topic, nullptr, nullptr) < 0) break;
   }
   while (true) sleep_s(1);
 }
 
 void forge(const Options& options, Flood flood) {
-  const dds::DomainParticipant participant({options.domain, dds::Network::loopback});
+  const auto participant = dds::ext::participant({options.domain, dds::Network::loopback});
   if (flood == Flood::topics) create_topics(participant, options);
   forge_addresses(participant, options, flood);
 }
 
 /// Poses of the healthy beacon.
-class Poses final : public dds::DataReaderListener<sonopose_FusedPose> {
+class Poses final : public dds::sub::NoOpDataReaderListener<sonopose_FusedPose> {
 public:
-  void on_data_available(dds::DataReader<sonopose_FusedPose>& reader) noexcept override {
+  void on_data_available(dds::sub::DataReader<sonopose_FusedPose>& reader) noexcept override {
     const SteadyTime now = clocks::steady_now();
-    reader.try_take_each([&](const sonopose_FusedPose& pose, const dds::SampleInfo&) {
+    dds::ext::try_take_each(reader, [&](const sonopose_FusedPose& pose, const dds::sub::SampleInfo&) {
       if (pose.address != healthy) return;
       const TimeNs gap_ns = now - std::exchange(latest_, now);
       if (count_++ > 0) longest_ns_ = std::max(longest_ns_.load(), gap_ns);
@@ -116,7 +117,7 @@ double measure(const Options& options, Flood flood) {
   std::optional<Child> forger;
   if (flood != Flood::none) forger.emplace(Child::fork_to([&] { forge(options, flood); }));
   Poses poses;
-  const dds::DomainParticipant participant({options.domain, dds::Network::loopback});
+  const auto participant = dds::ext::participant({options.domain, dds::Network::loopback});
   const auto reader = topics::make_reader(participant, dds::qos::Provider(), topics::pose, &poses);
   for (int tenths = 0; poses.count() < 20; ++tenths) {
     if (tenths == 200) throw std::runtime_error("no poses");

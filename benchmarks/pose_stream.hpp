@@ -22,15 +22,15 @@ struct PoseCount {
 };
 
 /// Takes poses of any number of beacons whose IMUs have the same known rate and no losses.
-class PoseStream final : public dds::DataReaderListener<sonopose_FusedPose> {
+class PoseStream final : public dds::sub::NoOpDataReaderListener<sonopose_FusedPose> {
 public:
   explicit PoseStream(double imu_rate_hz) : imu_rate_hz_(imu_rate_hz), last_ns_(65536) {}
 
-  void on_data_available(dds::DataReader<sonopose_FusedPose>& reader) noexcept override {
+  void on_data_available(dds::sub::DataReader<sonopose_FusedPose>& reader) noexcept override {
     const TimeNs received_ns = clocks::host_now();
     const std::lock_guard lock(mutex_);
-    reader.try_take_each(
-        [&](const sonopose_FusedPose& pose, const dds::SampleInfo&) { on(pose, received_ns); });
+    dds::ext::try_take_each(
+        reader, [&](const sonopose_FusedPose& pose, const dds::sub::SampleInfo&) { on(pose, received_ns); });
   }
 
   PoseCount taken() {
@@ -65,11 +65,11 @@ private:
 };
 
 /// Counts the lost events that fusions report.
-class LostEvents final : public dds::DataReaderListener<sonopose_FusionStatus> {
+class LostEvents final : public dds::sub::NoOpDataReaderListener<sonopose_FusionStatus> {
 public:
-  void on_data_available(dds::DataReader<sonopose_FusionStatus>& reader) noexcept override {
+  void on_data_available(dds::sub::DataReader<sonopose_FusionStatus>& reader) noexcept override {
     const std::lock_guard lock(mutex_);
-    reader.try_take_each([this](const sonopose_FusionStatus& status, const dds::SampleInfo&) {
+    dds::ext::try_take_each(reader, [this](const sonopose_FusionStatus& status, const dds::sub::SampleInfo&) {
       by_address_[status.address] = status.events_lost;
     });
   }

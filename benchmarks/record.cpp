@@ -24,6 +24,7 @@ namespace {
 
 using namespace sonopose;
 using namespace sonopose::benchmarks;
+namespace dds = sonopose::dds;
 namespace topics = dds::topics;
 namespace fs = std::filesystem;
 
@@ -74,7 +75,7 @@ std::uint32_t index_of(const std::string& topic) {
 /// Counts samples until the process is killed.
 void count_samples(std::uint32_t domain, SeenTable& seen) {
   const dds::qos::Provider qos;
-  const dds::DomainParticipant participant({domain, dds::Network::loopback});
+  const auto participant = dds::ext::participant({domain, dds::Network::loopback});
   const auto on = [&seen](const auto& entry) {
     return [&seen, topic = index_of(entry.name)](const auto& sample) {
       if (seen.is_counting) seen.on({topic, sample.address, number_of(sample)});

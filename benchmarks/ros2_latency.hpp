@@ -14,18 +14,19 @@
 
 namespace sonopose::benchmarks {
 
-class Ros2LatencyCollector final : public dds::DataReaderListener<sonopose_FusedPose>,
-                                   public dds::DataReaderListener<ros2::Odometry> {
+class Ros2LatencyCollector final : public dds::sub::NoOpDataReaderListener<sonopose_FusedPose>,
+                                   public dds::sub::NoOpDataReaderListener<ros2::Odometry> {
 public:
-  void on_data_available(dds::DataReader<sonopose_FusedPose>& reader) noexcept override {
+  void on_data_available(dds::sub::DataReader<sonopose_FusedPose>& reader) noexcept override {
     const std::lock_guard lock(mutex_);
-    reader.try_take_each(
-        [this](const sonopose_FusedPose& pose, const dds::SampleInfo&) { poses_[pose.time] = pose; });
+    dds::ext::try_take_each(reader, [this](const sonopose_FusedPose& pose, const dds::sub::SampleInfo&) {
+      poses_[pose.time] = pose;
+    });
   }
-  void on_data_available(dds::DataReader<ros2::Odometry>& reader) noexcept override {
+  void on_data_available(dds::sub::DataReader<ros2::Odometry>& reader) noexcept override {
     const TimeNs received_ns = clocks::host_now();
     const std::lock_guard lock(mutex_);
-    reader.try_take_each([&](const ros2::Odometry& odometry, const dds::SampleInfo&) {
+    dds::ext::try_take_each(reader, [&](const ros2::Odometry& odometry, const dds::sub::SampleInfo&) {
       received_ns_[ros2::from_ros(odometry.header.stamp).value_or(0)] = received_ns;
     });
   }

@@ -3,8 +3,7 @@
 /// Reads serialized samples of one type like Cyclone DDS from the network.
 
 #include "support.hpp"
-#include <sonopose/dds/binding/participant.hpp>
-#include <sonopose/dds/binding/topic.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 
 #include <dds/dds.h>
 #include <dds/ddsi/ddsi_serdata.h>
@@ -17,8 +16,8 @@
 namespace sonopose::fuzz {
 
 /// The participant of this process, which meets no other one.
-inline const dds::DomainParticipant& participant() {
-  static const dds::DomainParticipant instance({.domain_id = dds::max_domain_id});
+inline const dds::domain::DomainParticipant& participant() {
+  static const auto instance = dds::ext::participant({.domain_id = dds::max_domain_id});
   return instance;
 }
 
@@ -28,11 +27,11 @@ public:
   CdrType() : topic_(participant(), "fuzz", {}) {
     // Cyclone DDS shows the serializer of a type only in a sample that a reader took.
     dds::Qos qos;
-    qos << dds::policy::Reliability::reliable();
+    qos << dds::policy::Reliability::Reliable();
     const dds_entity_t reader =
-        dds_create_reader(participant().handle(), topic_.handle(), qos.get(), nullptr);
+        dds_create_reader(dds::ext::handle(participant()), dds::ext::handle(topic_), qos.get(), nullptr);
     const dds_entity_t writer =
-        dds_create_writer(participant().handle(), topic_.handle(), qos.get(), nullptr);
+        dds_create_writer(dds::ext::handle(participant()), dds::ext::handle(topic_), qos.get(), nullptr);
     const T empty{};
     dds_sample_info_t info;
     promise(dds_write(writer, &empty) == DDS_RETCODE_OK, "an empty sample can be written");
@@ -73,7 +72,7 @@ public:
   }
 
 private:
-  dds::Topic<T> topic_;
+  dds::topic::Topic<T> topic_;
   ddsi_serdata* any_ = nullptr;
 };
 

@@ -2,7 +2,7 @@
 
 #include "cdr_type.hpp"
 #include "support.hpp"
-#include <sonopose/dds/binding/cdr.hpp>
+#include <sonopose/dds/psm/cdr.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
@@ -12,7 +12,7 @@
 
 using namespace sonopose;
 using namespace sonopose::fuzz;
-namespace topics = dds::topics;
+namespace topics = sonopose::dds::topics;
 
 namespace {
 
@@ -22,7 +22,7 @@ using Bytes = std::span<const std::uint8_t>;
 template <class T>
 void read_as(Bytes bytes) {
   static const CdrType<T> type;
-  std::ignore = dds::CdrSample<T>(std::as_bytes(bytes)).get();  // as from a recording
+  std::ignore = sonopose::dds::CdrSample<T>(std::as_bytes(bytes)).get();  // as from a recording
   type.read(bytes, [](const T& sample) {
     if constexpr (!std::is_same_v<T, sonopose_ResetCommand>) {  // no native type
       const auto native = topics::from_idl(sample);

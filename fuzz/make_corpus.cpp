@@ -117,25 +117,25 @@ void write_topic_sample(const fs::path& corpus, int index, const T& sample) {
 
 void write_dds_samples(const fs::path& corpus) {
   int index = 0;
-  const auto write_topic = [&]<class T>(const dds::topics::Entry<T>& /*entry*/) {
+  const auto write_topic = [&]<class T>(const sonopose::dds::topics::Entry<T>& /*entry*/) {
     if constexpr (std::is_same_v<T, sonopose_ResetCommand>) {
       write_topic_sample(corpus, index, T{.address = 7, .request_id = 1});
     } else {
-      auto native = decltype(dds::topics::from_idl(T{})){};
+      auto native = decltype(sonopose::dds::topics::from_idl(T{})){};
       if constexpr (requires { native.address; }) native.address = 7;
       if constexpr (requires { native.assignments; })
         native.assignments = {{"documented.trust.sigma_m", "0.1"}};
       if constexpr (requires { native.values; }) native.values = {{"documented.trust.sigma_m", "0.1"}};
-      if constexpr (requires { dds::topics::to_idl(native).sample(); }) {
-        const auto view = dds::topics::to_idl(native);
+      if constexpr (requires { sonopose::dds::topics::to_idl(native).sample(); }) {
+        const auto view = sonopose::dds::topics::to_idl(native);
         write_topic_sample(corpus, index, view.sample());
       } else {
-        write_topic_sample(corpus, index, dds::topics::to_idl(native));
+        write_topic_sample(corpus, index, sonopose::dds::topics::to_idl(native));
       }
     }
     ++index;
   };
-  std::apply([&](const auto&... entry) { (write_topic(entry), ...); }, dds::topics::all);
+  std::apply([&](const auto&... entry) { (write_topic(entry), ...); }, sonopose::dds::topics::all);
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 #include "mcap/decoder.hpp"
 #include "mcap/encoder.hpp"
 #include "mcap/writer.hpp"
-#include <sonopose/dds/binding/cdr.hpp>
+#include <sonopose/dds/psm/cdr.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/ros2/messages/idl_types.hpp>

@@ -127,7 +127,7 @@ void check_inputs(std::string_view input, std::size_t max_events) {
 
 bool is_of_the_bus(const mcap::Reader& reader) {
   return std::ranges::any_of(reader.channels(), [](const auto& entry) {
-    return dds::topics::find_topic(entry.second.topic) != nullptr;
+    return sonopose::dds::topics::find_topic(entry.second.topic) != nullptr;
   });
 }
 

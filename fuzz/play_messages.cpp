@@ -18,10 +18,10 @@ using namespace sonopose::fuzz;
 
 namespace {
 
-void check_sample(const dds::topics::SerializedTopic& topic, std::span<const std::byte> bytes) {
-  dds::topics::beacon_of(bytes);
-  dds::topics::status_of_pose(bytes);
-  dds::topics::event_sequence_of(bytes);
+void check_sample(const sonopose::dds::topics::SerializedTopic& topic, std::span<const std::byte> bytes) {
+  sonopose::dds::topics::beacon_of(bytes);
+  sonopose::dds::topics::status_of_pose(bytes);
+  sonopose::dds::topics::event_sequence_of(bytes);
   promise(topic.key_fields(bytes).size() <= 2, "a key has at most two fields");
   std::vector<std::byte> moved(bytes.begin(), bytes.end());
   topic.shift_times(moved, 0);
@@ -41,7 +41,7 @@ void check_end(std::string_view text) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
-  const auto topics = dds::topics::serialized_topics();
+  const auto topics = sonopose::dds::topics::serialized_topics();
   const auto bytes = std::as_bytes(std::span(data, size)).subspan(1);
   check_sample(topics[data[0] % topics.size()], bytes);
   check_end({reinterpret_cast<const char*>(bytes.data()), bytes.size()});

@@ -6,8 +6,8 @@
 
 using namespace sonopose;
 using namespace sonopose::fuzz;
-using dds::qos::FileError;
-using dds::qos::Provider;
+using sonopose::dds::qos::FileError;
+using sonopose::dds::qos::Provider;
 
 namespace {
 
@@ -18,7 +18,8 @@ void check_profiles(const Provider& provider) {
     provider.participant_qos(profile);
     if (profile.starts_with("sonopose::")) {
       promise(
-          dds::qos::mismatches(provider.datawriter_qos(profile), provider.datareader_qos(profile)).empty(),
+          sonopose::dds::qos::mismatches(provider.datawriter_qos(profile), provider.datareader_qos(profile))
+              .empty(),
           "the reader of a profile matches its writer");
     }
   }

@@ -63,7 +63,7 @@ SettingsRequest any_request(FuzzedDataProvider& data) {
 
 void check_settings(const fusion::SettingsChange& change) {
   const EffectiveSettings effective{.address = change.address, .values = config::texts_of(change.settings)};
-  promise(dds::topics::from_idl(dds::topics::to_idl(effective).sample()) == effective,
+  promise(sonopose::dds::topics::from_idl(sonopose::dds::topics::to_idl(effective).sample()) == effective,
           "the effective settings fit their topic");
 }
 
@@ -112,12 +112,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     }
     const SettingsRequest request = any_request(data);
     // A request that exceeds its type never reaches the bus.
-    if (!accepts<std::length_error>([&] { dds::topics::to_idl(request); })) continue;
-    const SettingsReply reply = requests.answer(dds::topics::from_idl(dds::topics::to_idl(request).sample()));
+    if (!accepts<std::length_error>([&] { sonopose::dds::topics::to_idl(request); })) continue;
+    const SettingsReply reply =
+        requests.answer(sonopose::dds::topics::from_idl(sonopose::dds::topics::to_idl(request).sample()));
     promise(reply.address == request.address && reply.request_id == request.request_id,
             "a reply names its request");
     promise(reply.accepted || !reply.reason.empty(), "a refusal has a reason");
-    const SettingsReply sent = dds::topics::from_idl(dds::topics::to_idl(reply));
+    const SettingsReply sent = sonopose::dds::topics::from_idl(sonopose::dds::topics::to_idl(reply));
     promise(sent.reason.size() <= sonopose_MAX_REASON && sent.details.size() <= sonopose_MAX_DETAILS,
             "a reply fits its topic");
     if (request.request_id != 0) {

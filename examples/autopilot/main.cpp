@@ -6,9 +6,7 @@
 //
 // With a real PX4 and its Micro-XRCE-DDS agent, `sonopose-ros2 --px4 /` needs neither.
 
-#include <sonopose/dds/binding/data_reader.hpp>
-#include <sonopose/dds/binding/data_writer.hpp>
-#include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/ros2/messages/idl_types.hpp>
 #include <sonopose/ros2/messages/names.hpp>
 
@@ -18,22 +16,25 @@
 #include <iostream>
 
 int main(int argc, char** argv) {
-  using namespace sonopose;
+  namespace ros2 = sonopose::ros2;
   using namespace std::chrono;
   const long max_messages = argc > 1 ? std::strtol(argv[1], nullptr, 10) : 0;
 
-  const dds::DomainParticipant participant;
-  const dds::Topic<ros2::TimesyncStatus> clock_topic(participant,
-                                                     ros2::name_in_dds("/fmu/out/timesync_status"));
-  const dds::Topic<ros2::VehicleOdometry> odometry_topic(
+  const dds::domain::DomainParticipant participant(org::eclipse::cyclonedds::domain::default_id());
+  const dds::topic::Topic<ros2::TimesyncStatus> clock_topic(participant,
+                                                            ros2::name_in_dds("/fmu/out/timesync_status"));
+  const dds::topic::Topic<ros2::VehicleOdometry> odometry_topic(
       participant, ros2::name_in_dds("/fmu/in/vehicle_visual_odometry"));
   // The QoS of PX4's client.
-  dds::Qos qos;
-  qos << dds::policy::Reliability::best_effort() << dds::policy::History::keep_last(5);
-  dds::DataWriter<ros2::TimesyncStatus> clock(participant, clock_topic, qos);
-  dds::DataReader<ros2::VehicleOdometry> reader(participant, odometry_topic, qos);
-  const dds::ReadCondition has_data(reader);
-  dds::WaitSet waitset;
+  dds::pub::qos::DataWriterQos writer_qos;
+  writer_qos << dds::core::policy::Reliability::BestEffort() << dds::core::policy::History::KeepLast(5);
+  dds::sub::qos::DataReaderQos reader_qos;
+  reader_qos << dds::core::policy::Reliability::BestEffort() << dds::core::policy::History::KeepLast(5);
+  dds::pub::DataWriter<ros2::TimesyncStatus> clock(dds::pub::Publisher(participant), clock_topic, writer_qos);
+  dds::sub::DataReader<ros2::VehicleOdometry> reader(dds::sub::Subscriber(participant), odometry_topic,
+                                                     reader_qos);
+  const dds::sub::cond::ReadCondition has_data(reader, dds::sub::status::DataState::any());
+  dds::core::cond::WaitSet waitset;
   waitset += has_data;
 
   auto due = steady_clock::now();
@@ -46,8 +47,8 @@ int main(int argc, char** argv) {
       status.source_protocol = 2;  // DDS
       clock.write(status);
     }
-    waitset.wait(milliseconds(20));
-    for (const auto sample : reader.take()) {
+    sonopose::dds::ext::wait(waitset, milliseconds(20));
+    for (const auto& sample : reader.take()) {
       if (!sample.info().valid()) continue;
       const ros2::VehicleOdometry& odometry = sample.data();
       std::cout << (odometry.pose_frame == 1 ? "NED " : "FRD ") << odometry.position[0] << ' '

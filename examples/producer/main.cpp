@@ -31,7 +31,8 @@ int main(int argc, char** argv) {
   const double max_duration_s = argc > 1 ? std::strtod(argv[1], nullptr) : 1e9;
   std::signal(SIGINT, [](int) { stopped = 1; });
 
-  const dds::DomainParticipant participant;
+  namespace dds = sonopose::dds;
+  const auto participant = dds::ext::participant();
   const dds::qos::Provider qos;
   auto imu_writer = dds::topics::make_writer(participant, qos, dds::topics::imu);
   auto fix_writer = dds::topics::make_writer(participant, qos, dds::topics::fix);
@@ -53,13 +54,14 @@ int main(int argc, char** argv) {
     imu.sequence = ++sequence;
     imu.sensor_time_ns = start_ns + 10'000'000 * i;
     imu.bridge_time_ns = host_now();
-    imu_writer.try_write(dds::topics::to_idl(imu));  // does not throw: a slow reader must not end the driver
-    if (i % 25 != 0 && i % 25 != 12) continue;       // eight of a hundred
+    // Does not throw: a slow reader must not end the driver.
+    dds::ext::try_write(imu_writer, dds::topics::to_idl(imu));
+    if (i % 25 != 0 && i % 25 != 12) continue;  // eight of a hundred
     fix.sequence = ++sequence;
     fix.received_time_ns = imu.sensor_time_ns;
     fix.emission_time_ns = fix.received_time_ns - to_ns(fix_delay_s);
     const double angle_rad = turn_rate_radps * seconds_between(start_ns, fix.emission_time_ns);
     fix.position_world_m = {radius_m * std::cos(angle_rad), radius_m * std::sin(angle_rad), 0.5};
-    fix_writer.try_write(dds::topics::to_idl(fix));
+    dds::ext::try_write(fix_writer, dds::topics::to_idl(fix));
   }
 }

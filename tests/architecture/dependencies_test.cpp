@@ -268,7 +268,7 @@ TEST_CASE("a module's folder is its namespace") {
       const Names allowed{folder == "samples" ? "sonopose"
                           : names_parent      ? "sonopose::" + own.substr(0, own.find(':'))
                                               : "sonopose::" + own};
-      if (file.filename() == "idl_types.hpp") continue;  // specialises a template of the binding
+      if (file.filename() == "idl_types.hpp") continue;  // specialises a template of dds/psm
       const auto names = matches_of(read_text(file), opened);
       const bool found =
           names.empty() || std::any_of(names.begin(), names.end(), [&](const std::string& name) {

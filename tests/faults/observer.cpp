@@ -7,46 +7,47 @@
 namespace sonopose::faults {
 
 template <class T>
-class Observer::Listener final : public dds::DataReaderListener<T> {
+class Observer::Listener final : public dds::sub::NoOpDataReaderListener<T> {
 public:
   explicit Listener(Observer& observer) : observer_(observer) {}
 
-  void on_data_available(dds::DataReader<T>& reader) noexcept override {
+  void on_data_available(dds::sub::DataReader<T>& reader) noexcept override {
     const SteadyTime received = clocks::steady_now();
     {
       const std::lock_guard lock(observer_.mutex_);
-      reader.try_take_each([&](const T& sample, const dds::SampleInfo& info) {
-        observer_.on(reader, sample, info.publication_handle().value, received);
+      dds::ext::try_take_each(reader, [&](const T& sample, const dds::sub::SampleInfo& info) {
+        observer_.on(reader, sample, info.publication_handle().c_value(), received);
       });
     }
     observer_.came_.notify_all();
   }
 
-  void on_subscription_matched(dds::DataReader<T>& reader,
-                               const dds::SubscriptionMatchedStatus& status) noexcept override {
-    if (status.current_count_change <= 0) return;
+  void on_subscription_matched(dds::sub::DataReader<T>& reader,
+                               const dds::core::status::SubscriptionMatchedStatus& status) noexcept override {
+    if (status.current_count_change() <= 0) return;
     const std::lock_guard lock(observer_.mutex_);
-    observer_.writer_of(reader, status.last_publication_handle);
+    observer_.writer_of(reader, status.last_publication_handle().c_value());
   }
 
-  void on_liveliness_changed(dds::DataReader<T>& /*reader*/,
-                             const dds::LivelinessChangedStatus& status) noexcept override {
-    if (!std::is_same_v<T, sonopose_FusedPose> || status.not_alive_count_change <= 0) return;
+  void on_liveliness_changed(dds::sub::DataReader<T>& /*reader*/,
+                             const dds::core::status::LivelinessChangedStatus& status) noexcept override {
+    if (!std::is_same_v<T, sonopose_FusedPose> || status.not_alive_count_change() <= 0) return;
     const std::lock_guard lock(observer_.mutex_);
-    observer_.losses_.push_back({clocks::steady_now(), status.last_publication_handle});
+    observer_.losses_.push_back({clocks::steady_now(), status.last_publication_handle().c_value()});
   }
 
-  void on_sample_lost(dds::DataReader<T>& /*reader*/, const dds::SampleLostStatus& status) noexcept override {
+  void on_sample_lost(dds::sub::DataReader<T>& /*reader*/,
+                      const dds::core::status::SampleLostStatus& status) noexcept override {
     if (!std::is_same_v<T, sonopose_FusedPose>) return;
     const std::lock_guard lock(observer_.mutex_);
-    observer_.lost_ += static_cast<std::uint64_t>(std::max(0, status.total_count_change));
+    observer_.lost_ += static_cast<std::uint64_t>(std::max(0, status.total_count_change()));
   }
 
-  void on_sample_rejected(dds::DataReader<T>& /*reader*/,
-                          const dds::SampleRejectedStatus& status) noexcept override {
+  void on_sample_rejected(dds::sub::DataReader<T>& /*reader*/,
+                          const dds::core::status::SampleRejectedStatus& status) noexcept override {
     if (!std::is_same_v<T, sonopose_FusedPose>) return;
     const std::lock_guard lock(observer_.mutex_);
-    observer_.rejected_ += static_cast<std::uint64_t>(std::max(0, status.total_count_change));
+    observer_.rejected_ += static_cast<std::uint64_t>(std::max(0, status.total_count_change()));
   }
 
 private:
@@ -57,7 +58,7 @@ Observer::Observer(const test::Bus& bus)
     : pose_listener_(std::make_unique<Listener<sonopose_FusedPose>>(*this)),
       imu_listener_(std::make_unique<Listener<sonopose_ImuSample>>(*this)),
       status_listener_(std::make_unique<Listener<sonopose_FusionStatus>>(*this)),
-      participant_(dds::make_participant({.domain_id = bus.domain_id()})) {
+      participant_(dds::ext::participant({.domain_id = bus.domain_id()})) {
   const dds::qos::Provider qos;
   namespace topics = dds::topics;
   status_reader_ = topics::make_reader(participant_, qos, topics::fusion_status, status_listener_.get());
@@ -67,10 +68,10 @@ Observer::Observer(const test::Bus& bus)
 
 Observer::~Observer() = default;
 
-Observer::Writer Observer::writer_of(const dds::Entity& reader, std::uint64_t writer) {
+Observer::Writer Observer::writer_of(const dds::core::Entity& reader, std::uint64_t writer) {
   const auto found = writers_.find(writer);
   if (found != writers_.end()) return found->second;
-  dds_builtintopic_endpoint_t* data = dds_get_matched_publication_data(reader.handle(), writer);
+  dds_builtintopic_endpoint_t* data = dds_get_matched_publication_data(dds::ext::try_handle(reader), writer);
   if (data == nullptr) return {};
   Writer known{data->participant_instance_handle, 0};
   dds_qget_ownership_strength(data->qos, &known.strength);
@@ -79,7 +80,7 @@ Observer::Writer Observer::writer_of(const dds::Entity& reader, std::uint64_t wr
   return known;
 }
 
-void Observer::on(const dds::DataReader<sonopose_FusedPose>& reader, const sonopose_FusedPose& pose,
+void Observer::on(const dds::sub::DataReader<sonopose_FusedPose>& reader, const sonopose_FusedPose& pose,
                   std::uint64_t writer, SteadyTime received) {
   const Writer known = writer_of(reader, writer);
   poses_.push_back({.received = received,
@@ -95,13 +96,13 @@ void Observer::on(const dds::DataReader<sonopose_FusedPose>& reader, const sonop
                     .reset_counter = pose.reset_counter});
 }
 
-void Observer::on(const dds::DataReader<sonopose_ImuSample>& /*reader*/, const sonopose_ImuSample& imu,
+void Observer::on(const dds::sub::DataReader<sonopose_ImuSample>& /*reader*/, const sonopose_ImuSample& imu,
                   std::uint64_t /*writer*/, SteadyTime received) {
   imu_.push_back({received, imu.address, imu.event_sequence, imu.bridge_time});
 }
 
-void Observer::on(const dds::DataReader<sonopose_FusionStatus>& reader, const sonopose_FusionStatus& status,
-                  std::uint64_t writer, SteadyTime received) {
+void Observer::on(const dds::sub::DataReader<sonopose_FusionStatus>& reader,
+                  const sonopose_FusionStatus& status, std::uint64_t writer, SteadyTime received) {
   reports_.push_back({received, writer_of(reader, writer).process, dds::topics::from_idl(status)});
 }
 

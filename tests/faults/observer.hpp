@@ -48,13 +48,13 @@ private:
   template <class T>
   class Listener;
 
-  void on(const dds::DataReader<sonopose_FusedPose>& reader, const sonopose_FusedPose& pose,
+  void on(const dds::sub::DataReader<sonopose_FusedPose>& reader, const sonopose_FusedPose& pose,
           std::uint64_t writer, SteadyTime received);
-  void on(const dds::DataReader<sonopose_ImuSample>& reader, const sonopose_ImuSample& imu,
+  void on(const dds::sub::DataReader<sonopose_ImuSample>& reader, const sonopose_ImuSample& imu,
           std::uint64_t writer, SteadyTime received);
-  void on(const dds::DataReader<sonopose_FusionStatus>& reader, const sonopose_FusionStatus& status,
+  void on(const dds::sub::DataReader<sonopose_FusionStatus>& reader, const sonopose_FusionStatus& status,
           std::uint64_t writer, SteadyTime received);
-  Writer writer_of(const dds::Entity& reader, std::uint64_t writer);
+  Writer writer_of(const dds::core::Entity& reader, std::uint64_t writer);
 
   mutable std::mutex mutex_;
   mutable std::condition_variable came_;
@@ -69,10 +69,10 @@ private:
   std::unique_ptr<Listener<sonopose_FusedPose>> pose_listener_;
   std::unique_ptr<Listener<sonopose_ImuSample>> imu_listener_;
   std::unique_ptr<Listener<sonopose_FusionStatus>> status_listener_;
-  dds::DomainParticipant participant_;
-  dds::DataReader<sonopose_FusedPose> pose_reader_;
-  dds::DataReader<sonopose_ImuSample> imu_reader_;
-  dds::DataReader<sonopose_FusionStatus> status_reader_;
+  dds::domain::DomainParticipant participant_;
+  dds::sub::DataReader<sonopose_FusedPose> pose_reader_ = dds::core::null;
+  dds::sub::DataReader<sonopose_ImuSample> imu_reader_ = dds::core::null;
+  dds::sub::DataReader<sonopose_FusionStatus> status_reader_ = dds::core::null;
 };
 
 }  // namespace sonopose::faults

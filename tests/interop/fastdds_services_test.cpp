@@ -2,7 +2,7 @@
 
 #include "support/ros2.hpp"
 #include "support/ros2_fields.hpp"
-#include <sonopose/dds/binding/discovery.hpp>
+#include <sonopose/dds/psm/discovery.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -11,9 +11,8 @@
 #include <string>
 #include <thread>
 
-namespace fastdds_services_test {
+namespace sonopose::fastdds_services_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 
 /// A Fast DDS process that ends after the first message on /end.
@@ -29,7 +28,7 @@ std::unique_ptr<Process> fast_dds_process(const Bus& bus) {
 class Services {
 public:
   explicit Services(const Bus& bus)
-      : participant_(dds::make_participant({.domain_id = bus.domain_id()})), discovery_(participant_) {}
+      : participant_(dds::ext::participant({.domain_id = bus.domain_id()})), discovery_(participant_) {}
 
   /// Waits until there are this many services.
   [[nodiscard]] bool wait_for_count(std::ptrdiff_t count) const {
@@ -47,7 +46,7 @@ public:
   }
 
 private:
-  dds::DomainParticipant participant_;
+  dds::domain::DomainParticipant participant_;
   dds::Discovery discovery_;
 };
 
@@ -88,4 +87,4 @@ SCENARIO("services that cannot reply are not offered") {
   }
 }
 
-}  // namespace fastdds_services_test
+}  // namespace sonopose::fastdds_services_test

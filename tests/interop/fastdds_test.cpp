@@ -8,9 +8,8 @@
 #include <algorithm>
 #include <map>
 
-namespace fastdds_test {
+namespace sonopose::fastdds_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
@@ -284,4 +283,4 @@ SCENARIO("PX4's agent, which is a Fast DDS, gets the pose of a drone") {
   }
 }
 
-}  // namespace fastdds_test
+}  // namespace sonopose::fastdds_test

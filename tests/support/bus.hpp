@@ -4,7 +4,7 @@
 
 #include "support/process.hpp"
 #include "support/test_domain.hpp"
-#include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
@@ -84,16 +84,16 @@ private:
 
 /// Waits on an entity's statuses until `done()`; returns the last result of `done()`.
 template <class Done>
-bool wait_for_status(const dds::Entity& entity, dds::StatusMask statuses, const Done& done,
-                     std::chrono::milliseconds limit = timeout) {
-  dds::StatusCondition condition(entity);
+bool wait_for_status(const dds::core::Entity& entity, dds::core::status::StatusMask statuses,
+                     const Done& done, std::chrono::milliseconds limit = timeout) {
+  dds::core::cond::StatusCondition condition(entity);
   condition.enabled_statuses(statuses);
-  dds::WaitSet waitset;
+  dds::core::cond::WaitSet waitset;
   waitset += condition;
   const auto give_up = std::chrono::steady_clock::now() + limit;
   while (!done()) {
-    const dds::Duration left = give_up - std::chrono::steady_clock::now();
-    if (left <= dds::Duration::zero() || waitset.wait(left) == 0) return done();
+    const std::chrono::nanoseconds left = give_up - std::chrono::steady_clock::now();
+    if (left <= std::chrono::nanoseconds::zero() || !dds::ext::wait(waitset, left)) return done();
   }
   return true;
 }
@@ -107,20 +107,20 @@ public:
 
   Consumer(const Bus& bus, const dds::topics::Entry<T>& entry,
            dds::topics::Delivery delivery = dds::topics::Delivery::lossless)
-      : participant_(dds::make_participant({.domain_id = bus.domain_id()})),
+      : participant_(dds::ext::participant({.domain_id = bus.domain_id()})),
         reader_(dds::topics::make_reader(participant_, dds::qos::Provider(), entry, nullptr, delivery)) {}
 
   /// Waits until it has matched at least `count` writers.
-  bool wait_for_writers(std::uint32_t count = 1) {
-    return wait_for_status(reader_, dds::StatusMask::subscription_matched(),
-                           [&] { return reader_.subscription_matched_status().current_count >= count; });
+  bool wait_for_writers(std::int32_t count = 1) {
+    return wait_for_status(reader_, dds::core::status::StatusMask::subscription_matched(),
+                           [&] { return reader_.subscription_matched_status().current_count() >= count; });
   }
 
   /// Takes samples until `done()`.
   template <class Done>
   bool wait_until(const Done& done, std::chrono::milliseconds limit = timeout) {
     return wait_for_status(
-        reader_, dds::StatusMask::data_available(),
+        reader_, dds::core::status::StatusMask::data_available(),
         [&] {
           take();
           return done();
@@ -151,7 +151,7 @@ public:
 
   /// Takes all available samples.
   void take() {
-    reader_.take_each([&](const T& sample, const dds::SampleInfo&) {
+    dds::ext::take_each(reader_, [&](const T& sample, const dds::sub::SampleInfo&) {
       samples.push_back(dds::topics::from_idl(sample));
       received_ns.push_back(std::chrono::duration_cast<std::chrono::nanoseconds>(
                                 std::chrono::system_clock::now().time_since_epoch())
@@ -163,8 +163,8 @@ public:
   std::vector<TimeNs> received_ns;  ///< time at which each sample was taken
 
 private:
-  dds::DomainParticipant participant_;
-  dds::DataReader<T> reader_;
+  dds::domain::DomainParticipant participant_;
+  dds::sub::DataReader<T> reader_;
 };
 
 }  // namespace sonopose::test

@@ -21,20 +21,20 @@ struct TappedPose {
 class PoseTap {
 public:
   explicit PoseTap(const Bus& bus, const std::string& partition = {})
-      : participant_(dds::make_participant({.domain_id = bus.domain_id(), .partition = partition})),
+      : participant_(dds::ext::participant({.domain_id = bus.domain_id(), .partition = partition})),
         reader_(dds::topics::make_reader(participant_, dds::qos::Provider(), dds::topics::pose, &listener_)) {
   }
 
   /// Currently matched writers.
   [[nodiscard]] std::set<std::uint64_t> writers() const {
     std::set<std::uint64_t> handles;
-    for (const auto handle : reader_.matched_publications()) handles.insert(handle.value);
+    for (const auto handle : dds::ext::matched_publications(reader_)) handles.insert(handle.c_value());
     return handles;
   }
 
   /// Ownership strength of this writer.
   [[nodiscard]] std::int32_t strength_of(std::uint64_t writer) const {
-    dds_builtintopic_endpoint_t* data = dds_get_matched_publication_data(reader_.handle(), writer);
+    dds_builtintopic_endpoint_t* data = dds_get_matched_publication_data(dds::ext::handle(reader_), writer);
     REQUIRE(data != nullptr);
     std::int32_t strength = 0;
     dds_qget_ownership_strength(data->qos, &strength);
@@ -99,19 +99,19 @@ public:
   }
 
 private:
-  struct Listener final : dds::DataReaderListener<sonopose_FusedPose> {
-    void on_data_available(dds::DataReader<sonopose_FusedPose>& reader) noexcept override {
+  struct Listener final : dds::sub::NoOpDataReaderListener<sonopose_FusedPose> {
+    void on_data_available(dds::sub::DataReader<sonopose_FusedPose>& reader) noexcept override {
       const SteadyTime received = clocks::steady_now();
       const std::lock_guard lock(mutex);
-      reader.try_take_each([&](const sonopose_FusedPose& pose, const dds::SampleInfo& info) {
-        poses.push_back({dds::topics::from_idl(pose), info.publication_handle().value, received});
+      dds::ext::try_take_each(reader, [&](const sonopose_FusedPose& pose, const dds::sub::SampleInfo& info) {
+        poses.push_back({dds::topics::from_idl(pose), info.publication_handle().c_value(), received});
       });
       came.notify_all();
     }
 
-    void on_liveliness_changed(dds::DataReader<sonopose_FusedPose>& /*reader*/,
-                               const dds::LivelinessChangedStatus& status) noexcept override {
-      if (status.not_alive_count_change <= 0) return;
+    void on_liveliness_changed(dds::sub::DataReader<sonopose_FusedPose>& /*reader*/,
+                               const dds::core::status::LivelinessChangedStatus& status) noexcept override {
+      if (status.not_alive_count_change() <= 0) return;
       const std::lock_guard lock(mutex);
       lost_at = clocks::steady_now();
       came.notify_all();
@@ -124,8 +124,8 @@ private:
   };
 
   Listener listener_;
-  dds::DomainParticipant participant_;
-  dds::DataReader<sonopose_FusedPose> reader_;
+  dds::domain::DomainParticipant participant_;
+  dds::sub::DataReader<sonopose_FusedPose> reader_;
 };
 
 }  // namespace sonopose::test

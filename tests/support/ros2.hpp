@@ -21,13 +21,13 @@ inline dds::Qos qos_of(Subscription kind) {
   dds::Qos qos;
   switch (kind) {
     case Subscription::standard:
-      return qos << Reliability::reliable() << History::keep_last(100);
+      return qos << Reliability::Reliable() << History::KeepLast(100);
     case Subscription::sensor_data:
-      return qos << Reliability::best_effort() << History::keep_last(5);
+      return qos << Reliability::BestEffort() << History::KeepLast(5);
     case Subscription::latched:
     case Subscription::latched_log:
-      return qos << Reliability::reliable() << Durability{DurabilityKind::transient_local}
-                 << History::keep_last(kind == Subscription::latched ? 1 : 1000);
+      return qos << Reliability::Reliable() << Durability{DurabilityKind::TRANSIENT_LOCAL}
+                 << History::KeepLast(kind == Subscription::latched ? 1 : 1000);
   }
   return qos;
 }
@@ -37,18 +37,20 @@ template <class T>
 class RosReader {
 public:
   RosReader(const Bus& bus, const std::string& topic, Subscription kind = Subscription::standard)
-      : participant_(dds::make_participant({.domain_id = bus.domain_id()})),
-        reader_(participant_, dds::Topic<T>(participant_, ros2::name_in_dds(topic)), qos_of(kind)) {}
+      : participant_(dds::ext::participant({.domain_id = bus.domain_id()})),
+        reader_(dds::sub::Subscriber(participant_),
+                dds::topic::Topic<T>(participant_, ros2::name_in_dds(topic)), qos_of(kind)) {}
 
   /// Waits until `inspect(const T&)` returns true for a message.
   template <class Look>
   bool wait_for(const Look& inspect, std::chrono::milliseconds limit = timeout) {
     bool found = false;
     return wait_for_status(
-        reader_, dds::StatusMask::data_available(),
+        reader_, dds::core::status::StatusMask::data_available(),
         [&] {
-          reader_.take_each(
-              [&](const T& message, const dds::SampleInfo&) { found = inspect(message) || found; });
+          dds::ext::take_each(reader_, [&](const T& message, const dds::sub::SampleInfo&) {
+            found = inspect(message) || found;
+          });
           return found;
         },
         limit);
@@ -68,18 +70,18 @@ public:
   /// Calls `inspect(const T&)` for each available message.
   template <class Look>
   void take(const Look& inspect) {
-    reader_.take_each([&](const T& message, const dds::SampleInfo&) { inspect(message); });
+    dds::ext::take_each(reader_, [&](const T& message, const dds::sub::SampleInfo&) { inspect(message); });
   }
 
   /// Waits until the topic has a writer.
   bool wait_for_writer() {
-    return wait_for_status(reader_, dds::StatusMask::subscription_matched(),
-                           [&] { return reader_.subscription_matched_status().current_count > 0; });
+    return wait_for_status(reader_, dds::core::status::StatusMask::subscription_matched(),
+                           [&] { return reader_.subscription_matched_status().current_count() > 0; });
   }
 
 private:
-  dds::DomainParticipant participant_;
-  dds::DataReader<T> reader_;
+  dds::domain::DomainParticipant participant_;
+  dds::sub::DataReader<T> reader_;
   std::size_t seen_ = 0;
 };
 
@@ -88,19 +90,20 @@ template <class T>
 class RosWriter {
 public:
   RosWriter(const Bus& bus, const std::string& topic, bool reliable = true)
-      : participant_(dds::make_participant({.domain_id = bus.domain_id()})),
-        writer_(participant_, dds::Topic<T>(participant_, ros2::name_in_dds(topic)),
+      : participant_(dds::ext::participant({.domain_id = bus.domain_id()})),
+        writer_(dds::pub::Publisher(participant_),
+                dds::topic::Topic<T>(participant_, ros2::name_in_dds(topic)),
                 qos_of(reliable ? Subscription::standard : Subscription::sensor_data)) {}
 
   bool wait_for_reader() {
-    return wait_for_status(writer_, dds::StatusMask::publication_matched(),
-                           [&] { return writer_.publication_matched_status().current_count > 0; });
+    return wait_for_status(writer_, dds::core::status::StatusMask::publication_matched(),
+                           [&] { return writer_.publication_matched_status().current_count() > 0; });
   }
   void write(const T& message) { writer_.write(message); }
 
 private:
-  dds::DomainParticipant participant_;
-  dds::DataWriter<T> writer_;
+  dds::domain::DomainParticipant participant_;
+  dds::pub::DataWriter<T> writer_;
 };
 
 inline TimeNs stamp_of(const ros2::Header& header) {

@@ -3,8 +3,8 @@
 /// The ROS 2 graph: `ros_discovery_info`, whose type has two layouts, and the endpoints that it lists.
 
 #include "support/process.hpp"
-#include <sonopose/dds/binding/discovery.hpp>
-#include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/dds/psm/discovery.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/ros2/node/node.hpp>
 
 #include <catch2/catch.hpp>
@@ -38,7 +38,7 @@ std::string key_of(const Gid& gid) {
   dds_guid_t guid{};
   std::copy_n(std::begin(gid.data), sizeof guid.v, std::begin(guid.v));
   CHECK(std::all_of(std::begin(gid.data) + sizeof guid.v, std::end(gid.data), [](auto b) { return b == 0; }));
-  return dds::text_of(guid);
+  return dds::ext::text_of(guid);
 }
 
 template <class Sequence>
@@ -66,26 +66,29 @@ template <class Info>
 class Watcher {
 public:
   explicit Watcher(std::uint32_t domain_id)
-      : participant_(dds::make_participant({.domain_id = domain_id})),
-        reader_(participant_, dds::Topic<Info>(participant_, "ros_discovery_info"),
-                dds::Qos() << dds::policy::Reliability::reliable() << dds::policy::History::keep_all()
-                           << dds::policy::Durability{dds::policy::DurabilityKind::transient_local}) {}
+      : participant_(dds::ext::participant({.domain_id = domain_id})),
+        reader_(dds::sub::Subscriber(participant_),
+                dds::topic::Topic<Info>(participant_, "ros_discovery_info"),
+                dds::Qos() << dds::policy::Reliability::Reliable() << dds::policy::History::KeepAll()
+                           << dds::policy::Durability::TransientLocal()) {}
 
   /// Takes until `done()`. Also polls it, because discovery does not trigger the wait set.
   template <class Done>
   bool wait_until(const Done& done) {
-    dds::StatusCondition condition(reader_);
-    condition.enabled_statuses(dds::StatusMask::data_available() | dds::StatusMask::subscription_matched());
-    dds::WaitSet waitset;
+    dds::core::cond::StatusCondition condition(reader_);
+    condition.enabled_statuses(dds::core::status::StatusMask::data_available() |
+                               dds::core::status::StatusMask::subscription_matched());
+    dds::core::cond::WaitSet waitset;
     waitset += condition;
     const auto give_up = std::chrono::steady_clock::now() + timeout;
     const auto finished = [&] {
-      reader_.take_each(
-          [&](const Info& info, const dds::SampleInfo&) { messages.push_back(graph_info_of(info)); });
+      dds::ext::take_each(reader_, [&](const Info& info, const dds::sub::SampleInfo&) {
+        messages.push_back(graph_info_of(info));
+      });
       return done();
     };
     while (!finished() && std::chrono::steady_clock::now() < give_up) {
-      waitset.wait(std::chrono::milliseconds(20));
+      dds::ext::wait(waitset, std::chrono::milliseconds(20));
     }
     return done();
   }
@@ -93,14 +96,14 @@ public:
     return wait_until([&] { return messages.size() >= count; });
   }
 
-  std::uint32_t writer_count() { return reader_.subscription_matched_status().current_count; }
-  const dds::DomainParticipant& participant() const { return participant_; }
+  std::int32_t writer_count() { return reader_.subscription_matched_status().current_count(); }
+  const dds::domain::DomainParticipant& participant() const { return participant_; }
 
   std::vector<GraphInfo> messages;
 
 private:
-  dds::DomainParticipant participant_;
-  dds::DataReader<Info> reader_;
+  dds::domain::DomainParticipant participant_;
+  dds::sub::DataReader<Info> reader_;
 };
 
 /// A ROS 2 process as seen by others: a participant with an enclave, and writers by topic with their user
@@ -110,9 +113,10 @@ public:
   using Writers = std::vector<std::pair<std::string, std::string>>;
 
   RosProcess(std::uint32_t domain_id, const Writers& writers, const std::string& user_data = "enclave=/;")
-      : participant_(dds::make_participant({.domain_id = domain_id}, with_user_data(user_data))) {
+      : participant_(dds::ext::participant({.domain_id = domain_id}, with_user_data(user_data))) {
     for (const auto& [topic, text] : writers) {
-      writers_.emplace_back(participant_, dds::Topic<ros2::Imu>(participant_, topic), with_user_data(text));
+      writers_.emplace_back(dds::pub::Publisher(participant_),
+                            dds::topic::Topic<ros2::Imu>(participant_, topic), with_user_data(text));
     }
   }
 
@@ -121,11 +125,11 @@ public:
 
 private:
   static dds::Qos with_user_data(const std::string& text) {
-    return dds::Qos() << dds::policy::UserData{{text.begin(), text.end()}};
+    return dds::Qos() << dds::policy::UserData({text.begin(), text.end()});
   }
 
-  dds::DomainParticipant participant_;
-  std::vector<dds::DataWriter<ros2::Imu>> writers_;
+  dds::domain::DomainParticipant participant_;
+  std::vector<dds::pub::DataWriter<ros2::Imu>> writers_;
 };
 
 inline const std::string a_type_hash = "typehash=RIHS01_00;";
@@ -147,7 +151,7 @@ inline std::map<std::string, dds::FoundEndpoint> endpoints_of(const std::vector<
 }
 
 inline std::string user_data_of(const dds::FoundEndpoint& endpoint) {
-  return text_of(endpoint.qos.policy<dds::policy::UserData>().value_or(dds::policy::UserData{}).value);
+  return text_of(endpoint.qos.policy_or_default<dds::policy::UserData>().value());
 }
 
 }  // namespace sonopose::test

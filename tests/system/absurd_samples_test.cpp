@@ -9,9 +9,8 @@
 #include <csignal>
 #include <limits>
 
-namespace absurd_samples_test {
+namespace sonopose::absurd_samples_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
@@ -46,7 +45,7 @@ std::uint64_t count(std::size_t i) {
 /// Writes all of them, to the topics of measurements, poses and statuses.
 class Forger {
 public:
-  explicit Forger(const Bus& bus) : participant_(dds::make_participant({.domain_id = bus.domain_id()})) {}
+  explicit Forger(const Bus& bus) : participant_(dds::ext::participant({.domain_id = bus.domain_id()})) {}
 
   void write(std::size_t i) {
     write_inputs(i);
@@ -123,18 +122,18 @@ private:
   }
 
   template <class T>
-  dds::DataWriter<T> writer(const topics::Entry<T>& entry) const {
+  dds::pub::DataWriter<T> writer(const topics::Entry<T>& entry) const {
     return topics::make_writer(participant_, dds::qos::Provider(), entry);
   }
 
-  dds::DomainParticipant participant_;
-  dds::DataWriter<sonopose_ImuSample> imu_ = writer(topics::imu);
-  dds::DataWriter<sonopose_UltrasonicFix> fix_ = writer(topics::fix);
-  dds::DataWriter<sonopose_PairHeading> heading_ = writer(topics::heading);
-  dds::DataWriter<sonopose_FusedPose> pose_ = writer(topics::pose);
-  dds::DataWriter<sonopose_BeaconStatus> beacon_status_ = writer(topics::beacon_status);
-  dds::DataWriter<sonopose_FusionStatus> fusion_status_ = writer(topics::fusion_status);
-  dds::DataWriter<sonopose_TruthSample> truth_ = writer(topics::truth);
+  dds::domain::DomainParticipant participant_;
+  dds::pub::DataWriter<sonopose_ImuSample> imu_ = writer(topics::imu);
+  dds::pub::DataWriter<sonopose_UltrasonicFix> fix_ = writer(topics::fix);
+  dds::pub::DataWriter<sonopose_PairHeading> heading_ = writer(topics::heading);
+  dds::pub::DataWriter<sonopose_FusedPose> pose_ = writer(topics::pose);
+  dds::pub::DataWriter<sonopose_BeaconStatus> beacon_status_ = writer(topics::beacon_status);
+  dds::pub::DataWriter<sonopose_FusionStatus> fusion_status_ = writer(topics::fusion_status);
+  dds::pub::DataWriter<sonopose_TruthSample> truth_ = writer(topics::truth);
 };
 
 SCENARIO("samples with absurd times, numbers and counters end no process and disturb no other beacon") {
@@ -169,4 +168,4 @@ SCENARIO("samples with absurd times, numbers and counters end no process and dis
   }
 }
 
-}  // namespace absurd_samples_test
+}  // namespace sonopose::absurd_samples_test

@@ -9,9 +9,8 @@
 #include <functional>
 #include <map>
 
-namespace chain_test {
+namespace sonopose::chain_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
@@ -166,4 +165,4 @@ SCENARIO("programs use the domain of ROS_DOMAIN_ID") {
   }
 }
 
-}  // namespace chain_test
+}  // namespace sonopose::chain_test

@@ -8,9 +8,8 @@
 #include <csignal>
 #include <iterator>
 
-namespace consumers_test {
+namespace sonopose::consumers_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
@@ -90,4 +89,4 @@ SCENARIO("two additional consumers at once are served like the first") {
   }
 }
 
-}  // namespace consumers_test
+}  // namespace sonopose::consumers_test

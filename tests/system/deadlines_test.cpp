@@ -13,9 +13,8 @@
 #include <utility>
 #include <vector>
 
-namespace deadlines_test {
+namespace sonopose::deadlines_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
@@ -282,4 +281,4 @@ SCENARIO("two fusions share the beacons by address") {
   }
 }
 
-}  // namespace deadlines_test
+}  // namespace sonopose::deadlines_test

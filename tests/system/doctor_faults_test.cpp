@@ -19,9 +19,8 @@
 #include <regex>
 #include <set>
 
-namespace doctor_faults_test {
+namespace sonopose::doctor_faults_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
 namespace topics = dds::topics;
@@ -213,10 +212,10 @@ SCENARIO("the doctor finds two fusions of one strength, foreign endpoints, and o
     REQUIRE(poses.wait_for_count(1));
     REQUIRE(poses.wait_for_writers(2));
     AND_GIVEN("a writer and a reader of poses with other QoS, and IMU samples of a clock that is 5 s ahead") {
-      const dds::DomainParticipant participant({.domain_id = bus.domain_id()});
-      const dds::Topic<sonopose_FusedPose> topic(participant, topics::pose.name);
-      const dds::DataWriter<sonopose_FusedPose> foreign_writer(participant, topic);
-      const dds::DataReader<sonopose_FusedPose> foreign_reader(participant, topic);
+      const auto participant = dds::ext::participant({.domain_id = bus.domain_id()});
+      const dds::topic::Topic<sonopose_FusedPose> topic(participant, topics::pose.name);
+      const dds::pub::DataWriter<sonopose_FusedPose> foreign_writer(dds::pub::Publisher(participant), topic);
+      const dds::sub::DataReader<sonopose_FusedPose> foreign_reader(dds::sub::Subscriber(participant), topic);
       auto ahead = dds::topics::make_writer(participant, dds::qos::Provider(), topics::imu);
       std::jthread clock_ahead([&ahead](const std::stop_token& stop) {
         ImuSample imu;
@@ -254,4 +253,4 @@ SCENARIO("the doctor finds two fusions of one strength, foreign endpoints, and o
   }
 }
 
-}  // namespace doctor_faults_test
+}  // namespace sonopose::doctor_faults_test

@@ -5,7 +5,7 @@
 #include "support/terminal_process.hpp"
 #include "support/wait_until.hpp"
 #include "system/doctor_run.hpp"
-#include <sonopose/dds/binding/discovery.hpp>
+#include <sonopose/dds/psm/discovery.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -19,9 +19,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-namespace doctor_test {
+namespace sonopose::doctor_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
 namespace topics = dds::topics;
@@ -40,7 +39,7 @@ struct Looks {
 
 /// Waits until `count` doctors listen.
 void wait_for_doctors(const Bus& bus, std::ptrdiff_t count) {
-  const dds::DomainParticipant participant({.domain_id = bus.domain_id()});
+  const auto participant = dds::ext::participant({.domain_id = bus.domain_id()});
   const dds::Discovery discovery(participant);
   REQUIRE(wait_until([&] {
     const auto readers = discovery.readers();
@@ -78,9 +77,9 @@ Looks look_at_chain() {
   looks.healthy = look_for("no problems found", bus.domain_id(), {"--duration", "1"});
   looks.json = look_for(R"("ok":true)", bus.domain_id(), {"--json", "--duration", "0.5"});
 
-  const dds::DomainParticipant participant({.domain_id = bus.domain_id()});
-  const dds::Topic<sonopose_FusedPose> topic(participant, topics::pose.name);
-  const dds::DataReader<sonopose_FusedPose> shared(participant, topic);
+  const auto participant = dds::ext::participant({.domain_id = bus.domain_id()});
+  const dds::topic::Topic<sonopose_FusedPose> topic(participant, topics::pose.name);
+  const dds::sub::DataReader<sonopose_FusedPose> shared(dds::sub::Subscriber(participant), topic);
   const auto second = bus.bridge({});
   looks.second_bridge = second->pid();
   REQUIRE(second->wait_for_line(Stream::error, "another bridge publishes beacon 7 too"));
@@ -344,4 +343,4 @@ SCENARIO("the doctor refuses an invalid command line") {
   CHECK(look(bus.domain_id(), {"--nonsense"}).code.value_or(0) > 1);
 }
 
-}  // namespace doctor_test
+}  // namespace sonopose::doctor_test

@@ -7,9 +7,8 @@
 #include <chrono>
 #include <csignal>
 
-namespace ending_test {
+namespace sonopose::ending_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 using std::chrono::milliseconds;
@@ -151,4 +150,4 @@ SCENARIO("a fusion that is blocked by a stopped consumer ends on a signal") {
   }
 }
 
-}  // namespace ending_test
+}  // namespace sonopose::ending_test

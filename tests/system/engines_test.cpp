@@ -10,9 +10,8 @@
 #include <map>
 #include <sstream>
 
-namespace engines_test {
+namespace sonopose::engines_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
@@ -134,4 +133,4 @@ SCENARIO("the monitor shows what each engine has estimated") {
   }
 }
 
-}  // namespace engines_test
+}  // namespace sonopose::engines_test

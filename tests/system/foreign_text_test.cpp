@@ -11,9 +11,8 @@
 #include <csignal>
 #include <sstream>
 
-namespace foreign_text_test {
+namespace sonopose::foreign_text_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
 namespace topics = dds::topics;
@@ -55,7 +54,7 @@ void check_printed(const Result& result) {
 /// Writes hostile texts and huge numbers to the topics of reports.
 class Stranger {
 public:
-  explicit Stranger(const Bus& bus) : participant_({.domain_id = bus.domain_id()}) {
+  explicit Stranger(const Bus& bus) : participant_(dds::ext::participant({.domain_id = bus.domain_id()})) {
     for (std::uint64_t i = 0; i < 6; ++i) {
       line_.write(topics::to_idl(LineStatus{.name = std::to_string(i) + hostile,
                                             .bridge_id = 1,
@@ -86,15 +85,16 @@ public:
   }
 
 private:
-  dds::DomainParticipant participant_;
+  dds::domain::DomainParticipant participant_;
   dds::qos::Provider qos_;
-  dds::DataWriter<sonopose_LineStatus> line_ = topics::make_writer(participant_, qos_, topics::line_status);
-  dds::DataWriter<sonopose_LogLine> log_ = topics::make_writer(participant_, qos_, topics::log);
-  dds::DataWriter<sonopose_EffectiveSettings> settings_ =
+  dds::pub::DataWriter<sonopose_LineStatus> line_ =
+      topics::make_writer(participant_, qos_, topics::line_status);
+  dds::pub::DataWriter<sonopose_LogLine> log_ = topics::make_writer(participant_, qos_, topics::log);
+  dds::pub::DataWriter<sonopose_EffectiveSettings> settings_ =
       topics::make_writer(participant_, qos_, topics::settings);
-  dds::DataWriter<sonopose_BeaconStatus> bridge_ =
+  dds::pub::DataWriter<sonopose_BeaconStatus> bridge_ =
       topics::make_writer(participant_, qos_, topics::beacon_status);
-  dds::DataWriter<sonopose_FusedPose> pose_ = topics::make_writer(participant_, qos_, topics::pose);
+  dds::pub::DataWriter<sonopose_FusedPose> pose_ = topics::make_writer(participant_, qos_, topics::pose);
 };
 
 SCENARIO("no text of a stranger on the bus is a command for a terminal, or a line of its own") {
@@ -205,4 +205,4 @@ SCENARIO("no cell of a table is a command for a terminal, or a line of its own")
   CHECK_THAT(of_meta.error, Contains(R"(x\x1b: unknown key)"));
 }
 
-}  // namespace foreign_text_test
+}  // namespace sonopose::foreign_text_test

@@ -6,9 +6,8 @@
 #include <csignal>
 #include <cstdlib>
 
-namespace forged_discovery_test {
+namespace sonopose::forged_discovery_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
@@ -43,4 +42,4 @@ SCENARIO("programs that a forged discovery message has ended serve again after t
 
 #endif
 
-}  // namespace forged_discovery_test
+}  // namespace sonopose::forged_discovery_test

@@ -11,9 +11,8 @@
 #include <string>
 #include <vector>
 
-namespace limits_test {
+namespace sonopose::limits_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
 namespace topics = dds::topics;
@@ -142,4 +141,4 @@ SCENARIO("with too few threads, every program on the bus refuses to start and na
 
 #endif
 
-}  // namespace limits_test
+}  // namespace sonopose::limits_test

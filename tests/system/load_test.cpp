@@ -5,9 +5,8 @@
 #include <csignal>
 #include <map>
 
-namespace load_test {
+namespace sonopose::load_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
@@ -51,4 +50,4 @@ SCENARIO("a stopped consumer does not delay others") {
   }
 }
 
-}  // namespace load_test
+}  // namespace sonopose::load_test

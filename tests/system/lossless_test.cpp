@@ -14,9 +14,8 @@
 #include <regex>
 #include <string>
 
-namespace lossless_test {
+namespace sonopose::lossless_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
@@ -184,4 +183,4 @@ SCENARIO("a lossless fusion that missed the first events reports what it waits f
   CHECK(fusion->end_by(SIGTERM).code == 0);
 }
 
-}  // namespace lossless_test
+}  // namespace sonopose::lossless_test

@@ -21,9 +21,8 @@
 #include <set>
 #include <unistd.h>
 
-namespace many_addresses_test {
+namespace sonopose::many_addresses_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 
 constexpr BeaconAddress healthy = 7;
@@ -128,7 +127,7 @@ constexpr unsigned flood_pieces = 16;
 class Forger {
 public:
   explicit Forger(const Bus& bus)
-      : participant_(dds::make_participant({.domain_id = bus.domain_id()})),
+      : participant_(dds::ext::participant({.domain_id = bus.domain_id()})),
         imu_(dds::topics::make_writer(participant_, dds::qos::Provider(), dds::topics::imu)),
         status_(dds::topics::make_writer(participant_, dds::qos::Provider(), dds::topics::beacon_status)) {}
 
@@ -153,16 +152,16 @@ public:
   }
 
 private:
-  dds::DomainParticipant participant_;
-  dds::DataWriter<sonopose_ImuSample> imu_;
-  dds::DataWriter<sonopose_BeaconStatus> status_;
+  dds::domain::DomainParticipant participant_;
+  dds::pub::DataWriter<sonopose_ImuSample> imu_;
+  dds::pub::DataWriter<sonopose_BeaconStatus> status_;
 };
 
 /// Writes one status each of nonexistent fusions and lines. Calls `go_on()` after each piece.
 class IdForger {
 public:
   explicit IdForger(const Bus& bus)
-      : participant_(dds::make_participant({.domain_id = bus.domain_id()})),
+      : participant_(dds::ext::participant({.domain_id = bus.domain_id()})),
         statuses_(dds::topics::make_writer(participant_, dds::qos::Provider(), dds::topics::fusion_status)),
         estimates_(dds::topics::make_writer(participant_, dds::qos::Provider(), dds::topics::estimate)),
         lines_(dds::topics::make_writer(participant_, dds::qos::Provider(), dds::topics::line_status)) {}
@@ -188,10 +187,10 @@ public:
   }
 
 private:
-  dds::DomainParticipant participant_;
-  dds::DataWriter<sonopose_FusionStatus> statuses_;
-  dds::DataWriter<sonopose_Estimate> estimates_;
-  dds::DataWriter<sonopose_LineStatus> lines_;
+  dds::domain::DomainParticipant participant_;
+  dds::pub::DataWriter<sonopose_FusionStatus> statuses_;
+  dds::pub::DataWriter<sonopose_Estimate> estimates_;
+  dds::pub::DataWriter<sonopose_LineStatus> lines_;
 };
 
 /// A fusion and a relay that admit few beacons, and the healthy beacon at 25 Hz.
@@ -346,4 +345,4 @@ SCENARIO("forged datagrams of all addresses disturb no bridge") {
   }
 }
 
-}  // namespace many_addresses_test
+}  // namespace sonopose::many_addresses_test

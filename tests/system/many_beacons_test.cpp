@@ -6,9 +6,8 @@
 #include <cstdlib>
 #include <map>
 
-namespace many_beacons_test {
+namespace sonopose::many_beacons_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 
 using Tracks = std::map<BeaconAddress, std::vector<FusedPose>>;
@@ -59,4 +58,4 @@ SCENARIO("a bridge with five beacons") {
   }
 }
 
-}  // namespace many_beacons_test
+}  // namespace sonopose::many_beacons_test

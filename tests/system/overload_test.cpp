@@ -9,9 +9,8 @@
 #include <map>
 #include <set>
 
-namespace overload_test {
+namespace sonopose::overload_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
@@ -126,4 +125,4 @@ SCENARIO("an overloaded fusion still serves every beacon") {
   }
 }
 
-}  // namespace overload_test
+}  // namespace sonopose::overload_test

@@ -18,9 +18,8 @@
 #include <utility>
 #include <vector>
 
-namespace play_poses_test {
+namespace sonopose::play_poses_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
 using recorder::test::messages_of;
@@ -155,4 +154,4 @@ SCENARIO("the same events give the same state, bit for bit") {
   }
 }
 
-}  // namespace play_poses_test
+}  // namespace sonopose::play_poses_test

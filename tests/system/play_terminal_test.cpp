@@ -17,9 +17,8 @@
 #include <variant>
 #include <vector>
 
-namespace play_terminal_test {
+namespace sonopose::play_terminal_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
@@ -106,4 +105,4 @@ SCENARIO("a second Ctrl-C ends a player that hangs, and restores the terminal") 
   }
 }
 
-}  // namespace play_terminal_test
+}  // namespace sonopose::play_terminal_test

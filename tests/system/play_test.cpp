@@ -14,9 +14,8 @@
 #include <map>
 #include <tuple>
 
-namespace play_test {
+namespace sonopose::play_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
 using recorder::test::messages_of;
@@ -344,4 +343,4 @@ SCENARIO("a player names a fusion that may lose what is played as fast as possib
   }
 }
 
-}  // namespace play_test
+}  // namespace sonopose::play_test

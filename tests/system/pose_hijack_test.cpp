@@ -6,9 +6,8 @@
 
 #include <fmt/format.h>
 
-namespace pose_hijack_test {
+namespace sonopose::pose_hijack_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
 namespace topics = dds::topics;
@@ -32,9 +31,9 @@ SCENARIO("a foreign process that writes poses is named, standby fusions are not"
       CHECK_THAT(doctor().output, !Contains("writes poses") && !Contains("write poses"));
       AND_WHEN("a stronger pose writer appears that belongs to no fusion") {
         const auto own = fmt::format("(process {} on ", ::getpid());
-        const dds::DomainParticipant participant({.domain_id = bus.domain_id()});
+        const auto participant = dds::ext::participant({.domain_id = bus.domain_id()});
         auto writer = topics::make_writer(participant, dds::qos::Provider(), topics::pose);
-        writer.ownership_strength(1000);
+        writer.qos(writer.qos() << dds::policy::OwnershipStrength(1000));
         const SteadyTime appeared = clocks::steady_now();
         THEN("the monitor names its process, and so does the doctor") {
           CHECK(monitor->wait_for_line(Stream::error, own));
@@ -77,16 +76,16 @@ SCENARIO("a process that poses as a fusion is named when it takes a beacon over"
     REQUIRE(poses.wait_for_more(1));
     REQUIRE(monitor->wait_for_lines(Stream::output, 6));  // the fusion has owned the beacon for seconds
     WHEN("a stronger writer of poses appears, beside a writer of statuses that it never uses") {
-      const dds::DomainParticipant participant({.domain_id = bus.domain_id()});
+      const auto participant = dds::ext::participant({.domain_id = bus.domain_id()});
       auto writer = topics::make_writer(participant, dds::qos::Provider(), topics::pose);
-      writer.ownership_strength(900'000);
+      writer.qos(writer.qos() << dds::policy::OwnershipStrength(900'000));
       const auto statuses = topics::make_writer(participant, dds::qos::Provider(), topics::fusion_status);
       sonopose_FusedPose forged = topics::to_idl(poses.samples.back());
       forged.position.x += 100.0;
       const auto own = fmt::format("(process {} on ", ::getpid());
       THEN("the monitor names its process, and from whom it took the beacon") {
         const bool is_named = wait_until([&] {
-          writer.try_write(forged);
+          dds::ext::try_write(writer, forged);
           return monitor->text(Stream::error).find("took beacon") != std::string::npos;
         });
         CHECK(is_named);
@@ -98,4 +97,4 @@ SCENARIO("a process that poses as a fusion is named when it takes a beacon over"
   }
 }
 
-}  // namespace pose_hijack_test
+}  // namespace sonopose::pose_hijack_test

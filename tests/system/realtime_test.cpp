@@ -7,9 +7,8 @@
 #include <fstream>
 #include <sched.h>
 
-namespace realtime_test {
+namespace sonopose::realtime_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
 
@@ -63,4 +62,4 @@ SCENARIO("an invalid priority is refused") {
   CHECK_THAT(result.error, Contains("--realtime") && Contains("100"));
 }
 
-}  // namespace realtime_test
+}  // namespace sonopose::realtime_test

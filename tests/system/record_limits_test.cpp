@@ -19,9 +19,8 @@
 #include <thread>
 #include <vector>
 
-namespace record_limits_test {
+namespace sonopose::record_limits_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 using namespace sonopose::recorder::test;
 using Catch::Contains;
@@ -170,10 +169,10 @@ SCENARIO("the last seconds are written when something has happened") {
       record->send(SIGUSR1);
       REQUIRE(record->wait_for_line(Stream::error, "triggered by a signal: "));
       REQUIRE(imu.wait_for_more(50));
-      const auto member = dds::make_participant({.domain_id = bus.domain_id()});
+      const auto member = dds::ext::participant({.domain_id = bus.domain_id()});
       auto reset = topics::make_writer(member, dds::qos::Provider(), topics::reset);
-      REQUIRE(wait_for_status(reset, dds::StatusMask::publication_matched(),
-                              [&] { return reset.publication_matched_status().current_count >= 1; }));
+      REQUIRE(wait_for_status(reset, dds::core::status::StatusMask::publication_matched(),
+                              [&] { return reset.publication_matched_status().current_count() >= 1; }));
       reset.write({.address = 999, .request_id = 1});
       REQUIRE(record->wait_for_line(Stream::error, "triggered by a sample of the trigger topic: "));
       REQUIRE(record->end_by(SIGINT).code == 0);
@@ -332,4 +331,4 @@ SCENARIO("two fusions do not look like losses") {
   }
 }
 
-}  // namespace record_limits_test
+}  // namespace sonopose::record_limits_test

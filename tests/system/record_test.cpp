@@ -8,7 +8,7 @@
 #include "system/event_numbers.hpp"
 #include "system/recorded_part.hpp"
 #include "system/recorded_walk.hpp"
-#include <sonopose/dds/binding/cdr.hpp>
+#include <sonopose/dds/psm/cdr.hpp>
 #include <sonopose/ros2/messages/idl_types.hpp>
 
 #include <algorithm>
@@ -17,9 +17,8 @@
 #include <map>
 #include <set>
 
-namespace record_test {
+namespace sonopose::record_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 using namespace sonopose::recorder::test;
 using Catch::Contains;
@@ -178,9 +177,9 @@ SCENARIO("topics and beacons are selected, and what is not ours is named") {
     const Bus bus;
     const TemporaryFolder folder;
     const fs::path file = folder / "run.mcap";
-    const auto member = dds::make_participant({.domain_id = bus.domain_id()});
-    const dds::Topic<sonopose_ResetCommand> other(member, "rt/other");
-    const dds::DataWriter<sonopose_ResetCommand> writer(member, other);
+    const auto member = dds::ext::participant({.domain_id = bus.domain_id()});
+    const dds::topic::Topic<sonopose_ResetCommand> other(member, "rt/other");
+    const dds::pub::DataWriter<sonopose_ResetCommand> writer(dds::pub::Publisher(member), other);
     const auto record = start_recording(
         bus, file,
         {"--topics", "imu,fix,heading", "--exclude", "heading", "--beacons", "8", "--compression", "zstd"});
@@ -293,4 +292,4 @@ SCENARIO("a recording that cannot begin is refused") {
   CHECK_THAT(refused({"/proc/none/run.mcap"}), Contains("/proc/none"));
 }
 
-}  // namespace record_test
+}  // namespace sonopose::record_test

@@ -13,9 +13,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-namespace recording_test {
+namespace sonopose::recording_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
@@ -247,4 +246,4 @@ SCENARIO("only a recording that was ended looks whole") {
   }
 }
 
-}  // namespace recording_test
+}  // namespace sonopose::recording_test

@@ -4,21 +4,20 @@
 
 #include <algorithm>
 
-namespace reset_test {
+namespace sonopose::reset_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
 class Commander {
 public:
   explicit Commander(const Bus& bus)
-      : participant_(dds::make_participant({.domain_id = bus.domain_id()})),
+      : participant_(dds::ext::participant({.domain_id = bus.domain_id()})),
         writer_(dds::topics::make_writer(participant_, dds::qos::Provider(), topics::reset)) {}
 
   bool wait_for_fusion() {
-    return wait_for_status(writer_, dds::StatusMask::publication_matched(),
-                           [&] { return writer_.publication_matched_status().current_count == 1; });
+    return wait_for_status(writer_, dds::core::status::StatusMask::publication_matched(),
+                           [&] { return writer_.publication_matched_status().current_count() == 1; });
   }
 
   void reset(BeaconAddress address, std::uint64_t request_id) {
@@ -26,8 +25,8 @@ public:
   }
 
 private:
-  dds::DomainParticipant participant_;
-  dds::DataWriter<sonopose_ResetCommand> writer_;
+  dds::domain::DomainParticipant participant_;
+  dds::pub::DataWriter<sonopose_ResetCommand> writer_;
 };
 
 /// Predicate for a pose of `address` after `count` resets.
@@ -86,4 +85,4 @@ SCENARIO("a reset re-initialises the engine of one beacon only") {
   }
 }
 
-}  // namespace reset_test
+}  // namespace sonopose::reset_test

@@ -8,9 +8,8 @@
 #include <cstdint>
 #include <string>
 
-namespace restart_test {
+namespace sonopose::restart_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
@@ -168,4 +167,4 @@ SCENARIO("a request for settings that cannot be answered for want of memory does
 
 #endif
 
-}  // namespace restart_test
+}  // namespace sonopose::restart_test

@@ -12,9 +12,8 @@
 #include <string>
 #include <thread>
 
-namespace ros2_aiding_test {
+namespace sonopose::ros2_aiding_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
@@ -76,21 +75,23 @@ SCENARIO("headings and set poses of ROS 2 reach the fusion") {
     message.pose.covariance[0] = message.pose.covariance[7] = 0.01;
     message.pose.covariance[35] = 0.0025;
     WHEN("the compass falls silent and a client of robot_localization's service sets another yaw") {
-      const auto participant = dds::make_participant({.domain_id = bus.domain_id()});
-      const auto qos = dds::Qos() << dds::policy::Reliability::reliable()
-                                  << dds::policy::History::keep_last(10);
+      const auto participant = dds::ext::participant({.domain_id = bus.domain_id()});
+      const auto qos = dds::Qos() << dds::policy::Reliability::Reliable()
+                                  << dds::policy::History::KeepLast(10);
       using Service = ros2::SetPose;
-      dds::DataWriter<Service::Request> requests(participant, {participant, "rq/set_poseRequest"}, qos);
-      dds::DataReader<Service::Response> replies(participant, {participant, "rr/set_poseReply"}, qos);
-      REQUIRE(wait_for_status(requests, dds::StatusMask::publication_matched(),
-                              [&] { return requests.publication_matched_status().current_count > 0; }));
-      REQUIRE(wait_for_status(replies, dds::StatusMask::subscription_matched(),
-                              [&] { return replies.subscription_matched_status().current_count > 0; }));
+      dds::pub::DataWriter<Service::Request> requests(dds::pub::Publisher(participant),
+                                                      {participant, "rq/set_poseRequest"}, qos);
+      dds::sub::DataReader<Service::Response> replies(dds::sub::Subscriber(participant),
+                                                      {participant, "rr/set_poseReply"}, qos);
+      REQUIRE(wait_for_status(requests, dds::core::status::StatusMask::publication_matched(),
+                              [&] { return requests.publication_matched_status().current_count() > 0; }));
+      REQUIRE(wait_for_status(replies, dds::core::status::StatusMask::subscription_matched(),
+                              [&] { return replies.subscription_matched_status().current_count() > 0; }));
       requests.write({.header = {.client = 4711, .sequence_number = 3}, .pose = message});
       THEN("it has a reply, and the robot faces there") {
         bool is_answered = false;
-        REQUIRE(wait_for_status(replies, dds::StatusMask::data_available(), [&] {
-          replies.take_each([&](const Service::Response& response, const dds::SampleInfo&) {
+        REQUIRE(wait_for_status(replies, dds::core::status::StatusMask::data_available(), [&] {
+          dds::ext::take_each(replies, [&](const Service::Response& response, const dds::sub::SampleInfo&) {
             is_answered = response.header.client == 4711 && response.header.sequence_number == 3;
           });
           return is_answered;
@@ -130,10 +131,10 @@ SCENARIO("tags on a robot have the mount of its description") {
       const std::string base = "base_link";
       const std::string imu = "imu_link";
       const ros2::Transform mount{{0, 0, 0.2}, Quaterniond(std::sqrt(0.5), 0, 0, std::sqrt(0.5))};
-      const auto participant = dds::make_participant({.domain_id = bus.domain_id()});
-      dds::DataWriter<ros2::TFMessage> robot(participant,
-                                             dds::Topic<ros2::TFMessage>(participant, "rt/tf_static"),
-                                             qos_of(Subscription::latched));
+      const auto participant = dds::ext::participant({.domain_id = bus.domain_id()});
+      dds::pub::DataWriter<ros2::TFMessage> robot(
+          dds::pub::Publisher(participant), dds::topic::Topic<ros2::TFMessage>(participant, "rt/tf_static"),
+          qos_of(Subscription::latched));
       auto transform = ros2::transform(mount, clocks::host_now(), base, imu);
       robot.write({{1, 1, &transform, false}});
       THEN("its place is seen from the IMU") {
@@ -144,4 +145,4 @@ SCENARIO("tags on a robot have the mount of its description") {
   }
 }
 
-}  // namespace ros2_aiding_test
+}  // namespace sonopose::ros2_aiding_test

@@ -6,9 +6,8 @@
 
 #include <string>
 
-namespace ros2_arguments_test {
+namespace sonopose::ros2_arguments_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
@@ -125,4 +124,4 @@ SCENARIO("options of the command line have precedence over parameters, and unkno
   }
 }
 
-}  // namespace ros2_arguments_test
+}  // namespace sonopose::ros2_arguments_test

@@ -10,9 +10,8 @@
 #include <string>
 #include <vector>
 
-namespace ros2_fix_test {
+namespace sonopose::ros2_fix_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
@@ -116,7 +115,7 @@ SCENARIO("a beacon with a magnetometer has a magnetic field topic") {
   GIVEN("a relay, and a beacon with a magnetometer") {
     const Bus bus;
     const auto relay = bus.ros2();
-    const auto participant = dds::make_participant({.domain_id = bus.domain_id()});
+    const auto participant = dds::ext::participant({.domain_id = bus.domain_id()});
     auto samples = dds::topics::make_writer(participant, dds::qos::Provider(), topics::imu);
     RosReader<ros2::MagneticField> field(bus, "/hedge_9/imu/mag", Subscription::sensor_data);
     ImuSample sample;
@@ -141,4 +140,4 @@ SCENARIO("a beacon with a magnetometer has a magnetic field topic") {
   }
 }
 
-}  // namespace ros2_fix_test
+}  // namespace sonopose::ros2_fix_test

@@ -15,9 +15,8 @@
 #include <thread>
 #include <utility>
 
-namespace ros2_input_test {
+namespace sonopose::ros2_input_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 using Catch::Contains;
@@ -269,4 +268,4 @@ SCENARIO("any IMU and any positioning system with a ROS 2 driver feed the fusion
   }
 }
 
-}  // namespace ros2_input_test
+}  // namespace sonopose::ros2_input_test

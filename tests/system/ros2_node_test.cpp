@@ -6,9 +6,8 @@
 #include <csignal>
 #include <type_traits>
 
-namespace ros2_node_test {
+namespace sonopose::ros2_node_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 
 /// Keys of these topics' writers; fewer if some do not exist yet.
@@ -110,4 +109,4 @@ SCENARIO("without ROS_DISTRO, the relay learns the layout of its announcement fr
   }
 }
 
-}  // namespace ros2_node_test
+}  // namespace sonopose::ros2_node_test

@@ -12,9 +12,8 @@
 #include <set>
 #include <string>
 
-namespace ros2_peers_test {
+namespace sonopose::ros2_peers_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 
 SCENARIO("a relay without bridge and fusion says so, also on /rosout, unless it is to be silent") {
@@ -42,7 +41,8 @@ SCENARIO("a relay without bridge and fusion says so, also on /rosout, unless it 
         CHECK(lines[1].starts_with("30 robot.sonopose no bridge and no fusion"));
         CHECK_THAT(relay->text(Stream::error), !Catch::Contains("another process"));
         CHECK(silent.text(Stream::error).empty());
-        const dds::DomainParticipant participant = dds::make_participant({.domain_id = bus.domain_id()});
+        const dds::domain::DomainParticipant participant =
+            dds::ext::participant({.domain_id = bus.domain_id()});
         const dds::Discovery discovery(participant);
         const auto count = [&](const std::string& topic) {
           const auto writers = discovery.writers();
@@ -137,4 +137,4 @@ SCENARIO("changes of parameters are published") {
   }
 }
 
-}  // namespace ros2_peers_test
+}  // namespace sonopose::ros2_peers_test

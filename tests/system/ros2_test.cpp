@@ -3,7 +3,7 @@
 #include "support/ros2.hpp"
 
 #include "support/wait_until.hpp"
-#include <sonopose/dds/binding/discovery.hpp>
+#include <sonopose/dds/psm/discovery.hpp>
 
 #include <algorithm>
 #include <csignal>
@@ -16,9 +16,8 @@
 #include <utility>
 #include <vector>
 
-namespace ros2_test {
+namespace sonopose::ros2_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
@@ -224,7 +223,7 @@ SCENARIO("the relay publishes the selected topics at the selected rate") {
     RosReader<ros2::Imu> raw(bus, "/hedge_7/imu/data_raw");
     RosReader<ros2::Odometry> odom(bus, "/hedge_7/odom");
     RosReader<ros2::TFMessage> tf(bus, "/tf");
-    const dds::DomainParticipant participant = dds::make_participant({.domain_id = bus.domain_id()});
+    const dds::domain::DomainParticipant participant = dds::ext::participant({.domain_id = bus.domain_id()});
     const dds::Discovery discovery(participant);
     const auto fusion = bus.fusion();
     const auto relay = bus.ros2({"--topics", "odom,imu/data_raw", "--rate", "10"});
@@ -259,4 +258,4 @@ SCENARIO("the relay publishes the selected topics at the selected rate") {
   }
 }
 
-}  // namespace ros2_test
+}  // namespace sonopose::ros2_test

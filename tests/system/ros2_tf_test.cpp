@@ -6,7 +6,7 @@
 #include "ros2/relay/relay.hpp"
 #include "support/ros2.hpp"
 #include "support/wait_until.hpp"
-#include <sonopose/dds/binding/discovery.hpp>
+#include <sonopose/dds/psm/discovery.hpp>
 
 #include <algorithm>
 #include <atomic>
@@ -21,9 +21,8 @@
 #include <thread>
 #include <unistd.h>
 
-namespace ros2_tf_test {
+namespace sonopose::ros2_tf_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
@@ -139,7 +138,7 @@ SCENARIO("the mount is published unless another node has the transform tree") {
     const Bus bus;
     const auto fusion = bus.fusion();
     const auto bridge = bus.bridge({});
-    const dds::DomainParticipant participant = dds::make_participant({.domain_id = bus.domain_id()});
+    const dds::domain::DomainParticipant participant = dds::ext::participant({.domain_id = bus.domain_id()});
     const dds::Discovery discovery(participant);
     const auto wait_for_odometry = [&](bool present) {
       std::set<std::string> topics;
@@ -189,10 +188,11 @@ SCENARIO("the mount can come from the robot's own description") {
       const std::string base = "base_link";
       const std::string imu = "imu_link";
       const ros2::Transform mount{{0.3, 0.1, 0.8}, Quaterniond(Eigen::AngleAxisd(1.5, Vector3d::UnitZ()))};
-      const dds::DomainParticipant participant = dds::make_participant({.domain_id = bus.domain_id()});
-      dds::DataWriter<ros2::TFMessage> robot(participant,
-                                             dds::Topic<ros2::TFMessage>(participant, "rt/tf_static"),
-                                             qos_of(Subscription::latched));
+      const dds::domain::DomainParticipant participant =
+          dds::ext::participant({.domain_id = bus.domain_id()});
+      dds::pub::DataWriter<ros2::TFMessage> robot(
+          dds::pub::Publisher(participant), dds::topic::Topic<ros2::TFMessage>(participant, "rt/tf_static"),
+          qos_of(Subscription::latched));
       auto transform = ros2::transform(mount, clocks::host_now(), base, imu);
       robot.write({{1, 1, &transform, false}});
       THEN("the odometry is that of the base") {
@@ -233,10 +233,11 @@ SCENARIO("the relay gives way to a robot description that has the mount") {
     WHEN("another node publishes another one") {
       const std::string base = "base_link";
       const std::string imu = "imu_link";
-      const dds::DomainParticipant participant = dds::make_participant({.domain_id = bus.domain_id()});
-      dds::DataWriter<ros2::TFMessage> robot(participant,
-                                             dds::Topic<ros2::TFMessage>(participant, "rt/tf_static"),
-                                             qos_of(Subscription::latched));
+      const dds::domain::DomainParticipant participant =
+          dds::ext::participant({.domain_id = bus.domain_id()});
+      dds::pub::DataWriter<ros2::TFMessage> robot(
+          dds::pub::Publisher(participant), dds::topic::Topic<ros2::TFMessage>(participant, "rt/tf_static"),
+          qos_of(Subscription::latched));
       auto transform =
           ros2::transform({{0.3, 0.1, 0.8}, Quaterniond::Identity()}, clocks::host_now(), base, imu);
       robot.write({{1, 1, &transform, false}});
@@ -358,4 +359,4 @@ SCENARIO("another beacon takes over the transforms of one that was switched off"
   }
 }
 
-}  // namespace ros2_tf_test
+}  // namespace sonopose::ros2_tf_test

@@ -12,9 +12,8 @@
 #include <filesystem>
 #include <fstream>
 
-namespace run_test {
+namespace sonopose::run_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
 namespace fs = std::filesystem;
@@ -136,4 +135,4 @@ SCENARIO("an error of one program is the error of all") {
   }
 }
 
-}  // namespace run_test
+}  // namespace sonopose::run_test

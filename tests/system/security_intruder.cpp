@@ -12,6 +12,7 @@
 namespace {
 
 using namespace sonopose;
+namespace dds = sonopose::dds;
 
 void print(const char* text) {
   std::puts(text);
@@ -22,9 +23,9 @@ void pause() {
   std::this_thread::sleep_for(std::chrono::milliseconds(5));
 }
 
-[[noreturn]] void write_poses(const dds::DomainParticipant& participant) {
+[[noreturn]] void write_poses(const dds::domain::DomainParticipant& participant) {
   auto writer = dds::topics::make_writer(participant, dds::qos::Provider(), dds::topics::pose);
-  writer.ownership_strength(1'000'000);
+  writer.qos(writer.qos() << dds::policy::OwnershipStrength(1'000'000));
   sonopose_FusedPose pose{};
   pose.address = 7;
   print("writing");
@@ -32,16 +33,17 @@ void pause() {
     pose.time = pose.fusion_out_time =
         std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
     ++pose.event_sequence;
-    writer.try_write(pose);
+    dds::ext::try_write(writer, pose);
   }
 }
 
 /// Cyclone DDS gives no status when the own certificate expires: only the poses end.
-[[noreturn]] void read_poses(const dds::DomainParticipant& participant) {
+[[noreturn]] void read_poses(const dds::domain::DomainParticipant& participant) {
   auto reader = dds::topics::make_reader(participant, dds::qos::Provider(), dds::topics::pose);
   const auto has_poses = [&reader] {
     std::size_t count = 0;
-    reader.take_each([&count](const sonopose_FusedPose&, const dds::SampleInfo&) { ++count; });
+    dds::ext::take_each(reader,
+                        [&count](const sonopose_FusedPose&, const dds::sub::SampleInfo&) { ++count; });
     return count > 0;
   };
   const auto now = [] { return std::chrono::steady_clock::now(); };
@@ -57,10 +59,11 @@ void pause() {
 }  // namespace
 
 int main(int argc, char** argv) try {
+  namespace dds = sonopose::dds;
   if (argc < 3) return 2;
-  const dds::DomainParticipant participant(
-      {.domain_id = static_cast<std::uint32_t>(std::strtoul(argv[1], nullptr, 10)),
-       .enclave_folder = argv[2]});
+  const auto participant =
+      dds::ext::participant({.domain_id = static_cast<std::uint32_t>(std::strtoul(argv[1], nullptr, 10)),
+                             .enclave_folder = argv[2]});
   if (argc > 3) read_poses(participant);
   write_poses(participant);
 } catch (const std::exception& error) {

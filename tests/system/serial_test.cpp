@@ -11,9 +11,8 @@
 #include <filesystem>
 #include <optional>
 
-namespace serial_test {
+namespace sonopose::serial_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 using namespace std::string_literals;
@@ -228,4 +227,4 @@ SCENARIO("the map that a beacon sends reaches consumers, also one that joins lat
   }
 }
 
-}  // namespace serial_test
+}  // namespace sonopose::serial_test

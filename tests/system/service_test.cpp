@@ -10,9 +10,8 @@
 #include <cstdlib>
 #include <filesystem>
 
-namespace service_test {
+namespace sonopose::service_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
 
@@ -220,4 +219,4 @@ SCENARIO("programs tell the shells what to complete") {
   CHECK_THAT(settings.output, Contains("-\tsave\t-\t") && Contains("save\t--config\tFILE\t"));
 }
 
-}  // namespace service_test
+}  // namespace sonopose::service_test

@@ -13,9 +13,8 @@
 #include <utility>
 #include <vector>
 
-namespace settings_at_event_test {
+namespace sonopose::settings_at_event_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
 namespace topics = dds::topics;
@@ -83,4 +82,4 @@ SCENARIO("a change at a given event gives poses that are bit-identical to the re
   }
 }
 
-}  // namespace settings_at_event_test
+}  // namespace sonopose::settings_at_event_test

@@ -20,9 +20,8 @@
 #include <thread>
 #include <utility>
 
-namespace settings_test {
+namespace sonopose::settings_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
 namespace topics = dds::topics;
@@ -307,7 +306,7 @@ constexpr BeaconAddress another_beacon = first_beacon + beacon_count - 1;  ///< 
 class RequestFlood {
 public:
   explicit RequestFlood(const Bus& bus)
-      : participant_(dds::make_participant({.domain_id = bus.domain_id()})),
+      : participant_(dds::ext::participant({.domain_id = bus.domain_id()})),
         writer_(dds::topics::make_writer(participant_, dds::qos::Provider(), topics::settings_request)),
         resets_(dds::topics::make_writer(participant_, dds::qos::Provider(), topics::reset)),
         thread_([this](const std::stop_token& stop) { run(stop); }) {}
@@ -334,9 +333,9 @@ private:
     }
   }
 
-  dds::DomainParticipant participant_;
-  dds::DataWriter<sonopose_SettingsRequest> writer_;
-  dds::DataWriter<sonopose_ResetCommand> resets_;
+  dds::domain::DomainParticipant participant_;
+  dds::pub::DataWriter<sonopose_SettingsRequest> writer_;
+  dds::pub::DataWriter<sonopose_ResetCommand> resets_;
   std::atomic<std::uint64_t> sent_ = 0;
   std::jthread thread_;
 };
@@ -389,4 +388,4 @@ SCENARIO("a flood of requests delays no pose") {
   }
 }
 
-}  // namespace settings_test
+}  // namespace sonopose::settings_test

@@ -8,9 +8,8 @@
 #include <cstdio>
 #include <string>
 
-namespace standby_counts_test {
+namespace sonopose::standby_counts_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
 namespace topics = dds::topics;
@@ -114,4 +113,4 @@ SCENARIO("the doctor counts the fixes of the fusion whose poses consumers receiv
   }
 }
 
-}  // namespace standby_counts_test
+}  // namespace sonopose::standby_counts_test

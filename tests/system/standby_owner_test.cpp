@@ -11,9 +11,8 @@
 #include <string>
 #include <vector>
 
-namespace standby_owner_test {
+namespace sonopose::standby_owner_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
@@ -190,4 +189,4 @@ SCENARIO("a beacon that only the stronger fusion has lost is taken over while th
   }
 }
 
-}  // namespace standby_owner_test
+}  // namespace sonopose::standby_owner_test

@@ -15,9 +15,8 @@
 #include <thread>
 #include <vector>
 
-namespace standby_test {
+namespace sonopose::standby_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
@@ -171,4 +170,4 @@ SCENARIO("a process that was stopped for a second passes nothing old off as live
   }
 }
 
-}  // namespace standby_test
+}  // namespace sonopose::standby_test

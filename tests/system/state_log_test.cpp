@@ -10,9 +10,8 @@
 #include <algorithm>
 #include <csignal>
 
-namespace state_log_test {
+namespace sonopose::state_log_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
@@ -185,4 +184,4 @@ SCENARIO("a killed bridge, its return and changed settings are logged") {
   }
 }
 
-}  // namespace state_log_test
+}  // namespace sonopose::state_log_test

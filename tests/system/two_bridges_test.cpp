@@ -4,9 +4,8 @@
 
 #include <csignal>
 
-namespace two_bridges_test {
+namespace sonopose::two_bridges_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
@@ -47,4 +46,4 @@ SCENARIO("two bridges with the same address detect and report each other") {
   }
 }
 
-}  // namespace two_bridges_test
+}  // namespace sonopose::two_bridges_test

@@ -12,9 +12,8 @@
 #include <memory>
 #include <optional>
 
-namespace udp_test {
+namespace sonopose::udp_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 namespace topics = dds::topics;
 
@@ -161,4 +160,4 @@ SCENARIO("the datagrams of a beacon give poses") {
   }
 }
 
-}  // namespace udp_test
+}  // namespace sonopose::udp_test

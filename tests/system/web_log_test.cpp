@@ -15,9 +15,8 @@
 #include <string>
 #include <thread>
 
-namespace web_log_test {
+namespace sonopose::web_log_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
 using nlohmann::json;
@@ -99,9 +98,9 @@ SCENARIO("a page shows the changes in the poses of a fusion that does not log th
 SCENARIO("of a process that logs too much, a page gets a part and the number of the other lines") {
   const Bus bus;
   const Web web(bus, {"--listen", "127.0.0.1:0"});
-  const auto participant = dds::make_participant({.domain_id = bus.domain_id()});
+  const auto participant = dds::ext::participant({.domain_id = bus.domain_id()});
   auto writer = dds::topics::make_writer(participant, dds::qos::Provider(), dds::topics::log);
-  REQUIRE(wait_until([&] { return writer.publication_matched_status().current_count == 1; }));
+  REQUIRE(wait_until([&] { return writer.publication_matched_status().current_count() == 1; }));
   std::uint64_t number = 0;
   const auto write = [&](const std::string& text) {
     writer.write(dds::topics::to_idl(LogLine{.host = "robot",
@@ -143,4 +142,4 @@ SCENARIO("of a process that logs too much, a page gets a part and the number of 
   CHECK(shown + not_shown == number);
 }
 
-}  // namespace web_log_test
+}  // namespace sonopose::web_log_test

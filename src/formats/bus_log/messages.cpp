@@ -2,7 +2,7 @@
 
 #include "json/json.hpp"
 #include "mcap/chunk_messages.hpp"
-#include <sonopose/dds/binding/cdr.hpp>
+#include <sonopose/dds/psm/cdr.hpp>
 #include <sonopose/dds/topics/serialized_topics.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/text/escaped.hpp>

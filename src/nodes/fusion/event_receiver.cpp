@@ -1,7 +1,7 @@
 #include "fusion/event_receiver.hpp"
 
 #include "clocks/clocks.hpp"
-#include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 
 #include <chrono>
@@ -28,7 +28,7 @@ constexpr std::uint64_t FusionStatus::*counter_of(const sonopose_PairHeading& /*
 
 }  // namespace
 
-EventReceiver::EventReceiver(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+EventReceiver::EventReceiver(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos,
                              topics::Delivery delivery, presence::BeaconAdmission& admission,
                              const Targets& targets, TimeNs input_deadline_ns, Overload& overload,
                              process::EndpointCounters& endpoints, const std::atomic<bool>& stopping)
@@ -64,7 +64,7 @@ EventReceiver::~EventReceiver() {
 }
 
 template <class T>
-void EventReceiver::on_data(dds::DataReader<T>& reader) noexcept {
+void EventReceiver::on_data(dds::sub::DataReader<T>& reader) noexcept {
   if (overload_.is_deferring()) return backlog_thread_.wake();
   const Lock lock(taking_);
   const SteadyTime now = clocks::steady_now();
@@ -74,10 +74,10 @@ void EventReceiver::on_data(dds::DataReader<T>& reader) noexcept {
 }
 
 template <class T>
-void EventReceiver::take(dds::DataReader<T>& reader, SteadyTime now) noexcept {
+void EventReceiver::take(dds::sub::DataReader<T>& reader, SteadyTime now) noexcept {
   const TimeNs in_ns = clocks::host_now();
   is_working_ = true;
-  reader.try_take_each([&](const T& sample, const dds::SampleInfo& info) {
+  dds::ext::try_take_each(reader, [&](const T& sample, const dds::sub::SampleInfo& info) {
     taking_.assert_held();
     if (stopping_) return;  // a lossless reader may buffer minutes of samples
     process(topics::from_idl(sample), info.publication_handle(), in_ns, now);
@@ -88,7 +88,7 @@ void EventReceiver::take(dds::DataReader<T>& reader, SteadyTime now) noexcept {
 
 /// Passes an event, and those that waited for it, to the estimator and its results to the publisher. The lock
 /// of the estimators is held twice for a sample: for its pose, and for the work that the pose need not await.
-void EventReceiver::process(const Event& event, dds::InstanceHandle bridge, TimeNs in_ns,
+void EventReceiver::process(const Event& event, dds::core::InstanceHandle bridge, TimeNs in_ns,
                             SteadyTime now) noexcept {
   try {
     const BeaconAddress address = address_of(event);
@@ -96,7 +96,7 @@ void EventReceiver::process(const Event& event, dds::InstanceHandle bridge, Time
     auto outcome = targets_.estimators.with([&](auto& all) {
       taking_.assert_held();
       estimator = all.find_or_make(address);
-      estimator->collate(event, bridge.value, now, unpaused_clock_.time());
+      estimator->collate(event, bridge.c_value(), now, unpaused_clock_.time());
       return estimator->process_next();
     });
     while (outcome) {
@@ -142,17 +142,17 @@ void EventReceiver::update() noexcept {
 }
 
 void EventReceiver::serve_lossless(const std::stop_token& stop) {
-  const dds::ReadCondition imu(imu_reader_);
-  const dds::ReadCondition fix(fix_reader_);
-  const dds::ReadCondition heading(heading_reader_);
-  const dds::ReadCondition twist(twist_reader_);
-  dds::WaitSet waitset;
+  const dds::sub::cond::ReadCondition imu(imu_reader_, dds::sub::status::DataState::any());
+  const dds::sub::cond::ReadCondition fix(fix_reader_, dds::sub::status::DataState::any());
+  const dds::sub::cond::ReadCondition heading(heading_reader_, dds::sub::status::DataState::any());
+  const dds::sub::cond::ReadCondition twist(twist_reader_, dds::sub::status::DataState::any());
+  dds::core::cond::WaitSet waitset;
   waitset += imu;
   waitset += fix;
   waitset += heading;
   waitset += twist;
   while (!stop.stop_requested()) {
-    waitset.wait(std::chrono::milliseconds(100));
+    dds::ext::wait(waitset, std::chrono::milliseconds(100));
     const Lock lock(taking_);
     take(imu_reader_, clocks::steady_now());
     take(fix_reader_, clocks::steady_now());
@@ -161,42 +161,44 @@ void EventReceiver::serve_lossless(const std::stop_token& stop) {
   }
 }
 
-void EventReceiver::on_data(dds::DataReader<sonopose_ResetCommand>& reader) noexcept {
-  reader.try_take_each([this](const sonopose_ResetCommand& command, const dds::SampleInfo&) {
+void EventReceiver::on_data(dds::sub::DataReader<sonopose_ResetCommand>& reader) noexcept {
+  dds::ext::try_take_each(reader, [this](const sonopose_ResetCommand& command, const dds::sub::SampleInfo&) {
     targets_.estimators.with([&](auto& all) { all.reset(command.address, command.request_id); });
   });
 }
 
 template <class T>
-void EventReceiver::on_deadline_missed(dds::DataReader<T>& reader,
-                                       const dds::RequestedDeadlineMissedStatus& status) noexcept {
+void EventReceiver::on_deadline_missed(
+    dds::sub::DataReader<T>& reader,
+    const dds::core::status::RequestedDeadlineMissedStatus& status) noexcept {
   if constexpr (requires(const T& stream) { counter_of(stream); }) {
     T key{};
-    if (status.total_count_change <= 0 || reader.try_key_value(key, {status.last_instance_handle}) < 0)
+    if (status.total_count_change() <= 0 ||
+        dds::ext::try_key_value(reader, key, status.last_instance_handle()) < 0)
       return;
     targets_.estimators.with([&](auto& all) {
       BeaconEstimator* const estimator = all.find(key.address);
       if (estimator == nullptr) return;
-      estimator->on_deadline_missed(counter_of(key), static_cast<std::uint64_t>(status.total_count_change));
+      estimator->on_deadline_missed(counter_of(key), static_cast<std::uint64_t>(status.total_count_change()));
     });
   }
 }
 
-void EventReceiver::on_bridge_liveliness(const dds::LivelinessChangedStatus& status) noexcept {
-  if (status.not_alive_count_change <= 0) return;
+void EventReceiver::on_bridge_liveliness(const dds::core::status::LivelinessChangedStatus& status) noexcept {
+  if (status.not_alive_count_change() <= 0) return;
   const SteadyTime now = clocks::steady_now();
   targets_.estimators.with([&](auto& all) {
     all.for_each([&](BeaconAddress, BeaconEstimator& estimator) {
-      estimator.on_bridge_lost(status.last_publication_handle, now);
+      estimator.on_bridge_lost(status.last_publication_handle().c_value(), now);
     });
   });
 }
 
-void EventReceiver::on_bridge_matched(const dds::SubscriptionMatchedStatus& status) noexcept {
-  if (status.current_count_change >= 0) return;
+void EventReceiver::on_bridge_matched(const dds::core::status::SubscriptionMatchedStatus& status) noexcept {
+  if (status.current_count_change() >= 0) return;
   targets_.estimators.with([&](auto& all) {
     all.for_each([&](BeaconAddress, BeaconEstimator& estimator) {
-      estimator.on_bridge_ended(status.last_publication_handle);
+      estimator.on_bridge_ended(status.last_publication_handle().c_value());
     });
   });
 }

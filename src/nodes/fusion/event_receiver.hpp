@@ -13,7 +13,7 @@
 #include "threads/guarded.hpp"
 #include "threads/mutex.hpp"
 #include <sonopose/collation/pause_compensated_clock.hpp>
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
 #include <atomic>
@@ -35,7 +35,7 @@ public:
 
   /// Starts receiving. `input_deadline_ns`: silence of an IMU that must be reported. Once `stopping` is set,
   /// it takes no further events.
-  EventReceiver(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+  EventReceiver(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos,
                 dds::topics::Delivery delivery, presence::BeaconAdmission& admission, const Targets& targets,
                 TimeNs input_deadline_ns, Overload& overload, process::EndpointCounters& endpoints,
                 const std::atomic<bool>& stopping);
@@ -60,17 +60,19 @@ private:
   public:
     explicit Listener(EventReceiver& receiver)
         : process::CountingReaderListener<T>(receiver.endpoints_), receiver_(receiver) {}
-    void on_data_available(dds::DataReader<T>& reader) noexcept override { receiver_.on_data(reader); }
-    void on_requested_deadline_missed(dds::DataReader<T>& reader,
-                                      const dds::RequestedDeadlineMissedStatus& status) noexcept override {
+    void on_data_available(dds::sub::DataReader<T>& reader) noexcept override { receiver_.on_data(reader); }
+    void on_requested_deadline_missed(
+        dds::sub::DataReader<T>& reader,
+        const dds::core::status::RequestedDeadlineMissedStatus& status) noexcept override {
       receiver_.on_deadline_missed(reader, status);
     }
-    void on_liveliness_changed(dds::DataReader<T>& /*reader*/,
-                               const dds::LivelinessChangedStatus& status) noexcept override {
+    void on_liveliness_changed(dds::sub::DataReader<T>& /*reader*/,
+                               const dds::core::status::LivelinessChangedStatus& status) noexcept override {
       if (std::is_same_v<T, sonopose_ImuSample>) receiver_.on_bridge_liveliness(status);
     }
-    void on_subscription_matched(dds::DataReader<T>& /*reader*/,
-                                 const dds::SubscriptionMatchedStatus& status) noexcept override {
+    void on_subscription_matched(
+        dds::sub::DataReader<T>& /*reader*/,
+        const dds::core::status::SubscriptionMatchedStatus& status) noexcept override {
       if (std::is_same_v<T, sonopose_ImuSample>) receiver_.on_bridge_matched(status);
     }
 
@@ -79,16 +81,16 @@ private:
   };
 
   template <class T>
-  void on_data(dds::DataReader<T>& reader) noexcept;
-  void on_data(dds::DataReader<sonopose_ResetCommand>& reader) noexcept;
+  void on_data(dds::sub::DataReader<T>& reader) noexcept;
+  void on_data(dds::sub::DataReader<sonopose_ResetCommand>& reader) noexcept;
   template <class T>
-  void on_deadline_missed(dds::DataReader<T>& reader,
-                          const dds::RequestedDeadlineMissedStatus& status) noexcept;
-  void on_bridge_liveliness(const dds::LivelinessChangedStatus& status) noexcept;
-  void on_bridge_matched(const dds::SubscriptionMatchedStatus& status) noexcept;
+  void on_deadline_missed(dds::sub::DataReader<T>& reader,
+                          const dds::core::status::RequestedDeadlineMissedStatus& status) noexcept;
+  void on_bridge_liveliness(const dds::core::status::LivelinessChangedStatus& status) noexcept;
+  void on_bridge_matched(const dds::core::status::SubscriptionMatchedStatus& status) noexcept;
   template <class T>
-  void take(dds::DataReader<T>& reader, SteadyTime now) noexcept SONOPOSE_REQUIRES(taking_);
-  void process(const Event& event, dds::InstanceHandle bridge, TimeNs in_ns, SteadyTime now) noexcept
+  void take(dds::sub::DataReader<T>& reader, SteadyTime now) noexcept SONOPOSE_REQUIRES(taking_);
+  void process(const Event& event, dds::core::InstanceHandle bridge, TimeNs in_ns, SteadyTime now) noexcept
       SONOPOSE_REQUIRES(taking_);
   void postpone_poll(SteadyTime now) noexcept SONOPOSE_REQUIRES(taking_);
   void take_backlog() noexcept;
@@ -115,11 +117,11 @@ private:
   Listener<sonopose_TwistSample> twist_listener_{*this};
   Listener<sonopose_ResetCommand> reset_listener_{*this};
   // Readers last: their listeners may be called before the constructor ends.
-  dds::DataReader<sonopose_ImuSample> imu_reader_;
-  dds::DataReader<sonopose_UltrasonicFix> fix_reader_;
-  dds::DataReader<sonopose_PairHeading> heading_reader_;
-  dds::DataReader<sonopose_TwistSample> twist_reader_;
-  dds::DataReader<sonopose_ResetCommand> reset_reader_;
+  dds::sub::DataReader<sonopose_ImuSample> imu_reader_ = dds::core::null;
+  dds::sub::DataReader<sonopose_UltrasonicFix> fix_reader_ = dds::core::null;
+  dds::sub::DataReader<sonopose_PairHeading> heading_reader_ = dds::core::null;
+  dds::sub::DataReader<sonopose_TwistSample> twist_reader_ = dds::core::null;
+  dds::sub::DataReader<sonopose_ResetCommand> reset_reader_ = dds::core::null;
   std::jthread lossless_thread_;
   BacklogThread backlog_thread_;
 };

@@ -15,7 +15,7 @@
 #include "process_log/log_publisher.hpp"
 #include "threads/guarded.hpp"
 #include "transitions/transition_log.hpp"
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/text/count_text.hpp>
 
@@ -89,7 +89,7 @@ private:
   const bool lossless_;
   const std::function<config::FusionConfig()> read_again_;
   presence::BeaconAdmission admission_;
-  dds::DomainParticipant participant_;
+  dds::domain::DomainParticipant participant_;
   dds::qos::Provider qos_;
   process_log::LogPublisher log_publisher_{participant_, qos_};
   const dds::topics::Delivery delivery_;
@@ -118,7 +118,7 @@ FusionNode::Impl::Impl(const FusionOptions& options)
       admission_(options.addresses, options.max_beacons,
                  options.lossless ? presence::BeaconAdmission::Pace::unlimited
                                   : presence::BeaconAdmission::Pace::limited),
-      participant_(domain_options(options)),
+      participant_(dds::ext::participant(domain_options(options))),
       qos_(options.qos_file),
       delivery_(options.lossless ? dds::topics::Delivery::lossless : dds::topics::Delivery::live),
       input_deadline_ns_(input_deadline_ns(qos_)),

@@ -33,7 +33,7 @@ struct FusionOptions {
 /// it runs on a separate thread, which may wait for consumers.
 class FusionNode {
 public:
-  /// Joins the domain and starts. Throws dds::Error, dds::qos::FileError.
+  /// Joins the domain and starts. Throws dds::core::Exception, dds::qos::FileError.
   explicit FusionNode(const FusionOptions& options);
   FusionNode(const FusionNode&) = delete;
   FusionNode& operator=(const FusionNode&) = delete;

@@ -31,7 +31,7 @@ T key_of(BeaconAddress address) {
 
 }  // namespace
 
-PosePublisher::PosePublisher(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+PosePublisher::PosePublisher(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos,
                              dds::topics::Delivery delivery, const std::optional<StandbyOptions>& standby,
                              TimeNs input_deadline_ns, Overload& overload,
                              process::EndpointCounters& counters, const std::atomic<bool>& stopping)
@@ -50,17 +50,17 @@ PosePublisher::PosePublisher(const dds::DomainParticipant& participant, const dd
     return dds::topics::make_writer(participant, qos, dds::topics::pose, listener, delivery, changes);
   };
   if (standby) {
-    writer_ = make(&pose_listener_, dds::Qos() << OwnershipStrength{standby->strength});
+    writer_ = make(&pose_listener_, dds::Qos() << OwnershipStrength(standby->strength));
     // Without the listener: while the process serves a beacon, this writer misses all of its deadlines.
-    warming_writer_ = make(nullptr, dds::Qos() << OwnershipStrength{0});
+    warming_writer_ = make(nullptr, dds::Qos() << OwnershipStrength(0));
   } else {
     writer_ = make(&pose_listener_, {});
   }
-  const dds::Qos effective = writer_.qos();
-  strength_ = effective.policy<OwnershipStrength>().value_or(OwnershipStrength{}).value;
-  const auto liveliness = effective.policy<Liveliness>().value_or(Liveliness{});
-  is_manual_ = liveliness.kind == LivelinessKind::manual_by_topic;
-  lease_ns_ = liveliness.lease_duration.count();
+  const auto effective = writer_.qos();
+  strength_ = effective.policy<OwnershipStrength>().value();
+  const auto liveliness = effective.policy<Liveliness>();
+  is_manual_ = liveliness.kind() == LivelinessKind::MANUAL_BY_TOPIC;
+  lease_ns_ = dds::ext::to_chrono(liveliness.lease_duration()).count();
   if (!is_live_) return;
   predicting_thread_ = std::jthread([this](const std::stop_token& stop) { serve_predictions(stop); });
   ::pthread_setname_np(predicting_thread_.native_handle(), process::predicting_thread_name);
@@ -80,7 +80,7 @@ void PosePublisher::publish(EventOutcome& outcome, BeaconAddress address, TimeNs
     held_back_ = *pose;
   } else if (const auto* report = std::get_if<FixReport>(&outcome.result)) {
     const auto sample = dds::topics::to_idl(*report);
-    write_until_accepted([&] { return report_writer_.try_write(sample); });
+    write_until_accepted([&] { return dds::ext::try_write(report_writer_, sample); });
   }
 }
 
@@ -153,7 +153,7 @@ void PosePublisher::count_skipped(BeaconAddress address) noexcept {
 void PosePublisher::write(PoseWriter& writer, FusedPose& pose) noexcept {
   write_until_accepted([&] {
     pose.fusion_out_time_ns = clocks::host_now();
-    const dds::ReturnCode code = writer.try_write(dds::topics::to_idl(pose));
+    const dds::ReturnCode code = dds::ext::try_write(writer, dds::topics::to_idl(pose));
     if (code >= 0) written_ns_.store(clocks::steady_now().ns, std::memory_order_relaxed);
     return code;
   });
@@ -167,7 +167,7 @@ void PosePublisher::write_until_accepted(const auto& attempt) noexcept {
     waited_ = true;
     return false;
   };
-  if (dds::retry_unless(give_up, attempt) < 0) unwritten_.fetch_add(1, std::memory_order_relaxed);
+  if (dds::ext::retry_unless(give_up, attempt) < 0) unwritten_.fetch_add(1, std::memory_order_relaxed);
 }
 
 // Ownership and liveliness
@@ -177,14 +177,14 @@ PosePublisher::PoseWriter& PosePublisher::writer_of(FusionRole role) noexcept {
 }
 
 void PosePublisher::release(BeaconAddress address) noexcept {
-  writer_.try_unregister_instance(key_of<sonopose_FusedPose>(address));
+  dds::ext::try_unregister_instance(writer_, key_of<sonopose_FusedPose>(address));
 }
 
 void PosePublisher::poll(SteadyTime now, bool busy) noexcept {
   // A pose asserts its writer's liveliness, which saves a message and its acknowledgement.
   if (is_manual_ && !busy && !asserted_until(now)) {
-    writer_.try_assert_liveliness();
-    if (is_standby_) warming_writer_.try_assert_liveliness();
+    dds::ext::try_assert_liveliness(writer_);
+    if (is_standby_) dds::ext::try_assert_liveliness(warming_writer_);
   }
   if (!is_standby_) return;
   stalled_.clear();
@@ -227,8 +227,8 @@ void PosePublisher::unregister(BeaconAddress address) noexcept {
   }
   if (!is_live_) return;
   release(address);
-  if (is_standby_) warming_writer_.try_unregister_instance(key_of<sonopose_FusedPose>(address));
-  report_writer_.try_unregister_instance(key_of<sonopose_FixReport>(address));
+  if (is_standby_) dds::ext::try_unregister_instance(warming_writer_, key_of<sonopose_FusedPose>(address));
+  dds::ext::try_unregister_instance(report_writer_, key_of<sonopose_FixReport>(address));
 }
 
 FusionRole PosePublisher::role(BeaconAddress address) const {

@@ -10,7 +10,7 @@
 #include "fusion/standby.hpp"
 #include "process/endpoint_counters.hpp"
 #include "threads/mutex.hpp"
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
 #include <atomic>
@@ -34,7 +34,7 @@ class PosePublisher {
 public:
   /// `input_deadline_ns`: silence of an IMU after which its pose is not predicted and its beacon is released.
   /// Lossless writers wait for consumers until `stopping` is set. All references must outlive it.
-  PosePublisher(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+  PosePublisher(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos,
                 dds::topics::Delivery delivery, const std::optional<StandbyOptions>& standby,
                 TimeNs input_deadline_ns, Overload& overload, process::EndpointCounters& counters,
                 const std::atomic<bool>& stopping);
@@ -93,7 +93,7 @@ public:
   bool take_waited() { return waited_.exchange(false); }
 
 private:
-  using PoseWriter = dds::DataWriter<sonopose_FusedPose>;
+  using PoseWriter = dds::pub::DataWriter<sonopose_FusedPose>;
 
   struct Delay {
     SampleAge age{to_ns(late_after_s)};
@@ -138,9 +138,9 @@ private:
 
   process::CountingWriterListener<sonopose_FusedPose> pose_listener_;
   process::CountingWriterListener<sonopose_FixReport> report_listener_;
-  PoseWriter writer_;
-  PoseWriter warming_writer_;
-  dds::DataWriter<sonopose_FixReport> report_writer_;
+  PoseWriter writer_ = dds::core::null;
+  PoseWriter warming_writer_ = dds::core::null;
+  dds::pub::DataWriter<sonopose_FixReport> report_writer_;
   std::jthread predicting_thread_;
 };
 

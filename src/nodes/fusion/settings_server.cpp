@@ -19,8 +19,9 @@ namespace sonopose::fusion {
 
 namespace topics = dds::topics;
 
-SettingsServer::SettingsServer(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
-                               threads::Guarded<BeaconEstimators>& estimators, presence::AddressSet addresses)
+SettingsServer::SettingsServer(const dds::domain::DomainParticipant& participant,
+                               const dds::qos::Provider& qos, threads::Guarded<BeaconEstimators>& estimators,
+                               presence::AddressSet addresses)
     : estimators_(estimators),
       addresses_(std::move(addresses)),
       requests_(estimators),
@@ -44,7 +45,7 @@ SettingsServer::~SettingsServer() {
 void SettingsServer::unregister(BeaconAddress address) noexcept {
   sonopose_EffectiveSettings settings{};
   settings.address = address;
-  settings_writer_.try_unregister_instance(settings);
+  dds::ext::try_unregister_instance(settings_writer_, settings);
 }
 
 void SettingsServer::replace(config::FusionConfig config) {
@@ -72,23 +73,25 @@ void SettingsServer::replace_requested() {
 }
 
 void SettingsServer::serve() {
-  const dds::ReadCondition has_requests(request_reader_);
-  dds::WaitSet waitset;
+  const dds::sub::cond::ReadCondition has_requests(request_reader_, dds::sub::status::DataState::any());
+  dds::core::cond::WaitSet waitset;
   waitset += has_requests;
   waitset += wake_;
   while (!stopping_) {
     constexpr std::chrono::seconds report_period{1};
-    waitset.wait(log_.has_pending() ? dds::Duration(report_period) : dds::infinite);
+    dds::ext::wait(waitset,
+                   log_.has_pending() ? std::chrono::nanoseconds(report_period) : dds::ext::infinite);
     log_.update(clocks::steady_now());
     wake_.trigger_value(false);
     replace_requested();
     publish_changes();
-    request_reader_.try_take_each([this](const sonopose_SettingsRequest& request, const dds::SampleInfo&) {
-      if (stopping_) return;
-      const SteadyTime begin = clocks::steady_now();
-      try_answer(request);
-      std::this_thread::sleep_for(std::chrono::nanoseconds(clocks::steady_now() - begin));
-    });
+    dds::ext::try_take_each(
+        request_reader_, [this](const sonopose_SettingsRequest& request, const dds::sub::SampleInfo&) {
+          if (stopping_) return;
+          const SteadyTime begin = clocks::steady_now();
+          try_answer(request);
+          std::this_thread::sleep_for(std::chrono::nanoseconds(clocks::steady_now() - begin));
+        });
   }
   log_.finish();
 }
@@ -116,7 +119,7 @@ void SettingsServer::answer(const sonopose_SettingsRequest& request) {
     publish_changed(reply.address);
   }
   const auto sample = topics::to_idl(reply);
-  write([&] { return reply_writer_.try_write(sample); });
+  write([&] { return dds::ext::try_write(reply_writer_, sample); });
 }
 
 /// Logs a request, rate-limited and bounded: any program can send requests.
@@ -156,17 +159,17 @@ void SettingsServer::publish_changed(BeaconAddress address) {
   }
 }
 
-void SettingsServer::publish(dds::DataWriter<sonopose_EffectiveSettings>& writer,
+void SettingsServer::publish(dds::pub::DataWriter<sonopose_EffectiveSettings>& writer,
                              EffectiveSettings settings) {
   settings.time_ns = clocks::host_now();
   const auto sample = topics::to_idl(settings);
-  write([&] { return writer.try_write(sample.sample()); });
+  write([&] { return dds::ext::try_write(writer, sample.sample()); });
 }
 
 /// Repeats `attempt` until a slow reader has space or the process ends.
 void SettingsServer::write(const auto& attempt) {
   const auto give_up = [this] { return stopping_.load(); };
-  if (dds::retry_unless(give_up, attempt) < 0) unwritten_.fetch_add(1, std::memory_order_relaxed);
+  if (dds::ext::retry_unless(give_up, attempt) < 0) unwritten_.fetch_add(1, std::memory_order_relaxed);
 }
 
 }  // namespace sonopose::fusion

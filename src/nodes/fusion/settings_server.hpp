@@ -8,8 +8,7 @@
 #include "presence/address_set.hpp"
 #include "threads/guarded.hpp"
 #include "transitions/bounded_log.hpp"
-#include <sonopose/dds/binding/participant.hpp>
-#include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
 #include <atomic>
@@ -25,7 +24,7 @@ namespace sonopose::fusion {
 class SettingsServer {
 public:
   /// Answers requests for `addresses` and for all beacons.
-  SettingsServer(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+  SettingsServer(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos,
                  threads::Guarded<BeaconEstimators>& estimators, presence::AddressSet addresses);
   SettingsServer(const SettingsServer&) = delete;
   SettingsServer& operator=(const SettingsServer&) = delete;
@@ -53,7 +52,7 @@ private:
   void publish_changes();
   void publish(const SettingsChange& change);
   void publish_changed(BeaconAddress address);
-  void publish(dds::DataWriter<sonopose_EffectiveSettings>& writer, EffectiveSettings settings);
+  void publish(dds::pub::DataWriter<sonopose_EffectiveSettings>& writer, EffectiveSettings settings);
   void write(const auto& attempt);
 
   threads::Guarded<BeaconEstimators>& estimators_;
@@ -63,11 +62,11 @@ private:
   static constexpr std::uint64_t max_logged_per_minute = 60;
   transitions::BoundedLog log_{max_logged_per_minute};
   std::uint64_t last_logged_id_ = 0;  ///< request id; a sender repeats its request until the reply arrives
-  dds::DataWriter<sonopose_EffectiveSettings> settings_writer_;
-  dds::DataWriter<sonopose_EffectiveSettings> changed_writer_;
-  dds::DataWriter<sonopose_SettingsReply> reply_writer_;
-  dds::DataReader<sonopose_SettingsRequest> request_reader_;
-  dds::GuardCondition wake_;
+  dds::pub::DataWriter<sonopose_EffectiveSettings> settings_writer_;
+  dds::pub::DataWriter<sonopose_EffectiveSettings> changed_writer_;
+  dds::pub::DataWriter<sonopose_SettingsReply> reply_writer_;
+  dds::sub::DataReader<sonopose_SettingsRequest> request_reader_;
+  dds::core::cond::GuardCondition wake_;
   threads::Guarded<std::optional<config::FusionConfig>> replacement_;
   std::atomic<bool> stopping_ = false;
   std::atomic<std::uint64_t> unwritten_ = 0;

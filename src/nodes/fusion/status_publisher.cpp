@@ -18,7 +18,8 @@ namespace sonopose::fusion {
 
 namespace topics = dds::topics;
 
-StatusPublisher::StatusPublisher(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+StatusPublisher::StatusPublisher(const dds::domain::DomainParticipant& participant,
+                                 const dds::qos::Provider& qos,
                                  threads::Guarded<BeaconEstimators>& estimators,
                                  const PosePublisher& pose_publisher, const Overload& overload,
                                  process::EndpointCounters& endpoints, transitions::TransitionLog& log)
@@ -68,14 +69,14 @@ void StatusPublisher::publish_status(BeaconAddress address, std::uint64_t unwrit
   status->samples_lost = endpoints_.samples_lost;
   status->samples_rejected = endpoints_.samples_rejected;
   status->incompatible_qos = endpoints_.incompatible_qos;
-  if (status_writer_.try_write(topics::to_idl(*status)) < 0) ++unwritten_;
+  if (dds::ext::try_write(status_writer_, topics::to_idl(*status)) < 0) ++unwritten_;
 }
 
 void StatusPublisher::publish_estimate(BeaconAddress address) {
   auto estimate = read(address, [](BeaconEstimator& estimator) { return estimator.estimate(); });
   if (!estimate) return;
   estimate->fusion_id = fusion_id_;
-  if (estimate_writer_.try_write(topics::to_idl(*estimate)) < 0) ++unwritten_;
+  if (dds::ext::try_write(estimate_writer_, topics::to_idl(*estimate)) < 0) ++unwritten_;
 }
 
 void StatusPublisher::log_input_use(BeaconAddress address) {
@@ -128,11 +129,11 @@ void StatusPublisher::unregister(BeaconAddress address) noexcept {
   sonopose_FusionStatus status{};
   status.address = address;
   status.fusion_id = fusion_id_;
-  status_writer_.try_unregister_instance(status);
+  dds::ext::try_unregister_instance(status_writer_, status);
   sonopose_Estimate estimate{};
   estimate.address = address;
   estimate.fusion_id = fusion_id_;
-  estimate_writer_.try_unregister_instance(estimate);
+  dds::ext::try_unregister_instance(estimate_writer_, estimate);
 }
 
 }  // namespace sonopose::fusion

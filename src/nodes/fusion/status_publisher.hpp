@@ -10,7 +10,7 @@
 #include "threads/guarded.hpp"
 #include "transitions/increase_log.hpp"
 #include "transitions/transition_log.hpp"
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
 #include <cstdint>
@@ -21,7 +21,7 @@ namespace sonopose::fusion {
 /// thread.
 class StatusPublisher {
 public:
-  StatusPublisher(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+  StatusPublisher(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos,
                   threads::Guarded<BeaconEstimators>& estimators, const PosePublisher& pose_publisher,
                   const Overload& overload, process::EndpointCounters& endpoints,
                   transitions::TransitionLog& log);
@@ -57,8 +57,8 @@ private:
   process::EndpointCounters& endpoints_;
   transitions::TransitionLog& log_;
   process::CountingWriterListener<sonopose_FusionStatus> status_listener_;
-  dds::DataWriter<sonopose_FusionStatus> status_writer_;
-  dds::DataWriter<sonopose_Estimate> estimate_writer_;
+  dds::pub::DataWriter<sonopose_FusionStatus> status_writer_;
+  dds::pub::DataWriter<sonopose_Estimate> estimate_writer_;
   GapDetector gaps_;
   std::uint64_t unwritten_ = 0;  ///< unwritten statuses and estimates
   transitions::IncreaseLog unwritten_log_;

@@ -23,7 +23,7 @@ struct MonitorOptions {
 };
 
 /// Shows its observations until the stop or the end of the duration; the key q requests the stop. Returns the
-/// number of poses received. Throws dds::Error, dds::qos::FileError, std::system_error.
+/// number of poses received. Throws dds::core::Exception, dds::qos::FileError, std::system_error.
 std::uint64_t monitor(const MonitorOptions& options, process::StopSignal& stop);
 
 }  // namespace sonopose::monitor

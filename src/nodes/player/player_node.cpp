@@ -106,7 +106,7 @@ public:
         selection_(selection_of(reader, options, playable_.channel_ids)),
         clock_(options.rate),
         gaps_(options.max_gap_s, options.rate, reader.statistics().log_times.start_ns),
-        participant_(domain_options(options)),
+        participant_(dds::ext::participant(domain_options(options))),
         qos_(options.qos_file),
         publisher_(participant_, qos_, {playable_.topics.begin(), playable_.topics.end()},
                    options.rate == 0.0 ? topics::Delivery::lossless : topics::Delivery::live) {
@@ -132,7 +132,7 @@ private:
   mcap::Selection selection_;
   PlayClock clock_;
   Gaps gaps_;
-  dds::DomainParticipant participant_;
+  dds::domain::DomainParticipant participant_;
   dds::qos::Provider qos_;
   Republisher publisher_;
   std::optional<publication::LossyFusions> lossy_fusions_;  ///< empty unless the rate is 0

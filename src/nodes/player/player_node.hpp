@@ -43,7 +43,7 @@ struct PlayerReport {
   double duration_s = 0;
 };
 
-/// Plays until the end or the stop. Logs skipped parts with the reason. Throws dds::Error,
+/// Plays until the end or the stop. Logs skipped parts with the reason. Throws dds::core::Exception,
 /// dds::qos::FileError, files::IoError (mcap::FormatError), std::invalid_argument for a topic that the file
 /// lacks, for times without messages, and for a rate or gap that is none.
 PlayerReport play(const PlayerOptions& options, PlayControl& control, const process::StopSignal& stop);

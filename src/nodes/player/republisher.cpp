@@ -2,8 +2,8 @@
 
 #include "bus_log/instance_end.hpp"
 #include "mcap/omg_idl.hpp"
-#include <sonopose/dds/binding/error.hpp>
 #include <sonopose/dds/binding/refused_peer.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/idl/text.hpp>
 
 #include <algorithm>
@@ -32,7 +32,7 @@ std::string obstacle_to(const mcap::Channel& channel, const mcap::Schema* schema
   return {};
 }
 
-Republisher::Republisher(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+Republisher::Republisher(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos,
                          const std::vector<std::string>& names, topics::Delivery delivery) {
   std::string refused;
   for (const std::string& name : names) {
@@ -40,8 +40,7 @@ Republisher::Republisher(const dds::DomainParticipant& participant, const dds::q
     if (topic == nullptr) continue;
     try {
       streams_.try_emplace(topic->name, Stream{topic, topic->make_writer(participant, qos, delivery)});
-    } catch (const dds::Error& error) {
-      if (!dds::is_forbidden(error)) throw;
+    } catch (const dds::ForbiddenError&) {
       refused += (refused.empty() ? "" : ", ") + std::string(topic->name);
     }
   }
@@ -67,8 +66,7 @@ Republisher::Outcome Republisher::publish(const std::string& topic, const mcap::
     if (!found->second.topic->shift_times(moved_, shift_ns_)) return Outcome::refused;
     bytes = moved_;
   }
-  return forward(found->second, bytes, shifted(message.publish_time_ns), dds::SerializedWriter::Change::write,
-                 stop);
+  return forward(found->second, bytes, shifted(message.publish_time_ns), dds::ext::Change::write, stop);
 }
 
 Republisher::Outcome Republisher::end_instance(const mcap::Message& message,
@@ -80,8 +78,7 @@ Republisher::Outcome Republisher::end_instance(const mcap::Message& message,
     const bus_log::InstanceEnd end = bus_log::instance_end_of(text);
     const auto found = streams_.find(end.topic);
     if (found == streams_.end()) return Outcome::unplayed;
-    const auto change =
-        end.disposed ? dds::SerializedWriter::Change::dispose : dds::SerializedWriter::Change::unregister;
+    const auto change = end.disposed ? dds::ext::Change::dispose : dds::ext::Change::unregister;
     return forward(found->second, end.key_cdr, shifted(message.publish_time_ns), change, stop);
   } catch (const std::invalid_argument&) {
     return Outcome::refused;
@@ -89,18 +86,17 @@ Republisher::Outcome Republisher::end_instance(const mcap::Message& message,
 }
 
 Republisher::Outcome Republisher::forward(Stream& stream, std::span<const std::byte> bytes, TimeNs stamp_ns,
-                                          dds::SerializedWriter::Change change,
-                                          const process::StopSignal& stop) {
+                                          dds::ext::Change change, const process::StopSignal& stop) {
   const dds::ReturnCode code =
-      dds::retry_unless([&stop] { return stop.requested(); },
-                        [&] { return stream.writer.try_forward(bytes, stamp_ns, change); });
+      dds::ext::retry_unless([&stop] { return stop.requested(); },
+                             [&] { return dds::ext::try_forward(stream.writer, bytes, stamp_ns, change); });
   return code >= 0 ? Outcome::published : Outcome::refused;
 }
 
 Republisher::Readers Republisher::readers() {
   Readers readers{.all = 0, .min = std::numeric_limits<std::size_t>::max()};
   for (auto& [name, stream] : streams_) {
-    const std::size_t count = stream.writer.publication_matched_status().current_count;
+    const auto count = static_cast<std::size_t>(stream.writer.publication_matched_status().current_count());
     readers.all += count;
     readers.min = std::min(readers.min, count);
   }
@@ -113,7 +109,8 @@ std::vector<std::string> Republisher::wait_until_read(const process::StopSignal&
   std::vector<std::string> unread;
   for (auto& [name, stream] : streams_) {
     int steps = 0;
-    while (steps < max_steps && !stop.requested() && !stream.writer.wait_for_acknowledgments(step)) ++steps;
+    while (steps < max_steps && !stop.requested() && !dds::ext::wait_for_acknowledgments(stream.writer, step))
+      ++steps;
     if (steps == max_steps) unread.push_back(name);
   }
   return unread;

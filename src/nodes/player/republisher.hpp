@@ -4,7 +4,7 @@
 
 #include "mcap/records.hpp"
 #include "process/stop_signal.hpp"
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/serialized_topics.hpp>
 
 #include <cstddef>
@@ -21,8 +21,8 @@ std::string obstacle_to(const mcap::Channel& channel, const mcap::Schema* schema
 
 class Republisher {
 public:
-  /// Creates one writer for each native topic among the names. Throws dds::Error.
-  Republisher(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+  /// Creates one writer for each native topic among the names. Throws dds::core::Exception.
+  Republisher(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos,
               const std::vector<std::string>& topics, dds::topics::Delivery delivery);
 
   /// Moves the times of the following messages, both stamps and contents.
@@ -53,7 +53,7 @@ private:
 
   Outcome end_instance(const mcap::Message& message, const process::StopSignal& stop);
   static Outcome forward(Stream& stream, std::span<const std::byte> bytes, TimeNs stamp_ns,
-                         dds::SerializedWriter::Change change, const process::StopSignal& stop);
+                         dds::ext::Change change, const process::StopSignal& stop);
   [[nodiscard]] TimeNs shifted(std::uint64_t time_ns) const;
 
   std::map<std::string, Stream> streams_;

@@ -2,7 +2,7 @@
 /// \file
 /// Topics on the bus that a recorder of native topics does not know.
 
-#include <sonopose/dds/binding/discovery.hpp>
+#include <sonopose/dds/psm/discovery.hpp>
 
 #include <cstddef>
 #include <map>

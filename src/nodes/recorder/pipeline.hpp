@@ -35,7 +35,7 @@ public:
   Pipeline(Settings settings, Trigger& trigger, process::Wakeup& failed);
 
   /// Records a topic on the channel with that id. Its reader is `make_reader(listener)`.
-  using MakeReader = std::function<dds::SerializedReader(dds::DataReaderListener<dds::Serialized>*)>;
+  using MakeReader = std::function<dds::SerializedReader(dds::sub::DataReaderListener<dds::Serialized>*)>;
   void record(TapTopic topic, std::uint16_t channel_id, const MakeReader& make_reader);
 
   /// Adds a channel that was unknown at the start. Returns its id.

@@ -10,8 +10,8 @@
 #include "recorder/foreign_topics.hpp"
 #include "recorder/pipeline.hpp"
 #include "recorder/ros2_topics.hpp"
-#include <sonopose/dds/binding/discovery.hpp>
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/discovery.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/qos/provider.hpp>
 #include <sonopose/idl/text.hpp>
 #include <sonopose/text/count_text.hpp>
@@ -183,7 +183,7 @@ private:
   dds::qos::Provider qos_;
   std::vector<const topics::SerializedTopic*> selected_;
   process::Wakeup news_;  ///< the disk has failed, or a writer has appeared
-  dds::DomainParticipant participant_;
+  dds::domain::DomainParticipant participant_;
   dds::Discovery discovery_;
   ForeignTopics foreign_;
   Trigger trigger_;
@@ -203,7 +203,7 @@ Recorder::Node::Node(const RecorderOptions& options)
     : options_(options),
       qos_(options.qos_file),
       selected_(checked_topics(options)),
-      participant_(options.domain),
+      participant_(dds::ext::participant(options.domain)),
       discovery_(participant_, [this] { news_.wake(); }),
       native_(native_settings(options, participant_.domain_id(), channels_of(selected_, qos_)), trigger_,
               news_) {
@@ -219,7 +219,7 @@ Recorder::Node::Node(const RecorderOptions& options)
                     .is_exclusive = topic.is_exclusive(qos_),
                     .trigger = trigger_of(topic)},
                    static_cast<std::uint16_t>(i + 1),
-                   [&](dds::DataReaderListener<dds::Serialized>* listener) {
+                   [&](dds::sub::DataReaderListener<dds::Serialized>* listener) {
                      return topic.make_reader(participant_, qos_, listener);
                    });
   }

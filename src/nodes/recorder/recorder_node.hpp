@@ -69,8 +69,8 @@ std::vector<const dds::topics::SerializedTopic*> selected_topics(const RecorderO
 
 class Recorder {
 public:
-  /// Starts recording; leaves no file if it throws. Throws dds::Error, dds::qos::FileError, files::IoError,
-  /// std::invalid_argument.
+  /// Starts recording; leaves no file if it throws. Throws dds::core::Exception, dds::qos::FileError,
+  /// files::IoError, std::invalid_argument.
   explicit Recorder(const RecorderOptions& options);
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;

@@ -12,9 +12,7 @@ namespace sonopose::recorder {
 namespace {
 
 bool is_latched(const dds::Qos& qos) {
-  namespace policy = dds::policy;
-  const auto durability = qos.policy<policy::Durability>();
-  return durability.value_or(policy::Durability{}).kind == policy::DurabilityKind::transient_local;
+  return qos.policy_or_default<dds::policy::Durability>() == dds::policy::Durability::TransientLocal();
 }
 
 }  // namespace
@@ -42,7 +40,7 @@ void Ros2Topics::add(const dds::FoundEndpoint& writer, const std::string& name) 
                              .metadata = {{"offered_qos_profiles", ros2::qos_in_yaml(writer.qos)}},
                              .is_latched = is_latched(writer.qos)});
   const dds::Qos qos = ros2::matching_reader_qos(qos_, writer.qos);
-  pipeline_.record({.name = name}, channel_id, [&](dds::DataReaderListener<dds::Serialized>* listener) {
+  pipeline_.record({.name = name}, channel_id, [&](dds::sub::DataReaderListener<dds::Serialized>* listener) {
     return type->make_reader(participant_, writer.topic_name, qos, listener);
   });
   logging::info("recording " + text::escaped(name) + " of ROS 2");

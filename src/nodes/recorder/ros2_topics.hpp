@@ -3,8 +3,8 @@
 /// The topics of ROS 2 on the bus, recorded as they appear.
 
 #include "recorder/pipeline.hpp"
-#include <sonopose/dds/binding/discovery.hpp>
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/discovery.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/qos/provider.hpp>
 
 #include <set>
@@ -16,7 +16,8 @@ namespace sonopose::recorder {
 class Ros2Topics {
 public:
   /// The references must outlive it.
-  Ros2Topics(Pipeline& pipeline, const dds::DomainParticipant& participant, const dds::qos::Provider& qos)
+  Ros2Topics(Pipeline& pipeline, const dds::domain::DomainParticipant& participant,
+             const dds::qos::Provider& qos)
       : pipeline_(pipeline), participant_(participant), qos_(qos) {}
 
   /// Starts recording each topic among these writers that is new and whose type this program knows.
@@ -31,7 +32,7 @@ private:
   void add(const dds::FoundEndpoint& writer, const std::string& name);
 
   Pipeline& pipeline_;
-  const dds::DomainParticipant& participant_;
+  const dds::domain::DomainParticipant& participant_;
   const dds::qos::Provider& qos_;
   std::set<std::string> topics_;  ///< by their DDS names
 };

@@ -1,7 +1,7 @@
 #include "recorder/settings_log.hpp"
 
 #include "mcap/chunk_messages.hpp"
-#include <sonopose/dds/binding/cdr.hpp>
+#include <sonopose/dds/psm/cdr.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/idl_types.hpp>
 

@@ -11,8 +11,8 @@ std::uint64_t file_time(std::int64_t time_ns) {
 }
 
 /// Publish time of a sample; the log time if its writer gave none.
-std::uint64_t publish_time(const dds::SampleInfo& info, std::int64_t log_time_ns) {
-  return file_time(info.source_timestamp_ns() > 0 ? info.source_timestamp_ns() : log_time_ns);
+std::uint64_t publish_time(const dds::sub::SampleInfo& info, std::int64_t log_time_ns) {
+  return file_time(dds::ext::source_time_ns(info) > 0 ? dds::ext::source_time_ns(info) : log_time_ns);
 }
 
 void add_change(std::atomic<std::uint64_t>& counter, std::int32_t change) {
@@ -22,19 +22,23 @@ void add_change(std::atomic<std::uint64_t>& counter, std::int32_t change) {
 }  // namespace
 
 void TopicTap::on_data_available(dds::SerializedReader& reader) noexcept {
-  reader.try_take_each(
-      [this](const dds::SerializedSample& sample, const dds::SampleInfo& info) { on_sample(sample, info); },
-      [this](const dds::SerializedSample& key, const dds::SampleInfo& info) { on_end(key, info); });
+  dds::ext::try_take_each(
+      reader,
+      [this](const dds::SerializedSample& sample, const dds::sub::SampleInfo& info) {
+        on_sample(sample, info);
+      },
+      [this](const dds::SerializedSample& key, const dds::sub::SampleInfo& info) { on_end(key, info); });
 }
 
 void TopicTap::on_sample_lost(dds::SerializedReader& /*reader*/,
-                              const dds::SampleLostStatus& status) noexcept {
-  if (!topic_.is_exclusive) add_change(lost_dds_, status.total_count_change);
+                              const dds::core::status::SampleLostStatus& status) noexcept {
+  if (!topic_.is_exclusive) add_change(lost_dds_, status.total_count_change());
 }
 
-void TopicTap::on_requested_incompatible_qos(dds::SerializedReader& /*reader*/,
-                                             const dds::RequestedIncompatibleQosStatus& status) noexcept {
-  add_change(incompatible_, status.total_count_change);
+void TopicTap::on_requested_incompatible_qos(
+    dds::SerializedReader& /*reader*/,
+    const dds::core::status::RequestedIncompatibleQosStatus& status) noexcept {
+  add_change(incompatible_, status.total_count_change());
 }
 
 bool TopicTap::accepts(std::span<const std::byte> sample) const noexcept {
@@ -43,7 +47,7 @@ bool TopicTap::accepts(std::span<const std::byte> sample) const noexcept {
   return !address || *address == all_beacons || topic_.beacons->contains(*address);
 }
 
-void TopicTap::on_sample(const dds::SerializedSample& sample, const dds::SampleInfo& info) noexcept {
+void TopicTap::on_sample(const dds::SerializedSample& sample, const dds::sub::SampleInfo& info) noexcept {
   const auto bytes = sample.bytes();
   if (!accepts(bytes)) return;
   const std::int64_t now_ns = clocks::host_now();
@@ -56,7 +60,7 @@ void TopicTap::on_sample(const dds::SerializedSample& sample, const dds::SampleI
   if (topic_.trigger != nullptr) topic_.trigger->on_sample(bytes);
 }
 
-void TopicTap::on_end(const dds::SerializedSample& key, const dds::SampleInfo& info) noexcept {
+void TopicTap::on_end(const dds::SerializedSample& key, const dds::sub::SampleInfo& info) noexcept {
   if (target_.ends_channel_id == 0 || !accepts(key.bytes())) return;
   const std::int64_t now_ns = clocks::host_now();
   add({.channel_id = target_.ends_channel_id,
@@ -64,7 +68,7 @@ void TopicTap::on_end(const dds::SerializedSample& key, const dds::SampleInfo& i
        .log_time_ns = file_time(now_ns),
        .publish_time_ns = publish_time(info, now_ns),
        .data = key.bytes()},
-      raw_end_head(target_.channel_id, info.disposed()));
+      raw_end_head(target_.channel_id, dds::ext::is_disposed(info)));
 }
 
 void TopicTap::add(const mcap::Message& message, std::span<const std::byte> head) noexcept {

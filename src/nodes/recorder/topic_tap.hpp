@@ -50,7 +50,7 @@ struct TapTarget {
   std::uint16_t ends_channel_id;  ///< 0: ends are not recorded
 };
 
-class TopicTap final : public dds::DataReaderListener<dds::Serialized> {
+class TopicTap final : public dds::sub::NoOpDataReaderListener<dds::Serialized> {
 public:
   /// The references in `target` must outlive it.
   TopicTap(TapTopic topic, const TapTarget& target) : topic_(std::move(topic)), target_(target) {}
@@ -58,7 +58,7 @@ public:
   /// Takes the reader whose listener this is. Samples may arrive earlier.
   void open(dds::SerializedReader reader) { reader_ = std::move(reader); }
   /// Stops the arrival of samples.
-  void close() { reader_.close(); }
+  void close() { reader_ = dds::core::null; }
 
   [[nodiscard]] const std::string& name() const { return topic_.name; }
   [[nodiscard]] TapCounts counts() const { return {received_, lost_queue_, lost_dds_}; }
@@ -66,14 +66,16 @@ public:
   [[nodiscard]] std::uint64_t incompatible() const { return incompatible_; }
 
   void on_data_available(dds::SerializedReader& reader) noexcept override;
-  void on_sample_lost(dds::SerializedReader& reader, const dds::SampleLostStatus& status) noexcept override;
-  void on_requested_incompatible_qos(dds::SerializedReader& reader,
-                                     const dds::RequestedIncompatibleQosStatus& status) noexcept override;
+  void on_sample_lost(dds::SerializedReader& reader,
+                      const dds::core::status::SampleLostStatus& status) noexcept override;
+  void on_requested_incompatible_qos(
+      dds::SerializedReader& reader,
+      const dds::core::status::RequestedIncompatibleQosStatus& status) noexcept override;
 
 private:
   [[nodiscard]] bool accepts(std::span<const std::byte> sample) const noexcept;
-  void on_sample(const dds::SerializedSample& sample, const dds::SampleInfo& info) noexcept;
-  void on_end(const dds::SerializedSample& key, const dds::SampleInfo& info) noexcept;
+  void on_sample(const dds::SerializedSample& sample, const dds::sub::SampleInfo& info) noexcept;
+  void on_end(const dds::SerializedSample& key, const dds::sub::SampleInfo& info) noexcept;
   void add(const mcap::Message& message, std::span<const std::byte> head = {}) noexcept;
 
   TapTopic topic_;
@@ -83,7 +85,7 @@ private:
   std::atomic<std::uint64_t> lost_queue_ = 0;
   std::atomic<std::uint64_t> lost_dds_ = 0;
   std::atomic<std::uint64_t> incompatible_ = 0;
-  dds::SerializedReader reader_;  ///< last, because its listener is this object
+  dds::SerializedReader reader_ = dds::core::null;  ///< last, because its listener is this object
 };
 
 }  // namespace sonopose::recorder

@@ -4,8 +4,7 @@
 
 #include "presence/instance_limit.hpp"
 #include "web/live/missing_lines.hpp"
-#include <sonopose/dds/binding/data_reader.hpp>
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/qos/provider.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
@@ -28,7 +27,7 @@ public:
     std::uint64_t missing = 0;  ///< missing lines of its process before this one
   };
 
-  LogLines(const dds::DomainParticipant& participant, const dds::qos::Provider& qos)
+  LogLines(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos)
       : reader_(dds::topics::make_reader(participant, qos, dds::topics::log, nullptr,
                                          dds::topics::Delivery::live, &limit_)) {}
 
@@ -36,13 +35,14 @@ public:
   std::vector<Received> take() {
     std::vector<Received> received;
     std::set<std::pair<std::string, std::uint32_t>> ended;  // not only the last line of a process says so
-    const auto note_end = [&](const sonopose_LogLine& sample, const dds::SampleInfo& info) {
-      if (info.alive()) return;
+    const auto note_end = [&](const sonopose_LogLine& sample, const dds::sub::SampleInfo& info) {
+      if (dds::ext::is_alive(info)) return;
       ended.emplace(sample.host, sample.process_id);
       limit_.forget(sample);
     };
-    reader_.try_take_each(
-        [&](const sonopose_LogLine& sample, const dds::SampleInfo& info) {
+    dds::ext::try_take_each(
+        reader_,
+        [&](const sonopose_LogLine& sample, const dds::sub::SampleInfo& info) {
           LogLine line = dds::topics::from_idl(sample);
           const std::uint64_t missing = missing_.before(line);
           received.push_back({std::move(line), missing});
@@ -60,7 +60,7 @@ public:
 
 private:
   presence::InstanceLimit<sonopose_LogLine> limit_;
-  dds::DataReader<sonopose_LogLine> reader_;
+  dds::sub::DataReader<sonopose_LogLine> reader_;
   live::MissingLines missing_;
 };
 

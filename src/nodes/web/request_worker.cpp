@@ -24,7 +24,7 @@ std::string doctor_failure_json(const char* reason) {
 
 }  // namespace
 
-RequestWorker::RequestWorker(const dds::DomainParticipant& participant,
+RequestWorker::RequestWorker(const dds::domain::DomainParticipant& participant,
                              std::optional<std::filesystem::path> qos_file, Examine examine, Publish publish)
     : participant_(participant),
       qos_file_(std::move(qos_file)),

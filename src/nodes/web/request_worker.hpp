@@ -6,7 +6,7 @@
 #include "threads/mutex.hpp"
 #include "web/page_messages.hpp"
 #include "web/page_requests.hpp"
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 
 #include <condition_variable>
 #include <cstddef>
@@ -28,10 +28,9 @@ public:
   using Answer = std::function<void(const Reply& reply)>;
   using Publish = std::function<void(std::string text)>;
 
-  /// `examine` is the doctor; `publish` takes its findings. Refuses more than a few requests at a time. The
-  /// participant must outlive it.
-  RequestWorker(const dds::DomainParticipant& participant, std::optional<std::filesystem::path> qos_file,
-                Examine examine, Publish publish);
+  /// `examine` is the doctor; `publish` takes its findings. Refuses more than a few requests at a time.
+  RequestWorker(const dds::domain::DomainParticipant& participant,
+                std::optional<std::filesystem::path> qos_file, Examine examine, Publish publish);
   RequestWorker(const RequestWorker&) = delete;
   RequestWorker& operator=(const RequestWorker&) = delete;
   /// Gives up unfinished requests.
@@ -61,7 +60,7 @@ private:
   /// The doctor's findings as a text for the pages; empty if stopped.
   [[nodiscard]] std::optional<std::string> examined(double seconds) const;
 
-  const dds::DomainParticipant& participant_;
+  dds::domain::DomainParticipant participant_;
   std::optional<std::filesystem::path> qos_file_;
   Examine examine_;
   Publish publish_;

@@ -168,17 +168,19 @@ public:
         pages_(pages) {}
 
   void poll() {
-    settings_.try_take_each(
-        [&](const sonopose_EffectiveSettings& sample, const dds::SampleInfo& info) {
+    dds::ext::try_take_each(
+        settings_,
+        [&](const sonopose_EffectiveSettings& sample, const dds::sub::SampleInfo& info) {
           pages_.broadcast_latest(name_of(sample.address), settings_text(dds::topics::from_idl(sample)));
-          if (!info.alive()) forget_settings(sample.address);
+          if (!dds::ext::is_alive(info)) forget_settings(sample.address);
         },
-        [&](const sonopose_EffectiveSettings& key, const dds::SampleInfo& info) {
-          if (!info.alive()) forget_settings(key.address);
+        [&](const sonopose_EffectiveSettings& key, const dds::sub::SampleInfo& info) {
+          if (!dds::ext::is_alive(info)) forget_settings(key.address);
         });
     bool has_changed = false;
-    stationary_.try_take_each(
-        [&](const sonopose_StationaryBeacon& sample, const dds::SampleInfo& info) {
+    dds::ext::try_take_each(
+        stationary_,
+        [&](const sonopose_StationaryBeacon& sample, const dds::sub::SampleInfo& info) {
           const StationaryBeacon beacon = dds::topics::from_idl(sample);
           has_changed = true;
           if (beacon.position_world_m) {
@@ -186,10 +188,10 @@ public:
           } else {
             positions_world_m_.erase(beacon.address);
           }
-          if (!info.alive()) forget_stationary(sample.address);
+          if (!dds::ext::is_alive(info)) forget_stationary(sample.address);
         },
-        [&](const sonopose_StationaryBeacon& key, const dds::SampleInfo& info) {
-          if (!info.alive()) has_changed = forget_stationary(key.address) || has_changed;
+        [&](const sonopose_StationaryBeacon& key, const dds::sub::SampleInfo& info) {
+          if (!dds::ext::is_alive(info)) has_changed = forget_stationary(key.address) || has_changed;
         });
     if (has_changed) pages_.broadcast_latest("stationary", stationary_text(positions_world_m_));
   }
@@ -210,8 +212,8 @@ private:
 
   presence::BeaconAdmission settings_admission_;  ///< includes settings for all beacons
   presence::BeaconAdmission stationary_admission_{{}, presence::BeaconAdmission::default_max_beacons};
-  dds::DataReader<sonopose_EffectiveSettings> settings_;
-  dds::DataReader<sonopose_StationaryBeacon> stationary_;
+  dds::sub::DataReader<sonopose_EffectiveSettings> settings_;
+  dds::sub::DataReader<sonopose_StationaryBeacon> stationary_;
   PageClients& pages_;
   std::map<BeaconAddress, Vector3d> positions_world_m_;
 };

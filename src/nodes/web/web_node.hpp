@@ -28,7 +28,8 @@ struct WebOptions {
   std::string version;
 };
 
-/// Serves until the stop. Throws dds::Error, dds::qos::FileError, std::runtime_error if it cannot listen.
+/// Serves until the stop. Throws dds::core::Exception, dds::qos::FileError, std::runtime_error if it cannot
+/// listen.
 void serve(const WebOptions& options, const http::OnReady& on_ready, const process::StopSignal& stop);
 
 }  // namespace sonopose::web

@@ -2,7 +2,7 @@
 /// \file
 /// Counts the DDS statuses of a process's own readers and writers, on Cyclone's threads.
 
-#include <sonopose/dds/binding/listener.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 
 #include <atomic>
 #include <cstdint>
@@ -24,21 +24,23 @@ inline void add(std::atomic<std::uint64_t>& counter, std::int32_t change) noexce
 }
 
 template <class T>
-class CountingWriterListener final : public dds::DataWriterListener<T> {
+class CountingWriterListener final : public dds::pub::NoOpDataWriterListener<T> {
 public:
   explicit CountingWriterListener(EndpointCounters& counters) : counters_(counters) {}
 
-  void on_offered_deadline_missed(dds::DataWriter<T>& /*writer*/,
-                                  const dds::OfferedDeadlineMissedStatus& status) noexcept override {
-    add(counters_.offered_deadlines_missed, status.total_count_change);
+  void on_offered_deadline_missed(
+      dds::pub::DataWriter<T>& /*writer*/,
+      const dds::core::status::OfferedDeadlineMissedStatus& status) noexcept override {
+    add(counters_.offered_deadlines_missed, status.total_count_change());
   }
-  void on_offered_incompatible_qos(dds::DataWriter<T>& /*writer*/,
-                                   const dds::OfferedIncompatibleQosStatus& status) noexcept override {
-    add(counters_.incompatible_qos, status.total_count_change);
+  void on_offered_incompatible_qos(
+      dds::pub::DataWriter<T>& /*writer*/,
+      const dds::core::status::OfferedIncompatibleQosStatus& status) noexcept override {
+    add(counters_.incompatible_qos, status.total_count_change());
   }
-  void on_liveliness_lost(dds::DataWriter<T>& /*writer*/,
-                          const dds::LivelinessLostStatus& status) noexcept override {
-    add(counters_.liveliness_lost, status.total_count_change);
+  void on_liveliness_lost(dds::pub::DataWriter<T>& /*writer*/,
+                          const dds::core::status::LivelinessLostStatus& status) noexcept override {
+    add(counters_.liveliness_lost, status.total_count_change());
   }
 
 private:
@@ -47,20 +49,22 @@ private:
 
 /// Counts the statuses of a reader; base class of listeners that also take data.
 template <class T>
-class CountingReaderListener : public dds::DataReaderListener<T> {
+class CountingReaderListener : public dds::sub::NoOpDataReaderListener<T> {
 public:
   explicit CountingReaderListener(EndpointCounters& counters) : counters_(counters) {}
 
-  void on_requested_incompatible_qos(dds::DataReader<T>& /*reader*/,
-                                     const dds::RequestedIncompatibleQosStatus& status) noexcept override {
-    add(counters_.incompatible_qos, status.total_count_change);
+  void on_requested_incompatible_qos(
+      dds::sub::DataReader<T>& /*reader*/,
+      const dds::core::status::RequestedIncompatibleQosStatus& status) noexcept override {
+    add(counters_.incompatible_qos, status.total_count_change());
   }
-  void on_sample_lost(dds::DataReader<T>& /*reader*/, const dds::SampleLostStatus& status) noexcept override {
-    add(counters_.samples_lost, status.total_count_change);
+  void on_sample_lost(dds::sub::DataReader<T>& /*reader*/,
+                      const dds::core::status::SampleLostStatus& status) noexcept override {
+    add(counters_.samples_lost, status.total_count_change());
   }
-  void on_sample_rejected(dds::DataReader<T>& /*reader*/,
-                          const dds::SampleRejectedStatus& status) noexcept override {
-    add(counters_.samples_rejected, status.total_count_change);
+  void on_sample_rejected(dds::sub::DataReader<T>& /*reader*/,
+                          const dds::core::status::SampleRejectedStatus& status) noexcept override {
+    add(counters_.samples_rejected, status.total_count_change());
   }
 
 private:

@@ -1,4 +1,4 @@
-#include <sonopose/dds/binding/cdr.hpp>
+#include <sonopose/dds/psm/cdr.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
@@ -6,9 +6,8 @@
 
 #include <cstring>
 
-namespace cdr_test {
+namespace sonopose::cdr_test {
 
-using namespace sonopose;
 using dds::CdrSample;
 
 std::vector<std::byte> bytes_of(std::initializer_list<int> values) {
@@ -74,4 +73,4 @@ SCENARIO("samples are read from their serialized form") {
   }
 }
 
-}  // namespace cdr_test
+}  // namespace sonopose::cdr_test

@@ -16,9 +16,8 @@
 
 #include <algorithm>
 
-namespace copy_test {
+namespace sonopose::copy_test {
 
-using namespace sonopose;
 using namespace sonopose::bus_log;
 using Catch::Contains;
 using sonopose::test::BusRecording;
@@ -394,4 +393,4 @@ TEST_CASE("a recording in a few lines") {
   CHECK_THAT(summary_json(reader), Contains("\"messages\":" + std::to_string(events.size() + 1)));
 }
 
-}  // namespace copy_test
+}  // namespace sonopose::copy_test

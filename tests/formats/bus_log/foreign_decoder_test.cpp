@@ -9,9 +9,8 @@
 #include <iostream>
 #include <tuple>
 
-namespace foreign_decoder_test {
+namespace sonopose::foreign_decoder_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 using Path = std::filesystem::path;
 
@@ -54,4 +53,4 @@ SCENARIO("decoders that are not ours read every field of every topic") {
   }
 }
 
-}  // namespace foreign_decoder_test
+}  // namespace sonopose::foreign_decoder_test

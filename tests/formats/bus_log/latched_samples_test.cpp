@@ -2,14 +2,13 @@
 
 #include "bus_log/instance_end.hpp"
 #include "mcap/chunk_messages.hpp"
-#include <sonopose/dds/binding/cdr.hpp>
+#include <sonopose/dds/psm/cdr.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
 #include <catch2/catch.hpp>
 
-namespace latched_samples_test {
+namespace sonopose::latched_samples_test {
 
-using namespace sonopose;
 using bus_log::LatchedSamples;
 
 /// A serialized reset command: the smallest native type.
@@ -93,4 +92,4 @@ SCENARIO("a channel without keys keeps what its programs have said") {
   }
 }
 
-}  // namespace latched_samples_test
+}  // namespace sonopose::latched_samples_test

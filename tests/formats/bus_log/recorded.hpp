@@ -5,7 +5,7 @@
 #include "mcap/file_sink.hpp"
 #include "mcap/writer.hpp"
 #include "support/temporary_folder.hpp"
-#include <sonopose/dds/binding/cdr.hpp>
+#include <sonopose/dds/psm/cdr.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 

@@ -9,9 +9,8 @@
 
 #include <utility>
 
-namespace sensor_log_test {
+namespace sonopose::sensor_log_test {
 
-using namespace sonopose;
 using Catch::Contains;
 using sonopose::test::BusRecording;
 using sonopose::test::TemporaryFolder;
@@ -381,4 +380,4 @@ SCENARIO("a file that is no such recording") {
   }
 }
 
-}  // namespace sensor_log_test
+}  // namespace sonopose::sensor_log_test

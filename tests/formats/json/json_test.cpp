@@ -13,9 +13,8 @@
 #include <string>
 #include <tuple>
 
-namespace json_test {
+namespace sonopose::json_test {
 
-using namespace sonopose;
 using namespace sonopose::json;
 using namespace sonopose::monitor::echo;
 
@@ -113,4 +112,4 @@ SCENARIO("values of every kind are JSON") {
   }
 }
 
-}  // namespace json_test
+}  // namespace sonopose::json_test

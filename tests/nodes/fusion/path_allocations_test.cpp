@@ -5,7 +5,7 @@
 #include "fusion/fusion_node.hpp"
 #include "support/allocations.hpp"
 #include "support/test_domain.hpp"
-#include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
@@ -18,16 +18,15 @@
 #include <span>
 #include <thread>
 
-namespace path_allocations_test {
+namespace sonopose::path_allocations_test {
 
-using namespace sonopose;
 using namespace sonopose::fusion;
 using namespace sonopose::fusion::test;
 
 /// Counts poses without allocating.
-struct Counter final : dds::DataReaderListener<sonopose_FusedPose> {
-  void on_data_available(dds::DataReader<sonopose_FusedPose>& reader) noexcept override {
-    reader.try_take_each([this](const sonopose_FusedPose& pose, const dds::SampleInfo&) {
+struct Counter final : dds::sub::NoOpDataReaderListener<sonopose_FusedPose> {
+  void on_data_available(dds::sub::DataReader<sonopose_FusedPose>& reader) noexcept override {
+    dds::ext::try_take_each(reader, [this](const sonopose_FusedPose& pose, const dds::sub::SampleInfo&) {
       ++poses;
       latest = pose.event_sequence;
     });
@@ -50,14 +49,14 @@ struct Counter final : dds::DataReaderListener<sonopose_FusedPose> {
 };
 
 /// Waits for the settings of a new beacon, which another thread of the fusion publishes with allocations.
-void wait_for_settings(dds::DataReader<sonopose_EffectiveSettings>& reader, BeaconAddress address) {
-  dds::ReadCondition has_data(reader);
-  dds::WaitSet waitset;
+void wait_for_settings(dds::sub::DataReader<sonopose_EffectiveSettings>& reader, BeaconAddress address) {
+  dds::sub::cond::ReadCondition has_data(reader, dds::sub::status::DataState::any());
+  dds::core::cond::WaitSet waitset;
   waitset += has_data;
   bool came = false;
   while (!came) {
-    REQUIRE(waitset.wait(std::chrono::minutes(3)) > 0);
-    reader.take_each([&](const sonopose_EffectiveSettings& sample, const dds::SampleInfo&) {
+    REQUIRE(dds::ext::wait(waitset, std::chrono::minutes(3)));
+    dds::ext::take_each(reader, [&](const sonopose_EffectiveSettings& sample, const dds::sub::SampleInfo&) {
       came = came || sample.address == address;
     });
   }
@@ -73,7 +72,7 @@ SCENARIO("the path from a sample to its pose allocates nothing") {
       FusionOptions fusion{.domain = options, .qos_file = {}, .config = {}, .addresses = {}, .standby = {}};
       if (standing_by) fusion.standby = {.strength = 5, .warm_up_s = 0.5};
       const FusionNode node(fusion);
-      const dds::DomainParticipant participant(options);
+      const auto participant = dds::ext::participant(options);
       const dds::qos::Provider qos;
       auto imu_writer = dds::topics::make_writer(participant, qos, dds::topics::imu);
       auto fix_writer = dds::topics::make_writer(participant, qos, dds::topics::fix);
@@ -113,4 +112,4 @@ SCENARIO("the path from a sample to its pose allocates nothing") {
   }
 }
 
-}  // namespace path_allocations_test
+}  // namespace sonopose::path_allocations_test

@@ -13,13 +13,13 @@
 
 namespace sonopose::recorder::test::topic_tap_test {
 
-using dds::StatusMask;
+using dds::core::status::StatusMask;
 namespace policy = dds::policy;
-using Change = dds::SerializedWriter::Change;
+using Change = dds::ext::Change;
 
-dds::Qos reliable(policy::OwnershipKind ownership = policy::OwnershipKind::shared) {
-  return dds::Qos() << policy::Reliability::reliable() << policy::History::keep_last(100)
-                    << policy::Ownership{ownership};
+dds::Qos reliable(policy::OwnershipKind::Type ownership = policy::OwnershipKind::SHARED) {
+  return dds::Qos() << policy::Reliability::Reliable() << policy::History::KeepLast(100)
+                    << policy::Ownership(ownership);
 }
 
 /// A topic with a tap. Within one process a write delivers on the writing thread before it returns.
@@ -27,13 +27,14 @@ struct Bus {
   explicit Bus(const dds::Qos& reader_qos, bool is_exclusive = false)
       : tap({.name = "sonopose/reset", .is_exclusive = is_exclusive},
             {.queue = queue, .channel_id = 1, .ends_channel_id = 2}) {
-    tap.open({member, topic, reader_qos, &tap});
+    tap.open(
+        {dds::sub::Subscriber(member), dds::ext::serialized(topic), reader_qos, &tap, StatusMask::all()});
   }
 
   dds::SerializedWriter make_writer(const dds::Qos& qos) {
-    dds::SerializedWriter writer(member, topic, qos);
+    dds::SerializedWriter writer(dds::pub::Publisher(member), dds::ext::serialized(topic), qos);
     REQUIRE(dds::test::wait_for(writer, StatusMask::publication_matched(),
-                                [&] { return writer.publication_matched_status().current_count == 1; }));
+                                [&] { return writer.publication_matched_status().current_count() == 1; }));
     return writer;
   }
 
@@ -43,8 +44,8 @@ struct Bus {
     return chunk;
   }
 
-  dds::DomainParticipant member = dds::test::participant();
-  dds::Topic<sonopose_ResetCommand> topic{member, "test/tap"};
+  dds::domain::DomainParticipant member = dds::test::participant();
+  dds::topic::Topic<sonopose_ResetCommand> topic{member, "test/tap"};
   ChunkQueue queue{1U << 20U};
   TopicTap tap;
 };
@@ -52,9 +53,9 @@ struct Bus {
 TEST_CASE("A message of a writer that gives no time was published when it arrived") {
   Bus bus(reliable());
   auto writer = bus.make_writer(reliable());
-  writer.forward(command_cdr(7, 1), 5);
-  writer.forward(command_cdr(7, 2), 0);
-  writer.forward(command_cdr(7, 0), 0, Change::dispose);
+  dds::ext::forward(writer, command_cdr(7, 1), 5);
+  dds::ext::forward(writer, command_cdr(7, 2), 0);
+  dds::ext::forward(writer, command_cdr(7, 0), 0, Change::dispose);
   const mcap::Chunk chunk = bus.taken();
   REQUIRE(chunk.message_count() == 3);
   CHECK(message_at(chunk, chunk.entries()[0]).publish_time_ns == 5);
@@ -80,14 +81,14 @@ TEST_CASE("A message of a writer that gives no time was published when it arrive
 
 TEST_CASE("What DDS drops of a weaker writer is no loss") {
   const bool is_known = GENERATE(true, false);
-  Bus bus(reliable(policy::OwnershipKind::exclusive), is_known);
+  Bus bus(reliable(policy::OwnershipKind::EXCLUSIVE), is_known);
   const auto qos_of = [](std::int32_t strength) {
-    return reliable(policy::OwnershipKind::exclusive) << policy::OwnershipStrength{strength};
+    return reliable(policy::OwnershipKind::EXCLUSIVE) << policy::OwnershipStrength(strength);
   };
   auto strong = bus.make_writer(qos_of(2));
   auto weak = bus.make_writer(qos_of(1));
-  strong.forward(command_cdr(7, 1), 1);
-  weak.forward(command_cdr(7, 2), 2);
+  dds::ext::forward(strong, command_cdr(7, 1), 1);
+  dds::ext::forward(weak, command_cdr(7, 2), 2);
   CHECK(bus.taken().message_count() == 1);
   CHECK(bus.tap.counts() == TapCounts{.received = 1, .lost_dds = is_known ? 0U : 1U});
 }

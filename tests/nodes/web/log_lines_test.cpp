@@ -8,9 +8,8 @@
 
 #include <catch2/catch.hpp>
 
-namespace log_lines_test {
+namespace sonopose::log_lines_test {
 
-using namespace sonopose;
 using test::wait_until;
 using web::LogLines;
 
@@ -25,7 +24,7 @@ LogLine line_of(const std::string& program, std::uint32_t process_id, std::uint6
 
 SCENARIO("the lines of two processes come by their time, with the number of those that are missing") {
   const test::TestDomain domain;
-  const dds::DomainParticipant participant({.domain_id = domain.id()});
+  const auto participant = dds::ext::participant({.domain_id = domain.id()});
   const dds::qos::Provider qos;
   auto bridge = dds::topics::make_writer(participant, qos, dds::topics::log);
   auto fusion = dds::topics::make_writer(participant, qos, dds::topics::log);
@@ -46,7 +45,7 @@ SCENARIO("the lines of two processes come by their time, with the number of thos
   WHEN("a process logs twice and ends, and another one gets its id") {
     write(fusion, line_of("sonopose-fusion", 2, 40, 50));
     write(fusion, line_of("sonopose-fusion", 2, 41, 60));
-    fusion = {};
+    fusion = dds::core::null;
     auto ended = lines.take();
     REQUIRE(ended.size() == 2);
     CHECK(ended[0].missing == 0);
@@ -75,4 +74,4 @@ TEST_CASE("the numbers of a process that restarts are counted from the beginning
   CHECK(before(UINT64_MAX) == UINT64_MAX - 1);
 }
 
-}  // namespace log_lines_test
+}  // namespace sonopose::log_lines_test

@@ -2,7 +2,7 @@
 // Shared by the tests of the DDS layer: a private domain, and waiting for events.
 
 #include "support/test_domain.hpp"
-#include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
 #include <chrono>
@@ -14,7 +14,7 @@
 namespace sonopose::dds::test {
 
 /// Upper bound; every wait ends with its event.
-inline constexpr Duration test_timeout = std::chrono::minutes(3);
+inline constexpr std::chrono::nanoseconds test_timeout = std::chrono::minutes(3);
 
 /// Domain of this process alone.
 inline std::uint32_t test_domain() {
@@ -23,38 +23,39 @@ inline std::uint32_t test_domain() {
 }
 
 /// A participant on loopback.
-inline DomainParticipant participant() {
-  return make_participant({.domain_id = test_domain()});
+inline domain::DomainParticipant participant() {
+  return ext::participant({.domain_id = test_domain()});
 }
 
 /// Waits on the entity's statuses until `done()`. Returns the last value of `done()`.
 template <class Done>
-bool wait_for(const Entity& entity, StatusMask statuses, Done done, Duration timeout = test_timeout) {
-  StatusCondition condition(entity);
+bool wait_for(const core::Entity& entity, core::status::StatusMask statuses, Done done,
+              std::chrono::nanoseconds timeout = test_timeout) {
+  core::cond::StatusCondition condition(entity);
   condition.enabled_statuses(statuses);
-  WaitSet waitset;
+  core::cond::WaitSet waitset;
   waitset += condition;
   const auto give_up = std::chrono::steady_clock::now() + timeout;
   while (!done()) {
-    const Duration left = give_up - std::chrono::steady_clock::now();
-    if (left <= Duration::zero() || waitset.wait(left) == 0) return done();
+    const std::chrono::nanoseconds left = give_up - std::chrono::steady_clock::now();
+    if (left <= std::chrono::nanoseconds::zero() || !ext::wait(waitset, left)) return done();
   }
   return true;
 }
 
 /// Waits until the reader has matched `count` writers.
 template <class T>
-bool matched(DataReader<T>& reader, std::uint32_t count = 1) {
-  return wait_for(reader, StatusMask::subscription_matched(),
-                  [&] { return reader.subscription_matched_status().current_count == count; });
+bool matched(sub::DataReader<T>& reader, std::int32_t count = 1) {
+  return wait_for(reader, core::status::StatusMask::subscription_matched(),
+                  [&] { return reader.subscription_matched_status().current_count() == count; });
 }
 
 /// Takes until there are `count` samples with data.
 template <class T>
-std::vector<T> take_samples(DataReader<T>& reader, std::size_t count) {
+std::vector<T> take_samples(sub::DataReader<T>& reader, std::size_t count) {
   std::vector<T> samples;
-  wait_for(reader, StatusMask::data_available(), [&] {
-    reader.take_each([&](const T& sample, const SampleInfo&) { samples.push_back(sample); });
+  wait_for(reader, core::status::StatusMask::data_available(), [&] {
+    ext::take_each(reader, [&](const T& sample, const sub::SampleInfo&) { samples.push_back(sample); });
     return samples.size() >= count;
   });
   return samples;

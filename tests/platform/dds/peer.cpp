@@ -23,10 +23,11 @@ bool told_to_stop() {
   return poll(&input, 1, 5) > 0;
 }
 
-void read_poses(const sonopose::dds::DomainParticipant& participant) {
+void read_poses(const sonopose::dds::domain::DomainParticipant& participant) {
   using namespace sonopose::dds;
-  DataReader<sonopose_FusedPose> reader = topics::make_reader(participant, qos::Provider(), topics::pose);
-  while (!told_to_stop()) reader.take_each([](const sonopose_FusedPose&, const SampleInfo&) {});
+  sub::DataReader<sonopose_FusedPose> reader =
+      topics::make_reader(participant, qos::Provider(), topics::pose);
+  while (!told_to_stop()) ext::take_each(reader, [](const sonopose_FusedPose&, const sub::SampleInfo&) {});
 }
 
 }  // namespace
@@ -35,16 +36,17 @@ int main(int argc, char** argv) try {
   using namespace sonopose::dds;
   if (argc != 4) return 2;
   const bool lan = std::string_view(argv[2]) == "lan";
-  const DomainParticipant participant =
-      make_participant({.domain_id = static_cast<std::uint32_t>(std::strtoul(argv[1], nullptr, 10)),
+  const domain::DomainParticipant participant =
+      ext::participant({.domain_id = static_cast<std::uint32_t>(std::strtoul(argv[1], nullptr, 10)),
                         .network = lan ? Network::lan : Network::loopback});
   if (std::string_view(argv[3]) == "poses") {
     read_poses(participant);
     return 0;
   }
-  const Topic<sonopose_ResetCommand> topic(participant, "test/peer");
-  DataWriter<sonopose_ResetCommand> writer(
-      participant, topic, Qos() << policy::Reliability::reliable() << policy::History::keep_last(64));
+  const topic::Topic<sonopose_ResetCommand> topic(participant, "test/peer");
+  pub::DataWriter<sonopose_ResetCommand> writer(
+      pub::Publisher(participant), topic,
+      Qos() << policy::Reliability::Reliable() << policy::History::KeepLast(64));
   sonopose_ResetCommand command{};
   command.address = static_cast<std::uint16_t>(std::strtoul(argv[3], nullptr, 10));
   do {

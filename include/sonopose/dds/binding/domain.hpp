@@ -45,7 +45,7 @@ struct DomainOptions {
   /// True if writers wait for slow readers, which bounds the memory of a keep-all writer. Otherwise samples
   /// that a slow reader has not received are overwritten.
   bool wait_for_readers = false;
-  /// True if samples are batched until DataWriter::flush or a full packet.
+  /// True if samples are batched until ext::flush or a full packet.
   bool batch_writes = false;
   /// Folder of a security enclave, with the files of SROS2. Empty: as ROS 2's variables say
   /// (enclave_by_environment), otherwise without security.
@@ -108,17 +108,14 @@ public:
   explicit DomainLease(const DomainOptions& options);
   DomainLease(const DomainLease&) = delete;
   DomainLease& operator=(const DomainLease&) = delete;
-  DomainLease(DomainLease&& other) noexcept;
-  DomainLease& operator=(DomainLease&& other) noexcept;
+  DomainLease(DomainLease&&) = delete;
+  DomainLease& operator=(DomainLease&&) = delete;
   ~DomainLease();
 
   std::uint32_t domain_id() const noexcept { return id_; }
 
 private:
-  void release() noexcept;
-
-  std::uint32_t id_ = 0;
-  bool held_ = false;
+  std::uint32_t id_;
 };
 
 }  // namespace sonopose::dds

@@ -1,39 +1,32 @@
 #pragma once
 /// \file
-/// A participant: a process's membership in a DDS domain.
+/// A process's membership in a domain.
 
 #include <sonopose/dds/binding/domain.hpp>
-#include <sonopose/dds/binding/entity.hpp>
-#include <sonopose/dds/binding/qos.hpp>
 
-#include <string>
+#include <dds/dds.h>
+
+#include <cstdint>
 
 namespace sonopose::dds {
 
-/// Joins the domain. The first participant of a process configures the domain, the last one closes it. A
-/// participant must outlive its topics, writers and readers.
-class DomainParticipant : private DomainLease, public Entity {
+/// A participant in C. The first one of a process configures the domain, the last one closes it.
+class Membership {
 public:
-  explicit DomainParticipant(const DomainOptions& options = {}, const Qos& qos = {});
+  /// Adds the security of the options to `qos`. Throws `Error`.
+  Membership(const DomainOptions& options, dds_qos_t* qos);
+  Membership(const Membership&) = delete;
+  Membership& operator=(const Membership&) = delete;
+  Membership(Membership&&) = delete;
+  Membership& operator=(Membership&&) = delete;
+  ~Membership();
 
-  DomainParticipant(const DomainParticipant&) = delete;
-  DomainParticipant& operator=(const DomainParticipant&) = delete;
-  DomainParticipant(DomainParticipant&&) noexcept = default;
-  DomainParticipant& operator=(DomainParticipant&& other) noexcept;
-  ~DomainParticipant() = default;
-
-  using DomainLease::domain_id;
-
-  /// Partition of the options. topics::make_writer and topics::make_reader add it to every profile.
-  [[nodiscard]] const std::string& partition() const noexcept { return partition_; }
+  std::uint32_t domain_id() const noexcept { return lease_.domain_id(); }
+  dds_entity_t handle() const noexcept { return handle_; }
 
 private:
-  std::string partition_;
+  DomainLease lease_;
+  dds_entity_t handle_;
 };
-
-/// Equivalent to the constructor.
-inline DomainParticipant make_participant(const DomainOptions& options = {}, const Qos& qos = {}) {
-  return DomainParticipant(options, qos);
-}
 
 }  // namespace sonopose::dds

@@ -2,8 +2,6 @@
 /// \file
 /// Processes that DDS Security refused.
 
-#include <sonopose/dds/binding/error.hpp>
-
 #include <string>
 #include <vector>
 
@@ -20,8 +18,5 @@ struct RefusedPeer {
 /// does not report those without a certificate, whose endpoints it hides, nor those whose enclave lacks a
 /// topic.
 std::vector<RefusedPeer> refused_peers();
-
-/// True if the enclave of this process does not permit what it tried.
-[[nodiscard]] bool is_forbidden(const Error& error);
 
 }  // namespace sonopose::dds

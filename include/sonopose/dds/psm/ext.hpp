@@ -1,22 +1,240 @@
 #pragma once
 /// \file
-/// Additions of sonopose to the PSM, as free functions.
+/// What the PSM lacks, or has only more slowly: free functions on the entities of the PSM. The hot path, the
+/// recorder, the player and the ROS 2 relay use the structs of idlc as types of their topics (TopicTraits),
+/// without conversions.
 
-#include "dds/domain/ddsdomain.hpp"
+#include "dds/dds.hpp"
 #include <sonopose/dds/binding/domain.hpp>
+#include <sonopose/dds/binding/error.hpp>
+#include <sonopose/dds/psm/names.hpp>
+#include <sonopose/dds/psm/qos.hpp>
 
 #include <dds/dds.h>
 
-namespace sonopose::dds::ext {
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace sonopose::dds {
+
+/// The enclave of this process does not permit what it tried.
+struct ForbiddenError : core::IllegalOperationError {
+  using IllegalOperationError::IllegalOperationError;
+};
+
+/// The same type under another name on the wire, without the type information, which contains the old name.
+inline dds_topic_descriptor_t renamed(const dds_topic_descriptor_t& descriptor, const char* type_name) {
+  return {.m_size = descriptor.m_size,
+          .m_align = descriptor.m_align,
+          .m_flagset = descriptor.m_flagset & ~DDS_TOPIC_XTYPES_METADATA,
+          .m_nkeys = descriptor.m_nkeys,
+          .m_typename = type_name,
+          .m_keys = descriptor.m_keys,
+          .m_nops = descriptor.m_nops,
+          .m_ops = descriptor.m_ops,
+          .m_meta = descriptor.m_meta,
+          .type_information = {},
+          .type_mapping = {},
+          .restrict_data_representation = descriptor.restrict_data_representation};
+}
+
+namespace ext {
 
 /// The handle of an entity or condition in C, for calls that the PSM lacks.
-inline dds_entity_t handle(const ::dds::core::Reference& entity) {
-  return ::dds::core::detail::Access::handle(entity);
+inline dds_entity_t handle(const core::Reference& entity) {
+  return core::detail::Access::handle(entity);
 }
+
+/// The same without exceptions; negative for an entity that is closed, or ends meanwhile, and for null.
+inline dds_entity_t try_handle(const core::Reference& entity) noexcept {
+  return core::detail::Access::try_handle(entity);
+}
+
+/// GUID of a participant, reader or writer, unique in the domain.
+dds_guid_t guid_of(const core::Entity& entity);
+/// A GUID as 32 hexadecimal digits.
+std::string text_of(const dds_guid_t& guid);
 
 /// Joins a domain with these options: other networks than loopback, peers, security. Publishers and
 /// subscribers have the partition of the options by default.
-::dds::domain::DomainParticipant participant(const DomainOptions& options,
-                                             const ::dds::domain::qos::DomainParticipantQos& qos = {});
+domain::DomainParticipant participant(const DomainOptions& options = {}, const Qos& qos = {});
 
-}  // namespace sonopose::dds::ext
+/// The QoS of a publisher or subscriber for an endpoint: its partition is that of the options, otherwise that
+/// of the endpoint's profile.
+template <class GroupQos>
+GroupQos group_qos(GroupQos by_options, const Qos& of_endpoint) {
+  const auto partition = of_endpoint.policy<policy::Partition>();
+  if (partition && by_options == GroupQos()) by_options << *partition;
+  return by_options;
+}
+
+// Times. An infinite duration is the longest of the standard library; a negative one becomes zero.
+std::chrono::nanoseconds to_chrono(const core::Duration& duration);
+core::Duration to_duration(std::chrono::nanoseconds duration);
+inline constexpr std::chrono::nanoseconds infinite = std::chrono::nanoseconds::max();
+
+/// Waits, and returns false after the timeout, where WaitSet::wait throws. Calls no handlers.
+bool wait(const core::cond::WaitSet& waitset, std::chrono::nanoseconds timeout = infinite);
+
+/// All statuses but some.
+inline core::status::StatusMask all_but(const core::status::StatusMask& mask) {
+  core::status::StatusMask all = core::status::StatusMask::all();
+  all &= ~mask;
+  return all;
+}
+
+// What a sample's info says of its instance and time.
+inline bool is_alive(const sub::SampleInfo& info) {
+  return info.state().instance_state() == sub::status::InstanceState::alive();
+}
+inline bool is_disposed(const sub::SampleInfo& info) {
+  return info.state().instance_state() == sub::status::InstanceState::not_alive_disposed();
+}
+/// ns since the Unix epoch; not positive for an invalid time.
+inline std::int64_t source_time_ns(const sub::SampleInfo& info) {
+  const core::Time time = info.timestamp();
+  return time == core::Time::invalid() ? 0 : time.sec() * core::detail::ns_per_s + time.nanosec();
+}
+
+/// Identity of a matched reader or writer.
+struct EndpointData {
+  std::string topic_name;
+  std::string type_name;
+  dds_guid_t key{};              ///< its GUID
+  dds_guid_t participant_key{};  ///< GUID of its participant
+  std::vector<std::uint8_t> user_data;
+};
+
+/// The writers that a reader has matched, or the readers of a writer.
+std::vector<core::InstanceHandle> matched_publications(const sub::AnyDataReader& reader);
+std::vector<core::InstanceHandle> matched_subscriptions(const pub::AnyDataWriter& writer);
+/// Throws Error if there is no such match any more.
+EndpointData matched_publication_data(const sub::AnyDataReader& reader,
+                                      const core::InstanceHandle& publication);
+EndpointData matched_subscription_data(const pub::AnyDataWriter& writer,
+                                       const core::InstanceHandle& subscription);
+
+// The rest is for the hot path: calls named `try_…` return codes instead of throwing.
+
+/// Writes. If `is_timeout`, readers blocked for max_blocking_time and the sample was not written.
+template <topic::detail::Native T>
+ReturnCode try_write(const pub::DataWriter<T>& writer, const std::type_identity_t<T>& sample) noexcept {
+  const dds_entity_t c_writer = try_handle(writer);
+  return c_writer < 0 ? c_writer : dds_write(c_writer, &sample);
+}
+/// Unregisters the instance, for destructors.
+template <topic::detail::Native T>
+ReturnCode try_unregister_instance(const pub::DataWriter<T>& writer,
+                                   const std::type_identity_t<T>& key) noexcept {
+  const dds_entity_t c_writer = try_handle(writer);
+  return c_writer < 0 ? c_writer : dds_unregister_instance(c_writer, &key);
+}
+
+/// True if a `try_…` call timed out.
+inline bool is_timeout(ReturnCode code) noexcept {
+  return code == DDS_RETCODE_TIMEOUT;
+}
+/// Repeats `attempt()`, a `try_…` call, after timeouts until `give_up()` returns true. Returns the last code.
+ReturnCode retry_unless(const auto& give_up, const auto& attempt) {
+  ReturnCode code = attempt();
+  while (is_timeout(code) && !give_up()) code = attempt();
+  return code;
+}
+
+/// Asserts manual liveliness. After its lease has expired, only a write revives the writer (Cyclone DDS
+/// 0.10).
+inline ReturnCode try_assert_liveliness(const pub::AnyDataWriter& writer) noexcept {
+  const dds_entity_t c_writer = try_handle(writer);
+  return c_writer < 0 ? c_writer : dds_assert_liveliness(c_writer);
+}
+/// Sends pending samples if the domain batches writes (DomainOptions::batch_writes).
+inline void flush(const core::Entity& writer) noexcept {
+  const dds_entity_t c_writer = try_handle(writer);
+  if (c_writer > 0) dds_write_flush(c_writer);
+}
+/// True if all readers acknowledged all samples within `timeout`.
+bool wait_for_acknowledgments(const core::Entity& writer, std::chrono::nanoseconds timeout);
+
+/// Restricts readers made with this topic from now on to samples for which `accepts(sample, argument)` is
+/// true. It is called on the receive thread, before an instance is made. `argument` must outlive the readers.
+/// `sample` is a struct of idlc.
+void set_filter(const core::Entity& topic, bool (*accepts)(const void* sample, void* argument),
+                void* argument);
+
+/// Sets the key fields of `key` to those of an instance. Returns a negative code if it is unknown.
+template <topic::detail::Native T>
+ReturnCode try_key_value(const sub::DataReader<T>& reader, T& key,
+                         const core::InstanceHandle& instance) noexcept {
+  const dds_entity_t c_reader = try_handle(reader);
+  return c_reader < 0 ? c_reader : dds_instance_get_key(c_reader, instance.c_value(), &key);
+}
+
+/// Takes all available samples, oldest first within an instance. Calls `on_data(const T&, const
+/// sub::SampleInfo&)` for each sample with data, and `on_state(const T& key, const sub::SampleInfo&)` for
+/// instances that were disposed of or lost their writers; only the key fields of `key` are set. Allocates
+/// nothing after the first call. Returns the number of samples, or a negative return code.
+template <topic::detail::Native T, class OnData, class OnState>
+ReturnCode try_take_each(const sub::DataReader<T>& reader, OnData&& on_data, OnState&& on_state) {
+  constexpr std::int32_t batch = 8;  // small: Cyclone DDS clears every sample of a returned loan
+  // Cyclone DDS 0.10 keeps the memory of a reader's largest loan. For a later, smaller one it still writes a
+  // pointer for each of those samples into the caller's array. So no loan is larger than this one.
+  std::array<void*, batch> samples;  // NOLINT(*-member-init): dds_take reads only the first
+  // Samples without pointers are taken into this memory, which saves returning a loan.
+  const bool is_flat = (TopicTraits<T>::descriptor().m_flagset & DDS_TOPIC_FIXED_SIZE) != 0;
+  std::array<T, batch> memory{};
+  const dds_entity_t c_reader = try_handle(reader);
+  if (c_reader < 0) return c_reader;
+  struct Loan {  // is returned even if a visitor throws
+    dds_entity_t reader;
+    void** samples;
+    ReturnCode count;
+    ~Loan() {
+      if (count > 0) dds_return_loan(reader, samples, count);
+    }
+  };
+  ReturnCode total = 0;
+  ReturnCode taken = batch;
+  while (taken == batch) {
+    samples[0] = nullptr;
+    for (std::size_t i = 0; is_flat && i < memory.size(); ++i) samples[i] = &memory[i];
+    std::array<dds_sample_info_t, batch> infos;  // NOLINT(*-member-init): dds_take fills in what is used
+    taken = dds_take(c_reader, samples.data(), infos.data(), batch, batch);
+    if (taken <= 0) return taken < 0 ? taken : total;
+    const Loan loan{c_reader, samples.data(), is_flat ? 0 : taken};
+    for (std::size_t i = 0; i < static_cast<std::size_t>(taken); ++i) {
+      const T& data = *static_cast<const T*>(samples[i]);
+      const sub::SampleInfo info(infos[i]);
+      if (info.valid()) {
+        on_data(data, info);
+      } else {
+        on_state(data, info);
+      }
+    }
+    total += taken;
+  }
+  return total;
+}
+template <topic::detail::Native T, class OnData>
+ReturnCode try_take_each(const sub::DataReader<T>& reader, OnData&& on_data) {
+  return try_take_each(reader, on_data, [](const T&, const sub::SampleInfo&) {});
+}
+
+/// Like `try_take_each`, but throws on errors.
+template <topic::detail::Native T, class... Visitors>
+std::size_t take_each(const sub::DataReader<T>& reader, Visitors&&... visitors) {
+  return static_cast<std::size_t>(core::detail::check("dds_take", try_take_each(reader, visitors...)));
+}
+
+}  // namespace ext
+
+/// Period of the deadline; infinite, the DDS default, if it is not set.
+inline std::chrono::nanoseconds deadline_of(const Qos& qos) {
+  return ext::to_chrono(qos.policy_or_default<policy::Deadline>().period());
+}
+
+}  // namespace sonopose::dds

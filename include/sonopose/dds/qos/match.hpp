@@ -4,8 +4,9 @@
 /// request/offer rules of DDS 1.4 (2.2.3) and of DDS-XTypes (data representation), as in Cyclone DDS. Pure
 /// functions.
 
-#include <sonopose/dds/binding/qos.hpp>
+#include <sonopose/dds/psm/qos.hpp>
 
+#include <chrono>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -29,7 +30,7 @@ std::vector<Mismatch> mismatches(const Qos& writer, const Qos& reader);
 /// offered".
 std::string text_of(const Mismatch& mismatch);
 
-/// A duration as text: "0", "2 ms", "1.5 s", "infinite".
-std::string text_of(Duration duration);
+/// A duration as text: "0", "2 ms", "1.5 s", "infinite" for the longest.
+std::string text_of(std::chrono::nanoseconds duration);
 
 }  // namespace sonopose::dds::qos

@@ -2,7 +2,7 @@
 /// \file
 /// QoS from an OMG DDS-XML file: the only source of QoS in this system.
 
-#include <sonopose/dds/binding/qos.hpp>
+#include <sonopose/dds/psm/qos.hpp>
 
 #include <filesystem>
 #include <map>

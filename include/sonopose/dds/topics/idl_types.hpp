@@ -2,7 +2,7 @@
 /// \file
 /// Descriptors of the native IDL types.
 
-#include <sonopose/dds/binding/topic.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/idl/sonopose.h>
 
 namespace sonopose::dds {

@@ -19,11 +19,12 @@ namespace sonopose::dds::topics {
 class PinnedFusion {
 public:
   /// `participant` is that of the reader of poses. Throws Error.
-  PinnedFusion(const DomainParticipant& participant, const qos::Provider& qos, std::uint64_t fusion_id);
+  PinnedFusion(const domain::DomainParticipant& participant, const qos::Provider& qos,
+               std::uint64_t fusion_id);
 
   /// Returns true if the fusion wrote this sample of `poses`, also if it has ended since. Returns false
   /// before the first status with its id, and for a sample of an unknown writer that has gone. Throws Error.
-  [[nodiscard]] bool wrote(const DataReader<sonopose_FusedPose>& poses, const SampleInfo& info);
+  [[nodiscard]] bool wrote(const sub::DataReader<sonopose_FusedPose>& poses, const sub::SampleInfo& info);
 
 private:
   using Participant = std::array<std::uint8_t, 16>;
@@ -31,7 +32,7 @@ private:
   void find_fusion();
 
   std::uint64_t fusion_id_;
-  DataReader<sonopose_FusionStatus> statuses_;
+  sub::DataReader<sonopose_FusionStatus> statuses_;
   std::optional<Participant> fusion_;
   std::map<std::uint64_t, bool> writers_;  ///< by handle: true for those of the fusion
 };

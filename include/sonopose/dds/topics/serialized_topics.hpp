@@ -2,7 +2,7 @@
 /// \file
 /// The native topics without their types, for programs that record or forward any of them.
 
-#include <sonopose/dds/binding/serialized.hpp>
+#include <sonopose/dds/psm/serialized.hpp>
 #include <sonopose/dds/qos/provider.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/samples/samples.hpp>
@@ -36,11 +36,11 @@ struct SerializedTopic {
   bool has_beacon_key;    ///< true if this address is the whole key
 
   /// Makes a reader with the live profile, but without a deadline. `listener` must outlive it.
-  SerializedReader (*make_reader)(const DomainParticipant& participant, const qos::Provider& qos,
-                                  DataReaderListener<Serialized>* listener);
+  SerializedReader (*make_reader)(const domain::DomainParticipant& participant, const qos::Provider& qos,
+                                  sub::DataReaderListener<Serialized>* listener);
   /// Makes a writer that forwards samples of others. It has an automatic lease, and unregistering an instance
   /// does not dispose of it.
-  SerializedWriter (*make_writer)(const DomainParticipant& participant, const qos::Provider& qos,
+  SerializedWriter (*make_writer)(const domain::DomainParticipant& participant, const qos::Provider& qos,
                                   Delivery delivery);
   /// Shifts every time in a sample, in place. Returns false if the bytes are not of the type.
   bool (*shift_times)(std::span<std::byte> sample, TimeNs shift_ns);

@@ -2,8 +2,7 @@
 /// \file
 /// The wiring diagram: every native topic with its type and the QoS profiles of its endpoints.
 
-#include <sonopose/dds/binding/data_reader.hpp>
-#include <sonopose/dds/binding/data_writer.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/qos/provider.hpp>
 #include <sonopose/dds/topics/idl_types.hpp>
 #include <sonopose/samples/samples.hpp>
@@ -92,15 +91,9 @@ const char* profile_of(const Entry<T>& entry, Delivery delivery) {
   return delivery == Delivery::lossless ? entry.lossless_profile : entry.profile;
 }
 
-/// Puts an endpoint into the participant's partition, if it has one.
-inline void join_partition(Qos& qos, const DomainParticipant& participant) {
-  if (!participant.partition().empty()) qos << policy::Partition{{participant.partition()}};
-}
-
 /// True if only the strongest writer of an instance is heard.
 inline bool is_exclusive(const Qos& qos) {
-  return qos.policy<policy::Ownership>().value_or(policy::Ownership{}).kind ==
-         policy::OwnershipKind::exclusive;
+  return qos.policy_or_default<policy::Ownership>().kind() == policy::OwnershipKind::EXCLUSIVE;
 }
 
 /// Decides which beacons a process receives, before DDS keeps anything of them. Called on receive threads.
@@ -115,44 +108,46 @@ public:
 
 /// Makes a writer for one row of the diagram. `listener` must outlive it. `changes` override the profile.
 template <class T>
-DataWriter<T> make_writer(const DomainParticipant& participant, const qos::Provider& qos,
-                          const Entry<T>& entry,
-                          std::type_identity_t<DataWriterListener<T>>* listener = nullptr,
-                          Delivery delivery = Delivery::live, const Qos& changes = {}) {
+pub::DataWriter<T> make_writer(const domain::DomainParticipant& participant, const qos::Provider& qos,
+                               const Entry<T>& entry,
+                               std::type_identity_t<pub::DataWriterListener<T>>* listener = nullptr,
+                               Delivery delivery = Delivery::live, const Qos& changes = {}) {
   const char* profile = profile_of(entry, delivery);
-  const Topic<T> topic(participant, entry.name, qos.topic_qos(profile));
+  const topic::Topic<T> topic(participant, entry.name, qos.topic_qos(profile));
   Qos writer_qos = qos.datawriter_qos(profile);
   writer_qos.merge(changes);
-  join_partition(writer_qos, participant);
-  return DataWriter<T>(participant, topic, writer_qos, listener);
+  const pub::Publisher publisher(participant,
+                                 ext::group_qos(participant.default_publisher_qos(), writer_qos));
+  return pub::DataWriter<T>(publisher, topic, writer_qos, listener, core::status::StatusMask::all());
 }
 
 /// Makes a reader for one row of the diagram. `listener` and `filter` must outlive it. The listener receives
 /// the statuses in `mask`, but no losses of an exclusive reader: DDS counts what weaker writers, such as a
 /// standby, write. `filter` is an AddressFilter, or accepts whole samples.
 template <class T, class Filter = AddressFilter>
-DataReader<T> make_reader(const DomainParticipant& participant, const qos::Provider& qos,
-                          const Entry<T>& entry,
-                          std::type_identity_t<DataReaderListener<T>>* listener = nullptr,
-                          Delivery delivery = Delivery::live, Filter* filter = nullptr,
-                          StatusMask mask = StatusMask::all()) {
+sub::DataReader<T> make_reader(const domain::DomainParticipant& participant, const qos::Provider& qos,
+                               const Entry<T>& entry,
+                               std::type_identity_t<sub::DataReaderListener<T>>* listener = nullptr,
+                               Delivery delivery = Delivery::live, Filter* filter = nullptr,
+                               core::status::StatusMask mask = core::status::StatusMask::all()) {
   const char* profile = profile_of(entry, delivery);
-  Topic<T> topic(participant, entry.name, qos.topic_qos(profile));
+  const topic::Topic<T> topic(participant, entry.name, qos.topic_qos(profile));
   if constexpr (requires(const T& sample) { filter->accepts(sample); }) {
     const auto accepts = [](const void* sample, void* argument) {
       return static_cast<Filter*>(argument)->accepts(*static_cast<const T*>(sample));
     };
-    if (filter != nullptr) topic.set_filter(accepts, filter);
+    if (filter != nullptr) ext::set_filter(topic, accepts, filter);
   } else if constexpr (requires(const T& sample) { filter->accepts(sample.address); }) {
     const auto accepts = [](const void* sample, void* argument) {
       return static_cast<Filter*>(argument)->accepts(static_cast<const T*>(sample)->address);
     };
-    if (filter != nullptr) topic.set_filter(accepts, filter);
+    if (filter != nullptr) ext::set_filter(topic, accepts, filter);
   }
-  Qos reader_qos = qos.datareader_qos(profile);
-  join_partition(reader_qos, participant);
-  if (is_exclusive(reader_qos)) mask = mask.without(StatusMask::sample_lost());
-  return DataReader<T>(participant, topic, reader_qos, listener, mask);
+  const Qos& reader_qos = qos.datareader_qos(profile);
+  if (is_exclusive(reader_qos)) mask &= ~core::status::StatusMask::sample_lost();
+  const sub::Subscriber subscriber(participant,
+                                   ext::group_qos(participant.default_subscriber_qos(), reader_qos));
+  return sub::DataReader<T>(subscriber, topic, reader_qos, listener, mask);
 }
 
 }  // namespace sonopose::dds::topics

@@ -2,7 +2,7 @@
 /// \file
 /// The project's ROS 2 message types, for programs that record topics without decoding.
 
-#include <sonopose/dds/binding/serialized.hpp>
+#include <sonopose/dds/psm/serialized.hpp>
 #include <sonopose/dds/qos/provider.hpp>
 
 #include <optional>
@@ -15,9 +15,9 @@ namespace sonopose::ros2 {
 struct SerializedType {
   std::string_view dds_name;  ///< such as "nav_msgs::msg::dds_::Odometry_"
   /// Makes a reader of a topic, given by its name in DDS. `listener` must outlive it.
-  dds::SerializedReader (*make_reader)(const dds::DomainParticipant& participant,
+  dds::SerializedReader (*make_reader)(const dds::domain::DomainParticipant& participant,
                                        const std::string& topic_in_dds, const dds::Qos& qos,
-                                       dds::DataReaderListener<dds::Serialized>* listener);
+                                       dds::sub::DataReaderListener<dds::Serialized>* listener);
 };
 
 /// Types of topics; parts of messages are not listed.

@@ -2,7 +2,7 @@
 /// \file
 /// The other ROS 2 processes of a domain, as shown by discovery.
 
-#include <sonopose/dds/binding/discovery.hpp>
+#include <sonopose/dds/psm/discovery.hpp>
 #include <sonopose/ros2/node/node.hpp>
 #include <sonopose/samples/samples.hpp>
 
@@ -31,10 +31,11 @@ inline constexpr Distro layout_without_others = Distro::humble;
 class GraphObserver {
 public:
   /// `participant` must outlive it. `on_change`: see dds::Discovery.
-  explicit GraphObserver(const dds::DomainParticipant& participant, std::function<void()> on_change = {});
+  explicit GraphObserver(const dds::domain::DomainParticipant& participant,
+                         std::function<void()> on_change = {});
 
   /// Reads the processes other than the own participant. Call it after every change, and later while
-  /// `is_undecided`. Throws dds::Error.
+  /// `is_undecided`. Throws dds::core::Exception.
   Graph look(SteadyTime now);
 
 private:

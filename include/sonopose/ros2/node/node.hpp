@@ -4,8 +4,7 @@
 /// the hash of their type, and the topic `ros_discovery_info` assigns them to the node. Source:
 /// rmw_dds_common.
 
-#include <sonopose/dds/binding/data_reader.hpp>
-#include <sonopose/dds/binding/data_writer.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/qos/provider.hpp>
 #include <sonopose/ros2/messages/idl_types.hpp>
 #include <sonopose/ros2/messages/names.hpp>
@@ -40,7 +39,7 @@ dds::Qos participant_qos(const std::string& enclave = "/");
 class Node {
 public:
   /// `participant` and `qos` must outlive the node.
-  Node(const dds::DomainParticipant& participant, const dds::qos::Provider& qos, NameResolver names,
+  Node(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos, NameResolver names,
        Distro layout, QosOverrides overrides = {});
   Node(const Node&) = delete;
   Node& operator=(const Node&) = delete;
@@ -49,21 +48,21 @@ public:
   ~Node();
 
   const NameResolver& names() const noexcept { return names_; }
-  const dds::DomainParticipant& participant() const noexcept { return participant_; }
+  const dds::domain::DomainParticipant& participant() const noexcept { return participant_; }
 
   /// Makes a writer of a topic by its ROS name, which is resolved, with a profile of the QoS file
   /// ("ros2::Default"). `listener` must outlive it. The next announce() assigns it to this node.
   template <class T>
-  dds::DataWriter<T> make_writer(const std::string& name, const char* profile,
-                                 dds::DataWriterListener<T>* listener = nullptr) {
+  dds::pub::DataWriter<T> make_writer(const std::string& name, const char* profile,
+                                      dds::pub::DataWriterListener<T>* listener = nullptr) {
     return make_writer_in_dds<T>(name_in_dds(names_.topic(name)), profile, {}, listener);
   }
 
   /// Makes a reader likewise. `mask`: the statuses of the listener.
   template <class T>
-  dds::DataReader<T> make_reader(const std::string& name, const char* profile,
-                                 dds::DataReaderListener<T>* listener = nullptr,
-                                 dds::StatusMask mask = dds::StatusMask::all()) {
+  dds::sub::DataReader<T> make_reader(
+      const std::string& name, const char* profile, dds::sub::DataReaderListener<T>* listener = nullptr,
+      dds::core::status::StatusMask mask = dds::core::status::StatusMask::all()) {
     return make_reader_in_dds<T>(name_in_dds(names_.topic(name)), profile, {}, listener, mask);
   }
 
@@ -82,14 +81,15 @@ public:
             make_writer_in_dds<typename S::Response>("rr" + service + "Reply", profile, id)};
   }
 
-  /// Changes the layout from the next announce() on. Returns true if it was another one. Throws dds::Error.
+  /// Changes the layout from the next announce() on. Returns true if it was another one. Throws
+  /// dds::core::Exception.
   bool use_layout(Distro layout);
 
   /// Publishes node and endpoints if they have changed since the last call.
   void announce();
 
   /// Removes a reader or writer. Call this before closing it, and announce() afterwards.
-  void remove(const dds::Entity& endpoint);
+  void remove(const dds::core::Entity& endpoint);
   /// Removes both endpoints of a service.
   template <class S>
   void remove(const Service<S>& service) {
@@ -107,31 +107,33 @@ private:
   /// Endpoints of `ros_discovery_info`.
   template <class Info>
   struct Discovery {
-    dds::DataWriter<Info> writer;
-    dds::DataReader<Info> reader;
+    dds::pub::DataWriter<Info> writer;
+    dds::sub::DataReader<Info> reader;
   };
 
   /// `prefix`: user data before the hash of the type.
   template <class T>
-  dds::DataWriter<T> make_writer_in_dds(const std::string& name, const char* profile,
-                                        const std::string& prefix,
-                                        dds::DataWriterListener<T>* listener = nullptr) {
-    const dds::Topic<T> topic(participant_, name, qos_.topic_qos(profile));
+  dds::pub::DataWriter<T> make_writer_in_dds(const std::string& name, const char* profile,
+                                             const std::string& prefix,
+                                             dds::pub::DataWriterListener<T>* listener = nullptr) {
+    const dds::topic::Topic<T> topic(participant_, name, qos_.topic_qos(profile));
     dds::Qos qos = with_type_hash<T>(qos_.datawriter_qos(profile), prefix);
     overrides_.apply(name_without_prefix(name), QosOverrides::Endpoint::publisher, qos);
-    dds::DataWriter<T> writer(participant_, topic, qos, listener);
+    const dds::pub::Publisher publisher(participant_, dds::pub::qos::PublisherQos());
+    dds::pub::DataWriter<T> writer(publisher, topic, qos, listener, dds::core::status::StatusMask::all());
     add(writers_, writer);
     return writer;
   }
   template <class T>
-  dds::DataReader<T> make_reader_in_dds(const std::string& name, const char* profile,
-                                        const std::string& prefix,
-                                        dds::DataReaderListener<T>* listener = nullptr,
-                                        dds::StatusMask mask = dds::StatusMask::all()) {
-    const dds::Topic<T> topic(participant_, name, qos_.topic_qos(profile));
+  dds::sub::DataReader<T> make_reader_in_dds(
+      const std::string& name, const char* profile, const std::string& prefix,
+      dds::sub::DataReaderListener<T>* listener = nullptr,
+      dds::core::status::StatusMask mask = dds::core::status::StatusMask::all()) {
+    const dds::topic::Topic<T> topic(participant_, name, qos_.topic_qos(profile));
     dds::Qos qos = with_type_hash<T>(qos_.datareader_qos(profile), prefix);
     overrides_.apply(name_without_prefix(name), QosOverrides::Endpoint::subscription, qos);
-    dds::DataReader<T> reader(participant_, topic, qos, listener, mask);
+    const dds::sub::Subscriber subscriber(participant_, dds::sub::qos::SubscriberQos());
+    dds::sub::DataReader<T> reader(subscriber, topic, qos, listener, mask);
     add(readers_, reader);
     return reader;
   }
@@ -147,7 +149,7 @@ private:
   static dds::Qos add_type_hash(dds::Qos qos, const char* type_name, const std::string& prefix);
   /// User data by which clients associate the two endpoints of a service: "serviceid=…;".
   std::string next_service_id();
-  void add(Guids& guids, const dds::Entity& endpoint);
+  void add(Guids& guids, const dds::core::Entity& endpoint);
   void join_discovery();
   template <class Info>
   Discovery<Info> make_discovery(const dds::Qos& writer_qos, const dds::Qos& reader_qos) const;
@@ -155,7 +157,7 @@ private:
   void with_discovery(const Action& action);
   void write_info(const NodeName* node);
 
-  const dds::DomainParticipant& participant_;
+  const dds::domain::DomainParticipant& participant_;
   const dds::qos::Provider& qos_;
   NameResolver names_;
   Distro layout_;

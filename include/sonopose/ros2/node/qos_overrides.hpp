@@ -3,7 +3,7 @@
 /// The parameters `qos_overrides.TOPIC.publisher.POLICY` of ROS 2, which change the QoS of a node's
 /// endpoints.
 
-#include <sonopose/dds/binding/qos.hpp>
+#include <sonopose/dds/psm/qos.hpp>
 
 #include <cstdint>
 #include <functional>

@@ -4,8 +4,7 @@
 /// request and expect them in the header of the reply. (Clients of other middlewares use RTPS fields that the
 /// C API of Cyclone DDS does not set.)
 
-#include <sonopose/dds/binding/data_reader.hpp>
-#include <sonopose/dds/binding/data_writer.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 
 #include <functional>
 #include <memory>
@@ -26,18 +25,18 @@ public:
   using Response = typename S::Response;
 
   /// Calls `on_request` when a request arrives, under the rules of a listener.
-  class RequestListener final : public dds::DataReaderListener<Request> {
+  class RequestListener final : public dds::sub::NoOpDataReaderListener<Request> {
   public:
     explicit RequestListener(std::function<void()> on_request) : on_request_(std::move(on_request)) {}
-    void on_data_available(dds::DataReader<Request>& /*requests*/) noexcept override { on_request_(); }
+    void on_data_available(dds::sub::DataReader<Request>& /*requests*/) noexcept override { on_request_(); }
 
   private:
     std::function<void()> on_request_;
   };
 
   /// `listener` is that of `requests`; may be null.
-  Service(std::unique_ptr<RequestListener> listener, dds::DataReader<Request> requests,
-          dds::DataWriter<Response> replies)
+  Service(std::unique_ptr<RequestListener> listener, dds::sub::DataReader<Request> requests,
+          dds::pub::DataWriter<Response> replies)
       : listener_(std::move(listener)), requests_(std::move(requests)), replies_(std::move(replies)) {}
 
   /// Calls `handle(const Request&, reply)` for every pending request. `handle` calls `reply(Response)` once;
@@ -46,44 +45,44 @@ public:
   /// if requests wait.
   template <class Handle>
   bool serve(const Handle& handle) {
-    for (const auto sample : requests_.read(max_pending)) {
+    for (const auto& sample : requests_.select().max_samples(max_pending).read()) {
       const bool waits = sample.info().valid() && !has_reply_reader(sample.info().publication_handle());
       if (waits && ++waits_ < max_waits) return true;
     }
     waits_ = 0;
-    requests_.take_each([&](const Request& request, const dds::SampleInfo&) {
+    dds::ext::take_each(requests_, [&](const Request& request, const dds::sub::SampleInfo&) {
       handle(request, [&](Response response) {
         response.header = request.header;
-        replies_.try_write(response);
+        dds::ext::try_write(replies_, response);
       });
     });
     return false;
   }
 
-  const dds::DataReader<Request>& requests() const { return requests_; }
-  const dds::DataWriter<Response>& replies() const { return replies_; }
+  const dds::sub::DataReader<Request>& requests() const { return requests_; }
+  const dds::pub::DataWriter<Response>& replies() const { return replies_; }
 
 private:
-  static constexpr std::size_t max_pending = 32;
+  static constexpr std::uint32_t max_pending = 32;
   static constexpr int max_waits = 25;
 
-  bool has_reply_reader(dds::InstanceHandle request_writer) const {
+  bool has_reply_reader(dds::core::InstanceHandle request_writer) const {
     try {
-      const auto request_endpoint = requests_.matched_publication_data(request_writer);
+      const auto request_endpoint = dds::ext::matched_publication_data(requests_, request_writer);
       const std::string client = client_of(request_endpoint.user_data, request_endpoint.participant_key);
-      for (const dds::InstanceHandle reader : replies_.matched_subscriptions()) {
-        const auto reply_endpoint = replies_.matched_subscription_data(reader);
+      for (const dds::core::InstanceHandle reader : dds::ext::matched_subscriptions(replies_)) {
+        const auto reply_endpoint = dds::ext::matched_subscription_data(replies_, reader);
         if (client_of(reply_endpoint.user_data, reply_endpoint.participant_key) == client) return true;
       }
       return false;
-    } catch (const dds::Error&) {
+    } catch (const dds::core::Exception&) {
       return true;  // the client has gone: remove its request
     }
   }
 
   std::unique_ptr<RequestListener> listener_;
-  dds::DataReader<Request> requests_;
-  dds::DataWriter<Response> replies_;
+  dds::sub::DataReader<Request> requests_;
+  dds::pub::DataWriter<Response> replies_;
   int waits_ = 0;
 };
 

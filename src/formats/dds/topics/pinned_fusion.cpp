@@ -14,35 +14,35 @@ std::array<std::uint8_t, 16> bytes_of(const dds_guid_t& guid) {
 
 /// Returns the participant of a writer; nothing if the reader is no longer matched with it.
 template <class T>
-std::optional<std::array<std::uint8_t, 16>> participant_of(const DataReader<T>& reader,
-                                                           InstanceHandle writer) {
+std::optional<std::array<std::uint8_t, 16>> participant_of(const sub::DataReader<T>& reader,
+                                                           core::InstanceHandle writer) {
   try {
-    return bytes_of(reader.matched_publication_data(writer).participant_key);
-  } catch (const Error&) {
+    return bytes_of(ext::matched_publication_data(reader, writer).participant_key);
+  } catch (const core::Exception&) {
     return std::nullopt;
   }
 }
 
 }  // namespace
 
-PinnedFusion::PinnedFusion(const DomainParticipant& participant, const qos::Provider& qos,
+PinnedFusion::PinnedFusion(const domain::DomainParticipant& participant, const qos::Provider& qos,
                            std::uint64_t fusion_id)
     : fusion_id_(fusion_id), statuses_(make_reader(participant, qos, fusion_status)) {}
 
-bool PinnedFusion::wrote(const DataReader<sonopose_FusedPose>& poses, const SampleInfo& info) {
+bool PinnedFusion::wrote(const sub::DataReader<sonopose_FusedPose>& poses, const sub::SampleInfo& info) {
   find_fusion();
   if (!fusion_) return false;
-  const auto known = writers_.find(info.publication_handle().value);
+  const auto known = writers_.find(info.publication_handle().c_value());
   if (known != writers_.end()) return known->second;
   const auto participant = participant_of(poses, info.publication_handle());
   if (!participant) return false;
   constexpr std::size_t max_writers = 1024;  // a stranger can make any number
   if (writers_.size() >= max_writers) writers_.clear();
-  return writers_[info.publication_handle().value] = participant == fusion_;
+  return writers_[info.publication_handle().c_value()] = participant == fusion_;
 }
 
 void PinnedFusion::find_fusion() {
-  statuses_.take_each([this](const sonopose_FusionStatus& status, const SampleInfo& info) {
+  ext::take_each(statuses_, [this](const sonopose_FusionStatus& status, const sub::SampleInfo& info) {
     if (fusion_ || status.fusion_id != fusion_id_) return;
     fusion_ = participant_of(statuses_, info.publication_handle());
   });

@@ -15,38 +15,40 @@ namespace {
 constexpr std::string_view prefix = "sonopose/";
 
 template <std::size_t I>
-SerializedReader make_reader_of(const DomainParticipant& participant, const qos::Provider& qos,
-                                DataReaderListener<Serialized>* listener) {
+SerializedReader make_reader_of(const domain::DomainParticipant& participant, const qos::Provider& qos,
+                                sub::DataReaderListener<Serialized>* listener) {
   constexpr auto entry = std::get<I>(all);
   using T = typename decltype(entry)::Type;
-  const Topic<T> topic(participant, entry.name, qos.topic_qos(entry.profile));
+  const topic::Topic<T> topic(participant, entry.name, qos.topic_qos(entry.profile));
   Qos reader_qos = qos.datareader_qos(entry.profile);
-  reader_qos << policy::Deadline{infinite};
-  join_partition(reader_qos, participant);
-  return SerializedReader(participant, topic, reader_qos, listener);
+  reader_qos << policy::Deadline();
+  const sub::Subscriber subscriber(participant,
+                                   ext::group_qos(participant.default_subscriber_qos(), reader_qos));
+  return {subscriber, ext::serialized(topic), reader_qos, listener, core::status::StatusMask::all()};
 }
 
 template <std::size_t I>
-SerializedWriter make_writer_of(const DomainParticipant& participant, const qos::Provider& qos,
+SerializedWriter make_writer_of(const domain::DomainParticipant& participant, const qos::Provider& qos,
                                 Delivery delivery) {
   constexpr auto entry = std::get<I>(all);
   using T = typename decltype(entry)::Type;
   const char* profile = profile_of(entry, delivery);
-  const Topic<T> topic(participant, entry.name, qos.topic_qos(profile));
+  const topic::Topic<T> topic(participant, entry.name, qos.topic_qos(profile));
   Qos writer_qos = qos.datawriter_qos(profile);
   // Offers the lease that readers request. A live fusion asserts its own, shorter one.
-  const auto lease = qos.datareader_qos(profile).template policy<policy::Liveliness>();
-  writer_qos << policy::WriterDataLifecycle{false} << lease.value_or(policy::Liveliness{});
+  writer_qos << policy::WriterDataLifecycle::ManuallyDisposeUnregisteredInstances()
+             << qos.datareader_qos(profile).template policy_or_default<policy::Liveliness>();
   // Keeps all samples even with a live profile, whose own writers need only their latest sample.
-  if (delivery == Delivery::lossless) writer_qos << policy::History::keep_all() << policy::Lifespan{};
-  join_partition(writer_qos, participant);
-  return SerializedWriter(participant, topic, writer_qos);
+  if (delivery == Delivery::lossless) writer_qos << policy::History::KeepAll() << policy::Lifespan();
+  const pub::Publisher publisher(participant,
+                                 ext::group_qos(participant.default_publisher_qos(), writer_qos));
+  return {publisher, ext::serialized(topic), writer_qos};
 }
 
 template <std::size_t I>
 bool is_latched_of(const qos::Provider& qos) {
-  const auto durability = qos.datareader_qos(std::get<I>(all).profile).template policy<policy::Durability>();
-  return durability.value_or(policy::Durability{}).kind == policy::DurabilityKind::transient_local;
+  const Qos& reader_qos = qos.datareader_qos(std::get<I>(all).profile);
+  return reader_qos.policy_or_default<policy::Durability>() == policy::Durability::TransientLocal();
 }
 
 template <std::size_t I>

@@ -4,7 +4,7 @@
 #include "mcap/decompression.hpp"
 #include "ros2/inputs/aiding_samples.hpp"
 #include "ros2/inputs/beacon_inputs.hpp"
-#include <sonopose/dds/binding/cdr.hpp>
+#include <sonopose/dds/psm/cdr.hpp>
 #include <sonopose/ros2/messages/frames.hpp>
 #include <sonopose/ros2/messages/static_transforms.hpp>
 #include <sonopose/ros2/messages/time.hpp>

@@ -22,11 +22,12 @@ constexpr Definition definitions[] = {
 };
 
 template <class T>
-dds::SerializedReader make_reader_of(const dds::DomainParticipant& participant,
+dds::SerializedReader make_reader_of(const dds::domain::DomainParticipant& participant,
                                      const std::string& topic_in_dds, const dds::Qos& qos,
-                                     dds::DataReaderListener<dds::Serialized>* listener) {
-  const dds::Topic<T> topic(participant, topic_in_dds);
-  return dds::SerializedReader(participant, topic, qos, listener);
+                                     dds::sub::DataReaderListener<dds::Serialized>* listener) {
+  const dds::topic::Topic<T> topic(participant, topic_in_dds);
+  const dds::sub::Subscriber subscriber(participant, dds::sub::qos::SubscriberQos());
+  return {subscriber, dds::ext::serialized(topic), qos, listener, dds::core::status::StatusMask::all()};
 }
 
 template <class... T>
@@ -60,28 +61,26 @@ std::optional<std::string> name_in_ros(const std::string& topic_in_dds) {
 dds::Qos matching_reader_qos(const dds::qos::Provider& qos, const dds::Qos& writer_qos) {
   namespace policy = dds::policy;
   dds::Qos reader = qos.datareader_qos("ros2::Default");
-  const auto reliability = writer_qos.policy<policy::Reliability>();
-  if (!reliability || reliability->kind == policy::ReliabilityKind::best_effort) {
-    reader << policy::Reliability::best_effort();
+  if (writer_qos.policy_or_default<policy::Reliability>().kind() == policy::ReliabilityKind::BEST_EFFORT) {
+    reader << policy::Reliability::BestEffort();
   }
-  reader << writer_qos.policy<policy::Durability>().value_or(policy::Durability{});
-  return reader << policy::Deadline{dds::infinite};
+  return reader << writer_qos.policy_or_default<policy::Durability>() << policy::Deadline();
 }
 
 std::string qos_in_yaml(const dds::Qos& writer_qos) {
   namespace policy = dds::policy;
   // The numbers are those of rmw_qos_history_policy_t and its siblings. Infinite durations are
   // RMW_DURATION_INFINITE.
-  const auto history = writer_qos.policy<policy::History>().value_or(policy::History{});
-  const auto reliability = writer_qos.policy<policy::Reliability>().value_or(policy::Reliability{});
-  const auto durability = writer_qos.policy<policy::Durability>().value_or(policy::Durability{});
+  const auto history = writer_qos.policy_or_default<policy::History>();
+  const auto reliability = writer_qos.policy_or_default<policy::Reliability>();
+  const auto durability = writer_qos.policy_or_default<policy::Durability>();
   const std::string infinite = "\n    sec: 9223372036\n    nsec: 854775807\n";
   return fmt::format(
       "- history: {}\n  depth: {}\n  reliability: {}\n  durability: {}\n  deadline:{}  lifespan:{}"
       "  liveliness: 1\n  liveliness_lease_duration:{}  avoid_ros_namespace_conventions: false\n",
-      history.kind == policy::HistoryKind::keep_last ? 1 : 2, history.depth,
-      reliability.kind == policy::ReliabilityKind::reliable ? 1 : 2,
-      durability.kind == policy::DurabilityKind::transient_local ? 1 : 2, infinite, infinite, infinite);
+      history.kind() == policy::HistoryKind::KEEP_LAST ? 1 : 2, history.depth(),
+      reliability.kind() == policy::ReliabilityKind::RELIABLE ? 1 : 2,
+      durability.kind() == policy::DurabilityKind::TRANSIENT_LOCAL ? 1 : 2, infinite, infinite, infinite);
 }
 
 }  // namespace sonopose::ros2

@@ -7,7 +7,7 @@
 #include "observation/own_reports.hpp"
 #include "presence/instance_limit.hpp"
 #include <sonopose/dds/binding/refused_peer.hpp>
-#include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
@@ -35,14 +35,14 @@ constexpr double poll_period_s = 0.02;
 template <class T>
 struct Subscription {
   template <class Filter = dds::topics::AddressFilter>
-  Subscription(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+  Subscription(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos,
                const dds::topics::Entry<T>& entry, Filter* filter = nullptr)
       : reader(dds::topics::make_reader(participant, qos, entry, nullptr, dds::topics::Delivery::lossless,
                                         filter)),
-        has_data(reader) {}
+        has_data(reader, dds::sub::status::DataState::any()) {}
 
-  dds::DataReader<T> reader;
-  dds::ReadCondition has_data;
+  dds::sub::DataReader<T> reader;
+  dds::sub::cond::ReadCondition has_data;
 };
 
 /// Names the processes that DDS Security refused: those of reported certificates, and those that are there
@@ -91,7 +91,7 @@ private:
 
   const DoctorOptions& options_;
   dds::qos::Provider qos_;
-  dds::DomainParticipant participant_;
+  dds::domain::DomainParticipant participant_;
   dds::Discovery discovery_;
   presence::BeaconAdmission admission_;
   presence::InstanceLimit<sonopose_FusionStatus> fusion_limit_;
@@ -106,7 +106,7 @@ private:
   Subscription<sonopose_EffectiveSettings> settings_;
   observation::bus::LineObserver lines_;
   Deadlines deadlines_;
-  dds::WaitSet waitset_;
+  dds::core::cond::WaitSet waitset_;
   std::map<BeaconAddress, BeaconProbe> probes_;
   observation::ServedBeacons served_;
   observation::OwnReports own_reports_;
@@ -118,7 +118,7 @@ private:
 SystemObserver::SystemObserver(const DoctorOptions& options)
     : options_(options),
       qos_(options.qos_file),
-      participant_(options.domain),
+      participant_(dds::ext::participant(options.domain)),
       discovery_(participant_),
       admission_({}, options.max_beacons),
       fusion_limit_(&admission_),
@@ -136,7 +136,7 @@ SystemObserver::SystemObserver(const DoctorOptions& options)
                  .fix_s = deadline_s(topics::fix),
                  .heading_s = deadline_s(topics::heading),
                  .pose_s = deadline_s(topics::pose)} {
-  for (const dds::ReadCondition* const condition :
+  for (const dds::sub::cond::ReadCondition* const condition :
        {&imu_.has_data, &fix_.has_data, &heading_.has_data, &twist_.has_data, &pose_.has_data,
         &report_.has_data, &beacon_status_.has_data, &fusion_status_.has_data, &settings_.has_data}) {
     waitset_ += *condition;
@@ -145,17 +145,17 @@ SystemObserver::SystemObserver(const DoctorOptions& options)
 
 template <class T>
 void SystemObserver::take(Subscription<T>& subscription, const Arrival& arrival) {
-  const auto on_state = [&](const T& key, const dds::SampleInfo& info) {
+  const auto on_state = [&](const T& key, const dds::sub::SampleInfo& info) {
     if constexpr (std::is_same_v<T, sonopose_FusionStatus>) {
-      if (info.alive()) return;
+      if (dds::ext::is_alive(info)) return;
       fusion_limit_.forget(key);
       const auto probe = probes_.find(key.address);
       if (probe != probes_.end()) probe->second.end_fusion(key.fusion_id);
     }
   };
-  const auto on_data = [&](const T& sample, const dds::SampleInfo& info) {
+  const auto on_data = [&](const T& sample, const dds::sub::SampleInfo& info) {
     on_state(sample, info);
-    if (std::is_same_v<T, sonopose_FusionStatus> && !info.alive()) return;
+    if (std::is_same_v<T, sonopose_FusionStatus> && !dds::ext::is_alive(info)) return;
     auto value = dds::topics::from_idl(sample);
     if constexpr (std::is_same_v<T, sonopose_EffectiveSettings>) {
       effective_settings_[value.address] = std::move(value);
@@ -175,7 +175,7 @@ void SystemObserver::take(Subscription<T>& subscription, const Arrival& arrival)
         served_.on(value, info.publication_handle(), clocks::steady_now());
       }
       if constexpr (std::is_same_v<T, sonopose_ImuSample>) {
-        probe.on(value, arrival, info.publication_handle().value);
+        probe.on(value, arrival, info.publication_handle().c_value());
       } else if constexpr (std::is_same_v<T, sonopose_BeaconStatus> ||
                            std::is_same_v<T, sonopose_FusionStatus>) {
         probe.on(value);
@@ -184,7 +184,7 @@ void SystemObserver::take(Subscription<T>& subscription, const Arrival& arrival)
       }
     }
   };
-  subscription.reader.take_each(on_data, on_state);
+  dds::ext::take_each(subscription.reader, on_data, on_state);
 }
 
 /// Takes all samples. Those that waited while this process was paused may have arrived at any time since the
@@ -210,28 +210,30 @@ void SystemObserver::listen_until(SteadyTime end, const process::StopSignal& sto
   while (!stop.requested()) {
     const TimeNs left_ns = end - clocks::steady_now();
     if (left_ns <= 0) return;
-    waitset_.wait(dds::Duration(std::min(left_ns, to_ns(poll_period_s))));
+    dds::ext::wait(waitset_, std::chrono::nanoseconds(std::min(left_ns, to_ns(poll_period_s))));
     take_all();
   }
 }
 
 template <class T>
 double SystemObserver::deadline_s(const dds::topics::Entry<T>& entry) const {
-  const dds::Duration deadline = dds::deadline_of(qos_.datareader_qos(entry.profile));
-  if (deadline == dds::infinite) return std::numeric_limits<double>::infinity();
+  const std::chrono::nanoseconds deadline = dds::deadline_of(qos_.datareader_qos(entry.profile));
+  if (deadline == dds::ext::infinite) return std::numeric_limits<double>::infinity();
   return std::chrono::duration<double>(deadline).count();
 }
 
 std::vector<rules::ProcessObservation> SystemObserver::processes_of(
     const std::set<std::uint64_t>& imu_writers, const Processes& processes) {
   std::vector<rules::ProcessObservation> found;
-  const auto matched = imu_.reader.matched_publications();
+  const auto matched = dds::ext::matched_publications(imu_.reader);
   for (const std::uint64_t writer : imu_writers) {
-    if (std::find(matched.begin(), matched.end(), dds::InstanceHandle{writer}) == matched.end()) continue;
+    if (std::find(matched.begin(), matched.end(), dds::core::InstanceHandle(writer)) == matched.end())
+      continue;
     try {
-      const auto key = dds::text_of(imu_.reader.matched_publication_data({writer}).participant_key);
+      const auto key = dds::ext::text_of(
+          dds::ext::matched_publication_data(imu_.reader, dds::core::InstanceHandle(writer)).participant_key);
       found.push_back(process_of(processes, key));
-    } catch (const dds::Error&) {
+    } catch (const dds::core::Exception&) {
       continue;  // it has just disappeared
     }
   }

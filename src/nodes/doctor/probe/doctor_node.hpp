@@ -24,8 +24,8 @@ struct DoctorOptions {
 };
 
 /// Observes the system for the duration, after half a second of discovery, or until the stop. Observes an
-/// empty domain for at most 2 s. If there is no bridge or no fusion, searches all domains. Throws dds::Error,
-/// dds::qos::FileError.
+/// empty domain for at most 2 s. If there is no bridge or no fusion, searches all domains. Throws
+/// dds::core::Exception, dds::qos::FileError.
 rules::Observations observe(const DoctorOptions& options, const process::StopSignal& stop);
 
 }  // namespace sonopose::doctor::probe

@@ -3,7 +3,7 @@
 #include "clocks/clocks.hpp"
 #include "security/enclave.hpp"
 #include <sonopose/dds/binding/network_interfaces.hpp>
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
 #include <algorithm>
@@ -46,7 +46,9 @@ std::vector<rules::InterfaceObservation> named_interfaces(
 class Visit {
 public:
   explicit Visit(const dds::DomainOptions& options)
-      : domain_{.id = *options.domain_id}, participant_(options), discovery_(participant_) {}
+      : domain_{.id = *options.domain_id},
+        participant_(dds::ext::participant(options)),
+        discovery_(participant_) {}
 
   void look() {
     for (const auto& writer : discovery_.writers()) {
@@ -61,7 +63,7 @@ public:
 
 private:
   rules::DomainObservation domain_;
-  dds::DomainParticipant participant_;
+  dds::domain::DomainParticipant participant_;
   dds::Discovery discovery_;
 };
 
@@ -177,9 +179,9 @@ std::size_t visit_first(std::deque<std::uint32_t>& ids, const dds::DomainOptions
     try {
       visits.emplace_back(dds::DomainOptions{
           .domain_id = ids.front(), .network = here.network, .interfaces = here.interfaces});
-    } catch (const dds::Error& error) {
-      if (error.is_out_of_resources()) break;  // next time, when these are closed
-      ++bus.domains_not_searched;              // others use its ports
+    } catch (const dds::core::OutOfResourcesError&) {
+      break;                       // next time, when these are closed
+      ++bus.domains_not_searched;  // others use its ports
     }
     ids.pop_front();
   }

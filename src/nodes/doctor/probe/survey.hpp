@@ -3,8 +3,8 @@
 
 #include "doctor/rules/observations.hpp"
 #include "process/stop_signal.hpp"
-#include <sonopose/dds/binding/discovery.hpp>
 #include <sonopose/dds/binding/domain.hpp>
+#include <sonopose/dds/psm/discovery.hpp>
 
 #include <map>
 #include <string>

@@ -8,7 +8,7 @@
 #include "motion/turn_gain.hpp"
 #include "observation/pose_writers.hpp"
 #include <sonopose/calibration/model/calibration.hpp>
-#include <sonopose/dds/binding/qos.hpp>
+#include <sonopose/dds/psm/qos.hpp>
 #include <sonopose/samples/fix_refusal.hpp>
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/samples.hpp>

@@ -13,8 +13,7 @@
 #include "threads/mutex.hpp"
 #include "transport/serial_port.hpp"
 #include "transport/udp_peer.hpp"
-#include <sonopose/dds/binding/participant.hpp>
-#include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/ros2/messages/time.hpp>
@@ -197,22 +196,22 @@ private:
 
 void run(const SenderOptions& options, const process::StopSignal& stop) {
   namespace topics = dds::topics;
-  const dds::DomainParticipant participant(options.domain);
+  const auto participant = dds::ext::participant(options.domain);
   const dds::qos::Provider qos(options.qos_file);
   const process_log::LogPublisher log(participant, qos);
   presence::BeaconAdmission admission(options.addresses, 1);
   auto reader =
       topics::make_reader(participant, qos, topics::pose, nullptr, topics::Delivery::live, &admission);
-  const dds::ReadCondition has_data(reader);
-  dds::WaitSet waitset;
+  const dds::sub::cond::ReadCondition has_data(reader, dds::sub::status::DataState::any());
+  dds::core::cond::WaitSet waitset;
   waitset += has_data;
   Sender sender(options);
   logging::info("serving");
   process::report_ready();
   SteadyTime due = clocks::steady_now();
   while (!stop.requested()) {
-    waitset.wait(std::chrono::milliseconds(100));
-    for (const auto sample : reader.take()) {
+    dds::ext::wait(waitset, std::chrono::milliseconds(100));
+    for (const auto& sample : reader.take()) {
       if (sample.info().valid()) sender.on(topics::from_idl(sample.data()));
     }
     const SteadyTime now = clocks::steady_now();

@@ -33,7 +33,7 @@ struct SenderOptions {
 };
 
 /// Sends poses and heartbeats, and answers the autopilot's time synchronisation, until the stop. Throws if
-/// the line cannot be used, dds::Error.
+/// the line cannot be used, dds::core::Exception.
 void run(const SenderOptions& options, const process::StopSignal& stop);
 
 }  // namespace sonopose::mavlink::sender

@@ -5,7 +5,7 @@
 #include "logging/log.hpp"
 #include "monitor/echo/line_output.hpp"
 #include "process/endpoint_counters.hpp"
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/serialized_topics.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
@@ -38,7 +38,7 @@ class WakingListener final : public process::CountingReaderListener<T> {
 public:
   WakingListener(process::Wakeup& wakeup, process::EndpointCounters& endpoints)
       : process::CountingReaderListener<T>(endpoints), wakeup_(wakeup) {}
-  void on_data_available(dds::DataReader<T>& /*reader*/) noexcept override { wakeup_.wake(); }
+  void on_data_available(dds::sub::DataReader<T>& /*reader*/) noexcept override { wakeup_.wake(); }
 
 private:
   process::Wakeup& wakeup_;
@@ -88,7 +88,7 @@ bool echo_topic(const topics::Entry<T>& entry, const EchoOptions& options, const
     throw std::invalid_argument("--beacon: the samples of " + options.topic + " do not belong to a beacon");
   }
   const dds::qos::Provider qos(options.qos_file);
-  const dds::DomainParticipant participant(options.domain);
+  const auto participant = dds::ext::participant(options.domain);
   process::Wakeup wakeup;
   process::EndpointCounters endpoints;
   WakingListener<T> listener(wakeup, endpoints);
@@ -102,7 +102,8 @@ bool echo_topic(const topics::Entry<T>& entry, const EchoOptions& options, const
   Lines lines(options.count);
   bool reported = false;
   while (true) {
-    reader.take_each([&lines](const T& sample, const dds::SampleInfo&) { lines.add(sample); });
+    dds::ext::take_each(reader,
+                        [&lines](const T& sample, const dds::sub::SampleInfo&) { lines.add(sample); });
     if (!lines.write_to(output) || lines.is_complete() || output.is_closed()) return true;
     report_incompatible(endpoints, reported);
     const SteadyTime now = clocks::steady_now();

@@ -27,8 +27,9 @@ struct EchoOptions {
 std::vector<std::string> topic_names();
 
 /// Prints to standard output until the stop, the end of count or duration, or the loss of its reader. Returns
-/// false if the duration ended without a sample. Throws dds::Error, dds::qos::FileError, std::system_error,
-/// std::invalid_argument for an unknown topic, and for a beacon of a topic without beacons.
+/// false if the duration ended without a sample. Throws dds::core::Exception, dds::qos::FileError,
+/// std::system_error, std::invalid_argument for an unknown topic, and for a beacon of a topic without
+/// beacons.
 bool echo(const EchoOptions& options, const process::StopSignal& stop);
 
 }  // namespace sonopose::monitor::echo

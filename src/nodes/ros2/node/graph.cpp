@@ -21,7 +21,7 @@ bool contains(const std::vector<std::uint8_t>& bytes, std::string_view text) {
 
 bool has_type_hash(const dds::FoundEndpoint& endpoint) {
   const auto user_data = endpoint.qos.policy<dds::policy::UserData>();
-  return user_data && contains(user_data->value, "typehash=");
+  return user_data && contains(user_data->value(), "typehash=");
 }
 
 }  // namespace
@@ -32,7 +32,8 @@ std::optional<Distro> layout_for(const Graph& graph) {
   return std::nullopt;
 }
 
-GraphObserver::GraphObserver(const dds::DomainParticipant& participant, std::function<void()> on_change)
+GraphObserver::GraphObserver(const dds::domain::DomainParticipant& participant,
+                             std::function<void()> on_change)
     : discovery_(participant, std::move(on_change)) {}
 
 void GraphObserver::Process::add(const dds::FoundEndpoint& endpoint) {

@@ -13,11 +13,11 @@
 namespace sonopose::ros2 {
 namespace {
 
-constexpr std::int32_t max_unread_messages = 256;
+constexpr std::uint32_t max_unread_messages = 256;
 constexpr const char* discovery_profile = "ros2::Discovery";
 
 dds::policy::UserData user_data(const std::string& text) {
-  return {{text.begin(), text.end()}};
+  return dds::policy::UserData({text.begin(), text.end()});
 }
 
 /// The GUID, padded with zeros.
@@ -37,7 +37,7 @@ std::vector<Gid> gids_of(const std::vector<dds_guid_t>& guids) {
 }
 
 template <class Info>
-void write(dds::DataWriter<Info>& writer, const dds_guid_t& participant, const NodeName* node,
+void write(dds::pub::DataWriter<Info>& writer, const dds_guid_t& participant, const NodeName* node,
            const std::vector<dds_guid_t>& readers, const std::vector<dds_guid_t>& writers) {
   using Gid = decltype(Info::gid);
   using Entities = std::remove_pointer_t<decltype(Info::node_entities_info_seq._buffer)>;
@@ -73,8 +73,8 @@ dds::Qos participant_qos(const std::string& enclave) {
   return dds::Qos() << user_data("enclave=" + enclave + ";");
 }
 
-Node::Node(const dds::DomainParticipant& participant, const dds::qos::Provider& qos, NameResolver names,
-           Distro layout, QosOverrides overrides)
+Node::Node(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos,
+           NameResolver names, Distro layout, QosOverrides overrides)
     : participant_(participant),
       qos_(qos),
       names_(std::move(names)),
@@ -95,7 +95,7 @@ void Node::join_discovery() {
   const dds::Qos& writer_qos = qos_.datawriter_qos(discovery_profile);
   // Messages wait for found_namesake(), which an application may never call.
   dds::Qos reader_qos = qos_.datareader_qos(discovery_profile);
-  reader_qos << dds::policy::History::keep_last(max_unread_messages);
+  reader_qos << dds::policy::History::KeepLast(max_unread_messages);
   discovery_ = std::monostate();  // the two layouts cannot coexist
   if (layout_ == Distro::humble) {
     discovery_ = make_discovery<HumbleParticipantEntitiesInfo>(writer_qos, reader_qos);
@@ -108,9 +108,11 @@ void Node::join_discovery() {
 
 template <class Info>
 Node::Discovery<Info> Node::make_discovery(const dds::Qos& writer_qos, const dds::Qos& reader_qos) const {
-  const dds::Topic<Info> topic(participant_, discovery_topic, qos_.topic_qos(discovery_profile));
-  return {dds::DataWriter<Info>(participant_, topic, writer_qos),
-          dds::DataReader<Info>(participant_, topic, reader_qos)};
+  const dds::topic::Topic<Info> topic(participant_, discovery_topic, qos_.topic_qos(discovery_profile));
+  const dds::pub::Publisher publisher(participant_, dds::pub::qos::PublisherQos());
+  const dds::sub::Subscriber subscriber(participant_, dds::sub::qos::SubscriberQos());
+  return {dds::pub::DataWriter<Info>(publisher, topic, writer_qos),
+          dds::sub::DataReader<Info>(subscriber, topic, reader_qos)};
 }
 
 bool Node::use_layout(Distro layout) {
@@ -136,16 +138,16 @@ void Node::with_discovery(const Action& action) {
 /// Announces the node; null: announces that there is none.
 void Node::write_info(const NodeName* node) {
   with_discovery([&](auto& discovery) {
-    node == nullptr ? write(discovery.writer, dds::guid_of(participant_), nullptr, {}, {})
-                    : write(discovery.writer, dds::guid_of(participant_), node, readers_, writers_);
+    node == nullptr ? write(discovery.writer, dds::ext::guid_of(participant_), nullptr, {}, {})
+                    : write(discovery.writer, dds::ext::guid_of(participant_), node, readers_, writers_);
   });
 }
 
 bool Node::found_namesake() {
-  const dds_guid_t own = dds::guid_of(participant_);
+  const dds_guid_t own = dds::ext::guid_of(participant_);
   bool found = false;
   with_discovery([&](auto& discovery) {
-    discovery.reader.try_take_each([&](const auto& info, const dds::SampleInfo&) {
+    dds::ext::try_take_each(discovery.reader, [&](const auto& info, const dds::sub::SampleInfo&) {
       if (std::equal(std::begin(own.v), std::end(own.v), std::begin(info.gid.data))) return;
       found = found || has_node(info, names_.node());
     });
@@ -153,8 +155,8 @@ bool Node::found_namesake() {
   return found;
 }
 
-void Node::remove(const dds::Entity& endpoint) {
-  const dds_guid_t guid = dds::guid_of(endpoint);
+void Node::remove(const dds::core::Entity& endpoint) {
+  const dds_guid_t guid = dds::ext::guid_of(endpoint);
   const auto is_it = [&](const dds_guid_t& other) {
     return std::equal(std::begin(guid.v), std::end(guid.v), std::begin(other.v));
   };
@@ -162,8 +164,8 @@ void Node::remove(const dds::Entity& endpoint) {
   changed_ = changed_ || count > 0;
 }
 
-void Node::add(Guids& guids, const dds::Entity& endpoint) {
-  guids.push_back(dds::guid_of(endpoint));
+void Node::add(Guids& guids, const dds::core::Entity& endpoint) {
+  guids.push_back(dds::ext::guid_of(endpoint));
   changed_ = true;
 }
 
@@ -174,7 +176,7 @@ dds::Qos Node::add_type_hash(dds::Qos qos, const char* type_name, const std::str
 
 /// Id as in rmw_cyclonedds: the participant's GUID with a counter in the last four bytes.
 std::string Node::next_service_id() {
-  dds_guid_t id = dds::guid_of(participant_);
+  dds_guid_t id = dds::ext::guid_of(participant_);
   ++service_count_;
   for (unsigned i = 0; i < 4; ++i) id.v[12 + i] = static_cast<std::uint8_t>(service_count_ >> (24 - 8 * i));
   std::string text = fmt::format("{:2x}", id.v[0]);

@@ -27,15 +27,9 @@ std::int64_t number_of(const std::string& policy, const std::string& value, std:
   return number;
 }
 
-dds::Duration duration_of(const std::string& policy, const std::string& value) {
-  return dds::Duration(
-      number_of(policy, value, std::numeric_limits<std::int64_t>::max(), "a positive number of nanoseconds"));
-}
-
-/// The set value of a policy, or DDS's default.
-template <class Policy>
-Policy current(const dds::Qos& qos) {
-  return qos.policy<Policy>().value_or(Policy{});
+dds::core::Duration duration_of(const std::string& policy, const std::string& value) {
+  return dds::ext::to_duration(std::chrono::nanoseconds(number_of(
+      policy, value, std::numeric_limits<std::int64_t>::max(), "a positive number of nanoseconds")));
 }
 
 }  // namespace
@@ -43,8 +37,8 @@ Policy current(const dds::Qos& qos) {
 QosOverrides::Change QosOverrides::change_of(const std::string& policy, const std::string& value) {
   if (value == "system_default") return [](dds::Qos&) {};
   if (policy == "reliability") {
-    if (value == "reliable") return [](dds::Qos& qos) { qos << policy::Reliability::reliable(); };
-    if (value == "best_effort") return [](dds::Qos& qos) { qos << policy::Reliability::best_effort(); };
+    if (value == "reliable") return [](dds::Qos& qos) { qos << policy::Reliability::Reliable(); };
+    if (value == "best_effort") return [](dds::Qos& qos) { qos << policy::Reliability::BestEffort(); };
     refuse(policy, value, "reliable, best_effort or system_default");
   }
   if (policy == "durability") {
@@ -52,41 +46,39 @@ QosOverrides::Change QosOverrides::change_of(const std::string& policy, const st
       refuse(policy, value, "volatile, transient_local or system_default");
     }
     const auto kind =
-        value == "volatile" ? policy::DurabilityKind::volatile_data : policy::DurabilityKind::transient_local;
-    return [kind](dds::Qos& qos) { qos << policy::Durability{kind}; };
+        value == "volatile" ? policy::DurabilityKind::VOLATILE : policy::DurabilityKind::TRANSIENT_LOCAL;
+    return [kind](dds::Qos& qos) { qos << policy::Durability(kind); };
   }
   if (policy == "history") {
     if (value != "keep_last" && value != "keep_all") {
       refuse(policy, value, "keep_last, keep_all or system_default");
     }
-    const auto kind = value == "keep_all" ? policy::HistoryKind::keep_all : policy::HistoryKind::keep_last;
-    return [kind](dds::Qos& qos) { qos << policy::History{kind, current<policy::History>(qos).depth}; };
+    const auto kind = value == "keep_all" ? policy::HistoryKind::KEEP_ALL : policy::HistoryKind::KEEP_LAST;
+    return [kind](dds::Qos& qos) { qos << qos.policy_or_default<policy::History>().kind(kind); };
   }
   if (policy == "depth") {
     constexpr std::int64_t max_depth = 1'000'000;
     const auto depth =
         static_cast<std::int32_t>(number_of(policy, value, max_depth, "a number from 1 to 1000000"));
-    return [depth](dds::Qos& qos) { qos << policy::History{current<policy::History>(qos).kind, depth}; };
+    return [depth](dds::Qos& qos) { qos << qos.policy_or_default<policy::History>().depth(depth); };
   }
   if (policy == "deadline") {
-    return [period = duration_of(policy, value)](dds::Qos& qos) { qos << policy::Deadline{period}; };
+    return [period = duration_of(policy, value)](dds::Qos& qos) { qos << policy::Deadline(period); };
   }
   if (policy == "lifespan") {
-    return [duration = duration_of(policy, value)](dds::Qos& qos) { qos << policy::Lifespan{duration}; };
+    return [duration = duration_of(policy, value)](dds::Qos& qos) { qos << policy::Lifespan(duration); };
   }
   if (policy == "liveliness") {
     if (value != "automatic" && value != "manual_by_topic") {
       refuse(policy, value, "automatic, manual_by_topic or system_default");
     }
     const auto kind =
-        value == "automatic" ? policy::LivelinessKind::automatic : policy::LivelinessKind::manual_by_topic;
-    return [kind](dds::Qos& qos) {
-      qos << policy::Liveliness{kind, current<policy::Liveliness>(qos).lease_duration};
-    };
+        value == "automatic" ? policy::LivelinessKind::AUTOMATIC : policy::LivelinessKind::MANUAL_BY_TOPIC;
+    return [kind](dds::Qos& qos) { qos << qos.policy_or_default<policy::Liveliness>().kind(kind); };
   }
   if (policy == "liveliness_lease_duration") {
     return [lease = duration_of(policy, value)](dds::Qos& qos) {
-      qos << policy::Liveliness{current<policy::Liveliness>(qos).kind, lease};
+      qos << qos.policy_or_default<policy::Liveliness>().lease_duration(lease);
     };
   }
   throw std::invalid_argument(fmt::format(

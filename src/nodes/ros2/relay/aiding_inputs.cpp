@@ -28,7 +28,7 @@ public:
   /// Takes a request of its service, on any thread.
   virtual void take_request(const ros2::PoseWithCovarianceStamped& /*pose*/) {}
   [[nodiscard]] const AidingInput& input() const { return input_; }
-  virtual void attach_to(dds::WaitSet& waitset) = 0;
+  virtual void attach_to(dds::core::cond::WaitSet& waitset) = 0;
   virtual void take(publication::SampleSink& sink, const Reception& reception, const InputFrames& frames,
                     InputMonitor::Lines& lines) = 0;
 
@@ -91,19 +91,17 @@ public:
               dds::TopicTraits<T>::descriptor().m_typename, timeout_ns),
         reader_(node, input.topic, counters_) {}
 
-  void attach_to(dds::WaitSet& waitset) override { waitset += reader_.has_data; }
+  void attach_to(dds::core::cond::WaitSet& waitset) override { waitset += reader_.has_data; }
 
   void take(publication::SampleSink& sink, const Reception& reception, const InputFrames& frames,
             InputMonitor::Lines& lines) override {
-    reader_.reader.try_take_each([&](const T& message, const dds::SampleInfo&) {
+    dds::ext::try_take_each(reader_.reader, [&](const T& message, const dds::sub::SampleInfo&) {
       pass(samples_of(message, input_, frames, reception(input_)), sink, lines);
     });
   }
 
 private:
-  [[nodiscard]] std::uint64_t publishers() override {
-    return reader_.reader.subscription_matched_status().current_count;
-  }
+  [[nodiscard]] std::uint64_t publishers() override { return relay::publishers_of(reader_.reader); }
 
   InputReader<T> reader_;
 };
@@ -114,7 +112,7 @@ public:
   explicit SetPoses(const AidingInput& input)
       : Topic(input, {}, dds::TopicTraits<ros2::SetPose::Request>::descriptor().m_typename, 0) {}
 
-  void attach_to(dds::WaitSet& /*waitset*/) override {}  // the waits are short
+  void attach_to(dds::core::cond::WaitSet& /*waitset*/) override {}  // the waits are short
 
   void take_request(const ros2::PoseWithCovarianceStamped& pose) override {
     const threads::Lock lock(mutex_);
@@ -196,7 +194,7 @@ std::vector<SetPoseService> AidingInputs::services() {
   return services;
 }
 
-void AidingInputs::attach_to(dds::WaitSet& waitset) {
+void AidingInputs::attach_to(dds::core::cond::WaitSet& waitset) {
   for (const auto& topic : topics_) topic->attach_to(waitset);
 }
 

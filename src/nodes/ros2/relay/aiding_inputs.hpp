@@ -7,8 +7,8 @@
 #include "ros2/inputs/aiding_input.hpp"
 #include "ros2/inputs/input_frames.hpp"
 #include "ros2/inputs/input_monitor.hpp"
-#include <sonopose/dds/binding/discovery.hpp>
-#include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/dds/psm/discovery.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/ros2/messages/idl_types.hpp>
 #include <sonopose/ros2/node/node.hpp>
 
@@ -34,7 +34,7 @@ public:
   /// Time of reception in the clock of the stamps of an input's beacon.
   using Reception = std::function<TimeNs(const AidingInput& input)>;
 
-  /// `timeout_ns`: time after which a topic is silent. Throws dds::Error.
+  /// `timeout_ns`: time after which a topic is silent. Throws dds::core::Exception.
   AidingInputs(ros2::Node& node, const std::vector<AidingInput>& inputs, InputFrames frames,
                TimeNs timeout_ns);
   ~AidingInputs();
@@ -43,7 +43,7 @@ public:
 
   /// Services whose requests the owner passes on, while this object exists.
   [[nodiscard]] std::vector<SetPoseService> services();
-  void attach_to(dds::WaitSet& waitset);
+  void attach_to(dds::core::cond::WaitSet& waitset);
   void take(publication::SampleSink& sink, const Reception& reception, InputMonitor::Lines& lines);
   /// Adds lines about silence and losses.
   void update(SteadyTime now, InputMonitor::Lines& lines);

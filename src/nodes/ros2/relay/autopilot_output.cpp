@@ -48,15 +48,15 @@ void AutopilotOutput::on(const FusedPose& pose, const std::optional<ros2::Mount>
   const auto due_pose = due(pose, mount);
   if (!due_pose) return;
   if (is_px4_) {
-    odometry_writer_.try_write(autopilot::vehicle_odometry(due_pose->odometry, due_pose->measured_ns,
-                                                           due_pose->now_ns, due_pose->reset_counter,
-                                                           due_pose->quality_percent));
+    dds::ext::try_write(odometry_writer_, autopilot::vehicle_odometry(
+                                              due_pose->odometry, due_pose->measured_ns, due_pose->now_ns,
+                                              due_pose->reset_counter, due_pose->quality_percent));
     return;
   }
   static const autopilot::ArduPilotFrames frames;
   ros2::TransformStamped transform =
       autopilot::ardupilot_transform(due_pose->odometry, due_pose->measured_ns, frames);
-  tf_writer_.try_write(ros2::TFMessage{{1, 1, &transform, false}});
+  dds::ext::try_write(tf_writer_, ros2::TFMessage{{1, 1, &transform, false}});
 }
 
 std::optional<AutopilotOutput::Due> AutopilotOutput::due(const FusedPose& pose,

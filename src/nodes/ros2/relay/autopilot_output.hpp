@@ -22,7 +22,8 @@ namespace sonopose::ros2::relay {
 /// /ap/tf, in that of /ap/clock. A vehicle has one beacon: the first that is heard.
 class AutopilotOutput {
 public:
-  /// `node` and `log` must outlive it. Throws std::invalid_argument for an impossible namespace, dds::Error.
+  /// `node` and `log` must outlive it. Throws std::invalid_argument for an impossible namespace,
+  /// dds::core::Exception.
   AutopilotOutput(ros2::Node& node, const AutopilotOptions& options, Log& log);
   AutopilotOutput(const AutopilotOutput&) = delete;
   AutopilotOutput& operator=(const AutopilotOutput&) = delete;
@@ -38,11 +39,12 @@ public:
 
 private:
   template <class T>
-  class ClockListener final : public dds::DataReaderListener<T> {
+  class ClockListener final : public dds::sub::NoOpDataReaderListener<T> {
   public:
     explicit ClockListener(AutopilotOutput& output) : output_(output) {}
-    void on_data_available(dds::DataReader<T>& reader) noexcept override {
-      reader.try_take_each([this](const T& message, const dds::SampleInfo&) { output_.on(message); });
+    void on_data_available(dds::sub::DataReader<T>& reader) noexcept override {
+      dds::ext::try_take_each(reader,
+                              [this](const T& message, const dds::sub::SampleInfo&) { output_.on(message); });
     }
 
   private:
@@ -88,11 +90,11 @@ private:
 
   ClockListener<ros2::TimesyncStatus> px4_listener_{*this};
   ClockListener<ros2::Clock> clock_listener_{*this};
-  dds::DataWriter<ros2::VehicleOdometry> odometry_writer_;  ///< PX4's; otherwise nil
-  dds::DataWriter<ros2::TFMessage> tf_writer_;              ///< ArduPilot's; otherwise nil
+  dds::pub::DataWriter<ros2::VehicleOdometry> odometry_writer_ = dds::core::null;  ///< PX4's; otherwise nil
+  dds::pub::DataWriter<ros2::TFMessage> tf_writer_ = dds::core::null;  ///< ArduPilot's; otherwise nil
   // Last, so that they are destroyed first.
-  dds::DataReader<ros2::TimesyncStatus> timesync_reader_;
-  dds::DataReader<ros2::Clock> clock_reader_;
+  dds::sub::DataReader<ros2::TimesyncStatus> timesync_reader_ = dds::core::null;
+  dds::sub::DataReader<ros2::Clock> clock_reader_ = dds::core::null;
 };
 
 }  // namespace sonopose::ros2::relay

@@ -37,7 +37,7 @@ std::optional<double> fix_std_of(const EffectiveSettings& settings) {
 }
 
 BeaconPublishers::BeaconPublishers(ros2::Node& node, const Output& output, BeaconAddress address,
-                                   dds::DataWriter<ros2::TFMessage>& tf, bool in_tree,
+                                   dds::pub::DataWriter<ros2::TFMessage>& tf, bool in_tree,
                                    process::Wakeup& wakeup)
     : output_(output),
       prefix_(ros2::topic_prefix(output.beacon_namespace, address)),
@@ -50,7 +50,7 @@ BeaconPublishers::BeaconPublishers(ros2::Node& node, const Output& output, Beaco
       fix_std_m_(settings::UncertaintySettings{}.fix_std_m),
       detector_(address) {
   if (!output.mount_from_tf) mount_ = output.mount;
-  const auto publish = [&]<class T>(dds::DataWriter<T>& writer, const char* topic) {
+  const auto publish = [&]<class T>(dds::pub::DataWriter<T>& writer, const char* topic) {
     if (output.topics.contains(topic)) writer = node.make_writer<T>(prefix_ + topic, profile);
   };
   publish(raw_imu_, "imu/data_raw");
@@ -94,12 +94,13 @@ void BeaconPublishers::on(const ImuSample& sample) {
 void BeaconPublishers::publish_raw(const ImuSample& sample) {
   const auto stamp_ns = next_stamp(raw_stamp_, sample.sensor_time_ns);
   if (!stamp_ns) return;
-  if (!raw_imu_.is_nil()) raw_imu_.try_write(ros2::raw_imu(sample, *stamp_ns, frames_, output_.noise));
+  if (!raw_imu_.is_nil())
+    dds::ext::try_write(raw_imu_, ros2::raw_imu(sample, *stamp_ns, frames_, output_.noise));
   if (!publishes_mag_) return;
   const auto field = ros2::magnetic_field(sample, *stamp_ns, frames_, output_.noise);
   if (!field) return;
   if (!has_magnetic_.exchange(true)) wakeup_.wake();
-  if (has_magnetic_writer_) magnetic_.try_write(*field);
+  if (has_magnetic_writer_) dds::ext::try_write(magnetic_, *field);
 }
 
 void BeaconPublishers::on(const FusedPose& pose) {
@@ -131,8 +132,8 @@ void BeaconPublishers::publish_odometry(const FusedPose& pose) {
   if (!known_mount) return;
   const ros2::Odometry odometry = ros2::odometry(pose, *stamp_ns, frames_, *known_mount, output_.noise);
   publish_transform(odometry, *stamp_ns);
-  if (!odometry_.is_nil()) odometry_.try_write(odometry);
-  if (!pose_.is_nil()) pose_.try_write(ros2::pose_of(odometry));
+  if (!odometry_.is_nil()) dds::ext::try_write(odometry_, odometry);
+  if (!pose_.is_nil()) dds::ext::try_write(pose_, ros2::pose_of(odometry));
   if (!path_.is_nil()) add_to_path(odometry, *stamp_ns);
 }
 
@@ -152,7 +153,7 @@ bool BeaconPublishers::set_mount(const ros2::Mount& mount) {
 void BeaconPublishers::publish_imu(const ImuSample& sample, const FusedPose& pose) {
   if (imu_.is_nil()) return;
   const auto stamp_ns = next_stamp(imu_stamp_, sample.sensor_time_ns);
-  if (stamp_ns) imu_.try_write(ros2::fused_imu(sample, pose, *stamp_ns, frames_, output_.noise));
+  if (stamp_ns) dds::ext::try_write(imu_, ros2::fused_imu(sample, pose, *stamp_ns, frames_, output_.noise));
 }
 
 std::uint64_t BeaconPublishers::imu_data_lost() const {
@@ -165,7 +166,7 @@ void BeaconPublishers::publish_transform(const ros2::Odometry& odometry, TimeNs 
   const ros2::Transform base_in_map = ros2::base_in_map(odometry);
   if (output_.tf == TfMode::map_base) {
     auto transform = ros2::transform(base_in_map, stamp_ns, frames_.map, frames_.base);
-    tf_.try_write(message_of(transform));
+    dds::ext::try_write(tf_, message_of(transform));
     return;
   }
   std::optional<ros2::Transform> base_in_odom;
@@ -177,7 +178,7 @@ void BeaconPublishers::publish_transform(const ros2::Odometry& odometry, TimeNs 
   if (!base_in_odom) return;
   auto transform =
       ros2::transform(odom_in_map(base_in_map, *base_in_odom), stamp_ns, frames_.map, frames_.odom);
-  tf_.try_write(message_of(transform));
+  dds::ext::try_write(tf_, message_of(transform));
 }
 
 void BeaconPublishers::on_odometry(TimeNs time_ns, const ros2::Transform& base_in_odom) {
@@ -229,10 +230,10 @@ void BeaconPublishers::publish(const ros2::relay::FixQueue::Ready& fixes) {
     const auto stamp_ns = next_stamp(fix_stamp_, fix.emission_time_ns);
     if (!stamp_ns) continue;
     if (output_.fix == FixMessage::point) {
-      fix_as_point_.try_write(ros2::position_as_point(fix.position_world_m, *stamp_ns, frames_));
+      dds::ext::try_write(fix_as_point_, ros2::position_as_point(fix.position_world_m, *stamp_ns, frames_));
     } else {
-      fix_as_pose_.try_write(
-          ros2::position_as_pose(fix.position_world_m, covariance_of(fix), *stamp_ns, frames_));
+      dds::ext::try_write(
+          fix_as_pose_, ros2::position_as_pose(fix.position_world_m, covariance_of(fix), *stamp_ns, frames_));
     }
   }
 }
@@ -272,7 +273,7 @@ void BeaconPublishers::publish_path() {
   ros2::Path path{};
   path.header = poses.back().header;
   ros2::borrow_sequence(path.poses, poses);
-  path_.try_write(path);
+  dds::ext::try_write(path_, path);
 }
 
 }  // namespace sonopose::ros2::relay

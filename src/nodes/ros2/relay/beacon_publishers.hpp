@@ -34,7 +34,7 @@ public:
   /// Creates the writers. `tf`: writer of transforms, nil in mode off; must outlive this object. `in_tree`:
   /// publish transforms of this beacon. `wakeup`: wakes the main thread; must outlive this object, too.
   BeaconPublishers(ros2::Node& node, const Output& output, BeaconAddress address,
-                   dds::DataWriter<ros2::TFMessage>& tf, bool in_tree, process::Wakeup& wakeup);
+                   dds::pub::DataWriter<ros2::TFMessage>& tf, bool in_tree, process::Wakeup& wakeup);
 
   void on(const ImuSample& sample);
   void on(const FusedPose& pose);
@@ -84,19 +84,19 @@ private:
   const Output& output_;
   std::string prefix_;  ///< prefix of the topic names
   ros2::FrameNames frames_;
-  dds::DataWriter<ros2::TFMessage>& tf_;
+  dds::pub::DataWriter<ros2::TFMessage>& tf_;
   std::atomic<bool> in_tree_;
   process::Wakeup& wakeup_;
   bool publishes_mag_;
   ros2::RateLimit pose_rate_;  ///< used on the thread of the poses only
-  dds::DataWriter<ros2::Imu> raw_imu_;
-  dds::DataWriter<ros2::Imu> imu_;
-  dds::DataWriter<ros2::MagneticField> magnetic_;
-  dds::DataWriter<ros2::Odometry> odometry_;
-  dds::DataWriter<ros2::PoseWithCovarianceStamped> pose_;
-  dds::DataWriter<ros2::PoseWithCovarianceStamped> fix_as_pose_;
-  dds::DataWriter<ros2::PointStamped> fix_as_point_;
-  dds::DataWriter<ros2::Path> path_;
+  dds::pub::DataWriter<ros2::Imu> raw_imu_ = dds::core::null;
+  dds::pub::DataWriter<ros2::Imu> imu_ = dds::core::null;
+  dds::pub::DataWriter<ros2::MagneticField> magnetic_ = dds::core::null;
+  dds::pub::DataWriter<ros2::Odometry> odometry_ = dds::core::null;
+  dds::pub::DataWriter<ros2::PoseWithCovarianceStamped> pose_ = dds::core::null;
+  dds::pub::DataWriter<ros2::PoseWithCovarianceStamped> fix_as_pose_ = dds::core::null;
+  dds::pub::DataWriter<ros2::PointStamped> fix_as_point_ = dds::core::null;
+  dds::pub::DataWriter<ros2::Path> path_ = dds::core::null;
 
   [[nodiscard]] ros2::Covariance3 covariance_of(const ReadyFix& fix) const;
 

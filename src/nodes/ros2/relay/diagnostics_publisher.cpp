@@ -65,7 +65,7 @@ void DiagnosticsPublisher::publish(const Beacons& beacons, const Source* source)
     }
   }
   diagnostics.push_back(own_diagnostic(diagnostics.size(), beacons, source));
-  writer_.try_write(ros2::DiagnosticMessage(diagnostics, clock_.now_ns()).message());
+  dds::ext::try_write(writer_, ros2::DiagnosticMessage(diagnostics, clock_.now_ns()).message());
 }
 
 ros2::Diagnostic DiagnosticsPublisher::own_diagnostic(std::size_t reported, const Beacons& beacons,

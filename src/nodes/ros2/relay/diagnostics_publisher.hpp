@@ -22,7 +22,7 @@ class DiagnosticsPublisher {
 public:
   using Beacons = std::map<BeaconAddress, RelayedBeacons::Publishers>;
 
-  /// All arguments must outlive it. Throws dds::Error.
+  /// All arguments must outlive it. Throws dds::core::Exception.
   DiagnosticsPublisher(const RelayOptions& options, ros2::Node& node, const RosClock& clock,
                        observation::BeaconObservers& observers, const process::EndpointCounters& endpoints);
 
@@ -49,7 +49,7 @@ private:
   const RosClock& clock_;
   observation::BeaconObservers& observers_;
   const process::EndpointCounters& endpoints_;
-  dds::DataWriter<ros2::DiagnosticArray> writer_;
+  dds::pub::DataWriter<ros2::DiagnosticArray> writer_;
   SteadyTime started_;
   std::map<BeaconAddress, observation::BeaconView> previous_views_;  ///< views of the previous diagnostics
   std::map<BeaconAddress, Presence> presences_;

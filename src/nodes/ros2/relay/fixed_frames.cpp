@@ -5,9 +5,9 @@ namespace sonopose::ros2::relay {
 FixedFrames::FixedFrames(ros2::Node& node)
     : reader_(node.make_reader<ros2::TFMessage>("/tf_static", "ros2::TfStatic", &listener_)) {}
 
-void FixedFrames::Listener::on_data_available(dds::DataReader<ros2::TFMessage>& reader) noexcept {
+void FixedFrames::Listener::on_data_available(dds::sub::DataReader<ros2::TFMessage>& reader) noexcept {
   const threads::Lock lock(frames_.mutex_);
-  reader.try_take_each([this](const ros2::TFMessage& message, const dds::SampleInfo&) {
+  dds::ext::try_take_each(reader, [this](const ros2::TFMessage& message, const dds::sub::SampleInfo&) {
     frames_.mutex_.assert_held();
     frames_.transforms_.add(message);
   });

@@ -25,10 +25,10 @@ ForeignMounts::ForeignMounts(ros2::Node& node, Log& log, std::function<void()> w
       discovery_(node.participant()),
       reader_(node.make_reader<ros2::TFMessage>("/tf_static", "ros2::TfStatic", &listener_)) {}
 
-void ForeignMounts::Listener::on_data_available(dds::DataReader<ros2::TFMessage>& reader) noexcept {
+void ForeignMounts::Listener::on_data_available(dds::sub::DataReader<ros2::TFMessage>& reader) noexcept {
   {
     const threads::Lock lock(mounts_.mutex_);
-    reader.try_take_each([this](const ros2::TFMessage& message, const dds::SampleInfo& info) {
+    dds::ext::try_take_each(reader, [this](const ros2::TFMessage& message, const dds::sub::SampleInfo& info) {
       mounts_.mutex_.assert_held();
       auto& all = mounts_.transforms_;
       const auto publisher = info.publication_handle();
@@ -39,24 +39,24 @@ void ForeignMounts::Listener::on_data_available(dds::DataReader<ros2::TFMessage>
 }
 
 void ForeignMounts::forget_gone() {
-  std::vector<dds::InstanceHandle> gone;
+  std::vector<dds::core::InstanceHandle> gone;
   {
     const threads::Lock lock(mutex_);
     for (const auto& [publisher, transforms] : transforms_) gone.push_back(publisher);
   }
   if (gone.empty()) return;
-  const auto matched = reader_.matched_publications();
+  const auto matched = dds::ext::matched_publications(reader_);
   std::erase_if(gone, [&matched](const auto& each) { return std::ranges::count(matched, each) > 0; });
   const threads::Lock lock(mutex_);
-  for (const dds::InstanceHandle publisher : gone) transforms_.erase(publisher);
+  for (const dds::core::InstanceHandle publisher : gone) transforms_.erase(publisher);
 }
 
-std::set<dds::InstanceHandle> ForeignMounts::robot_publishers() const {
+std::set<dds::core::InstanceHandle> ForeignMounts::robot_publishers() const {
   std::set<std::string> relays{discovery_.own_key()};
   for (const dds::FoundParticipant& participant : discovery_.participants()) {
     if (participant.process_name.ends_with("sonopose-ros2")) relays.insert(participant.key);
   }
-  std::set<dds::InstanceHandle> handles;
+  std::set<dds::core::InstanceHandle> handles;
   for (const dds::FoundEndpoint& writer : discovery_.writers()) {
     if (!relays.contains(writer.participant_key)) handles.insert(writer.handle);
   }
@@ -65,7 +65,7 @@ std::set<dds::InstanceHandle> ForeignMounts::robot_publishers() const {
 
 bool ForeignMounts::assign_to(BeaconPublishers& publishers) {
   const ros2::FrameNames& frames = publishers.frames();
-  std::vector<std::pair<dds::InstanceHandle, ros2::Mount>> found;
+  std::vector<std::pair<dds::core::InstanceHandle, ros2::Mount>> found;
   {
     const threads::Lock lock(mutex_);
     for (const auto& [publisher, transforms] : transforms_) {

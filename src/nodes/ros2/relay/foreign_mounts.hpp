@@ -5,7 +5,7 @@
 #include "ros2/relay/beacon_publishers.hpp"
 #include "ros2/relay/log.hpp"
 #include "threads/mutex.hpp"
-#include <sonopose/dds/binding/discovery.hpp>
+#include <sonopose/dds/psm/discovery.hpp>
 #include <sonopose/ros2/messages/static_transforms.hpp>
 #include <sonopose/ros2/node/node.hpp>
 
@@ -23,7 +23,7 @@ public:
   static constexpr std::size_t max_publishers = 64;
 
   /// `wake` is called on new transforms, under the rules of a listener. The others must outlive it. Throws
-  /// dds::Error.
+  /// dds::core::Exception.
   ForeignMounts(ros2::Node& node, Log& log, std::function<void()> wake);
 
   /// Makes room for new publishers. Main thread only.
@@ -34,26 +34,26 @@ public:
   bool assign_to(BeaconPublishers& publishers);
 
 private:
-  class Listener final : public dds::DataReaderListener<ros2::TFMessage> {
+  class Listener final : public dds::sub::NoOpDataReaderListener<ros2::TFMessage> {
   public:
     explicit Listener(ForeignMounts& mounts) : mounts_(mounts) {}
-    void on_data_available(dds::DataReader<ros2::TFMessage>& reader) noexcept override;
+    void on_data_available(dds::sub::DataReader<ros2::TFMessage>& reader) noexcept override;
 
   private:
     ForeignMounts& mounts_;
   };
 
   /// Publishers that are alive and no relay.
-  [[nodiscard]] std::set<dds::InstanceHandle> robot_publishers() const;
+  [[nodiscard]] std::set<dds::core::InstanceHandle> robot_publishers() const;
 
   Log& log_;
   std::function<void()> wake_;
   dds::Discovery discovery_;
   threads::Mutex mutex_;
-  std::map<dds::InstanceHandle, ros2::StaticTransforms> transforms_
+  std::map<dds::core::InstanceHandle, ros2::StaticTransforms> transforms_
       SONOPOSE_GUARDED_BY(mutex_);  ///< by publisher
   Listener listener_{*this};
-  dds::DataReader<ros2::TFMessage> reader_;  ///< last, because its listener uses the others
+  dds::sub::DataReader<ros2::TFMessage> reader_;  ///< last, because its listener uses the others
 };
 
 }  // namespace sonopose::ros2::relay

@@ -4,7 +4,7 @@
 
 #include "process/endpoint_counters.hpp"
 #include "ros2/inputs/input_monitor.hpp"
-#include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/ros2/node/node.hpp>
 
 #include <atomic>
@@ -18,23 +18,30 @@ inline std::uint64_t samples_lost(const process::EndpointCounters& counters) noe
          counters.samples_rejected.load(std::memory_order_relaxed);
 }
 
+/// Number of matched publishers.
+template <class T>
+std::uint64_t publishers_of(dds::sub::DataReader<T>& reader) {
+  return static_cast<std::uint64_t>(reader.subscription_matched_status().current_count());
+}
+
 /// Reads one topic with the profile ros2::Input.
 template <class T>
 struct InputReader {
   /// Statuses for the listener. The wait set handles data availability, and matches are polled.
-  static constexpr dds::StatusMask counted_statuses = dds::StatusMask::requested_incompatible_qos() |
-                                                      dds::StatusMask::sample_lost() |
-                                                      dds::StatusMask::sample_rejected();
+  static dds::core::status::StatusMask counted_statuses() {
+    using Mask = dds::core::status::StatusMask;
+    return Mask::requested_incompatible_qos() | Mask::sample_lost() | Mask::sample_rejected();
+  }
 
-  /// `counters` must outlive it. Throws dds::Error.
+  /// `counters` must outlive it. Throws dds::core::Exception.
   InputReader(ros2::Node& node, const std::string& topic, process::EndpointCounters& counters)
       : listener(counters),
-        reader(node.make_reader<T>(topic, "ros2::Input", &listener, counted_statuses)),
-        has_data(reader) {}
+        reader(node.make_reader<T>(topic, "ros2::Input", &listener, counted_statuses())),
+        has_data(reader, dds::sub::status::DataState::any()) {}
 
   process::CountingReaderListener<T> listener;
-  dds::DataReader<T> reader;
-  dds::ReadCondition has_data;
+  dds::sub::DataReader<T> reader;
+  dds::sub::cond::ReadCondition has_data;
 };
 
 }  // namespace sonopose::ros2::relay

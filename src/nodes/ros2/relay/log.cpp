@@ -58,7 +58,7 @@ void Log::on(const logging::Line& line) noexcept {
     message.msg = ros2::borrow_string(text);
     message.file = ros2::borrow_string(unknown);
     message.function = ros2::borrow_string(unknown);
-    writer_.try_write(message);
+    dds::ext::try_write(writer_, message);
   } catch (...) {  // NOLINT(bugprone-empty-catch): no memory for the line
   }
 }

@@ -22,7 +22,7 @@ logging::Level process_level(LogLevel level);
 /// the log on /rosout. Thread-safe after publish_as(). Do not use it on the path of a sample.
 class Log final : public logging::Listener {
 public:
-  /// Publishes the lines of the process as those of this node. Throws dds::Error.
+  /// Publishes the lines of the process as those of this node. Throws dds::core::Exception.
   void publish_as(ros2::Node& node);
 
   void info(const std::string& line) { logging::info(line); }
@@ -34,7 +34,7 @@ private:
   void on(const logging::Line& line) noexcept override;
 
   std::string logger_;
-  dds::DataWriter<ros2::LogMessage> writer_;
+  dds::pub::DataWriter<ros2::LogMessage> writer_ = dds::core::null;
   std::optional<logging::Listening> listening_;  ///< destroyed first
 };
 

@@ -12,10 +12,10 @@ MountFinder::MountFinder(ros2::Node& node, Log& log, std::function<void()> wake)
       wake_(std::move(wake)),
       reader_(node.make_reader<ros2::TFMessage>("/tf_static", "ros2::TfStatic", &listener_)) {}
 
-void MountFinder::Listener::on_data_available(dds::DataReader<ros2::TFMessage>& reader) noexcept {
+void MountFinder::Listener::on_data_available(dds::sub::DataReader<ros2::TFMessage>& reader) noexcept {
   {
     const threads::Lock lock(finder_.mutex_);
-    reader.try_take_each([this](const ros2::TFMessage& message, const dds::SampleInfo&) {
+    dds::ext::try_take_each(reader, [this](const ros2::TFMessage& message, const dds::sub::SampleInfo&) {
       finder_.mutex_.assert_held();
       if (!finder_.transforms_.add(message)) finder_.has_surplus_ = true;
     });

@@ -15,17 +15,17 @@ namespace sonopose::ros2::relay {
 class MountFinder {
 public:
   /// `wake` is called on new transforms, under the rules of a listener. `log` must outlive it. Throws
-  /// dds::Error.
+  /// dds::core::Exception.
   MountFinder(ros2::Node& node, Log& log, std::function<void()> wake);
 
   /// Gives a beacon the mount known for its frames, and logs a changed one. Main thread only.
   void assign_to(BeaconPublishers& publishers);
 
 private:
-  class Listener final : public dds::DataReaderListener<ros2::TFMessage> {
+  class Listener final : public dds::sub::NoOpDataReaderListener<ros2::TFMessage> {
   public:
     explicit Listener(MountFinder& finder) : finder_(finder) {}
-    void on_data_available(dds::DataReader<ros2::TFMessage>& reader) noexcept override;
+    void on_data_available(dds::sub::DataReader<ros2::TFMessage>& reader) noexcept override;
 
   private:
     MountFinder& finder_;
@@ -38,7 +38,7 @@ private:
   bool has_surplus_ SONOPOSE_GUARDED_BY(mutex_) = false;
   bool reported_ = false;  ///< main thread only
   Listener listener_{*this};
-  dds::DataReader<ros2::TFMessage> reader_;  ///< last, because its listener uses the others
+  dds::sub::DataReader<ros2::TFMessage> reader_;  ///< last, because its listener uses the others
 };
 
 }  // namespace sonopose::ros2::relay

@@ -6,9 +6,9 @@
 
 namespace sonopose::ros2::relay {
 
-NativeReceiver::NativeReceiver(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
-                               const RelayOptions& options, presence::BeaconAdmission& admission,
-                               const Targets& targets)
+NativeReceiver::NativeReceiver(const dds::domain::DomainParticipant& participant,
+                               const dds::qos::Provider& qos, const RelayOptions& options,
+                               presence::BeaconAdmission& admission, const Targets& targets)
     : targets_(targets),
       admission_(admission),
       settings_admission_(options.addresses,
@@ -31,14 +31,15 @@ NativeReceiver::NativeReceiver(const dds::DomainParticipant& participant, const 
 NativeReceiver::~NativeReceiver() = default;
 
 template <class T>
-void NativeReceiver::take(dds::DataReader<T>& reader) {
-  reader.try_take_each(
-      [this](const T& sample, const dds::SampleInfo& info) {
+void NativeReceiver::take(dds::sub::DataReader<T>& reader) {
+  dds::ext::try_take_each(
+      reader,
+      [this](const T& sample, const dds::sub::SampleInfo& info) {
         on(dds::topics::from_idl(sample));
-        if (!info.alive()) on_gone(sample);
+        if (!dds::ext::is_alive(info)) on_gone(sample);
       },
-      [this](const T& key, const dds::SampleInfo& info) {
-        if (!info.alive()) on_gone(key);
+      [this](const T& key, const dds::sub::SampleInfo& info) {
+        if (!dds::ext::is_alive(info)) on_gone(key);
       });
 }
 

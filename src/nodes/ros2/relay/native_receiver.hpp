@@ -10,7 +10,7 @@
 #include "ros2/relay/relay.hpp"
 #include "ros2/relay/relayed_beacons.hpp"
 #include "threads/mutex.hpp"
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
 #include <array>
@@ -31,8 +31,8 @@ public:
     AutopilotOutput* autopilot;  ///< null: none
   };
 
-  /// Starts receiving. `admission` must outlive the receiver. Throws dds::Error.
-  NativeReceiver(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+  /// Starts receiving. `admission` must outlive the receiver. Throws dds::core::Exception.
+  NativeReceiver(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos,
                  const RelayOptions& options, presence::BeaconAdmission& admission, const Targets& targets);
   NativeReceiver(const NativeReceiver&) = delete;
   NativeReceiver& operator=(const NativeReceiver&) = delete;
@@ -57,7 +57,7 @@ private:
   public:
     explicit PublishingListener(NativeReceiver& receiver)
         : process::CountingReaderListener<T>(receiver.targets_.endpoints), receiver_(receiver) {}
-    void on_data_available(dds::DataReader<T>& reader) noexcept override { receiver_.take(reader); }
+    void on_data_available(dds::sub::DataReader<T>& reader) noexcept override { receiver_.take(reader); }
 
   private:
     NativeReceiver& receiver_;
@@ -82,13 +82,13 @@ private:
   template <class T, template <class> class Listener>
   struct Subscription {
     explicit Subscription(NativeReceiver& receiver) : listener(receiver) {}
-    [[nodiscard]] bool has_writer() { return reader.subscription_matched_status().current_count > 0; }
+    [[nodiscard]] bool has_writer() { return reader.subscription_matched_status().current_count() > 0; }
     Listener<T> listener;
-    dds::DataReader<T> reader;
+    dds::sub::DataReader<T> reader = dds::core::null;
   };
 
   template <class T>
-  void take(dds::DataReader<T>& reader);
+  void take(dds::sub::DataReader<T>& reader);
   template <class Sample>
   void on(const Sample& sample);
   void on(const FusedPose& pose);

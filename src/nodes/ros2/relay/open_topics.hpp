@@ -23,7 +23,7 @@ public:
     presence::BeaconAdmission& admission;
     ros2::Node& node;
     const Output& output;
-    dds::DataWriter<ros2::TFMessage>& tf;
+    dds::pub::DataWriter<ros2::TFMessage>& tf;
     TransformTree& tree;
     process::Wakeup& wakeup;
     Log& log;

@@ -75,7 +75,7 @@ void ParameterEvents::publish(const EffectiveSettings& before, const EffectiveSe
   added.lend_to(event.new_parameters);
   changed.lend_to(event.changed_parameters);
   deleted.lend_to(event.deleted_parameters);
-  writer_.try_write(event);
+  dds::ext::try_write(writer_, event);
 }
 
 }  // namespace sonopose::ros2::relay

@@ -12,7 +12,7 @@ namespace sonopose::ros2::relay {
 
 class ParameterEvents {
 public:
-  /// Throws dds::Error.
+  /// Throws dds::core::Exception.
   explicit ParameterEvents(ros2::Node& node);
 
   /// Publishes the differences between two settings of one beacon. No values: no parameters.
@@ -20,7 +20,7 @@ public:
 
 private:
   std::string node_;
-  dds::DataWriter<ros2::ParameterEvent> writer_;
+  dds::pub::DataWriter<ros2::ParameterEvent> writer_;
 };
 
 }  // namespace sonopose::ros2::relay

@@ -128,7 +128,7 @@ ParameterServer::Services::Services(ros2::Node& node, const std::function<void()
   }
 }
 
-ParameterServer::ParameterServer(ros2::Node& node, const dds::DomainParticipant& participant,
+ParameterServer::ParameterServer(ros2::Node& node, const dds::domain::DomainParticipant& participant,
                                  const ParameterServerOptions& options, Log& log, std::function<void()> wake)
     : log_(log),
       wake_(std::move(wake)),
@@ -199,16 +199,17 @@ void ParameterServer::take_settings() {
     effective_.erase(address);
     if (address != all_beacons) admission_.forget(address);
   };
-  settings_.take_each(
-      [&](const sonopose_EffectiveSettings& sample, const dds::SampleInfo& info) {
-        if (info.alive()) {
+  dds::ext::take_each(
+      settings_,
+      [&](const sonopose_EffectiveSettings& sample, const dds::sub::SampleInfo& info) {
+        if (dds::ext::is_alive(info)) {
           replace(dds::topics::from_idl(sample));
         } else {
           end(sample.address);
         }
       },
-      [&](const sonopose_EffectiveSettings& key, const dds::SampleInfo& info) {
-        if (!info.alive()) end(key.address);
+      [&](const sonopose_EffectiveSettings& key, const dds::sub::SampleInfo& info) {
+        if (!dds::ext::is_alive(info)) end(key.address);
       });
 }
 

@@ -41,8 +41,8 @@ struct ParameterServerOptions {
 class ParameterServer {
 public:
   /// `wake`, if given, is called when there is something to serve, under the rules of a listener. Throws
-  /// dds::Error, dds::qos::FileError. `participant` and `log` must outlive it.
-  ParameterServer(ros2::Node& node, const dds::DomainParticipant& participant,
+  /// dds::core::Exception, dds::qos::FileError. `participant` and `log` must outlive it.
+  ParameterServer(ros2::Node& node, const dds::domain::DomainParticipant& participant,
                   const ParameterServerOptions& options, Log& log, std::function<void()> wake = {});
 
   /// Adds services. Call it before they are offered.
@@ -78,10 +78,10 @@ private:
     std::vector<ros2::Service<ros2::SetPose>> set_pose;  ///< in the order of `set_poses_`
   };
 
-  class SettingsListener final : public dds::DataReaderListener<sonopose_EffectiveSettings> {
+  class SettingsListener final : public dds::sub::NoOpDataReaderListener<sonopose_EffectiveSettings> {
   public:
     explicit SettingsListener(const std::function<void()>& wake) : wake_(wake) {}
-    void on_data_available(dds::DataReader<sonopose_EffectiveSettings>& /*reader*/) noexcept override {
+    void on_data_available(dds::sub::DataReader<sonopose_EffectiveSettings>& /*reader*/) noexcept override {
       wake_();
     }
 
@@ -124,7 +124,7 @@ private:
   // The reader is last, so that its listener is destroyed after it.
   presence::BeaconAdmission admission_;
   SettingsListener settings_listener_;
-  dds::DataReader<sonopose_EffectiveSettings> settings_;
+  dds::sub::DataReader<sonopose_EffectiveSettings> settings_;
 };
 
 }  // namespace sonopose::ros2::relay

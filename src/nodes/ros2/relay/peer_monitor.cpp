@@ -14,7 +14,7 @@ constexpr int periods_to_find_others = 3;
 
 }  // namespace
 
-PeerMonitor::PeerMonitor(const RelayOptions& options, const dds::DomainParticipant& participant,
+PeerMonitor::PeerMonitor(const RelayOptions& options, const dds::domain::DomainParticipant& participant,
                          ros2::Node& node, ParameterServer& parameters, Log& log, std::function<void()> wake)
     : options_(options),
       node_(node),

@@ -17,9 +17,9 @@ namespace sonopose::ros2::relay {
 class PeerMonitor {
 public:
   /// `wake` is called on a thread of DDS when observe() has work, and must not block. Everything else must
-  /// outlive it. Throws dds::Error.
-  PeerMonitor(const RelayOptions& options, const dds::DomainParticipant& participant, ros2::Node& node,
-              ParameterServer& parameters, Log& log, std::function<void()> wake);
+  /// outlive it. Throws dds::core::Exception.
+  PeerMonitor(const RelayOptions& options, const dds::domain::DomainParticipant& participant,
+              ros2::Node& node, ParameterServer& parameters, Log& log, std::function<void()> wake);
 
   /// Selects the layout of the node's announcement, offers or withdraws the services, and reports another
   /// node of the same name. The node must then announce the changes.

@@ -20,7 +20,7 @@
 #include "ros2/relay/ros_clock.hpp"
 #include "ros2/relay/transform_tree.hpp"
 #include "transitions/transition_log.hpp"
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/ros2/messages/static_transforms.hpp>
 
@@ -80,12 +80,13 @@ public:
   void run(const process::StopSignal& stop);
 
 private:
-  class TfListener final : public dds::DataReaderListener<ros2::TFMessage> {
+  class TfListener final : public dds::sub::NoOpDataReaderListener<ros2::TFMessage> {
   public:
     explicit TfListener(Impl& relay) : relay_(relay) {}
-    void on_data_available(dds::DataReader<ros2::TFMessage>& reader) noexcept override {
-      reader.try_take_each(
-          [this](const ros2::TFMessage& message, const dds::SampleInfo&) { relay_.on_transforms(message); });
+    void on_data_available(dds::sub::DataReader<ros2::TFMessage>& reader) noexcept override {
+      dds::ext::try_take_each(reader, [this](const ros2::TFMessage& message, const dds::sub::SampleInfo&) {
+        relay_.on_transforms(message);
+      });
     }
 
   private:
@@ -109,7 +110,7 @@ private:
 
   RelayOptions options_;
   presence::BeaconAdmission admission_;
-  dds::DomainParticipant participant_;
+  dds::domain::DomainParticipant participant_;
   dds::qos::Provider qos_;
   process_log::LogPublisher log_publisher_{participant_, qos_};
   ros2::Node node_;
@@ -121,7 +122,7 @@ private:
   process::Wakeup parameters_wakeup_;
   ParameterServer parameters_;
   PeerMonitor peers_;
-  dds::DataWriter<ros2::TFMessage> tf_writer_;
+  dds::pub::DataWriter<ros2::TFMessage> tf_writer_ = dds::core::null;
   TransformTree tree_;
   std::unique_ptr<Source> source_;  ///< null without inputs
   observation::BeaconObservers observers_;
@@ -142,7 +143,7 @@ private:
 
   // Readers are last, so that they are destroyed first and no callback uses a destroyed member.
   TfListener tf_listener_{*this};
-  dds::DataReader<ros2::TFMessage> tf_reader_;
+  dds::sub::DataReader<ros2::TFMessage> tf_reader_ = dds::core::null;
   std::unique_ptr<MountFinder> mount_finder_;      ///< null if the mount is known
   std::unique_ptr<ForeignMounts> foreign_mounts_;  ///< null unless this node publishes the mount
   std::unique_ptr<FixedFrames> fixed_frames_;      ///< null unless an input needs it
@@ -159,7 +160,7 @@ void Relay::run(const process::StopSignal& stop) {
 Relay::Impl::Impl(const RelayOptions& options)
     : options_(with_lease(options)),
       admission_(options.addresses, options.max_beacons),
-      participant_(options_.domain, ros2::participant_qos(options.enclave)),
+      participant_(dds::ext::participant(options_.domain, ros2::participant_qos(options.enclave))),
       qos_(options.qos_file),
       node_(participant_, qos_, options.names, options.distro.value_or(ros2::layout_without_others),
             options.qos_overrides),

@@ -102,7 +102,8 @@ struct RelayOptions {
 /// published.
 class Relay {
 public:
-  /// Joins the domain and starts to relay. Throws dds::Error, dds::qos::FileError, std::invalid_argument.
+  /// Joins the domain and starts to relay. Throws dds::core::Exception, dds::qos::FileError,
+  /// std::invalid_argument.
   explicit Relay(const RelayOptions& options);
   Relay(const Relay&) = delete;
   Relay& operator=(const Relay&) = delete;

@@ -8,8 +8,8 @@ RosClock::RosClock(ros2::Node& node, bool use_sim_time) : use_sim_time_(use_sim_
   if (use_sim_time) reader_ = node.make_reader<ros2::Clock>("/clock", "ros2::Input", &listener_);
 }
 
-void RosClock::Listener::on_data_available(dds::DataReader<ros2::Clock>& reader) noexcept {
-  reader.try_take_each([this](const ros2::Clock& message, const dds::SampleInfo&) {
+void RosClock::Listener::on_data_available(dds::sub::DataReader<ros2::Clock>& reader) noexcept {
+  dds::ext::try_take_each(reader, [this](const ros2::Clock& message, const dds::sub::SampleInfo&) {
     if (const auto time_ns = ros2::from_ros(message.clock)) simulated_ns_ = *time_ns;
   });
 }

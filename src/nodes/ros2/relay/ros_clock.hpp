@@ -12,7 +12,8 @@ namespace sonopose::ros2::relay {
 /// Clock of a ROS 2 node. Thread-safe, except the constructor.
 class RosClock {
 public:
-  /// `use_sim_time`: follow the topic /clock, as in ROS 2; `node` must outlive the clock. Throws dds::Error.
+  /// `use_sim_time`: follow the topic /clock, as in ROS 2; `node` must outlive the clock. Throws
+  /// dds::core::Exception.
   RosClock(ros2::Node& node, bool use_sim_time);
   RosClock(const RosClock&) = delete;
   RosClock& operator=(const RosClock&) = delete;
@@ -26,10 +27,10 @@ public:
   }
 
 private:
-  class Listener final : public dds::DataReaderListener<ros2::Clock> {
+  class Listener final : public dds::sub::NoOpDataReaderListener<ros2::Clock> {
   public:
     explicit Listener(std::atomic<TimeNs>& simulated_ns) : simulated_ns_(simulated_ns) {}
-    void on_data_available(dds::DataReader<ros2::Clock>& reader) noexcept override;
+    void on_data_available(dds::sub::DataReader<ros2::Clock>& reader) noexcept override;
 
   private:
     std::atomic<TimeNs>& simulated_ns_;
@@ -38,7 +39,7 @@ private:
   bool use_sim_time_;
   std::atomic<TimeNs> simulated_ns_ = 0;
   Listener listener_{simulated_ns_};
-  dds::DataReader<ros2::Clock> reader_;  ///< last, so that it is destroyed first
+  dds::sub::DataReader<ros2::Clock> reader_ = dds::core::null;  ///< last, so that it is destroyed first
 };
 
 }  // namespace sonopose::ros2::relay

@@ -5,8 +5,8 @@
 #include "ros2/inputs/beacon_inputs.hpp"
 #include "ros2/relay/input_reader.hpp"
 #include "threads/mutex.hpp"
-#include <sonopose/dds/binding/discovery.hpp>
-#include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/dds/psm/discovery.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/ros2/messages/frames.hpp>
 #include <sonopose/ros2/messages/names.hpp>
 #include <sonopose/ros2/messages/time.hpp>
@@ -99,7 +99,7 @@ public:
     constexpr std::chrono::milliseconds poll_period{100};
     if (aiding_) aiding_->attach_to(waitset_);
     while (!stop.requested()) {
-      waitset_.wait(poll_period);
+      dds::ext::wait(waitset_, poll_period);
       add_new_streams();
       for_all_streams([&](auto& stream) { take(stream, sink); });
       for (auto& entry : beacons_) {
@@ -197,7 +197,7 @@ private:
   void take(Stream<T>& stream, publication::SampleSink& sink) {
     InputState& input = stream.input;
     Beacon& beacon = beacons_.at(input.option.address);
-    stream.reader.try_take_each([&](const T& message, const dds::SampleInfo&) {
+    dds::ext::try_take_each(stream.reader, [&](const T& message, const dds::sub::SampleInfo&) {
       const TimeNs received_ns = next_reception_ns();
       ++beacon.status.frames;
       if (!process(message, input, beacon, received_ns, sink)) ++beacon.status.samples_rejected;
@@ -284,8 +284,7 @@ private:
   InputEndpoints endpoints_of(const InputState& input) {
     InputEndpoints endpoints;
     for_all_streams([&](auto& stream) {
-      if (&stream.input == &input)
-        endpoints.publishers += stream.reader.subscription_matched_status().current_count;
+      if (&stream.input == &input) endpoints.publishers += relay::publishers_of(stream.reader);
     });
     endpoints.publishers_incompatible = input.endpoints.incompatible_qos.load(std::memory_order_relaxed);
     endpoints.samples_lost = relay::samples_lost(input.endpoints);
@@ -318,8 +317,8 @@ private:
   InputMonitor::Lines new_lines_ SONOPOSE_GUARDED_BY(mutex_);    ///< not yet formatted
   std::uint64_t lines_dropped_ SONOPOSE_GUARDED_BY(mutex_) = 0;  ///< dropped since the last log_changes()
   AllStreams streams_;                                           ///< used by run() only
-  dds::WaitSet waitset_;
-  std::unique_ptr<AidingInputs> aiding_;  ///< null: none
+  std::unique_ptr<AidingInputs> aiding_;                         ///< null: none
+  dds::core::cond::WaitSet waitset_;  ///< after the readers, which its conditions keep
   InputFrames frames_;
   std::map<BeaconAddress, Beacon> beacons_;
   std::vector<ImuSample> ready_;  ///< used by run() only

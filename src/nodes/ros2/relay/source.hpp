@@ -37,7 +37,7 @@ public:
 
   /// Creates the reader of each topic of fixes as soon as a publisher shows its type, and logs publishers of
   /// other types. Call it on the thread of the node, and Node::announce() after it. Returns the time before
-  /// which further calls do nothing. Throws dds::Error.
+  /// which further calls do nothing. Throws dds::core::Exception.
   virtual SteadyTime update_readers() = 0;
 
   /// Passes on these velocities, headings and poses too. Call it before run().
@@ -69,7 +69,7 @@ using TimeSource = std::function<TimeNs()>;
 /// frame, are logged. `log`: by default writes to standard error. `now`: time of reception.
 ///
 /// `node` must outlive the source, and its owner must announce the new endpoints. Throws
-/// std::invalid_argument for conflicting inputs (see check), dds::Error.
+/// std::invalid_argument for conflicting inputs (see check), dds::core::Exception.
 std::unique_ptr<Source> make_source(ros2::Node& node, const std::vector<Input>& inputs,
                                     const InputTimeouts& timeouts, const std::string& map_frame = "map",
                                     LineLogger log = {}, TimeSource now = clocks::host_now);

@@ -55,7 +55,7 @@ void TransformTree::publish_mounts(const std::vector<std::pair<ros2::FrameNames,
   // One message with all transforms, because a late subscriber receives only the last message.
   ros2::TFMessage message{};
   ros2::borrow_sequence(message.transforms, transforms);
-  static_writer_.try_write(message);
+  dds::ext::try_write(static_writer_, message);
 }
 
 }  // namespace sonopose::ros2::relay

@@ -16,7 +16,7 @@ namespace sonopose::ros2::relay {
 /// publishes them. Main thread only.
 class TransformTree {
 public:
-  /// All arguments must outlive it. Throws dds::Error.
+  /// All arguments must outlive it. Throws dds::core::Exception.
   TransformTree(const RelayOptions& options, ros2::Node& node, const RosClock& clock, Log& log);
 
   /// True if transforms of this beacon are published. Logs the first beacon that is not in the tree.
@@ -38,7 +38,8 @@ private:
   Log& log_;
   std::optional<BeaconAddress> owner_;  ///< only beacon with transforms, if all have the same frames
   bool reported_shared_frames_ = false;
-  dds::DataWriter<ros2::TFMessage> static_writer_;  ///< nil if the options leave the mount to others
+  dds::pub::DataWriter<ros2::TFMessage> static_writer_ =
+      dds::core::null;  ///< nil if the options leave the mount to others
 };
 
 }  // namespace sonopose::ros2::relay

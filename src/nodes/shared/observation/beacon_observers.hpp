@@ -9,7 +9,7 @@
 #include "presence/silence.hpp"
 #include "process/endpoint_counters.hpp"
 #include "threads/mutex.hpp"
-#include <sonopose/dds/binding/data_reader.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 
 #include <algorithm>
@@ -38,7 +38,7 @@ public:
     mark_heard(sample.address).observer.on(sample);
   }
 
-  void on(const FusedPose& pose, TimeNs received_ns, dds::InstanceHandle writer) {
+  void on(const FusedPose& pose, TimeNs received_ns, dds::core::InstanceHandle writer) {
     const threads::Lock lock(mutex_);
     Beacon& beacon = mark_heard(pose.address);
     beacon.observer.on(pose, received_ns);
@@ -46,7 +46,7 @@ public:
     beacon.pose_silence.on_sample(beacon.presence.latest);
   }
 
-  void on(const FusionStatus& status, dds::InstanceHandle writer) {
+  void on(const FusionStatus& status, dds::core::InstanceHandle writer) {
     const threads::Lock lock(mutex_);
     served_.on(status, writer, clocks::steady_now());
     mark_heard(status.address).observer.on(status);
@@ -58,7 +58,7 @@ public:
 
   /// Reports that a pose writer lost its liveliness. The beacons that it wrote last are lost until another
   /// writer takes over.
-  void on_pose_writer_lost(dds::InstanceHandle lost) {
+  void on_pose_writer_lost(dds::core::InstanceHandle lost) {
     const threads::Lock lock(mutex_);
     for (auto& [address, beacon] : beacons_) {
       if (beacon.pose_writer == lost) beacon.observer.on_pose_lost();
@@ -119,7 +119,7 @@ public:
   }
 
   /// Writer of the beacon's latest pose; empty without one.
-  std::optional<dds::InstanceHandle> pose_writer_of(BeaconAddress address) {
+  std::optional<dds::core::InstanceHandle> pose_writer_of(BeaconAddress address) {
     const threads::Lock lock(mutex_);
     const auto found = beacons_.find(address);
     return found == beacons_.end() ? std::nullopt : found->second.pose_writer;
@@ -142,7 +142,7 @@ public:
 private:
   struct Beacon {
     BeaconObserver observer;
-    std::optional<dds::InstanceHandle> pose_writer;  ///< writer of the latest pose
+    std::optional<dds::core::InstanceHandle> pose_writer;  ///< writer of the latest pose
     presence::Silence pose_silence;
     presence::BeaconPresence presence;
   };
@@ -188,9 +188,9 @@ public:
   ObservingListener(BeaconObservers& observers, process::EndpointCounters& endpoints)
       : process::CountingReaderListener<T>(endpoints), observers_(observers) {}
 
-  void on_data_available(dds::DataReader<T>& reader) noexcept override {
+  void on_data_available(dds::sub::DataReader<T>& reader) noexcept override {
     const TimeNs received_ns = clocks::host_now();
-    const auto on_data = [&](const T& sample, const dds::SampleInfo& info) {
+    const auto on_data = [&](const T& sample, const dds::sub::SampleInfo& info) {
       const Native native = dds::topics::from_idl(sample);
       if (!accepts(reader, native, info)) return;
       on_sample(native);
@@ -203,33 +203,34 @@ public:
       }
       // A fusion that gives up a beacon ends its instance of the pose, which another fusion may write.
       if constexpr (!std::is_same_v<T, sonopose_FusedPose>) {
-        if (!info.alive()) forget(sample);
+        if (!dds::ext::is_alive(info)) forget(sample);
       }
     };
-    reader.try_take_each(on_data, [&](const T& key, const dds::SampleInfo& info) {
-      if (!info.alive()) forget(key);
+    dds::ext::try_take_each(reader, on_data, [&](const T& key, const dds::sub::SampleInfo& info) {
+      if (!dds::ext::is_alive(info)) forget(key);
     });
   }
 
-  void on_liveliness_changed(dds::DataReader<T>& /*reader*/,
-                             const dds::LivelinessChangedStatus& status) noexcept override {
-    if (std::is_same_v<T, sonopose_FusedPose> && status.not_alive_count_change > 0) {
-      observers_.on_pose_writer_lost({status.last_publication_handle});
+  void on_liveliness_changed(dds::sub::DataReader<T>& /*reader*/,
+                             const dds::core::status::LivelinessChangedStatus& status) noexcept override {
+    if (std::is_same_v<T, sonopose_FusedPose> && status.not_alive_count_change() > 0) {
+      observers_.on_pose_writer_lost(status.last_publication_handle());
     }
   }
 
-  void on_requested_deadline_missed(dds::DataReader<T>& reader,
-                                    const dds::RequestedDeadlineMissedStatus& status) noexcept override {
+  void on_requested_deadline_missed(
+      dds::sub::DataReader<T>& reader,
+      const dds::core::status::RequestedDeadlineMissedStatus& status) noexcept override {
     if constexpr (std::is_same_v<T, sonopose_FusedPose>) {
       T key{};
-      if (reader.try_key_value(key, {status.last_instance_handle}) < 0) return;
-      observers_.on_deadline_missed(key.address, static_cast<std::uint64_t>(status.total_count_change));
+      if (dds::ext::try_key_value(reader, key, status.last_instance_handle()) < 0) return;
+      observers_.on_deadline_missed(key.address, static_cast<std::uint64_t>(status.total_count_change()));
     }
   }
 
 protected:
-  virtual bool accepts(const dds::DataReader<T>& /*reader*/, const Native& /*sample*/,
-                       const dds::SampleInfo& /*info*/) noexcept {
+  virtual bool accepts(const dds::sub::DataReader<T>& /*reader*/, const Native& /*sample*/,
+                       const dds::sub::SampleInfo& /*info*/) noexcept {
     return true;
   }
   virtual void on_sample(const Native& /*sample*/) noexcept {}

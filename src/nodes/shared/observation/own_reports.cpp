@@ -1,21 +1,22 @@
 #include "observation/own_reports.hpp"
 
-#include <sonopose/dds/binding/discovery.hpp>
-#include <sonopose/dds/binding/error.hpp>
+#include <sonopose/dds/psm/discovery.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 
 namespace sonopose::observation {
 namespace {
 
 /// The participant of a matched writer; empty if the writer is gone.
-std::string participant_of(const auto& reader, dds::InstanceHandle writer,
+std::string participant_of(const auto& reader, dds::core::InstanceHandle writer,
                            std::map<std::uint64_t, std::string>& known) {
   constexpr std::size_t max_known = 1024;  // writers that have ended stay
-  if (const auto found = known.find(writer.value); found != known.end()) return found->second;
+  if (const auto found = known.find(writer.c_value()); found != known.end()) return found->second;
   if (known.size() >= max_known) known.clear();
   try {
-    return known[writer.value] = dds::text_of(reader.matched_publication_data(writer).participant_key);
-  } catch (const dds::Error&) {
-    known.erase(writer.value);
+    return known[writer.c_value()] =
+               dds::ext::text_of(dds::ext::matched_publication_data(reader, writer).participant_key);
+  } catch (const dds::core::Exception&) {
+    known.erase(writer.c_value());
     return {};
   }
 }
@@ -30,9 +31,10 @@ bool OwnReports::accepts(BeaconAddress address, const std::string& reporter, con
   return reporter == owner || !known.has_reported;
 }
 
-bool OwnReports::accepts(BeaconAddress address, const dds::DataReader<sonopose_FixReport>& reports,
-                         dds::InstanceHandle writer, const dds::DataReader<sonopose_FusedPose>& poses,
-                         std::optional<dds::InstanceHandle> pose_writer) {
+bool OwnReports::accepts(BeaconAddress address, const dds::sub::DataReader<sonopose_FixReport>& reports,
+                         dds::core::InstanceHandle writer,
+                         const dds::sub::DataReader<sonopose_FusedPose>& poses,
+                         std::optional<dds::core::InstanceHandle> pose_writer) {
   if (!pose_writer) return true;
   return accepts(address, participant_of(reports, writer, reporters_),
                  participant_of(poses, *pose_writer, pose_writers_));

@@ -2,8 +2,7 @@
 /// \file
 /// Recognises the reports of the fusion whose poses consumers receive, among those of its standbys.
 
-#include <sonopose/dds/binding/data_reader.hpp>
-#include <sonopose/dds/binding/types.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/samples.hpp>
@@ -24,9 +23,9 @@ public:
   bool accepts(BeaconAddress address, const std::string& reporter, const std::string& owner);
 
   /// Judges a report by its writer and that of the beacon's latest pose. Not for receive threads.
-  bool accepts(BeaconAddress address, const dds::DataReader<sonopose_FixReport>& reports,
-               dds::InstanceHandle writer, const dds::DataReader<sonopose_FusedPose>& poses,
-               std::optional<dds::InstanceHandle> pose_writer);
+  bool accepts(BeaconAddress address, const dds::sub::DataReader<sonopose_FixReport>& reports,
+               dds::core::InstanceHandle writer, const dds::sub::DataReader<sonopose_FusedPose>& poses,
+               std::optional<dds::core::InstanceHandle> pose_writer);
 
 private:
   using Participants = std::map<std::uint64_t, std::string>;

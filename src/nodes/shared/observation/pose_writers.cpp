@@ -16,8 +16,7 @@ namespace sonopose::observation {
 namespace {
 
 std::int32_t strength_of(const PoseWriter& writer) {
-  const auto strength = writer.qos.policy<dds::policy::OwnershipStrength>();
-  return strength ? strength->value : 0;
+  return writer.qos.policy_or_default<dds::policy::OwnershipStrength>().value();
 }
 
 /// True if one reader can receive both: partitions do not separate them on purpose.
@@ -35,7 +34,7 @@ std::optional<BeaconAddress> shared_beacon(const PoseWriter& a, const PoseWriter
   return both.empty() ? std::nullopt : std::optional(both.front());
 }
 
-const PoseWriter* find(const std::vector<PoseWriter>& writers, dds::InstanceHandle handle) {
+const PoseWriter* find(const std::vector<PoseWriter>& writers, dds::core::InstanceHandle handle) {
   const auto found = std::find_if(writers.begin(), writers.end(),
                                   [&](const PoseWriter& writer) { return writer.handle == handle; });
   return found == writers.end() ? nullptr : &*found;
@@ -103,7 +102,7 @@ std::string text_of(const ProcessIdentity& process) {
   return text::escaped(text);
 }
 
-void ServedBeacons::on_pose(BeaconAddress address, dds::InstanceHandle writer, SteadyTime now) {
+void ServedBeacons::on_pose(BeaconAddress address, dds::core::InstanceHandle writer, SteadyTime now) {
   constexpr TimeNs discovery_ns = 3'000'000'000;
   const auto [found, is_new] = owners_.try_emplace(address, Owner{writer, now, std::nullopt});
   Owner& owner = found->second;
@@ -113,7 +112,7 @@ void ServedBeacons::on_pose(BeaconAddress address, dds::InstanceHandle writer, S
   owner = {writer, now, was_owner ? std::optional(owner.writer) : std::nullopt};
 }
 
-void ServedBeacons::on(const FusionStatus& status, dds::InstanceHandle writer, SteadyTime now) {
+void ServedBeacons::on(const FusionStatus& status, dds::core::InstanceHandle writer, SteadyTime now) {
   if (claims_.size() >= max_writers && !claims_.contains(writer)) claims_.erase(claims_.begin());
   claims_[writer].try_emplace(status.address, Claim{false, now}).first->second.serves = serves(status);
 }
@@ -124,12 +123,12 @@ void ServedBeacons::forget(BeaconAddress address) {
   std::erase_if(claims_, [](const auto& entry) { return entry.second.empty(); });
 }
 
-const ServedBeacons::Claims* ServedBeacons::claims_of(dds::InstanceHandle writer) const {
+const ServedBeacons::Claims* ServedBeacons::claims_of(dds::core::InstanceHandle writer) const {
   const auto found = claims_.find(writer);
   return found == claims_.end() ? nullptr : &found->second;
 }
 
-std::optional<dds::InstanceHandle> ServedBeacons::pose_writer_of(BeaconAddress address) const {
+std::optional<dds::core::InstanceHandle> ServedBeacons::pose_writer_of(BeaconAddress address) const {
   const auto found = owners_.find(address);
   return found == owners_.end() ? std::nullopt : std::optional(found->second.writer);
 }

@@ -3,8 +3,8 @@
 /// Finds the processes that write poses, and those that should not. The pose topic has exclusive ownership,
 /// so consumers receive only the strongest writer, and do not notice whose it is.
 
-#include <sonopose/dds/binding/discovery.hpp>
-#include <sonopose/dds/binding/types.hpp>
+#include <sonopose/dds/psm/discovery.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/status.hpp>
 #include <sonopose/samples/time.hpp>
@@ -38,9 +38,10 @@ public:
 
   /// Writer whose poses of a beacon are received.
   struct Owner {
-    dds::InstanceHandle writer;
+    dds::core::InstanceHandle writer;
     SteadyTime since;
-    std::optional<dds::InstanceHandle> before;  ///< writer that it took the poses over from after seconds
+    std::optional<dds::core::InstanceHandle>
+        before;  ///< writer that it took the poses over from after seconds
   };
 
   /// Claim to a beacon in the statuses of one writer.
@@ -50,9 +51,9 @@ public:
   };
   using Claims = std::map<BeaconAddress, Claim>;
 
-  void on_pose(BeaconAddress address, dds::InstanceHandle writer, SteadyTime now);
+  void on_pose(BeaconAddress address, dds::core::InstanceHandle writer, SteadyTime now);
   /// Forgets the oldest writer beyond `max_writers`.
-  void on(const FusionStatus& status, dds::InstanceHandle writer, SteadyTime now);
+  void on(const FusionStatus& status, dds::core::InstanceHandle writer, SteadyTime now);
 
   /// Forgets a beacon that is gone.
   void forget(BeaconAddress address);
@@ -60,14 +61,14 @@ public:
   [[nodiscard]] const std::map<BeaconAddress, Owner>& owners() const { return owners_; }
 
   /// Claims of a writer of statuses; null without statuses.
-  [[nodiscard]] const Claims* claims_of(dds::InstanceHandle writer) const;
+  [[nodiscard]] const Claims* claims_of(dds::core::InstanceHandle writer) const;
 
   /// Writer of the beacon's latest pose; empty without one.
-  [[nodiscard]] std::optional<dds::InstanceHandle> pose_writer_of(BeaconAddress address) const;
+  [[nodiscard]] std::optional<dds::core::InstanceHandle> pose_writer_of(BeaconAddress address) const;
 
 private:
   std::map<BeaconAddress, Owner> owners_;
-  std::map<dds::InstanceHandle, Claims> claims_;
+  std::map<dds::core::InstanceHandle, Claims> claims_;
 };
 
 /// A writer of the pose topic. The beacons are those of its participant.
@@ -81,7 +82,7 @@ struct PoseWriter {
   std::set<BeaconAddress> unstated = {};  ///< owned for seconds without a status
   /// Beacons taken over from a fusion that still serves them, without a status of them before.
   std::map<BeaconAddress, ProcessIdentity> seized = {};
-  dds::InstanceHandle handle = {};
+  dds::core::InstanceHandle handle = {};
 };
 
 /// Pose writers among all writers of the domain.

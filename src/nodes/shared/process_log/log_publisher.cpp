@@ -27,7 +27,7 @@ LogLevel level_of(logging::Level level) {
 
 }  // namespace
 
-LogPublisher::LogPublisher(const dds::DomainParticipant& participant, const dds::qos::Provider& qos)
+LogPublisher::LogPublisher(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos)
     : writer_(dds::topics::make_writer(participant, qos, dds::topics::log)) {
   line_.host = process::host_name();
   line_.process_id = static_cast<std::uint32_t>(::getpid());
@@ -41,9 +41,9 @@ void LogPublisher::on(const logging::Line& line) noexcept {
     line_.level = level_of(line.level);
     line_.time_ns = line.time_ns;
     line_.text = line.text;
-    writer_.try_write(dds::topics::to_idl(line_));
-    writer_.flush();  // the process may batch its samples
-  } catch (...) {     // NOLINT(bugprone-empty-catch): no memory for the line
+    dds::ext::try_write(writer_, dds::topics::to_idl(line_));
+    dds::ext::flush(writer_);  // the process may batch its samples
+  } catch (...) {              // NOLINT(bugprone-empty-catch): no memory for the line
   }
 }
 

@@ -3,8 +3,7 @@
 /// Publishes the log of the process on the bus, for pages and remote programs.
 
 #include "logging/log.hpp"
-#include <sonopose/dds/binding/data_writer.hpp>
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/qos/provider.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/samples/log_line.hpp>
@@ -15,14 +14,14 @@ namespace sonopose::process_log {
 /// that cannot be written, appear on standard error only.
 class LogPublisher final : public logging::Listener {
 public:
-  /// `participant` must outlive it. Throws dds::Error.
-  LogPublisher(const dds::DomainParticipant& participant, const dds::qos::Provider& qos);
+  /// `participant` must outlive it. Throws dds::core::Exception.
+  LogPublisher(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos);
 
   void on(const logging::Line& line) noexcept override;
 
 private:
   LogLine line_;  ///< kept for its memory
-  dds::DataWriter<sonopose_LogLine> writer_;
+  dds::pub::DataWriter<sonopose_LogLine> writer_;
   logging::Listening listening_{*this};  ///< destroyed first
 };
 

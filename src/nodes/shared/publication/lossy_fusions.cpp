@@ -18,8 +18,7 @@ namespace topics = dds::topics;
 constexpr TimeNs status_poll_ns = 20'000'000;
 
 bool keeps_all(const dds::Qos& qos) {
-  const auto history = qos.policy<dds::policy::History>().value_or(dds::policy::History{});
-  return history.kind == dds::policy::HistoryKind::keep_all;
+  return qos.policy_or_default<dds::policy::History>().kind() == dds::policy::HistoryKind::KEEP_ALL;
 }
 
 std::string name_of(const std::string& participant_key,
@@ -32,7 +31,7 @@ std::string name_of(const std::string& participant_key,
 
 }  // namespace
 
-LossyFusions::LossyFusions(const dds::DomainParticipant& participant, const dds::qos::Provider& qos)
+LossyFusions::LossyFusions(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos)
     : participant_(participant), qos_(qos), discovery_(participant) {}
 
 /// Adds those that have appeared, and logs them. Returns true if a reader may be another one, whose writers
@@ -70,10 +69,10 @@ bool LossyFusions::find() {
 /// Takes statuses. `has_begun`: a new one counts all its losses.
 void LossyFusions::take(bool has_begun) {
   const SteadyTime now = clocks::steady_now();
-  statuses_->take_each([&](const sonopose_FusionStatus& status, const dds::SampleInfo& info) {
+  dds::ext::take_each(*statuses_, [&](const sonopose_FusionStatus& status, const dds::sub::SampleInfo& info) {
     for (auto& [key, fusion] : fusions_) {
       if (fusion.status_writer != info.publication_handle()) continue;
-      const auto [found, is_new] = fusion.beacons.try_emplace(info.instance_handle().value);
+      const auto [found, is_new] = fusion.beacons.try_emplace(info.instance_handle().c_value());
       Losses& losses = found->second;
       if (is_new && !has_begun) losses.before = status.events_lost;
       losses.latest = status.events_lost;

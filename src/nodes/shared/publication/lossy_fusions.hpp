@@ -3,8 +3,8 @@
 /// Finds the fusions that lose events of a recording that is played as fast as its readers accept.
 
 #include "process/stop_signal.hpp"
-#include <sonopose/dds/binding/discovery.hpp>
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/discovery.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/samples/samples.hpp>
 
@@ -20,7 +20,7 @@ namespace sonopose::publication {
 class LossyFusions {
 public:
   /// Both must outlive it.
-  LossyFusions(const dds::DomainParticipant& participant, const dds::qos::Provider& qos);
+  LossyFusions(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos);
 
   /// Logs each of them once. Call it after the readers have appeared, and before the first sample.
   void warn(const process::StopSignal& stop);
@@ -38,7 +38,7 @@ private:
   };
   struct Fusion {
     std::string name;
-    std::optional<dds::InstanceHandle> status_writer;
+    std::optional<dds::core::InstanceHandle> status_writer;
     std::map<std::uint64_t, Losses> beacons;  ///< by the instance of the status
 
     [[nodiscard]] bool has_status_since(SteadyTime begin) const;
@@ -49,11 +49,11 @@ private:
   void take(bool has_begun);
   void wait_for_statuses(SteadyTime since, TimeNs max_ns, bool has_begun, const process::StopSignal& stop);
 
-  const dds::DomainParticipant& participant_;
+  const dds::domain::DomainParticipant& participant_;
   const dds::qos::Provider& qos_;
   dds::Discovery discovery_;
-  std::optional<dds::DataReader<sonopose_FusionStatus>> statuses_;  ///< empty while there are none
-  std::map<std::string, Fusion> fusions_;                           ///< by participant
+  std::optional<dds::sub::DataReader<sonopose_FusionStatus>> statuses_;  ///< empty while there are none
+  std::map<std::string, Fusion> fusions_;                                ///< by participant
 };
 
 }  // namespace sonopose::publication

@@ -7,20 +7,22 @@
 
 namespace sonopose::publication {
 
-OtherBridges::OtherBridges(const dds::DomainParticipant& participant, const dds::qos::Provider& qos)
+OtherBridges::OtherBridges(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos)
     : reader_(dds::topics::make_reader(participant, qos, dds::topics::beacon_status, nullptr,
                                        dds::topics::Delivery::live, &watched_)) {}
 
-void OtherBridges::update(dds::InstanceHandle own) {
-  reader_.try_take_each([&](const sonopose_BeaconStatus& status, const dds::SampleInfo& info) {
-    const bool is_other = info.publication_handle() != own;
-    if (is_other && watched_.accepts(status.address)) add(status.address, info.publication_handle());
-  });
+void OtherBridges::update(dds::core::InstanceHandle own) {
+  dds::ext::try_take_each(reader_,
+                          [&](const sonopose_BeaconStatus& status, const dds::sub::SampleInfo& info) {
+                            const bool is_other = info.publication_handle() != own;
+                            if (is_other && watched_.accepts(status.address))
+                              add(status.address, info.publication_handle());
+                          });
   remove_gone();
 }
 
-void OtherBridges::add(BeaconAddress address, dds::InstanceHandle writer) {
-  if (!writers_[address].insert(writer.value).second) return;
+void OtherBridges::add(BeaconAddress address, dds::core::InstanceHandle writer) {
+  if (!writers_[address].insert(writer.c_value()).second) return;
   logging::later([address] {
     logging::warning(fmt::format(
         "another bridge publishes beacon {} too: its poses will be wrong until one of them is stopped",
@@ -30,7 +32,7 @@ void OtherBridges::add(BeaconAddress address, dds::InstanceHandle writer) {
 
 void OtherBridges::remove_gone() {
   std::set<std::uint64_t> living;
-  for (const auto handle : reader_.matched_publications()) living.insert(handle.value);
+  for (const auto handle : dds::ext::matched_publications(reader_)) living.insert(handle.c_value());
   for (auto& entry : writers_) {
     std::erase_if(entry.second, [&living](std::uint64_t handle) { return !living.contains(handle); });
   }

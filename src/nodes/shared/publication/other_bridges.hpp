@@ -2,7 +2,7 @@
 /// \file
 /// Detects other bridges that publish the same beacons: two bridges mix up a beacon's event numbers.
 
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/samples/samples.hpp>
 
@@ -18,7 +18,7 @@ namespace sonopose::publication {
 
 class OtherBridges {
 public:
-  OtherBridges(const dds::DomainParticipant& participant, const dds::qos::Provider& qos);
+  OtherBridges(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos);
 
   /// Starts watching a beacon of this bridge. Statuses of unwatched beacons are not received.
   void watch(BeaconAddress address) { watched_.set(address, true); }
@@ -30,7 +30,7 @@ public:
 
   /// Reads the statuses received since the last call and logs each new bridge once. `own`: this bridge's
   /// status writer.
-  void update(dds::InstanceHandle own);
+  void update(dds::core::InstanceHandle own);
 
   /// Number of other live bridges that publish this beacon.
   [[nodiscard]] std::uint32_t count(BeaconAddress address) const;
@@ -46,11 +46,11 @@ private:
     std::array<std::atomic<bool>, std::size_t{std::numeric_limits<BeaconAddress>::max()} + 1> flags_{};
   };
 
-  void add(BeaconAddress address, dds::InstanceHandle writer);
+  void add(BeaconAddress address, dds::core::InstanceHandle writer);
   void remove_gone();
 
   Watched watched_;
-  dds::DataReader<sonopose_BeaconStatus> reader_;
+  dds::sub::DataReader<sonopose_BeaconStatus> reader_;
   std::map<BeaconAddress, std::set<std::uint64_t>> writers_;  ///< publication handles
 };
 

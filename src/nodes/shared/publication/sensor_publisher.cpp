@@ -15,7 +15,7 @@
 #include "publication/topic_writers.hpp"
 #include "transitions/increase_log.hpp"
 #include "transitions/transition_log.hpp"
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/text/count_text.hpp>
 
@@ -53,7 +53,7 @@ bool is_aiding(const Event& event) {
 
 class SensorPublisher::Publisher final : public SampleSink {
 public:
-  Publisher(const PublisherOptions& options, const dds::DomainParticipant* participant);
+  Publisher(const PublisherOptions& options, const dds::domain::DomainParticipant& participant);
   ~Publisher() override;
   Publisher(const Publisher&) = delete;
   Publisher& operator=(const Publisher&) = delete;
@@ -94,7 +94,7 @@ public:
 private:
   /// One stream of one beacon.
   struct Stream {
-    explicit Stream(const dds::Entity& writer);
+    explicit Stream(const dds::pub::AnyDataWriter& writer);
     void count_sample();
 
     std::uint64_t samples = 0;  ///< since the last status
@@ -128,8 +128,7 @@ private:
 
   bool lossless_;
   bool reports_to_manager_;
-  std::optional<dds::DomainParticipant> own_participant_;
-  const dds::DomainParticipant& participant_;
+  dds::domain::DomainParticipant participant_;
   dds::qos::Provider qos_;
   std::unique_ptr<process_log::LogPublisher> log_publisher_;
   TopicWriters writers_;
@@ -151,10 +150,10 @@ private:
 };
 
 SensorPublisher::Publisher::Publisher(const PublisherOptions& options,
-                                      const dds::DomainParticipant* participant)
+                                      const dds::domain::DomainParticipant& participant)
     : lossless_(options.lossless),
       reports_to_manager_(options.publishes_log),
-      participant_(participant != nullptr ? *participant : own_participant_.emplace(domain_options(options))),
+      participant_(participant),
       qos_(options.qos_file),
       log_publisher_(options.publishes_log ? std::make_unique<process_log::LogPublisher>(participant_, qos_)
                                            : nullptr),
@@ -252,8 +251,8 @@ void SensorPublisher::Publisher::publish(const PairHeading& heading, Beacon& bea
   writers_.write(heading);
 }
 
-SensorPublisher::Publisher::Stream::Stream(const dds::Entity& writer)
-    : deadlines(dds::deadline_of(writer.qos()).count()) {}
+SensorPublisher::Publisher::Stream::Stream(const dds::pub::AnyDataWriter& writer)
+    : deadlines(dds::ext::to_chrono(writer.qos().policy<dds::policy::Deadline>().period()).count()) {}
 
 void SensorPublisher::Publisher::Stream::count_sample() {
   const SteadyTime now = clocks::steady_now();
@@ -360,9 +359,10 @@ void SensorPublisher::Publisher::log_silence(BeaconAddress address, transitions:
 }
 
 SensorPublisher::SensorPublisher(const PublisherOptions& options)
-    : publisher_(std::make_unique<Publisher>(options, nullptr)) {}
-SensorPublisher::SensorPublisher(const dds::DomainParticipant& participant, const PublisherOptions& options)
-    : publisher_(std::make_unique<Publisher>(options, &participant)) {}
+    : publisher_(std::make_unique<Publisher>(options, dds::ext::participant(domain_options(options)))) {}
+SensorPublisher::SensorPublisher(const dds::domain::DomainParticipant& participant,
+                                 const PublisherOptions& options)
+    : publisher_(std::make_unique<Publisher>(options, participant)) {}
 SensorPublisher::~SensorPublisher() = default;
 
 void SensorPublisher::run(Source& source, const process::StopSignal& stop) {

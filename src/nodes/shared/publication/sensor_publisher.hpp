@@ -7,7 +7,7 @@
 #include "publication/source.hpp"
 #include "recording/log_meta.hpp"
 #include <sonopose/dds/binding/domain.hpp>
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 
 #include <cstdint>
 #include <filesystem>
@@ -30,10 +30,10 @@ struct PublisherOptions {
 
 class SensorPublisher {
 public:
-  /// Joins the domain. Throws dds::Error, dds::qos::FileError, files::IoError.
+  /// Joins the domain. Throws dds::core::Exception, dds::qos::FileError, files::IoError.
   explicit SensorPublisher(const PublisherOptions& options);
-  /// Uses a participant, which must outlive it, instead of the domain of the options.
-  SensorPublisher(const dds::DomainParticipant& participant, const PublisherOptions& options);
+  /// Uses a participant instead of the domain of the options.
+  SensorPublisher(const dds::domain::DomainParticipant& participant, const PublisherOptions& options);
   SensorPublisher(const SensorPublisher&) = delete;
   SensorPublisher& operator=(const SensorPublisher&) = delete;
   ~SensorPublisher();

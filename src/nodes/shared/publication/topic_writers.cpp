@@ -8,7 +8,7 @@
 
 namespace sonopose::publication {
 
-TopicWriters::TopicWriters(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+TopicWriters::TopicWriters(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos,
                            dds::topics::Delivery delivery, bool batch)
     : lossless_(delivery == dds::topics::Delivery::lossless),
       batch_(batch),
@@ -23,23 +23,23 @@ TopicWriters::TopicWriters(const dds::DomainParticipant& participant, const dds:
 
 void TopicWriters::flush() {
   if (!batch_) return;
-  imu_.flush();
-  fix_.flush();
-  heading_.flush();
-  twist_.flush();
-  truth_.flush();
-  status_.flush();
-  line_.flush();
-  stationary_.flush();
+  dds::ext::flush(imu_);
+  dds::ext::flush(fix_);
+  dds::ext::flush(heading_);
+  dds::ext::flush(twist_);
+  dds::ext::flush(truth_);
+  dds::ext::flush(status_);
+  dds::ext::flush(line_);
+  dds::ext::flush(stationary_);
 }
 
 /// Leaves out lossless streams: their writers would block here until their readers have received everything.
 /// The end of the writers has the same effect.
 void TopicWriters::unregister(BeaconAddress address) {
-  const auto unregister_at = [address]<class T>(dds::DataWriter<T>& writer) {
+  const auto unregister_at = [address]<class T>(dds::pub::DataWriter<T>& writer) {
     T key{};
     key.address = address;
-    writer.try_unregister_instance(key);
+    dds::ext::try_unregister_instance(writer, key);
   };
   if (!lossless_) {
     unregister_at(imu_);
@@ -57,7 +57,7 @@ void TopicWriters::wait_for_readers() {
   constexpr TimeNs report_after_ns = 3'000'000'000;
   const SteadyTime began = clocks::steady_now();
   const auto is_matched = [](auto&... writers) {
-    return ((writers.publication_matched_status().current_count > 0) && ...);
+    return ((writers.publication_matched_status().current_count() > 0) && ...);
   };
   SteadyTime matched = SteadyTime::max();
   const auto may_begin = [&] {
@@ -81,7 +81,7 @@ void TopicWriters::wait_until_read() {
     constexpr std::chrono::milliseconds step{200};
     constexpr int max_steps = 150;
     for (int i = 0; i < max_steps && !stopped(); ++i) {
-      if (writer.wait_for_acknowledgments(step)) return;
+      if (dds::ext::wait_for_acknowledgments(writer, step)) return;
     }
   };
   wait(imu_);

@@ -4,7 +4,7 @@
 
 #include "process/endpoint_counters.hpp"
 #include "process/stop_signal.hpp"
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
@@ -15,8 +15,8 @@ namespace sonopose::publication {
 /// Writes samples and statuses, and waits for their readers. Not thread-safe.
 class TopicWriters {
 public:
-  /// `batch`: the domain batches writes, which wait for `flush`. Throws dds::Error.
-  TopicWriters(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+  /// `batch`: the domain batches writes, which wait for `flush`. Throws dds::core::Exception.
+  TopicWriters(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos,
                dds::topics::Delivery delivery, bool batch);
 
   /// Ends lossless writes and the waits below when `stop` is requested.
@@ -34,9 +34,11 @@ public:
 
   /// Unregisters a beacon, so that its instances miss no deadlines at the readers.
   void unregister(BeaconAddress address);
-  void unregister(const LineStatus& line) { line_.try_unregister_instance(dds::topics::to_idl(line)); }
+  void unregister(const LineStatus& line) {
+    dds::ext::try_unregister_instance(line_, dds::topics::to_idl(line));
+  }
   void unregister(const StationaryBeacon& beacon) {
-    stationary_.try_unregister_instance(dds::topics::to_idl(beacon));
+    dds::ext::try_unregister_instance(stationary_, dds::topics::to_idl(beacon));
   }
 
   /// Waits until each stream has a reader. Call `obey` before.
@@ -44,19 +46,20 @@ public:
   /// Waits until the readers have received everything.
   void wait_until_read();
 
-  [[nodiscard]] const dds::Entity& imu() const { return imu_; }
-  [[nodiscard]] const dds::Entity& fix() const { return fix_; }
-  [[nodiscard]] const dds::Entity& heading() const { return heading_; }
-  [[nodiscard]] const dds::Entity& status() const { return status_; }
+  [[nodiscard]] const dds::pub::AnyDataWriter& imu() const { return imu_; }
+  [[nodiscard]] const dds::pub::AnyDataWriter& fix() const { return fix_; }
+  [[nodiscard]] const dds::pub::AnyDataWriter& heading() const { return heading_; }
+  [[nodiscard]] const dds::pub::AnyDataWriter& status() const { return status_; }
   [[nodiscard]] const process::EndpointCounters& endpoints() const { return endpoints_; }
   /// Number of samples that could not be written.
   [[nodiscard]] std::uint64_t unwritten() const { return unwritten_; }
 
 private:
   template <class T>
-  void write(dds::DataWriter<T>& writer, const T& sample) {
+  void write(dds::pub::DataWriter<T>& writer, const T& sample) {
     const auto give_up = [this] { return !lossless_ || stopped(); };
-    if (dds::retry_unless(give_up, [&] { return writer.try_write(sample); }) < 0) ++unwritten_;
+    if (dds::ext::retry_unless(give_up, [&] { return dds::ext::try_write(writer, sample); }) < 0)
+      ++unwritten_;
   }
   [[nodiscard]] bool stopped() const { return stop_ != nullptr && stop_->requested(); }
 
@@ -69,14 +72,14 @@ private:
   process::CountingWriterListener<sonopose_UltrasonicFix> fix_listener_{endpoints_};
   process::CountingWriterListener<sonopose_PairHeading> heading_listener_{endpoints_};
   process::CountingWriterListener<sonopose_TwistSample> twist_listener_{endpoints_};
-  dds::DataWriter<sonopose_ImuSample> imu_;
-  dds::DataWriter<sonopose_UltrasonicFix> fix_;
-  dds::DataWriter<sonopose_PairHeading> heading_;
-  dds::DataWriter<sonopose_TwistSample> twist_;
-  dds::DataWriter<sonopose_TruthSample> truth_;
-  dds::DataWriter<sonopose_BeaconStatus> status_;
-  dds::DataWriter<sonopose_LineStatus> line_;
-  dds::DataWriter<sonopose_StationaryBeacon> stationary_;
+  dds::pub::DataWriter<sonopose_ImuSample> imu_;
+  dds::pub::DataWriter<sonopose_UltrasonicFix> fix_;
+  dds::pub::DataWriter<sonopose_PairHeading> heading_;
+  dds::pub::DataWriter<sonopose_TwistSample> twist_;
+  dds::pub::DataWriter<sonopose_TruthSample> truth_;
+  dds::pub::DataWriter<sonopose_BeaconStatus> status_;
+  dds::pub::DataWriter<sonopose_LineStatus> line_;
+  dds::pub::DataWriter<sonopose_StationaryBeacon> stationary_;
 };
 
 }  // namespace sonopose::publication

@@ -1,7 +1,7 @@
 #include "settings_client/settings_client.hpp"
 
 #include "clocks/clocks.hpp"
-#include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
@@ -30,16 +30,16 @@ SteadyTime deadline_after(double timeout_s) {
 /// Calls `on_sample(const T&, const SampleInfo&)` for each sample, until `done()` or the deadline. Returns
 /// `done()`, which is polled every 20 ms.
 template <class T, class OnSample, class Done>
-bool take_until(dds::DataReader<T>& reader, SteadyTime deadline, const OnSample& on_sample,
+bool take_until(dds::sub::DataReader<T>& reader, SteadyTime deadline, const OnSample& on_sample,
                 const Done& done) {
-  const dds::ReadCondition has_data(reader);
-  dds::WaitSet waitset;
+  const dds::sub::cond::ReadCondition has_data(reader, dds::sub::status::DataState::any());
+  dds::core::cond::WaitSet waitset;
   waitset += has_data;
   while (true) {
-    reader.take_each(on_sample);
+    dds::ext::take_each(reader, on_sample);
     if (done()) return true;
     if (clocks::steady_now() >= deadline) return false;
-    waitset.wait(std::chrono::milliseconds(20));
+    dds::ext::wait(waitset, std::chrono::milliseconds(20));
   }
 }
 
@@ -57,14 +57,16 @@ private:
 };
 
 /// A reader that keeps the samples of every fusion, not only the latest one of a beacon.
-dds::DataReader<sonopose_EffectiveSettings> changed_settings_reader(const dds::DomainParticipant& participant,
-                                                                    const dds::qos::Provider& qos) {
+dds::sub::DataReader<sonopose_EffectiveSettings> changed_settings_reader(
+    const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos) {
   const auto& entry = topics::changed_settings;
   dds::Qos reader_qos = qos.datareader_qos(entry.profile);
-  reader_qos << dds::policy::History::keep_all();
-  topics::join_partition(reader_qos, participant);
-  const dds::Topic<sonopose_EffectiveSettings> topic(participant, entry.name, qos.topic_qos(entry.profile));
-  return {participant, topic, reader_qos};
+  reader_qos << dds::policy::History::KeepAll();
+  const dds::topic::Topic<sonopose_EffectiveSettings> topic(participant, entry.name,
+                                                            qos.topic_qos(entry.profile));
+  const dds::sub::Subscriber subscriber(
+      participant, dds::ext::group_qos(participant.default_subscriber_qos(), reader_qos));
+  return {subscriber, topic, reader_qos};
 }
 
 /// Reset counters by beacon and fusion (its status writer).
@@ -74,9 +76,9 @@ using ResetCounters = std::map<std::pair<BeaconAddress, std::uint64_t>, std::uin
 
 SettingsClient::SettingsClient(const dds::DomainOptions& domain,
                                const std::optional<std::filesystem::path>& qos_file)
-    : qos_(qos_file), own_participant_(domain), participant_(*own_participant_) {}
+    : SettingsClient(dds::ext::participant(domain), qos_file) {}
 
-SettingsClient::SettingsClient(const dds::DomainParticipant& participant,
+SettingsClient::SettingsClient(const dds::domain::DomainParticipant& participant,
                                const std::optional<std::filesystem::path>& qos_file)
     : qos_(qos_file), participant_(participant) {}
 
@@ -86,7 +88,7 @@ std::vector<EffectiveSettings> SettingsClient::effective(BeaconAddress address, 
   BurstDetector burst;
   take_until(
       reader, deadline_after(timeout_s),
-      [&](const sonopose_EffectiveSettings& sample, const dds::SampleInfo&) {
+      [&](const sonopose_EffectiveSettings& sample, const dds::sub::SampleInfo&) {
         burst.on_sample();
         found[sample.address] = dds::topics::from_idl(sample);
       },
@@ -111,16 +113,16 @@ std::vector<EffectiveSettings> SettingsClient::changed(double timeout_s) {
   BurstDetector burst;
   const bool done = take_until(
       reader, deadline_after(timeout_s),
-      [&](const sonopose_EffectiveSettings& sample, const dds::SampleInfo& info) {
+      [&](const sonopose_EffectiveSettings& sample, const dds::sub::SampleInfo& info) {
         burst.on_sample();
         const bool is_first = found
-                                  .insert_or_assign({sample.address, info.publication_handle().value},
+                                  .insert_or_assign({sample.address, info.publication_handle().c_value()},
                                                     dds::topics::from_idl(sample))
                                   .second;
         if (is_first && sample.address == all_beacons) ++complete;
       },
       [&] {
-        const auto fusions = static_cast<std::size_t>(reader.subscription_matched_status().current_count);
+        const auto fusions = static_cast<std::size_t>(reader.subscription_matched_status().current_count());
         const bool waited = burst.has_ended() && clocks::steady_now() >= discovered;
         return waited && complete >= std::max<std::size_t>(1, fusions);
       });
@@ -149,14 +151,14 @@ std::optional<SettingsReply> SettingsClient::change(SettingsRequest request, dou
   SteadyTime next_send;
   take_until(
       reader, deadline_after(timeout_s),
-      [&](const sonopose_SettingsReply& reply, const dds::SampleInfo&) {
+      [&](const sonopose_SettingsReply& reply, const dds::sub::SampleInfo&) {
         const bool is_ours = reply.address == request.address && reply.request_id == request.request_id;
         if (is_ours && !received) received = dds::topics::from_idl(reply);
       },
       [&] {
         // The fusion may discover the reader of replies after this match, and its first reply may be lost. It
         // answers a repeated request again.
-        const bool matched = writer.publication_matched_status().current_count > 0;
+        const bool matched = writer.publication_matched_status().current_count() > 0;
         if (!received && matched && clocks::steady_now() >= next_send) {
           writer.write(sample.sample());
           next_send = clocks::steady_now() + resend_period_ns;
@@ -172,7 +174,7 @@ void SettingsClient::observe(BeaconAddress address,
   auto reader = dds::topics::make_reader(participant_, qos_, topics::settings);
   take_until(
       reader, duration_s > 0 ? deadline_after(duration_s) : SteadyTime::max(),
-      [&](const sonopose_EffectiveSettings& sample, const dds::SampleInfo&) {
+      [&](const sonopose_EffectiveSettings& sample, const dds::sub::SampleInfo&) {
         if (address == all_beacons || sample.address == address) on_settings(dds::topics::from_idl(sample));
       },
       [&] { return stop.requested(); });
@@ -187,10 +189,10 @@ std::vector<BeaconAddress> SettingsClient::reset(BeaconAddress address, double t
   std::set<BeaconAddress> done;
   BurstDetector burst;
   bool sent = false;
-  const auto on_status = [&](const sonopose_FusionStatus& status, const dds::SampleInfo& info) {
+  const auto on_status = [&](const sonopose_FusionStatus& status, const dds::sub::SampleInfo& info) {
     if (address != all_beacons && status.address != address) return;
     const auto [known, first] =
-        before.try_emplace({status.address, info.publication_handle().value}, status.reset_counter);
+        before.try_emplace({status.address, info.publication_handle().c_value()}, status.reset_counter);
     if (!sent) {
       known->second = status.reset_counter;
       if (first) burst.on_sample();
@@ -199,7 +201,7 @@ std::vector<BeaconAddress> SettingsClient::reset(BeaconAddress address, double t
     }
   };
   const bool ready = take_until(reader, deadline, on_status, [&] {
-    return stopped() || (burst.has_ended() && writer.publication_matched_status().current_count > 0);
+    return stopped() || (burst.has_ended() && writer.publication_matched_status().current_count() > 0);
   });
   if (!ready || stopped()) return {};
   std::set<BeaconAddress> beacons;

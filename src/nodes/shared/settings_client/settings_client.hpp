@@ -4,7 +4,7 @@
 
 #include "process/stop_signal.hpp"
 #include <sonopose/dds/binding/domain.hpp>
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/qos/provider.hpp>
 #include <sonopose/samples/live_settings.hpp>
 
@@ -17,16 +17,11 @@ namespace sonopose::settings_client {
 
 class SettingsClient {
 public:
-  /// Joins the domain. Throws dds::Error, dds::qos::FileError.
+  /// Joins the domain. Throws dds::core::Exception, dds::qos::FileError.
   SettingsClient(const dds::DomainOptions& domain, const std::optional<std::filesystem::path>& qos_file);
-  /// Uses a participant, which must outlive it.
-  SettingsClient(const dds::DomainParticipant& participant,
+  /// Uses a participant. Throws dds::qos::FileError.
+  SettingsClient(const dds::domain::DomainParticipant& participant,
                  const std::optional<std::filesystem::path>& qos_file);
-  SettingsClient(const SettingsClient&) = delete;
-  SettingsClient& operator=(const SettingsClient&) = delete;
-  SettingsClient(SettingsClient&&) = delete;
-  SettingsClient& operator=(SettingsClient&&) = delete;
-  ~SettingsClient() = default;
 
   /// Effective settings of one beacon. If the fusion has none of this beacon, returns the default settings of
   /// all beacons, with the address all_beacons. For all_beacons: first the default settings, then those of
@@ -59,8 +54,7 @@ public:
 
 private:
   dds::qos::Provider qos_;
-  std::optional<dds::DomainParticipant> own_participant_;
-  const dds::DomainParticipant& participant_;
+  dds::domain::DomainParticipant participant_;
 };
 
 }  // namespace sonopose::settings_client

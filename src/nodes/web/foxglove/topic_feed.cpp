@@ -15,11 +15,11 @@
 namespace sonopose::web::foxglove {
 
 /// One topic and its subscribers.
-class TopicFeed::Topic final : public dds::DataReaderListener<dds::Serialized> {
+class TopicFeed::Topic final : public dds::sub::NoOpDataReaderListener<dds::Serialized> {
 public:
   Topic(const dds::topics::SerializedTopic& topic, const Send& send) : topic_(topic), send_(send) {}
 
-  void add(const dds::DomainParticipant& participant, const dds::qos::Provider& qos, Client client,
+  void add(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos, Client client,
            SubscriptionId id) {
     {
       const threads::Lock lock(mutex_);
@@ -27,7 +27,7 @@ public:
       if (subscribers_.size() > 1 && !topic_.is_latched(qos)) return;
     }
     // A new reader, so that a new client also receives the latest samples of a latched topic.
-    reader_.close();
+    reader_ = dds::core::null;
     reader_ = topic_.make_reader(participant, qos, this);
   }
 
@@ -38,19 +38,20 @@ public:
       std::erase(subscribers_, std::pair(client, id));
       is_last = subscribers_.empty();
     }
-    if (is_last) reader_.close();
+    if (is_last) reader_ = dds::core::null;
   }
 
   void on_data_available(dds::SerializedReader& reader) noexcept override {
     const TimeNs received_ns = clocks::host_now();
-    reader.try_take_each(
-        [&](const dds::SerializedSample& sample, const dds::SampleInfo&) {
+    dds::ext::try_take_each(
+        reader,
+        [&](const dds::SerializedSample& sample, const dds::sub::SampleInfo&) {
           const threads::Lock lock(mutex_);
           for (const auto& [client, id] : subscribers_) {
             send_(client, message_data(id, received_ns, sample.bytes()), false);
           }
         },
-        [](const dds::SerializedSample&, const dds::SampleInfo&) {});
+        [](const dds::SerializedSample&, const dds::sub::SampleInfo&) {});
   }
 
 private:
@@ -58,10 +59,11 @@ private:
   const Send& send_;
   threads::Mutex mutex_;
   std::vector<std::pair<Client, SubscriptionId>> subscribers_ SONOPOSE_GUARDED_BY(mutex_);
-  dds::SerializedReader reader_;  ///< last, because its listener is this object
+  dds::SerializedReader reader_ = dds::core::null;  ///< last, because its listener is this object
 };
 
-TopicFeed::TopicFeed(const dds::DomainParticipant& participant, const dds::qos::Provider& qos, Send send)
+TopicFeed::TopicFeed(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos,
+                     Send send)
     : participant_(participant),
       qos_(qos),
       send_(std::move(send)),

@@ -3,7 +3,7 @@
 /// The native topics for Foxglove's clients: their channels and their subscribers.
 
 #include "web/foxglove/requests.hpp"
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/qos/provider.hpp>
 
 #include <cstdint>
@@ -27,7 +27,7 @@ public:
   using Send = std::function<void(Client client, std::string message, bool is_text)>;
 
   /// `participant` and `qos` must outlive the feed.
-  TopicFeed(const dds::DomainParticipant& participant, const dds::qos::Provider& qos, Send send);
+  TopicFeed(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos, Send send);
   TopicFeed(const TopicFeed&) = delete;
   TopicFeed& operator=(const TopicFeed&) = delete;
   ~TopicFeed();
@@ -48,7 +48,7 @@ private:
   void unsubscribe(Client client, SubscriptionId id);
   void refuse(Client client, const std::string& why);
 
-  const dds::DomainParticipant& participant_;
+  const dds::domain::DomainParticipant& participant_;
   const dds::qos::Provider& qos_;
   Send send_;
   std::string session_id_;

@@ -109,27 +109,9 @@ DomainLease::DomainLease(const DomainOptions& options) : id_(resolve_domain_id(o
   } else {
     ++found->second.leases;
   }
-  held_ = true;
-}
-
-DomainLease::DomainLease(DomainLease&& other) noexcept
-    : id_(other.id_), held_(std::exchange(other.held_, false)) {}
-
-DomainLease& DomainLease::operator=(DomainLease&& other) noexcept {
-  if (this != &other) {
-    release();
-    id_ = other.id_;
-    held_ = std::exchange(other.held_, false);
-  }
-  return *this;
 }
 
 DomainLease::~DomainLease() {
-  release();
-}
-
-void DomainLease::release() noexcept {
-  if (!std::exchange(held_, false)) return;
   const std::lock_guard lock(registry().mutex);
   const auto found = registry().open.find(id_);
   if (--found->second.leases > 0) return;

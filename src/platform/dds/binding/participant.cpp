@@ -3,8 +3,6 @@
 #include <sonopose/dds/binding/error.hpp>
 #include <sonopose/dds/binding/participant.hpp>
 
-#include <utility>
-
 namespace sonopose::dds {
 namespace {
 
@@ -13,7 +11,7 @@ DomainOptions with_enclave(DomainOptions options) {
   return options;
 }
 
-dds_entity_t create(std::uint32_t domain_id, const DomainOptions& options, const Qos& qos) {
+dds_entity_t create(std::uint32_t domain_id, const DomainOptions& options, dds_qos_t* qos) {
   const std::string call = "dds_create_participant(domain " + std::to_string(domain_id);
   const std::string enclave = with_enclave(options).enclave_folder;
   if (enclave.empty()) {
@@ -23,7 +21,7 @@ dds_entity_t create(std::uint32_t domain_id, const DomainOptions& options, const
           "security: ROS_SECURITY_KEYSTORE has no enclave for this process, so it joins without security, as "
           "ROS_SECURITY_STRATEGY=Permissive allows");
     }
-    return check((call + ")").c_str(), dds_create_participant(domain_id, qos.get(), nullptr));
+    return check((call + ")").c_str(), dds_create_participant(domain_id, qos, nullptr));
   }
   const auto uri = environment_variables({"CYCLONEDDS_URI"});
   if (!uri.empty() && network_named_by(uri.begin()->second, domain_id).shared_memory) {
@@ -31,7 +29,8 @@ dds_entity_t create(std::uint32_t domain_id, const DomainOptions& options, const
                 "shared memory, which CYCLONEDDS_URI enables, bypasses DDS Security");
   }
   LoggedErrors logged;
-  const dds_entity_t participant = dds_create_participant(domain_id, secured(qos, enclave).get(), nullptr);
+  secure(qos, enclave);
+  const dds_entity_t participant = dds_create_participant(domain_id, qos, nullptr);
   if (participant < 0) throw Error(call + ", enclave " + enclave + ")", participant, logged.text());
   if (!logged.text().empty()) report_error(logged.text());
   return participant;
@@ -39,17 +38,11 @@ dds_entity_t create(std::uint32_t domain_id, const DomainOptions& options, const
 
 }  // namespace
 
-DomainParticipant::DomainParticipant(const DomainOptions& options, const Qos& qos)
-    : DomainLease(with_enclave(options)),
-      Entity(create(domain_id(), options, qos)),
-      partition_(options.partition) {}
+Membership::Membership(const DomainOptions& options, dds_qos_t* qos)
+    : lease_(with_enclave(options)), handle_(create(lease_.domain_id(), options, qos)) {}
 
-DomainParticipant& DomainParticipant::operator=(DomainParticipant&& other) noexcept {
-  // Delete the old participant before releasing its reference to the domain.
-  Entity::operator=(std::move(static_cast<Entity&>(other)));
-  DomainLease::operator=(std::move(static_cast<DomainLease&>(other)));
-  partition_ = std::move(other.partition_);
-  return *this;
+Membership::~Membership() {
+  dds_delete(handle_);
 }
 
 }  // namespace sonopose::dds

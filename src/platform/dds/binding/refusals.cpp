@@ -119,8 +119,4 @@ std::vector<RefusedPeer> Refusals::peers() const {
   return peers_;
 }
 
-bool is_forbidden(const Error& error) {
-  return error.code() == DDS_RETCODE_NOT_ALLOWED_BY_SECURITY;
-}
-
 }  // namespace sonopose::dds

@@ -28,9 +28,7 @@ struct dds_security_fsm;  // its header is not C++
 
 namespace sonopose::dds {
 
-Qos secured(const Qos& qos, const std::string& enclave_folder) {
-  Qos all(qos);
-  if (enclave_folder.empty()) return all;
+void secure(dds_qos_t* qos, const std::string& enclave_folder) {
   using Pair = std::pair<const char*, const char*>;
   constexpr std::array plugins{
       Pair{"dds.sec.auth.library.path", "dds_security_auth"},
@@ -52,16 +50,15 @@ Qos secured(const Qos& qos, const std::string& enclave_folder) {
       Pair{"dds.sec.access.permissions", "permissions.p7s"},
       Pair{"org.eclipse.cyclonedds.sec.auth.crl", "crl.pem"},
   };
-  for (const auto& [name, value] : plugins) dds_qset_prop(all.get(), name, value);
+  for (const auto& [name, value] : plugins) dds_qset_prop(qos, name, value);
   const std::filesystem::path folder = enclave_folder;
   for (const auto& [name, file] : files) {
     std::error_code absent;
     const std::filesystem::path path = folder / file;
     const bool is_optional = std::string_view(file) == "crl.pem";
     if (is_optional && !std::filesystem::exists(path, absent)) continue;
-    dds_qset_prop(all.get(), name, ("file:" + path.string()).c_str());
+    dds_qset_prop(qos, name, ("file:" + path.string()).c_str());
   }
-  return all;
 }
 
 std::string enclave_by_environment(const std::string& name) {

@@ -2,13 +2,13 @@
 /// \file
 /// The properties that make a participant secure. Internal to this module.
 
-#include <sonopose/dds/binding/qos.hpp>
+#include <dds/dds.h>
 
 #include <string>
 
 namespace sonopose::dds {
 
-/// Returns the QoS of a participant with the files of an enclave; unchanged for an empty folder.
-Qos secured(const Qos& qos, const std::string& enclave_folder);
+/// Adds the files of an enclave to the QoS of a participant.
+void secure(dds_qos_t* qos, const std::string& enclave_folder);
 
 }  // namespace sonopose::dds

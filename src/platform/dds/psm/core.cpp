@@ -2,13 +2,13 @@
 
 #include "dds/psm/masks.hpp"
 #include <sonopose/dds/binding/error.hpp>
-#include <sonopose/dds/psm/dds/core/Entity.hpp>
-#include <sonopose/dds/psm/dds/core/Time.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 
 #include <algorithm>
 #include <array>
 #include <iterator>
 #include <mutex>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -23,8 +23,9 @@ void fail(const std::string& text, dds_return_t code) {
       throw UnsupportedError(text);
     case DDS_RETCODE_NOT_ALLOWED:
     case DDS_RETCODE_ILLEGAL_OPERATION:
-    case DDS_RETCODE_NOT_ALLOWED_BY_SECURITY:
       throw IllegalOperationError(text);
+    case DDS_RETCODE_NOT_ALLOWED_BY_SECURITY:
+      throw sonopose::dds::ForbiddenError(text);
     case DDS_RETCODE_PRECONDITION_NOT_MET:
       throw PreconditionNotMetError(text);
     case DDS_RETCODE_IMMUTABLE_POLICY:
@@ -83,7 +84,32 @@ bool Node::is_closed() const noexcept {
   return handle_ <= 0 || (owner_ != nullptr && owner_->is_closed());
 }
 
+namespace {
+/// The entity of the callback that runs on this thread.
+thread_local const Node* in_callback = nullptr;
+}  // namespace
+
+RunningCallback::RunningCallback(void* node, dds_entity_t handle) noexcept
+    : node_(*static_cast<EndpointNode*>(node)), before_(std::exchange(in_callback, &node_)) {
+  node_.handle(handle);
+}
+
+RunningCallback::~RunningCallback() {
+  in_callback = before_;
+}
+
+void listen(EndpointNode& node, void* listener, const Callbacks& callbacks) {
+  if (listener != nullptr) node.listener = listener;
+  const dds_listener_t* const c = listener == nullptr ? nullptr : callbacks.c();
+  check("dds_set_listener", dds_set_listener(node.handle(), c));  // waits for running callbacks
+  node.listener = listener;
+}
+
 void Node::release(Node* pointer) noexcept {
+  if (pointer == in_callback) {
+    std::thread([pointer] { release(pointer); }).detach();
+    return;
+  }
   std::unique_ptr<Node> node(pointer);
   node->close();
   // If closing an owner deletes the entity, its callbacks may run until the owner's end.

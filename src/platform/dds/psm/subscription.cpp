@@ -1,7 +1,5 @@
-// Readers. Their callbacks are those of the C++ layer below.
+// Readers.
 
-#include "dds/psm/masks.hpp"
-#include <sonopose/dds/binding/data_reader.hpp>
 #include <sonopose/dds/psm/dds/sub/ddssub.hpp>
 
 #include <dds/ddsc/dds_internal_api.h>
@@ -9,100 +7,26 @@
 #include <algorithm>
 
 namespace dds::inline sonopose_psm::sub {
-namespace {
 
-namespace own = sonopose::dds;
 using core::detail::Access;
 using core::detail::check;
 
-struct AnyRead {};
-
-/// Passes callbacks on.
-class ReaderBridge : public own::DataReaderListener<AnyRead> {
-public:
-  ReaderBridge(detail::ReaderNode& reader, std::shared_ptr<detail::ReaderEvents> events)
-      : reader_(reader), events_(std::move(events)) {}
-
-  void on_data_available(own::DataReader<AnyRead>& reader) noexcept override {
-    reader_.handle(reader.handle());  // the constructor may not have returned yet
-    events_->on_data(reader_);
-  }
-  void on_subscription_matched(own::DataReader<AnyRead>& reader,
-                               const own::SubscriptionMatchedStatus& status) noexcept override {
-    pass<core::status::SubscriptionMatchedStatus>(reader, status);
-  }
-  void on_requested_deadline_missed(own::DataReader<AnyRead>& reader,
-                                    const own::RequestedDeadlineMissedStatus& status) noexcept override {
-    pass<core::status::RequestedDeadlineMissedStatus>(reader, status);
-  }
-  void on_requested_incompatible_qos(own::DataReader<AnyRead>& reader,
-                                     const own::RequestedIncompatibleQosStatus& status) noexcept override {
-    pass<core::status::RequestedIncompatibleQosStatus>(reader, status);
-  }
-  void on_liveliness_changed(own::DataReader<AnyRead>& reader,
-                             const own::LivelinessChangedStatus& status) noexcept override {
-    pass<core::status::LivelinessChangedStatus>(reader, status);
-  }
-  void on_sample_lost(own::DataReader<AnyRead>& reader,
-                      const own::SampleLostStatus& status) noexcept override {
-    pass<core::status::SampleLostStatus>(reader, status);
-  }
-  void on_sample_rejected(own::DataReader<AnyRead>& reader,
-                          const own::SampleRejectedStatus& status) noexcept override {
-    pass<core::status::SampleRejectedStatus>(reader, status);
-  }
-
-private:
-  template <class Status>
-  void pass(const own::DataReader<AnyRead>& reader, const auto& status) {
-    reader_.handle(reader.handle());
-    events_->on(reader_, Status(status));
-  }
-
-  detail::ReaderNode& reader_;
-  std::shared_ptr<detail::ReaderEvents> events_;
-};
-
-using Listener = std::pair<std::shared_ptr<ReaderBridge>, own::detail::CListener>;
-
-Listener listener_of(detail::ReaderNode& reader, std::shared_ptr<detail::ReaderEvents> events,
-                     const core::status::StatusMask& mask) {
-  if (events == nullptr) return {};
-  auto bridge = std::make_shared<ReaderBridge>(reader, std::move(events));
-  own::DataReaderListener<AnyRead>* const listener = bridge.get();
-  return {std::move(bridge), own::detail::c_listener(listener, own::StatusMask{core::detail::to_c(mask)})};
-}
-
-template <class Status, class C>
-Status status_of(const char* name, dds_return_t (*call)(dds_entity_t, C*), dds_entity_t reader) {
-  C status{};
-  check(name, call(reader, &status));
-  return Status(status);
-}
-
-}  // namespace
-
 namespace detail {
 
-std::shared_ptr<ReaderNode> make_reader(const core::Reference& subscriber, const core::Reference& topic,
-                                        const qos::DataReaderQos& qos, std::shared_ptr<ReaderEvents> events,
-                                        const core::status::StatusMask& mask) {
+std::shared_ptr<ReaderNode> make_node(const core::Reference& subscriber, const core::Reference& topic,
+                                      const qos::DataReaderQos& qos) {
   auto node = core::detail::Node::make<ReaderNode>(Access::owner(subscriber));
   node->topic = Access::owner(topic);
   node->qos = qos;
-  const auto [bridge, listener] = listener_of(*node, std::move(events), mask);
-  node->bridge = bridge;
-  node->handle(check("dds_create_reader", static_cast<const topic::detail::TopicNode&>(*node->topic).name,
-                     dds_create_reader(Access::handle(subscriber), node->topic->handle(), qos.c_qos().get(),
-                                       listener.get())));
-  static_cast<topic::detail::TopicNode&>(*node->topic).add_user(node);
   return node;
 }
 
-void listen(ReaderNode& reader, std::shared_ptr<ReaderEvents> events, const core::status::StatusMask& mask) {
-  const auto [bridge, listener] = listener_of(reader, std::move(events), mask);
-  check("dds_set_listener", dds_set_listener(reader.handle(), listener.get()));
-  reader.bridge = bridge;
+void open(ReaderNode& reader, const core::detail::Callbacks& callbacks) {
+  auto& topic = static_cast<topic::detail::TopicNode&>(*reader.topic);
+  reader.handle(check("dds_create_reader", topic.name,
+                      dds_create_reader(reader.owner()->handle(), topic.handle(), reader.qos.c_qos().get(),
+                                        reader.listener == nullptr ? nullptr : callbacks.c())));
+  topic.add_user(reader.shared_from_this());
 }
 
 Fetched::Fetched(const core::detail::Node& node, const Selection& selection,
@@ -151,32 +75,6 @@ Fetched::~Fetched() {
 void AnyDataReader::wait_for_historical_data(const core::Duration& timeout) {
   check("dds_reader_wait_for_historical_data",
         dds_reader_wait_for_historical_data(node().handle(), core::detail::to_c(timeout)));
-}
-
-core::status::LivelinessChangedStatus AnyDataReader::liveliness_changed_status() {
-  return status_of<core::status::LivelinessChangedStatus>("dds_get_liveliness_changed_status",
-                                                          dds_get_liveliness_changed_status, node().handle());
-}
-core::status::SampleRejectedStatus AnyDataReader::sample_rejected_status() {
-  return status_of<core::status::SampleRejectedStatus>("dds_get_sample_rejected_status",
-                                                       dds_get_sample_rejected_status, node().handle());
-}
-core::status::SampleLostStatus AnyDataReader::sample_lost_status() {
-  return status_of<core::status::SampleLostStatus>("dds_get_sample_lost_status", dds_get_sample_lost_status,
-                                                   node().handle());
-}
-core::status::RequestedDeadlineMissedStatus AnyDataReader::requested_deadline_missed_status() {
-  return status_of<core::status::RequestedDeadlineMissedStatus>(
-      "dds_get_requested_deadline_missed_status", dds_get_requested_deadline_missed_status, node().handle());
-}
-core::status::RequestedIncompatibleQosStatus AnyDataReader::requested_incompatible_qos_status() {
-  return status_of<core::status::RequestedIncompatibleQosStatus>("dds_get_requested_incompatible_qos_status",
-                                                                 dds_get_requested_incompatible_qos_status,
-                                                                 node().handle());
-}
-core::status::SubscriptionMatchedStatus AnyDataReader::subscription_matched_status() {
-  return status_of<core::status::SubscriptionMatchedStatus>(
-      "dds_get_subscription_matched_status", dds_get_subscription_matched_status, node().handle());
 }
 
 }  // namespace dds::inline sonopose_psm::sub

@@ -1,36 +1,6 @@
 // Participants, topics, publishers and subscribers.
 
-#include <sonopose/dds/binding/error.hpp>
-#include <sonopose/dds/binding/participant.hpp>
-#include <sonopose/dds/psm/dds/pub/ddspub.hpp>
-#include <sonopose/dds/psm/dds/sub/ddssub.hpp>
 #include <sonopose/dds/psm/ext.hpp>
-
-#include <stdexcept>
-
-namespace sonopose::dds::ext {
-
-::dds::domain::DomainParticipant participant(const DomainOptions& options,
-                                             const ::dds::domain::qos::DomainParticipantQos& qos) try {
-  const auto& user_data = qos.policy<::dds::core::policy::UserData>();
-  const auto membership =
-      std::make_shared<DomainParticipant>(options, Qos() << policy::UserData{user_data.value()});
-  auto node = ::dds::core::detail::Node::make<::dds::domain::detail::ParticipantNode>(nullptr);
-  node->domain_id = membership->domain_id();
-  node->qos = qos;
-  node->partition = ::dds::core::policy::Partition(options.partition);
-  node->membership = membership;
-  node->handle(membership->handle());
-  return ::dds::domain::DomainParticipant(std::move(node));
-} catch (const Error& error) {
-  ::dds::core::detail::fail(error.what(), error.code());
-} catch (const ::dds::core::Exception&) {
-  throw;
-} catch (const std::invalid_argument& error) {
-  throw ::dds::core::InvalidArgumentError(error.what());
-}
-
-}  // namespace sonopose::dds::ext
 
 namespace dds::inline sonopose_psm {
 namespace {
@@ -68,7 +38,8 @@ namespace domain {
 DomainParticipant::DomainParticipant(std::uint32_t id) : DomainParticipant(id, default_participant_qos()) {}
 
 DomainParticipant::DomainParticipant(std::uint32_t id, const qos::DomainParticipantQos& qos)
-    : DomainParticipant(sonopose::dds::ext::participant(options_for(id), qos)) {}
+    : DomainParticipant(
+          sonopose::dds::ext::participant(options_for(id), sonopose::dds::Qos(qos.c_qos().get()))) {}
 
 void DomainParticipant::qos(const qos::DomainParticipantQos& qos) {
   change_qos(node<detail::ParticipantNode>(), qos);

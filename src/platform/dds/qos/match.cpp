@@ -145,7 +145,8 @@ private:
 
   void at_least(const Subject& subject, dds_duration_t offered, dds_duration_t requested) {
     if (requested >= offered) return;
-    add(subject, text_of(Duration(offered)), text_of(Duration(requested)), no_less);
+    add(subject, text_of(std::chrono::nanoseconds(offered)), text_of(std::chrono::nanoseconds(requested)),
+        no_less);
   }
 
   const dds_qos_t* writer_;
@@ -164,9 +165,9 @@ bool meet(const std::string& a, const std::string& b) {
 }
 
 std::vector<std::string> partitions_of(const dds_qos_t* qos) {
-  auto partition = policy::Partition::from(qos);
-  if (!partition || partition->names.empty()) return {""};
-  return std::move(partition->names);
+  policy::Partition partition;  // by default, of the name ""
+  core::detail::read(partition, qos);
+  return partition.name().empty() ? core::StringSeq{""} : partition.name();
 }
 
 std::string listed(const std::vector<std::string>& names) {
@@ -240,9 +241,9 @@ std::string text_of(const Mismatch& mismatch) {
          mismatch.rule;
 }
 
-std::string text_of(Duration duration) {
-  if (duration == infinite) return "infinite";
-  if (duration == Duration::zero()) return "0";
+std::string text_of(std::chrono::nanoseconds duration) {
+  if (duration == std::chrono::nanoseconds::max()) return "infinite";
+  if (duration == std::chrono::nanoseconds::zero()) return "0";
   struct Unit {
     std::int64_t ns;
     const char* name;

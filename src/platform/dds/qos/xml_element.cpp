@@ -83,7 +83,7 @@ std::int32_t number32(const Source& source, const pugi::xml_node& element, std::
   return static_cast<std::int32_t>(number(source, element, lowest, int32_max, words));
 }
 
-Duration duration(const Source& source, const pugi::xml_node& element) {
+core::Duration duration(const Source& source, const pugi::xml_node& element) {
   constexpr std::int64_t forever = -1;
   const Parent parent(source, element, {"sec", "nanosec"});
   if (!parent.has("sec") && !parent.has("nanosec")) {
@@ -104,13 +104,13 @@ Duration duration(const Source& source, const pugi::xml_node& element) {
   if ((infinite_sec && nanoseconds && !infinite_nsec) || (infinite_nsec && seconds && !infinite_sec)) {
     source.fail(element, "only one of <sec> and <nanosec> is infinite");
   }
-  if (infinite_sec || infinite_nsec) return infinite;
-  return std::chrono::seconds(seconds.value_or(0)) + Duration(nanoseconds.value_or(0));
+  if (infinite_sec || infinite_nsec) return core::Duration::infinite();
+  return core::Duration(seconds.value_or(0), static_cast<std::uint32_t>(nanoseconds.value_or(0)));
 }
 
-Duration positive_duration(const Source& source, const pugi::xml_node& element) {
-  const Duration value = duration(source, element);
-  if (value <= Duration::zero()) source.fail(element, "must be more than zero");
+core::Duration positive_duration(const Source& source, const pugi::xml_node& element) {
+  const core::Duration value = duration(source, element);
+  if (value == core::Duration::zero()) source.fail(element, "must be more than zero");
   return value;
 }
 

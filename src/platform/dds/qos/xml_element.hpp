@@ -1,7 +1,7 @@
 #pragma once
 // Reads elements of OMG DDS-XML below a policy. Strict: errors name file, line and element.
 
-#include <sonopose/dds/binding/types.hpp>
+#include <sonopose/dds/psm/qos.hpp>
 
 #include <pugixml.hpp>
 
@@ -72,9 +72,9 @@ std::int32_t number32(const Source& source, const pugi::xml_node& element, std::
                       const Words& words = {});
 
 /// Reads `<sec>` and `<nanosec>`. Infinite if all given parts are infinite.
-Duration duration(const Source& source, const pugi::xml_node& element);
+core::Duration duration(const Source& source, const pugi::xml_node& element);
 /// Duration above zero.
-Duration positive_duration(const Source& source, const pugi::xml_node& element);
+core::Duration positive_duration(const Source& source, const pugi::xml_node& element);
 
 std::vector<std::uint8_t> base64(const Source& source, const pugi::xml_node& element);
 

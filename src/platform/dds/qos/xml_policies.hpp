@@ -2,7 +2,6 @@
 // Reads the policies of OMG DDS-XML.
 
 #include "dds/qos/xml_element.hpp"
-#include <sonopose/dds/binding/qos.hpp>
 
 #include <pugixml.hpp>
 

@@ -16,16 +16,16 @@ using sonopose::test::wait_until;
 /// A process that writes poses and statuses of beacon 7.
 struct Fusion {
   Fusion(std::uint64_t id, std::int32_t strength) {
-    poses.ownership_strength(strength);
+    poses.qos(poses.qos() << policy::OwnershipStrength(strength));
     sonopose_FusionStatus status{};
     status.address = 7;
     status.fusion_id = id;
     statuses.write(status);
   }
 
-  DomainParticipant member = participant();
-  DataWriter<sonopose_FusedPose> poses = topics::make_writer(member, project_qos(), topics::pose);
-  DataWriter<sonopose_FusionStatus> statuses =
+  domain::DomainParticipant member = participant();
+  pub::DataWriter<sonopose_FusedPose> poses = topics::make_writer(member, project_qos(), topics::pose);
+  pub::DataWriter<sonopose_FusionStatus> statuses =
       topics::make_writer(member, project_qos(), topics::fusion_status);
 };
 
@@ -41,7 +41,7 @@ struct Consumer {
       pose.address = 7;
       pose.event_sequence = sequence;
       fusion.poses.write(pose);
-      poses.take_each([&](const sonopose_FusedPose& received, const SampleInfo& info) {
+      ext::take_each(poses, [&](const sonopose_FusedPose& received, const sub::SampleInfo& info) {
         if (received.event_sequence == sequence) verdict = pin.wrote(poses, info);
       });
       return verdict.has_value();
@@ -49,8 +49,8 @@ struct Consumer {
     return verdict;
   }
 
-  DomainParticipant member = participant();
-  DataReader<sonopose_FusedPose> poses = topics::make_reader(member, project_qos(), topics::pose);
+  domain::DomainParticipant member = participant();
+  sub::DataReader<sonopose_FusedPose> poses = topics::make_reader(member, project_qos(), topics::pose);
   topics::PinnedFusion pin{member, project_qos(), 42};
   std::uint64_t next_sequence = 0;
 };

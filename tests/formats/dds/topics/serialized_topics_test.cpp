@@ -13,9 +13,10 @@ using topics::KeyField;
 SerializedSample taken_key(SerializedReader& reader, const std::function<void()>& dispose) {
   SerializedSample key;
   dispose();
-  wait_for(reader, StatusMask::data_available(), [&] {
-    reader.try_take_each([](SerializedSample&&, const SampleInfo&) {},
-                         [&](SerializedSample&& end, const SampleInfo&) { key = std::move(end); });
+  wait_for(reader, core::status::StatusMask::data_available(), [&] {
+    ext::try_take_each(
+        reader, [](SerializedSample&&, const sub::SampleInfo&) {},
+        [&](SerializedSample&& end, const sub::SampleInfo&) { key = std::move(end); });
     return !key.bytes().empty();
   });
   return key;
@@ -46,7 +47,7 @@ TEST_CASE("The table without types has every row of the diagram") {
 }
 
 TEST_CASE("Its readers and writers match the typed ones of every topic") {
-  const DomainParticipant member = participant();
+  const domain::DomainParticipant member = participant();
   const qos::Provider qos = project_qos();
   const auto check = [&](const auto& entry) {
     CAPTURE(entry.name);
@@ -57,14 +58,14 @@ TEST_CASE("Its readers and writers match the typed ones of every topic") {
     auto reader = topic->make_reader(member, qos, nullptr);
     const auto writer = topic->make_writer(member, qos, topics::Delivery::live);
     CHECK(matched(typed_reader, 2));
-    CHECK(wait_for(reader, StatusMask::subscription_matched(),
-                   [&] { return reader.subscription_matched_status().current_count == 2; }));
+    CHECK(wait_for(reader, core::status::StatusMask::subscription_matched(),
+                   [&] { return reader.subscription_matched_status().current_count() == 2; }));
   };
   std::apply([&](const auto&... entries) { (check(entries), ...); }, topics::all);
 }
 
 TEST_CASE("The key of an instance has its fields by name") {
-  const DomainParticipant member = participant();
+  const domain::DomainParticipant member = participant();
   const qos::Provider qos = project_qos();
   SECTION("the address of a beacon") {
     auto reader = topics::find_topic("pose")->make_reader(member, qos, nullptr);
@@ -105,7 +106,7 @@ TEST_CASE("The key of an instance has its fields by name") {
 }
 
 TEST_CASE("The times of a sample move, and nothing else") {
-  const DomainParticipant member = participant();
+  const domain::DomainParticipant member = participant();
   const qos::Provider qos = project_qos();
   auto reader = topics::make_reader(member, qos, topics::line_status);
   auto before = topics::find_topic("line_status")->make_reader(member, qos, nullptr);
@@ -116,17 +117,18 @@ TEST_CASE("The times of a sample move, and nothing else") {
   line.time = 1'600'000'000'000'000'001;
   writer.write(line);
   std::vector<std::byte> bytes;
-  REQUIRE(wait_for(before, StatusMask::data_available(), [&] {
-    before.try_take_each(
-        [&](SerializedSample&& sample, const SampleInfo&) {
+  REQUIRE(wait_for(before, core::status::StatusMask::data_available(), [&] {
+    ext::try_take_each(
+        before,
+        [&](SerializedSample&& sample, const sub::SampleInfo&) {
           bytes.assign(sample.bytes().begin(), sample.bytes().end());
         },
-        [](SerializedSample&&, const SampleInfo&) {});
+        [](SerializedSample&&, const sub::SampleInfo&) {});
     return !bytes.empty();
   }));
   REQUIRE(take_samples(reader, 1).size() == 1);
   REQUIRE(topics::find_topic("line_status")->shift_times(bytes, -1'000));
-  topics::find_topic("line_status")->make_writer(member, qos, topics::Delivery::live).forward(bytes, 1);
+  ext::forward(topics::find_topic("line_status")->make_writer(member, qos, topics::Delivery::live), bytes, 1);
   const auto lines = take_samples(reader, 1);
   REQUIRE(lines.size() == 1);
   CHECK(lines[0].time == 1'599'999'999'999'999'001);

@@ -25,24 +25,24 @@ auto& key_of(auto& sample) {
 
 /// Sends one sample of the topic from a new writer to a new reader.
 template <class T>
-void check_pair(const DomainParticipant& member, const qos::Provider& qos, const topics::Entry<T>& entry,
-                topics::Delivery written, topics::Delivery read) {
+void check_pair(const domain::DomainParticipant& member, const qos::Provider& qos,
+                const topics::Entry<T>& entry, topics::Delivery written, topics::Delivery read) {
   CAPTURE(entry.name, written, read);
-  DataReader<T> reader = topics::make_reader(member, qos, entry, nullptr, read);
-  DataWriter<T> writer = topics::make_writer(member, qos, entry, nullptr, written);
+  sub::DataReader<T> reader = topics::make_reader(member, qos, entry, nullptr, read);
+  pub::DataWriter<T> writer = topics::make_writer(member, qos, entry, nullptr, written);
   REQUIRE(matched(reader));
   T sample{};
   key_of(sample) = 7;
   writer.write(sample);
   T taken = take_samples(reader, 1).at(0);
   CHECK(key_of(taken) == 7);
-  CHECK(reader.requested_incompatible_qos_status().total_count == 0);
-  CHECK(writer.offered_incompatible_qos_status().total_count == 0);
+  CHECK(reader.requested_incompatible_qos_status().total_count() == 0);
+  CHECK(writer.offered_incompatible_qos_status().total_count() == 0);
   writer.unregister_instance(sample);
 }
 
 TEST_CASE("Every row of the wiring diagram carries samples, live and lossless in any mixture") {
-  const DomainParticipant member = participant();
+  const domain::DomainParticipant member = participant();
   const qos::Provider qos = project_qos();
   std::apply(
       [&](const auto&... entry) {
@@ -63,41 +63,41 @@ TEST_CASE("Every row has a unique name below sonopose") {
 }
 
 TEST_CASE("A status reaches a late-joining monitor") {
-  const DomainParticipant member = participant();
+  const domain::DomainParticipant member = participant();
   const qos::Provider qos = project_qos();
-  DataWriter<sonopose_FusionStatus> writer = topics::make_writer(member, qos, topics::fusion_status);
+  pub::DataWriter<sonopose_FusionStatus> writer = topics::make_writer(member, qos, topics::fusion_status);
   sonopose_FusionStatus status{};
   status.address = 9;
   status.time = 1;
   writer.write(status);
   status.time = 2;
   writer.write(status);
-  DataReader<sonopose_FusionStatus> late = topics::make_reader(member, qos, topics::fusion_status);
+  sub::DataReader<sonopose_FusionStatus> late = topics::make_reader(member, qos, topics::fusion_status);
   const auto samples = take_samples(late, 1);
   REQUIRE(samples.size() == 1);
   CHECK(samples[0].time == 2);
 }
 
 /// Counts the losses that DDS reports.
-struct LossListener final : DataReaderListener<sonopose_FusedPose> {
-  void on_sample_lost(DataReader<sonopose_FusedPose>& /*reader*/,
-                      const SampleLostStatus& status) noexcept override {
-    lost += status.total_count_change;
+struct LossListener final : sub::NoOpDataReaderListener<sonopose_FusedPose> {
+  void on_sample_lost(sub::DataReader<sonopose_FusedPose>& /*reader*/,
+                      const core::status::SampleLostStatus& status) noexcept override {
+    lost += status.total_count_change();
   }
   std::int32_t lost = 0;
 };
 
 TEST_CASE("What a standby writes is no loss of its consumers") {
-  const DomainParticipant member = participant();
+  const domain::DomainParticipant member = participant();
   const qos::Provider qos = project_qos();
   const auto writer_of = [&](std::int32_t strength) {
     return topics::make_writer(member, qos, topics::pose, nullptr, topics::Delivery::live,
-                               Qos() << policy::OwnershipStrength{strength});
+                               Qos() << policy::OwnershipStrength(strength));
   };
   LossListener listener;
   auto reader = topics::make_reader(member, qos, topics::pose, &listener, topics::Delivery::live,
                                     static_cast<topics::AddressFilter*>(nullptr),
-                                    StatusMask::all().without(StatusMask::data_available()));
+                                    ext::all_but(core::status::StatusMask::data_available()));
   auto serving = writer_of(200);
   auto standby = writer_of(100);
   REQUIRE(matched(reader, 2));
@@ -113,11 +113,11 @@ TEST_CASE("What a standby writes is no loss of its consumers") {
 }
 
 TEST_CASE("A reset does not reach a late-joining fusion") {
-  const DomainParticipant member = participant();
+  const domain::DomainParticipant member = participant();
   const qos::Provider qos = project_qos();
-  DataWriter<sonopose_ResetCommand> writer = topics::make_writer(member, qos, topics::reset);
+  pub::DataWriter<sonopose_ResetCommand> writer = topics::make_writer(member, qos, topics::reset);
   writer.write(command(7, 1));
-  DataReader<sonopose_ResetCommand> late = topics::make_reader(member, qos, topics::reset);
+  sub::DataReader<sonopose_ResetCommand> late = topics::make_reader(member, qos, topics::reset);
   REQUIRE(matched(late));
   writer.write(command(7, 2));
   const auto samples = take_samples(late, 1);
@@ -127,7 +127,7 @@ TEST_CASE("A reset does not reach a late-joining fusion") {
 
 TEST_CASE(
     "The effective settings reach a late-joining consumer: the latest of each beacon, with their texts") {
-  const DomainParticipant member = participant();
+  const domain::DomainParticipant member = participant();
   const qos::Provider qos = project_qos();
   auto writer = topics::make_writer(member, qos, topics::settings);
   const EffectiveSettings first{7, 1, 10, {{"documented.drift.jump_alpha", "0.25"}}};
@@ -137,8 +137,9 @@ TEST_CASE(
   for (const auto* settings : {&first, &second, &other}) writer.write(topics::to_idl(*settings).sample());
   auto late = topics::make_reader(member, qos, topics::settings);
   std::vector<EffectiveSettings> seen;
-  REQUIRE(wait_for(late, StatusMask::data_available(), [&] {
-    late.take_each([&](const auto& sample, const SampleInfo&) { seen.push_back(topics::from_idl(sample)); });
+  REQUIRE(wait_for(late, core::status::StatusMask::data_available(), [&] {
+    ext::take_each(
+        late, [&](const auto& sample, const sub::SampleInfo&) { seen.push_back(topics::from_idl(sample)); });
     return seen.size() >= 2;
   }));
   std::sort(seen.begin(), seen.end(), [](const auto& a, const auto& b) { return a.address < b.address; });
@@ -146,7 +147,7 @@ TEST_CASE(
 }
 
 TEST_CASE("A settings request does not reach a late-joining fusion, and many in a row all arrive") {
-  const DomainParticipant member = participant();
+  const domain::DomainParticipant member = participant();
   const qos::Provider qos = project_qos();
   auto writer = topics::make_writer(member, qos, topics::settings_request);
   const auto request = [](std::uint64_t id) {
@@ -161,8 +162,9 @@ TEST_CASE("A settings request does not reach a late-joining fusion, and many in 
     writer.write(topics::to_idl(expected.back()).sample());
   }
   std::vector<SettingsRequest> seen;
-  wait_for(late, StatusMask::data_available(), [&] {
-    late.take_each([&](const auto& sample, const SampleInfo&) { seen.push_back(topics::from_idl(sample)); });
+  wait_for(late, core::status::StatusMask::data_available(), [&] {
+    ext::take_each(
+        late, [&](const auto& sample, const sub::SampleInfo&) { seen.push_back(topics::from_idl(sample)); });
     return seen.size() >= expected.size();
   });
   CHECK(seen == expected);

@@ -5,7 +5,7 @@
 #include "mcap/file_sink.hpp"
 #include "mcap/writer.hpp"
 #include "sim/simulator.hpp"
-#include <sonopose/dds/binding/cdr.hpp>
+#include <sonopose/dds/psm/cdr.hpp>
 #include <sonopose/ros2/messages/borrow.hpp>
 #include <sonopose/ros2/messages/idl_types.hpp>
 #include <sonopose/ros2/messages/messages.hpp>

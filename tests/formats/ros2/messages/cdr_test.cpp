@@ -8,9 +8,8 @@
 #include <array>
 #include <cstring>
 
-namespace cdr_test {
+namespace sonopose::cdr_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 
 /// Serializes fields in little-endian XCDR1. A number is aligned to its size, relative to the end of the
@@ -138,4 +137,4 @@ TEST_CASE("Diagnostics, byte by byte") {
   CHECK(difference(topic.bytes_of(&array), expected) == "");
 }
 
-}  // namespace cdr_test
+}  // namespace sonopose::cdr_test

@@ -3,7 +3,7 @@
 /// A topic that writes and reads serialized samples.
 
 #include "support/test_domain.hpp"
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 
 #include <dds/dds.h>
 #include <dds/ddsi/ddsi_serdata.h>
@@ -21,13 +21,13 @@ using Bytes = std::vector<std::uint8_t>;
 class RawTopic {
 public:
   explicit RawTopic(const dds_topic_descriptor_t& descriptor)
-      : participant_(dds::make_participant({.domain_id = domain_.id()})) {
+      : participant_(dds::ext::participant({.domain_id = domain_.id()})) {
     const dds_entity_t topic =
-        good(dds_create_topic(participant_.handle(), &descriptor, "rt/raw", nullptr, nullptr));
+        good(dds_create_topic(dds::ext::handle(participant_), &descriptor, "rt/raw", nullptr, nullptr));
     dds::Qos qos;
-    qos << dds::policy::Reliability::reliable() << dds::policy::History::keep_last(10);
-    reader_ = good(dds_create_reader(participant_.handle(), topic, qos.get(), nullptr));
-    writer_ = good(dds_create_writer(participant_.handle(), topic, qos.get(), nullptr));
+    qos << dds::policy::Reliability::Reliable() << dds::policy::History::KeepLast(10);
+    reader_ = good(dds_create_reader(dds::ext::handle(participant_), topic, qos.get(), nullptr));
+    writer_ = good(dds_create_writer(dds::ext::handle(participant_), topic, qos.get(), nullptr));
   }
 
   /// Serialized `sample` with its encapsulation header.
@@ -75,7 +75,7 @@ private:
   }
 
   TestDomain domain_;
-  dds::DomainParticipant participant_;
+  dds::domain::DomainParticipant participant_;
   dds_entity_t reader_ = 0;
   dds_entity_t writer_ = 0;
 };

@@ -13,6 +13,7 @@
 
 int main(int argc, char** argv) try {
   using namespace sonopose;
+  namespace dds = sonopose::dds;
   if (argc != 3) return 2;
   sigset_t end{};
   sigemptyset(&end);
@@ -20,7 +21,7 @@ int main(int argc, char** argv) try {
   pthread_sigmask(SIG_BLOCK, &end, nullptr);
 
   const auto distro = std::string_view(argv[2]) == "humble" ? ros2::Distro::humble : ros2::Distro::jazzy;
-  const dds::DomainParticipant participant = dds::make_participant(
+  const dds::domain::DomainParticipant participant = dds::ext::participant(
       {.domain_id = static_cast<std::uint32_t>(std::strtoul(argv[1], nullptr, 10))}, ros2::participant_qos());
   const dds::qos::Provider qos;
   ros2::Node node(participant, qos, ros2::NameResolver({.name_space = "/hall", .name = "locator"}), distro);

@@ -2,7 +2,7 @@
 
 #include "support/process.hpp"
 #include "support/test_domain.hpp"
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/ros2/messages/type_hash.hpp>
 
 #include <catch2/catch.hpp>
@@ -14,9 +14,8 @@
 #include <string>
 #include <vector>
 
-namespace wire_test {
+namespace sonopose::wire_test {
 
-using namespace sonopose;
 using test::Process;
 using Stream = Process::Stream;
 
@@ -76,7 +75,7 @@ TEST_CASE("On the wire, the topics of a node have names, types, QoS and hashes o
   }
   Process node(SONOPOSE_TEST_ROS2_NODE, {std::to_string(domain.id()), "jazzy"});
   const auto other =
-      dds::make_participant({.domain_id = domain.id()});  // discovery data is sent only to other participants
+      dds::ext::participant({.domain_id = domain.id()});  // discovery data is sent only to other participants
   for (const char* const topic : {"topic: rt/hall/imu/data", "topic: rt/tf_static",
                                   "topic: rt/hall/locator/fix_in", "topic: ros_discovery_info"}) {
     REQUIRE(sniffer->wait_for_line(Stream::output, topic));
@@ -103,4 +102,4 @@ TEST_CASE("On the wire, the topics of a node have names, types, QoS and hashes o
   CHECK_THAT(graph, Contains("typeName: rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_\n"));
 }
 
-}  // namespace wire_test
+}  // namespace sonopose::wire_test

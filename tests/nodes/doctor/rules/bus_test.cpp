@@ -4,9 +4,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-namespace bus_test {
+namespace sonopose::bus_test {
 
-using namespace sonopose;
 using namespace sonopose::doctor::rules;
 using namespace sonopose::doctor::rules::test;
 using Catch::Contains;
@@ -181,14 +180,16 @@ TEST_CASE("A reader that does not match is reported with the policy and its proc
 
 TEST_CASE("A deadline that is too short is an error of its topic") {
   Observations observations = healthy();
-  observations.readers.front().qos << dds::policy::Deadline{std::chrono::milliseconds(1)};
+  observations.readers.front().qos << dds::policy::Deadline(
+      dds::ext::to_duration(std::chrono::milliseconds(1)));
   CHECK(found(diagnose(observations), "deadline: offered infinite, requested 1 ms").subject ==
         "sonopose/imu");
 }
 
 TEST_CASE("If the fusion does not receive the beacon, consequences are not reported") {
   Observations observations = healthy();
-  observations.readers.front().qos << dds::policy::Deadline{std::chrono::milliseconds(1)};
+  observations.readers.front().qos << dds::policy::Deadline(
+      dds::ext::to_duration(std::chrono::milliseconds(1)));
   observations.beacons.front().pose = {};
   observations.beacons.front().fusion->events_lost = 100;
   const auto findings = diagnose(observations);
@@ -235,7 +236,7 @@ TEST_CASE(
     "Endpoints in different partitions are not a problem; a bridge without a fusion in its partition is a "
     "warning") {
   Observations observations = healthy();
-  const dds::Qos east = dds::Qos() << dds::policy::Partition{{"east"}};
+  const dds::Qos east = dds::Qos() << dds::policy::Partition("east");
   observations.writers.push_back(endpoint("sonopose/imu", "sonopose::ImuSample", "sonopose-bridge", east));
   CHECK(found(diagnose(observations), "no reader is in the partition of sonopose-bridge").severity ==
         Severity::warning);
@@ -288,4 +289,4 @@ TEST_CASE("A process is named by its known fields") {
   CHECK(text_of(ProcessObservation{}) == "an unknown process");
 }
 
-}  // namespace bus_test
+}  // namespace sonopose::bus_test

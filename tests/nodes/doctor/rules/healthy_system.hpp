@@ -16,8 +16,7 @@ inline EndpointObservation endpoint(const std::string& topic, const std::string&
 }
 
 inline dds::Qos exclusive(std::int32_t strength = 100) {
-  return dds::Qos() << dds::policy::Ownership{dds::policy::OwnershipKind::exclusive}
-                    << dds::policy::OwnershipStrength{strength};
+  return dds::Qos() << dds::policy::Ownership::Exclusive() << dds::policy::OwnershipStrength(strength);
 }
 
 inline BeaconObservation healthy_beacon() {

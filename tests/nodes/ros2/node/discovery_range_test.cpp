@@ -3,7 +3,7 @@
 
 #include "support/process.hpp"
 #include "support/test_domain.hpp"
-#include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
 #include <catch2/catch.hpp>
@@ -17,9 +17,8 @@
 #include <string>
 #include <vector>
 
-namespace discovery_range_test {
+namespace sonopose::discovery_range_test {
 
-using namespace sonopose;
 using Command = sonopose_ResetCommand;
 
 std::string configuration(const std::string& content) {
@@ -55,13 +54,14 @@ bool has_interface(unsigned flags) {
 std::set<std::size_t> met(dds::Network network, const std::vector<std::string>& others) {
   const test::TestDomain domain;
   ::unsetenv("CYCLONEDDS_URI");
-  const dds::DomainParticipant member = dds::make_participant({.domain_id = domain.id(), .network = network});
-  const dds::Qos qos = dds::Qos() << dds::policy::Reliability::reliable()
-                                  << dds::policy::Durability{dds::policy::DurabilityKind::transient_local};
-  const dds::Topic<Command> from(member, "test/from_peer");
-  const dds::Topic<Command> to(member, "test/to_peer");
-  dds::DataReader<Command> reader(member, from, qos);
-  dds::DataWriter<Command> writer(member, to, qos);
+  const dds::domain::DomainParticipant member =
+      dds::ext::participant({.domain_id = domain.id(), .network = network});
+  const dds::Qos qos = dds::Qos() << dds::policy::Reliability::Reliable()
+                                  << dds::policy::Durability::TransientLocal();
+  const dds::topic::Topic<Command> from(member, "test/from_peer");
+  const dds::topic::Topic<Command> to(member, "test/to_peer");
+  dds::sub::DataReader<Command> reader(dds::sub::Subscriber(member), from, qos);
+  dds::pub::DataWriter<Command> writer(dds::pub::Publisher(member), to, qos);
   writer.write({.address = 1, .request_id = 1});
 
   std::vector<std::unique_ptr<test::Process>> processes;
@@ -70,15 +70,16 @@ std::set<std::size_t> met(dds::Network network, const std::vector<std::string>& 
         SONOPOSE_TEST_ROS2_PEER,
         std::vector<std::string>{std::to_string(domain.id()), others[i], std::to_string(i)}));
   }
-  dds::StatusCondition condition(reader);
-  condition.enabled_statuses(dds::StatusMask::data_available());
-  dds::WaitSet waitset;
+  dds::core::cond::StatusCondition condition(reader);
+  condition.enabled_statuses(dds::core::status::StatusMask::data_available());
+  dds::core::cond::WaitSet waitset;
   waitset += condition;
   std::set<std::size_t> found;
   const auto give_up = std::chrono::steady_clock::now() + test::timeout;
   while (found.size() < others.size() && std::chrono::steady_clock::now() < give_up) {
-    waitset.wait(give_up - std::chrono::steady_clock::now());
-    reader.take_each([&](const Command& command, const dds::SampleInfo&) { found.insert(command.address); });
+    dds::ext::wait(waitset, give_up - std::chrono::steady_clock::now());
+    dds::ext::take_each(
+        reader, [&](const Command& command, const dds::sub::SampleInfo&) { found.insert(command.address); });
   }
   return found;
 }
@@ -104,4 +105,4 @@ TEST_CASE("In the range subnet, a process discovers native processes and ROS 2 n
         std::set<std::size_t>{0, 1, 2, 3, 4});
 }
 
-}  // namespace discovery_range_test
+}  // namespace sonopose::discovery_range_test

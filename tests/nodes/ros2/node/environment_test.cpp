@@ -6,9 +6,8 @@
 #include <string>
 #include <vector>
 
-namespace environment_test {
+namespace sonopose::environment_test {
 
-using namespace sonopose;
 using namespace sonopose::ros2;
 using dds::Network;
 
@@ -85,4 +84,4 @@ TEST_CASE("An unknown distribution counts as the newest one, with a warning") {
   CHECK_THAT(found.warning, Catch::Contains("ROS_DISTRO is 'lyrical'"));
 }
 
-}  // namespace environment_test
+}  // namespace sonopose::environment_test

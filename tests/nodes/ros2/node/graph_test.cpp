@@ -13,9 +13,8 @@
 #include <string>
 #include <vector>
 
-namespace graph_test {
+namespace sonopose::graph_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 using ros2::Distro;
 
@@ -34,8 +33,8 @@ public:
 private:
   TestDomain domain_;
   std::atomic<int> changes_ = 0;
-  dds::DomainParticipant participant_ =
-      dds::make_participant({.domain_id = domain_.id()}, ros2::participant_qos());
+  dds::domain::DomainParticipant participant_ =
+      dds::ext::participant({.domain_id = domain_.id()}, ros2::participant_qos());
   ros2::GraphObserver observer_{participant_, [this] { ++changes_; }};
 };
 
@@ -148,4 +147,4 @@ SCENARIO("Humble's layout harms no reader of the later one; the opposite is not 
   }
 }
 
-}  // namespace graph_test
+}  // namespace sonopose::graph_test

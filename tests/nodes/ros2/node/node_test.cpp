@@ -16,9 +16,8 @@
 #include <type_traits>
 #include <vector>
 
-namespace node_test {
+namespace sonopose::node_test {
 
-using namespace sonopose;
 using namespace test;
 using Stream = Process::Stream;
 
@@ -84,7 +83,7 @@ TEST_CASE("A node announces only changes") {
   node.announce();
   node.announce();
   auto imu = node.make_writer<ros2::Imu>("imu", "ros2::Default");
-  const std::string key = dds::text_of(dds::guid_of(imu));
+  const std::string key = dds::ext::text_of(dds::ext::guid_of(imu));
   node.announce();
   node.remove(imu);
   imu.close();
@@ -97,4 +96,4 @@ TEST_CASE("A node announces only changes") {
   CHECK(watcher.messages[2].nodes.at(0).writers.empty());
 }
 
-}  // namespace node_test
+}  // namespace sonopose::node_test

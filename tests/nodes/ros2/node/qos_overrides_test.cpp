@@ -1,13 +1,12 @@
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/ros2/node/qos_overrides.hpp>
 
 #include <catch2/catch.hpp>
 
 #include <stdexcept>
 
-namespace qos_overrides_test {
+namespace sonopose::qos_overrides_test {
 
-using namespace sonopose;
 using ros2::QosOverrides;
 using Endpoint = QosOverrides::Endpoint;
 using Catch::Matchers::Contains;
@@ -16,7 +15,7 @@ namespace policy = dds::policy;
 /// QoS of an endpoint that is reliable with a depth of 10.
 dds::Qos changed(const QosOverrides& overrides, const std::string& topic, Endpoint endpoint) {
   dds::Qos qos;
-  qos << policy::Reliability::reliable() << policy::History::keep_last(10);
+  qos << policy::Reliability::Reliable() << policy::History::KeepLast(10);
   overrides.apply(topic, endpoint, qos);
   return qos;
 }
@@ -30,17 +29,17 @@ SCENARIO("parameters of ROS 2 change the QoS of one topic's publisher") {
     CHECK(overrides.add("qos_overrides./odom.publisher.deadline", "500000000"));
     THEN("its publisher has them") {
       const dds::Qos qos = changed(overrides, "/odom", Endpoint::publisher);
-      CHECK(qos.policy<policy::Reliability>()->kind == policy::ReliabilityKind::best_effort);
-      CHECK(qos.policy<policy::History>()->depth == 3);
-      CHECK(qos.policy<policy::History>()->kind == policy::HistoryKind::keep_last);
-      CHECK(qos.policy<policy::Durability>()->kind == policy::DurabilityKind::transient_local);
+      CHECK(qos.policy<policy::Reliability>()->kind() == policy::ReliabilityKind::BEST_EFFORT);
+      CHECK(qos.policy<policy::History>()->depth() == 3);
+      CHECK(qos.policy<policy::History>()->kind() == policy::HistoryKind::KEEP_LAST);
+      CHECK(qos.policy<policy::Durability>()->kind() == policy::DurabilityKind::TRANSIENT_LOCAL);
       CHECK(dds::deadline_of(qos) == std::chrono::milliseconds(500));
     }
     THEN("its subscription and other topics do not") {
       for (const auto& qos : {changed(overrides, "/odom", Endpoint::subscription),
                               changed(overrides, "/pose", Endpoint::publisher)}) {
-        CHECK(qos.policy<policy::Reliability>()->kind == policy::ReliabilityKind::reliable);
-        CHECK(qos.policy<policy::History>()->depth == 10);
+        CHECK(qos.policy<policy::Reliability>()->kind() == policy::ReliabilityKind::RELIABLE);
+        CHECK(qos.policy<policy::History>()->depth() == 10);
       }
     }
   }
@@ -62,4 +61,4 @@ SCENARIO("parameters of ROS 2 change the QoS of one topic's publisher") {
   }
 }
 
-}  // namespace qos_overrides_test
+}  // namespace sonopose::qos_overrides_test

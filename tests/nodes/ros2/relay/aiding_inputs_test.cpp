@@ -18,9 +18,8 @@
 #include <string>
 #include <vector>
 
-namespace aiding_inputs_test {
+namespace sonopose::aiding_inputs_test {
 
-using namespace sonopose;
 using Catch::Matchers::Contains;
 using ros2::AidingInput;
 using ros2::InputMonitor;
@@ -42,19 +41,21 @@ SCENARIO("velocities of drivers become samples") {
   GIVEN("a driver of odometry, and one of TwistStamped") {
     const test::TestDomain domain;
     const dds::qos::Provider qos;
-    const auto participant = dds::make_participant({.domain_id = domain.id()});
-    const auto drivers = dds::make_participant({.domain_id = domain.id()});
+    const auto participant = dds::ext::participant({.domain_id = domain.id()});
+    const auto drivers = dds::ext::participant({.domain_id = domain.id()});
     ros2::Node node(participant, qos, ros2::NameResolver({}), ros2::Distro::jazzy);
     ros2::Mount mount;
     ros2::relay::AidingInputs inputs(node,
                                      {AidingInput::parse(Kind::odometry, "/odom=7"),
                                       AidingInput::parse(Kind::twist, "/wheel:TwistStamped=8")},
                                      frames(mount), second_ns);
-    dds::DataWriter<ros2::Odometry> odometry(drivers, dds::Topic<ros2::Odometry>(drivers, "rt/odom"));
-    dds::DataWriter<ros2::TwistStamped> wheel(drivers, dds::Topic<ros2::TwistStamped>(drivers, "rt/wheel"));
+    dds::pub::DataWriter<ros2::Odometry> odometry(dds::pub::Publisher(drivers),
+                                                  dds::topic::Topic<ros2::Odometry>(drivers, "rt/odom"));
+    dds::pub::DataWriter<ros2::TwistStamped> wheel(
+        dds::pub::Publisher(drivers), dds::topic::Topic<ros2::TwistStamped>(drivers, "rt/wheel"));
     REQUIRE(test::wait_until([&] {
-      return odometry.publication_matched_status().current_count > 0 &&
-             wheel.publication_matched_status().current_count > 0;
+      return odometry.publication_matched_status().current_count() > 0 &&
+             wheel.publication_matched_status().current_count() > 0;
     }));
     test::CollectingSink sink;
     InputMonitor::Lines lines;
@@ -146,8 +147,8 @@ template <class T>
 struct Rig {
   explicit Rig(Kind kind, const std::string& text)
       : inputs(node, {AidingInput::parse(kind, text)}, frames(mount), second_ns),
-        driver(drivers, dds::Topic<T>(drivers, "rt/topic")) {
-    REQUIRE(test::wait_until([&] { return driver.publication_matched_status().current_count > 0; }));
+        driver(drivers, dds::topic::Topic<T>(drivers, "rt/topic")) {
+    REQUIRE(test::wait_until([&] { return driver.publication_matched_status().current_count() > 0; }));
   }
 
   /// Writes messages and takes until `count` are used or refused.
@@ -162,12 +163,12 @@ struct Rig {
 
   test::TestDomain domain;
   dds::qos::Provider qos;
-  dds::DomainParticipant participant = dds::make_participant({.domain_id = domain.id()});
-  dds::DomainParticipant drivers = dds::make_participant({.domain_id = domain.id()});
+  dds::domain::DomainParticipant participant = dds::ext::participant({.domain_id = domain.id()});
+  dds::domain::DomainParticipant drivers = dds::ext::participant({.domain_id = domain.id()});
   ros2::Node node{participant, qos, ros2::NameResolver({}), ros2::Distro::jazzy};
   ros2::Mount mount;
   ros2::relay::AidingInputs inputs;
-  dds::DataWriter<T> driver;
+  dds::pub::DataWriter<T> driver;
   test::CollectingSink sink;
   InputMonitor::Lines lines;
 };
@@ -331,4 +332,4 @@ SCENARIO("speeds of wheels become velocities") {
   }
 }
 
-}  // namespace aiding_inputs_test
+}  // namespace sonopose::aiding_inputs_test

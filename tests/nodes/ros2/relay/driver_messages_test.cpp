@@ -8,7 +8,7 @@
 #include <limits>
 #include <optional>
 
-namespace driver_messages_test {
+namespace sonopose::driver_messages_test {
 
 using namespace source_rig;
 
@@ -189,7 +189,7 @@ SCENARIO("PX4's sensor_combined is the IMU of a beacon") {
   GIVEN("a beacon with this input") {
     Rig rig({Input::parse(Kind::imu, "/fmu/out/sensor_combined:SensorCombined=7")});
     // As PX4's client writes.
-    const dds::Qos qos = dds::Qos() << dds::policy::Reliability::best_effort();
+    const dds::Qos qos = dds::Qos() << dds::policy::Reliability::BestEffort();
     auto px4 = rig.driver<ros2::SensorCombined>("/fmu/out/sensor_combined", qos);
     rig.run();
     WHEN("PX4 is level and turns right") {
@@ -226,4 +226,4 @@ SCENARIO("PX4's sensor_combined is the IMU of a beacon") {
   }
 }
 
-}  // namespace driver_messages_test
+}  // namespace sonopose::driver_messages_test

@@ -6,7 +6,7 @@
 #include "fusion/fusion_node.hpp"
 #include "support/test_domain.hpp"
 #include "support/wait_until.hpp"
-#include <sonopose/dds/binding/waitset.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
@@ -18,9 +18,8 @@
 #include <string>
 #include <vector>
 
-namespace parameter_server_test {
+namespace sonopose::parameter_server_test {
 
-using namespace sonopose;
 using test::wait_until;
 using Texts = std::vector<std::string>;
 
@@ -35,7 +34,7 @@ public:
                   const presence::AddressSet& addresses = {})
       : environment_(::unsetenv("CYCLONEDDS_URI")),
         fusion_(fusion_options()),
-        participant_(dds::make_participant(options())),
+        participant_(dds::ext::participant(options())),
         imu_(dds::topics::make_writer(participant_, qos_, dds::topics::imu)),
         node_(participant_, qos_, ros2::NameResolver({}), ros2::Distro::jazzy),
         server_(node_, participant_,
@@ -46,7 +45,7 @@ public:
                 log_) {
     server_.offer_services(node_, true);
     node_.announce();
-    REQUIRE(wait_until([&] { return imu_.publication_matched_status().current_count > 0; }));
+    REQUIRE(wait_until([&] { return imu_.publication_matched_status().current_count() > 0; }));
     write_sample_of(7);
     if (addresses.first()) write_sample_of(8);
   }
@@ -71,8 +70,8 @@ private:
   test::TestDomain domain_;
   fusion::FusionNode fusion_;
   dds::qos::Provider qos_;
-  dds::DomainParticipant participant_;
-  dds::DataWriter<sonopose_ImuSample> imu_;
+  dds::domain::DomainParticipant participant_;
+  dds::pub::DataWriter<sonopose_ImuSample> imu_;
   ros2::Node node_;
   ros2::relay::Log log_;
   ros2::relay::ParameterServer server_;
@@ -88,22 +87,24 @@ template <class S>
 class Client {
 public:
   Client(const System& system, const std::string& service)
-      : participant_(dds::make_participant(system.options())),
-        requests_(participant_, {participant_, "rq/sonopose/" + service + "Request"}, qos()),
-        replies_(participant_, {participant_, "rr/sonopose/" + service + "Reply"}, qos()) {}
+      : participant_(dds::ext::participant(system.options())),
+        requests_(dds::pub::Publisher(participant_), {participant_, "rq/sonopose/" + service + "Request"},
+                  qos()),
+        replies_(dds::sub::Subscriber(participant_), {participant_, "rr/sonopose/" + service + "Reply"},
+                 qos()) {}
 
   /// Calls `check(const Response&)` with the reply to this client.
   template <class Check>
   void call(typename S::Request request, const Check& check) {
     REQUIRE(wait_until([&] {
-      return requests_.publication_matched_status().current_count > 0 &&
-             replies_.subscription_matched_status().current_count > 0;
+      return requests_.publication_matched_status().current_count() > 0 &&
+             replies_.subscription_matched_status().current_count() > 0;
     }));
     request.header = {.client = 4711, .sequence_number = ++number_};
     requests_.write(request);
     bool answered = false;
     REQUIRE(wait_until([&] {
-      replies_.take_each([&](const typename S::Response& response, const dds::SampleInfo&) {
+      dds::ext::take_each(replies_, [&](const typename S::Response& response, const dds::sub::SampleInfo&) {
         if (response.header.client != 4711 || response.header.sequence_number != number_) return;
         answered = true;
         check(response);
@@ -115,13 +116,13 @@ public:
 private:
   static dds::Qos qos() {
     const std::string id = "clientid= 1.10.2;";
-    return dds::Qos() << dds::policy::Reliability::reliable() << dds::policy::History::keep_last(10)
-                      << dds::policy::UserData{{id.begin(), id.end()}};
+    return dds::Qos() << dds::policy::Reliability::Reliable() << dds::policy::History::KeepLast(10)
+                      << dds::policy::UserData({id.begin(), id.end()});
   }
 
-  dds::DomainParticipant participant_;
-  dds::DataWriter<typename S::Request> requests_;
-  dds::DataReader<typename S::Response> replies_;
+  dds::domain::DomainParticipant participant_;
+  dds::pub::DataWriter<typename S::Request> requests_;
+  dds::sub::DataReader<typename S::Response> replies_;
   std::int64_t number_ = 0;
 };
 
@@ -305,7 +306,7 @@ TEST_CASE("A client sets settings individually; invalid ones are rejected with t
 
 TEST_CASE("Settings of one service request are one request to the fusion") {
   const System system;
-  const auto listener = dds::make_participant(system.options());
+  const auto listener = dds::ext::participant(system.options());
   auto requests = dds::topics::make_reader(listener, dds::qos::Provider(), dds::topics::settings_request);
   Client<ros2::SetParameters> set(system, "set_parameters");
   std::set<std::uint32_t> sizes;
@@ -316,9 +317,10 @@ TEST_CASE("Settings of one service request are one request to the fusion") {
               parameter("documented.trust.sigma_m", 3, 0.25), parameter("documented.trust.n_min", 2, 5)});
     CHECK(errors.at(0).empty());
     CHECK_FALSE(errors.at(1).empty());
-    requests.take_each([&](const sonopose_SettingsRequest& request, const dds::SampleInfo& info) {
-      if (info.valid()) sizes.insert(request.assignments._length);
-    });
+    dds::ext::take_each(requests,
+                        [&](const sonopose_SettingsRequest& request, const dds::sub::SampleInfo& info) {
+                          if (info.valid()) sizes.insert(request.assignments._length);
+                        });
     return !sizes.empty();
   }));
   CHECK(sizes == std::set<std::uint32_t>{2});
@@ -404,10 +406,11 @@ TEST_CASE("With --addresses, a client lists, sets and resets these beacons and n
 
 TEST_CASE("A client without a reply reader does not block others") {
   const System system;
-  const auto deaf = dds::make_participant(system.options());
-  dds::DataWriter<ros2::ListParameters::Request> writer(deaf, {deaf, "rq/sonopose/list_parametersRequest"},
-                                                        dds::Qos() << dds::policy::Reliability::reliable());
-  REQUIRE(wait_until([&] { return writer.publication_matched_status().current_count > 0; }));
+  const auto deaf = dds::ext::participant(system.options());
+  dds::pub::DataWriter<ros2::ListParameters::Request> writer(
+      dds::pub::Publisher(deaf), {deaf, "rq/sonopose/list_parametersRequest"},
+      dds::Qos() << dds::policy::Reliability::Reliable());
+  REQUIRE(wait_until([&] { return writer.publication_matched_status().current_count() > 0; }));
   writer.write({});
   Client<ros2::ListParameters> list(system, "list_parameters");
   list.call({}, [](const auto&) {});
@@ -427,19 +430,19 @@ TEST_CASE("Settings of ever more beacons are ignored") {
     return count;
   };
   REQUIRE(wait_until([&] { return count_beacons() == 1; }));
-  const auto hostile = dds::make_participant(system.options());
+  const auto hostile = dds::ext::participant(system.options());
   auto writer = dds::topics::make_writer(hostile, dds::qos::Provider(), dds::topics::settings);
-  REQUIRE(wait_until([&] { return writer.publication_matched_status().current_count > 0; }));
+  REQUIRE(wait_until([&] { return writer.publication_matched_status().current_count() > 0; }));
   EffectiveSettings forged{.values = {{"documented.trust.n_min", "4"}}};
   for (forged.address = 1000; forged.address < 1300; ++forged.address) {
     forged.values.front().value =
         forged.address % 2 == 0 ? "nonsense" : "4";  // must not end the reading process
     writer.write(dds::topics::to_idl(forged).sample());
   }
-  REQUIRE(writer.wait_for_acknowledgments(timeout));
+  REQUIRE(dds::ext::wait_for_acknowledgments(writer, timeout));
   // Its own beacon and 255 others, half of which have an invalid value.
   REQUIRE(wait_until([&] { return count_beacons() >= 128; }));
   CHECK(count_beacons() == 128);
 }
 
-}  // namespace parameter_server_test
+}  // namespace sonopose::parameter_server_test

@@ -5,9 +5,8 @@
 
 #include <catch2/catch.hpp>
 
-namespace relayed_beacons_test {
+namespace sonopose::relayed_beacons_test {
 
-using namespace sonopose;
 using ros2::relay::BeaconPublishers;
 using ros2::relay::RelayedBeacons;
 
@@ -18,7 +17,7 @@ SCENARIO("publishers exist from the first sample of a beacon, and are kept for i
   GIVEN("a node") {
     const test::TestDomain domain;
     test::Watcher<ros2::ParticipantEntitiesInfo> watcher(domain.id());
-    const dds::DomainParticipant participant({.domain_id = domain.id()}, ros2::participant_qos());
+    const auto participant = dds::ext::participant({.domain_id = domain.id()}, ros2::participant_qos());
     const dds::qos::Provider qos;
     ros2::Node node(participant, qos, ros2::NameResolver({}, {}), ros2::Distro::jazzy);
     const auto announced = [&](std::size_t writers) {
@@ -28,7 +27,7 @@ SCENARIO("publishers exist from the first sample of a beacon, and are kept for i
       });
     };
     const ros2::relay::Output output;
-    dds::DataWriter<ros2::TFMessage> no_tf;
+    dds::pub::DataWriter<ros2::TFMessage> no_tf = dds::core::null;
     process::Wakeup wakeup;
     constexpr std::size_t max_beacons = 2;
     RelayedBeacons beacons(wakeup, max_beacons);
@@ -115,4 +114,4 @@ SCENARIO("publishers exist from the first sample of a beacon, and are kept for i
   }
 }
 
-}  // namespace relayed_beacons_test
+}  // namespace sonopose::relayed_beacons_test

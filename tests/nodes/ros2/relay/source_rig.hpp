@@ -18,9 +18,8 @@
 #include <utility>
 #include <vector>
 
-namespace source_rig {
+namespace sonopose::source_rig {
 
-using namespace sonopose;
 using ros2::Input;
 using test::wait_until;
 using Kind = Input::Kind;
@@ -69,8 +68,8 @@ class Rig {
 public:
   explicit Rig(const std::vector<Input>& inputs, const std::string& map_frame = "map")
       : environment_(::unsetenv("CYCLONEDDS_URI")),
-        participant_(dds::make_participant({.domain_id = domain_.id()})),
-        drivers_(dds::make_participant({.domain_id = domain_.id()})),
+        participant_(dds::ext::participant({.domain_id = domain_.id()})),
+        drivers_(dds::ext::participant({.domain_id = domain_.id()})),
         node_(participant_, qos_, ros2::NameResolver({}), ros2::Distro::jazzy),
         source(
             ros2::relay::make_source(node_, inputs, {second_ns, second_ns}, map_frame,
@@ -88,18 +87,19 @@ public:
 
   /// Makes a driver's writer and, if `matches`, waits for its reader.
   template <class T>
-  dds::DataWriter<T> driver(const std::string& topic, dds::Qos qos = {}, bool matches = true) {
-    dds::DataWriter<T> writer(drivers_, dds::Topic<T>(drivers_, ros2::name_in_dds(topic)), qos);
+  dds::pub::DataWriter<T> driver(const std::string& topic, dds::Qos qos = {}, bool matches = true) {
+    dds::pub::DataWriter<T> writer(dds::pub::Publisher(drivers_),
+                                   dds::topic::Topic<T>(drivers_, ros2::name_in_dds(topic)), qos);
     if (matches) {
       REQUIRE(wait_until([&] {
         source->update_readers();
-        return writer.publication_matched_status().current_count > 0;
+        return writer.publication_matched_status().current_count() > 0;
       }));
     }
     return writer;
   }
 
-  [[nodiscard]] const dds::DomainParticipant& drivers() const { return drivers_; }
+  [[nodiscard]] const dds::domain::DomainParticipant& drivers() const { return drivers_; }
 
   [[nodiscard]] bool has_logged(const std::string& text) const {
     const std::lock_guard lock(mutex_);
@@ -141,8 +141,8 @@ private:
   int environment_;  // first, because the environment may set CYCLONEDDS_URI
   test::TestDomain domain_;
   dds::qos::Provider qos_;
-  dds::DomainParticipant participant_;
-  dds::DomainParticipant drivers_;
+  dds::domain::DomainParticipant participant_;
+  dds::domain::DomainParticipant drivers_;
   ros2::Node node_;
   process::StopSignal stop_;
   mutable std::mutex mutex_;
@@ -164,4 +164,4 @@ inline ros2::PointStamped fix_at(TimeNs stamp_ns, const ros2::FrameNames& frames
   return ros2::position_as_point({1, 2, 3}, stamp_ns, frames);
 }
 
-}  // namespace source_rig
+}  // namespace sonopose::source_rig

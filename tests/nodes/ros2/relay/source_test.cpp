@@ -4,7 +4,7 @@
 
 #include "clocks/clocks.hpp"
 #include "ros2/relay/source_rig.hpp"
-#include <sonopose/dds/binding/discovery.hpp>
+#include <sonopose/dds/psm/discovery.hpp>
 #include <sonopose/ros2/messages/input.hpp>
 #include <sonopose/ros2/messages/messages.hpp>
 
@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-namespace source_test {
+namespace sonopose::source_test {
 
 using namespace source_rig;
 
@@ -134,7 +134,7 @@ SCENARIO("lines about inputs that nobody takes are bounded and counted") {
       options.push_back({Kind::fix, "/tag", address});
     Rig rig(options);
     auto fixes = rig.driver<ros2::PointStamped>("/tag");
-    REQUIRE(wait_until([&] { return fixes.publication_matched_status().current_count == inputs; }));
+    REQUIRE(wait_until([&] { return fixes.publication_matched_status().current_count() == inputs; }));
     for (std::size_t i = 0; i < frames; ++i) {
       fixes.write(fix_at(clocks::host_now(), {.map = "map_" + std::to_string(i)}));
     }
@@ -160,7 +160,7 @@ SCENARIO("lines about inputs that nobody takes are bounded and counted") {
 SCENARIO("inputs without samples are logged, each with its cause") {
   GIVEN("an IMU with incompatible QoS, a silent one, and a position without a publisher") {
     Rig rig({{Kind::imu, "/refused", 7}, {Kind::imu, "/mute", 8}, {Kind::fix, "/tag", 7}});
-    const auto exclusive = dds::Qos() << dds::policy::Ownership{dds::policy::OwnershipKind::exclusive};
+    const auto exclusive = dds::Qos() << dds::policy::Ownership::Exclusive();
     const auto refused = rig.driver<ros2::Imu>("/refused", exclusive, false);
     const auto mute = rig.driver<ros2::Imu>("/mute");
     rig.run();
@@ -243,4 +243,4 @@ SCENARIO("a source does not mix two positioning systems") {
   }
 }
 
-}  // namespace source_test
+}  // namespace sonopose::source_test

@@ -2,9 +2,8 @@
 
 #include <catch2/catch.hpp>
 
-namespace beacon_observers_test {
+namespace sonopose::beacon_observers_test {
 
-using namespace sonopose;
 using namespace sonopose::observation;
 
 constexpr TimeNs deadline_ns = 20'000'000;
@@ -18,7 +17,7 @@ FusedPose pose_of(BeaconAddress address) {
 SCENARIO("a beacon from which nothing comes is removed after a minute, one that was hardly heard after 5 s") {
   constexpr TimeNs second_ns = 1'000'000'000;
   BeaconObservers observers(deadline_ns);
-  const dds::InstanceHandle writer{1};
+  const dds::core::InstanceHandle writer{1};
   for (int i = 0; i < 200; ++i) observers.on(pose_of(7), 0, writer);
   observers.on(pose_of(8), 0, writer);
   const SteadyTime now = clocks::steady_now();
@@ -46,7 +45,7 @@ SCENARIO("a pose stream that falls silent is reported once") {
   TruthSample truth;
   truth.address = 8;
   observers.on(truth);
-  observers.on(pose_of(7), 0, dds::InstanceHandle{1});
+  observers.on(pose_of(7), 0, dds::core::InstanceHandle(1));
   const auto changes = observers.silence_changes();
   REQUIRE(changes.size() == 1);
   CHECK(changes[0].address == 7);
@@ -54,4 +53,4 @@ SCENARIO("a pose stream that falls silent is reported once") {
   CHECK(observers.silence_changes().empty());
 }
 
-}  // namespace beacon_observers_test
+}  // namespace sonopose::beacon_observers_test

@@ -4,14 +4,13 @@
 
 #include <limits>
 
-namespace pose_writers_test {
+namespace sonopose::pose_writers_test {
 
-using namespace sonopose;
 using namespace sonopose::observation;
 using Catch::Contains;
 
 dds::Qos strength(std::int32_t value) {
-  return dds::Qos() << dds::policy::OwnershipStrength{value};
+  return dds::Qos() << dds::policy::OwnershipStrength(value);
 }
 
 /// Pose writer of a fusion that serves the beacons `served`.
@@ -39,8 +38,8 @@ SCENARIO("the pose writers of fusions are no problem while one consumer can tell
   GIVEN("two fusions of one strength in different partitions") {
     PoseWriter a = fusion("a", 100, {7});
     PoseWriter b = fusion("b", 100, {7});
-    a.qos << dds::policy::Partition{{"east"}};
-    b.qos << dds::policy::Partition{{"west"}};
+    a.qos << dds::policy::Partition("east");
+    b.qos << dds::policy::Partition("west");
     THEN("there is no problem") {
       CHECK(problems_of({a, b}).empty());
     }
@@ -94,20 +93,22 @@ struct TwoProcesses {
   static dds::FoundEndpoint endpoint(std::uint64_t handle, const std::string& participant,
                                      const std::string& topic, std::int32_t its_strength) {
     return {.key = {},
-            .handle = {handle},
+            .handle = dds::core::InstanceHandle(handle),
             .participant_key = participant,
             .topic_name = topic,
             .type_name = {},
             .qos = strength(its_strength)};
   }
 
-  void pose(std::uint64_t writer, double at_s) { served.on_pose(7, {writer}, SteadyTime{to_ns(at_s)}); }
+  void pose(std::uint64_t writer, double at_s) {
+    served.on_pose(7, dds::core::InstanceHandle(writer), SteadyTime{to_ns(at_s)});
+  }
 
   void status(std::uint64_t writer, FusionRole role, double at_s = 1) {
     FusionStatus status;
     status.address = 7;
     status.role = role;
-    served.on(status, {writer}, SteadyTime{to_ns(at_s)});
+    served.on(status, dds::core::InstanceHandle(writer), SteadyTime{to_ns(at_s)});
   }
 
   std::vector<PoseWriterProblem> problems(double at_s) const {
@@ -204,4 +205,4 @@ SCENARIO("the name of a process is no command for a terminal, and no line of its
   CHECK(text_of({"x\x1b[2J\nforged", "rover\a", 12}) == "x\\x1b[2J\\x0aforged (process 12 on rover\\x07)");
 }
 
-}  // namespace pose_writers_test
+}  // namespace sonopose::pose_writers_test

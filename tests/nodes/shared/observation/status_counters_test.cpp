@@ -8,9 +8,8 @@
 #include <string_view>
 #include <tuple>
 
-namespace status_counters_test {
+namespace sonopose::status_counters_test {
 
-using namespace sonopose;
 using namespace sonopose::observation;
 
 template <class Pair>
@@ -42,4 +41,4 @@ SCENARIO("consumers show every counter of the statuses") {
   }
 }
 
-}  // namespace status_counters_test
+}  // namespace sonopose::status_counters_test

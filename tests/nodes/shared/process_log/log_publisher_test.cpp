@@ -15,22 +15,20 @@
 #include <unistd.h>
 #include <vector>
 
-namespace log_publisher_test {
-
-using namespace sonopose;
+namespace sonopose::log_publisher_test {
 
 /// Lines that a late-joining process receives.
 class LogReader {
 public:
   explicit LogReader(std::uint32_t domain_id)
-      : participant_(dds::DomainOptions{.domain_id = domain_id}),
+      : participant_(dds::ext::participant({.domain_id = domain_id})),
         reader_(dds::topics::make_reader(participant_, dds::qos::Provider(), dds::topics::log)) {}
 
   std::vector<LogLine> wait_for(std::size_t count) {
     std::vector<LogLine> lines;
     const auto give_up = std::chrono::steady_clock::now() + std::chrono::minutes(3);
     while (lines.size() < count && std::chrono::steady_clock::now() < give_up) {
-      reader_.try_take_each([&](const sonopose_LogLine& sample, const dds::SampleInfo&) {
+      dds::ext::try_take_each(reader_, [&](const sonopose_LogLine& sample, const dds::sub::SampleInfo&) {
         lines.push_back(dds::topics::from_idl(sample));
       });
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -39,13 +37,13 @@ public:
   }
 
 private:
-  dds::DomainParticipant participant_;
-  dds::DataReader<sonopose_LogLine> reader_;
+  dds::domain::DomainParticipant participant_;
+  dds::sub::DataReader<sonopose_LogLine> reader_;
 };
 
 SCENARIO("a process publishes its log, also for readers that come later") {
   const test::TestDomain domain;
-  const dds::DomainParticipant participant({.domain_id = domain.id()});
+  const auto participant = dds::ext::participant({.domain_id = domain.id()});
   logging::set_program("sonopose-x");
   const logging::Session session(logging::Level::debug, logging::Session::default_capacity,
                                  logging::Session::Repetition::unlimited);
@@ -88,4 +86,4 @@ SCENARIO("a process publishes its log, also for readers that come later") {
   }
 }
 
-}  // namespace log_publisher_test
+}  // namespace sonopose::log_publisher_test

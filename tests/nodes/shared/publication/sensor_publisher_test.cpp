@@ -4,7 +4,7 @@
 
 #include "support/test_domain.hpp"
 #include "support/wait_until.hpp"
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
@@ -14,9 +14,8 @@
 #include <utility>
 #include <vector>
 
-namespace bridge_node_test {
+namespace sonopose::bridge_node_test {
 
-using namespace sonopose;
 using publication::SampleSink;
 
 /// A source that runs a test's script.
@@ -31,19 +30,20 @@ private:
 
 /// Event numbers received on a topic, and how often its instances ended.
 struct Received {
-  dds::DataReader<sonopose_ImuSample> reader;
+  dds::sub::DataReader<sonopose_ImuSample> reader;
   std::vector<std::uint64_t> sequences;
   int ends = 0;
 
   template <class Done>
   bool wait_until(const Done& done) {
     return test::wait_until([&] {
-      reader.try_take_each(
-          [this](const sonopose_ImuSample& sample, const dds::SampleInfo&) {
+      dds::ext::try_take_each(
+          reader,
+          [this](const sonopose_ImuSample& sample, const dds::sub::SampleInfo&) {
             sequences.push_back(dds::topics::from_idl(sample).sequence);
           },
-          [this](const sonopose_ImuSample&, const dds::SampleInfo& info) {
-            if (!info.alive()) ++ends;
+          [this](const sonopose_ImuSample&, const dds::sub::SampleInfo& info) {
+            if (!dds::ext::is_alive(info)) ++ends;
           });
       return done();
     });
@@ -59,7 +59,7 @@ void send_three(SampleSink& sink) {
 SCENARIO("a beacon that is gone ends its streams, and its event numbers go on when it returns") {
   GIVEN("a bridge, and a reader in another participant") {
     const test::TestDomain domain;
-    const dds::DomainParticipant participant({.domain_id = domain.id()});
+    const auto participant = dds::ext::participant({.domain_id = domain.id()});
     Received received{.reader = dds::topics::make_reader(participant, dds::qos::Provider(), dds::topics::imu),
                       .sequences = {}};
     const publication::PublisherOptions options{
@@ -67,7 +67,7 @@ SCENARIO("a beacon that is gone ends its streams, and its event numbers go on wh
     publication::SensorPublisher node(options);
     ScriptedSource source([&](SampleSink& sink) {
       REQUIRE(received.wait_until(
-          [&] { return received.reader.subscription_matched_status().current_count == 1; }));
+          [&] { return received.reader.subscription_matched_status().current_count() == 1; }));
       send_three(sink);
       REQUIRE(received.wait_until([&] { return received.sequences.size() == 3; }));
       CHECK(received.ends == 0);
@@ -89,7 +89,7 @@ SCENARIO("a beacon that is gone ends its streams, and its event numbers go on wh
 SCENARIO("aiding of a beacon that another bridge numbers has no numbers and no status") {
   GIVEN("a source of headings of the body, and readers in another participant") {
     const test::TestDomain domain;
-    const dds::DomainParticipant participant({.domain_id = domain.id()});
+    const auto participant = dds::ext::participant({.domain_id = domain.id()});
     const dds::qos::Provider qos;
     auto headings = dds::topics::make_reader(participant, qos, dds::topics::heading);
     auto statuses = dds::topics::make_reader(participant, qos, dds::topics::beacon_status);
@@ -103,8 +103,8 @@ SCENARIO("aiding of a beacon that another bridge numbers has no numbers and no s
         sink.on(PairHeading{.address = address, .valid = true, .flags = heading_flag_of_body});
       };
       REQUIRE(test::wait_until([&] {
-        return headings.subscription_matched_status().current_count == 1 &&
-               statuses.subscription_matched_status().current_count == 1;
+        return headings.subscription_matched_status().current_count() == 1 &&
+               statuses.subscription_matched_status().current_count() == 1;
       }));
       send(7);
       ImuSample own;
@@ -113,12 +113,14 @@ SCENARIO("aiding of a beacon that another bridge numbers has no numbers and no s
       send(8);
       REQUIRE(test::wait_until([&] {
         sink.tick();
-        headings.try_take_each([&](const sonopose_PairHeading& heading, const dds::SampleInfo&) {
-          sequences.push_back(heading.event_sequence);
-        });
-        statuses.try_take_each([&](const sonopose_BeaconStatus& status, const dds::SampleInfo&) {
-          with_status.push_back(status.address);
-        });
+        dds::ext::try_take_each(headings,
+                                [&](const sonopose_PairHeading& heading, const dds::sub::SampleInfo&) {
+                                  sequences.push_back(heading.event_sequence);
+                                });
+        dds::ext::try_take_each(statuses,
+                                [&](const sonopose_BeaconStatus& status, const dds::sub::SampleInfo&) {
+                                  with_status.push_back(status.address);
+                                });
         return sequences.size() == 2 && !with_status.empty();
       }));
     });
@@ -132,4 +134,4 @@ SCENARIO("aiding of a beacon that another bridge numbers has no numbers and no s
   }
 }
 
-}  // namespace bridge_node_test
+}  // namespace sonopose::bridge_node_test

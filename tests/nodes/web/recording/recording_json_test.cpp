@@ -12,9 +12,8 @@
 #include <algorithm>
 #include <cmath>
 
-namespace recording_json_test {
+namespace sonopose::recording_json_test {
 
-using namespace sonopose;
 using namespace sonopose::test;
 using namespace sonopose::web::recording;
 using Catch::Contains;
@@ -191,4 +190,4 @@ SCENARIO("a file that is no recording is refused with its name") {
   CHECK_THROWS_WITH(recording_json({empty}), Contains("empty.mcap"));
 }
 
-}  // namespace recording_json_test
+}  // namespace sonopose::recording_json_test

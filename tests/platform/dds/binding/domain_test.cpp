@@ -36,7 +36,7 @@ TEST_CASE("Only the word Permissive lets a process without its enclave join with
   for (const char* const refusing : {static_cast<const char*>(nullptr), "Enforce", "permissive"}) {
     const Environment strategy("ROS_SECURITY_STRATEGY", refusing);
     CHECK(enclave_by_environment("fusoin") == "/nonexistent/keys/enclaves/fusoin");
-    CHECK_THROWS_AS(participant(), Error);
+    CHECK_THROWS_AS(participant(), core::Exception);
   }
   const Environment strategy("ROS_SECURITY_STRATEGY", "Permissive");
   CHECK(enclave_by_environment("fusoin").empty());
@@ -55,20 +55,21 @@ TEST_CASE("An invalid domain is rejected with its name and value") {
 }
 
 TEST_CASE("The highest domain can be joined: its ports end at 65535") {
-  CHECK_NOTHROW(make_participant({.domain_id = max_domain_id}));
+  CHECK_NOTHROW(ext::participant({.domain_id = max_domain_id}));
 }
 
 TEST_CASE("Participants of one process share its domain") {
-  const auto first = std::make_unique<DomainParticipant>(participant());
-  auto second = std::make_unique<DomainParticipant>(participant());
-  CHECK_THROWS_WITH(make_participant({.domain_id = test_domain(), .network = Network::lan}),
+  const auto first = std::make_unique<domain::DomainParticipant>(participant());
+  auto second = std::make_unique<domain::DomainParticipant>(participant());
+  CHECK_THROWS_WITH(ext::participant({.domain_id = test_domain(), .network = Network::lan}),
                     Catch::Contains("domain " + std::to_string(test_domain())));
 
-  const Topic<sonopose_ResetCommand> in(*first, "test/shared");
-  DataReader<sonopose_ResetCommand> reader(*first, in, Qos() << policy::Reliability::reliable());
+  const topic::Topic<sonopose_ResetCommand> in(*first, "test/shared");
+  sub::DataReader<sonopose_ResetCommand> reader(sub::Subscriber(*first), in,
+                                                Qos() << policy::Reliability::Reliable());
   {
-    const Topic<sonopose_ResetCommand> out(*second, "test/shared");
-    DataWriter<sonopose_ResetCommand> writer(*second, out);
+    const topic::Topic<sonopose_ResetCommand> out(*second, "test/shared");
+    pub::DataWriter<sonopose_ResetCommand> writer(pub::Publisher(*second), out);
     REQUIRE(matched(reader));
     writer.write(command(7, 1));
   }
@@ -85,7 +86,8 @@ std::string effective_configuration(const std::string& user_uri, Network network
                           log.string() + "</OutputFile></Tracing></Domain></CycloneDDS>";
   {
     const Environment environment("CYCLONEDDS_URI", uri.c_str());
-    const DomainParticipant member = make_participant({.domain_id = test_domain(), .network = network});
+    const domain::DomainParticipant member =
+        ext::participant({.domain_id = test_domain(), .network = network});
   }
   std::ostringstream text;
   text << std::ifstream(log).rdbuf();
@@ -204,8 +206,8 @@ TEST_CASE("Peers of the options are searched in addition to this machine") {
   for (const char* const peer : {"", "a b", "a\"/>", "<a>"}) {
     CHECK_THROWS_WITH(configured({.peers = {peer}}), Contains(std::string("peer '") + peer + "'"));
   }
-  const DomainParticipant member = participant();
-  CHECK_THROWS_AS(make_participant({.domain_id = test_domain(), .peers = {"127.0.0.2"}}), Error);
+  const domain::DomainParticipant member = participant();
+  CHECK_THROWS_AS(ext::participant({.domain_id = test_domain(), .peers = {"127.0.0.2"}}), core::Exception);
 }
 
 TEST_CASE("The variables that are set are found, the empty ones are not") {
@@ -267,11 +269,12 @@ private:
 TEST_CASE("Two processes find each other on one machine") {
   const std::string name = GENERATE("loopback", "lan");
   GIVEN("a reader here and a writer in another process, " + name) {
-    const DomainParticipant member = make_participant(
+    const domain::DomainParticipant member = ext::participant(
         {.domain_id = test_domain(), .network = name == "lan" ? Network::lan : Network::loopback});
-    const Topic<sonopose_ResetCommand> topic(member, "test/peer");
-    DataReader<sonopose_ResetCommand> reader(
-        member, topic, Qos() << policy::Reliability::reliable() << policy::History::keep_all());
+    const topic::Topic<sonopose_ResetCommand> topic(member, "test/peer");
+    sub::DataReader<sonopose_ResetCommand> reader(
+        sub::Subscriber(member), topic,
+        Qos() << policy::Reliability::Reliable() << policy::History::KeepAll());
     Peer peer(name);
     WHEN("the writer writes") {
       const auto samples = take_samples(reader, 5);
@@ -288,10 +291,11 @@ TEST_CASE("Two processes find each other on one machine") {
 }
 
 TEST_CASE("A process joins a domain with many others") {
-  const DomainParticipant member = participant();
-  const Topic<sonopose_ResetCommand> topic(member, "test/peer");
-  DataReader<sonopose_ResetCommand> reader(
-      member, topic, Qos() << policy::Reliability::reliable() << policy::History::keep_last(1));
+  const domain::DomainParticipant member = participant();
+  const topic::Topic<sonopose_ResetCommand> topic(member, "test/peer");
+  sub::DataReader<sonopose_ResetCommand> reader(
+      sub::Subscriber(member), topic,
+      Qos() << policy::Reliability::Reliable() << policy::History::KeepLast(1));
   // Cyclone DDS's default finds ten participants per machine.
   std::vector<std::unique_ptr<Peer>> peers(14);
   for (auto& peer : peers) peer = std::make_unique<Peer>("loopback");

@@ -2,7 +2,6 @@
 /// process without it, are too long for a test.
 
 #include <sonopose/dds/binding/domain.hpp>
-#include <sonopose/dds/binding/participant.hpp>
 
 #include <catch2/catch.hpp>
 #include <dds/dds.h>

@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include <atomic>
+#include <chrono>
 #include <compare>
 #include <cstdlib>
 #include <thread>
@@ -172,6 +173,45 @@ SCENARIO("a callback that runs while its owner closes keeps its reader") {
   CHECK(listener.name == "psm");
   CHECK(listener.has_closed);
   CHECK_THROWS_AS(ext::handle(subscriber), dds::core::AlreadyClosedError);
+}
+
+/// Has the last reference to its reader, and drops it.
+class EndingListener : public dds::sub::NoOpDataReaderListener<Sample> {
+public:
+  void on_data_available(dds::sub::DataReader<Sample>& reader) override {
+    dds::sub::DataReader<Sample> kept = reader;
+    is_in = true;
+    while (!may_leave) std::this_thread::yield();
+  }
+
+  std::atomic<bool> is_in = false;
+  std::atomic<bool> may_leave = false;
+};
+
+SCENARIO("a callback that has the last reference to its reader ends it after itself") {
+  Bus bus;
+  const dds::topic::Topic<Sample> topic(bus.participant, "ending");
+  EndingListener listener;
+  dds::pub::DataWriter<Sample> writer(bus.publisher, topic, reliable_writer());
+  dds::sub::DataReader<Sample> reader(bus.subscriber, topic, reliable_reader(), &listener,
+                                      dds::core::status::StatusMask::data_available());
+  std::thread delivery([&] { writer.write(sample(1)); });
+  REQUIRE(wait_until([&] { return listener.is_in.load(); }));
+  reader = dds::core::null;
+  listener.may_leave = true;
+  delivery.join();
+  CHECK(wait_until([&] { return writer.publication_matched_status().current_count() == 0; }));
+}
+
+SCENARIO("a wait of ours ends without an exception") {
+  using std::chrono::milliseconds;
+  dds::core::cond::GuardCondition stop;
+  dds::core::cond::WaitSet waitset;
+  waitset += stop;
+  CHECK_FALSE(ext::wait(waitset, milliseconds(5)));
+  CHECK_FALSE(ext::wait(waitset, milliseconds(-5)));  // already past
+  stop.trigger_value(true);
+  CHECK(ext::wait(waitset));
 }
 
 SCENARIO("what cyclonedds-cxx does not compile, ours does not either") {

@@ -42,23 +42,24 @@ std::map<std::string, std::string> topics_by_profile() {
 
 /// Reliability without the blocking time, which applies only to writers.
 std::string reliability(const Qos& qos) {
-  return qos.policy<policy::Reliability>().value().kind == policy::ReliabilityKind::reliable ? "reliable"
-                                                                                             : "best effort";
+  return qos.policy<policy::Reliability>().value().kind() == policy::ReliabilityKind::RELIABLE
+             ? "reliable"
+             : "best effort";
 }
 
 std::string history(const Qos& qos) {
   const auto value = qos.policy<policy::History>().value();
-  if (value.kind != policy::HistoryKind::keep_all) return "last " + std::to_string(value.depth);
-  const auto limit = qos.policy<policy::ResourceLimits>().value().max_samples;
-  return limit == policy::length_unlimited ? "all" : "all, up to " + std::to_string(limit);
+  if (value.kind() != policy::HistoryKind::KEEP_ALL) return "last " + std::to_string(value.depth());
+  const auto limit = qos.policy<policy::ResourceLimits>().value().max_samples();
+  return limit == core::LENGTH_UNLIMITED ? "all" : "all, up to " + std::to_string(limit);
 }
 
 std::string deadline(const Qos& qos) {
-  return qos::text_of(qos.policy<policy::Deadline>().value().period);
+  return qos::text_of(ext::to_chrono(qos.policy<policy::Deadline>().value().period()));
 }
 
 std::string durability(const Qos& qos) {
-  return qos.policy<policy::Durability>().value().kind == policy::DurabilityKind::volatile_data
+  return qos.policy<policy::Durability>().value().kind() == policy::DurabilityKind::VOLATILE
              ? "volatile"
              : "transient local";
 }
@@ -71,7 +72,8 @@ std::string both(const qos::Provider& qos, const std::string& profile, std::stri
 }
 
 std::string blocking(const qos::Provider& qos, const std::string& profile) {
-  return qos::text_of(qos.datawriter_qos(profile).policy<policy::Reliability>().value().max_blocking_time);
+  return qos::text_of(
+      ext::to_chrono(qos.datawriter_qos(profile).policy<policy::Reliability>().value().max_blocking_time()));
 }
 
 /// Cells of a profile that follow its name and topics.
@@ -145,32 +147,34 @@ TEST_CASE("Every profile sets every policy, and the general statements of docs/q
   for (const std::string& profile : qos.profiles()) {
     CAPTURE(profile);
     const Qos& writer = qos.datawriter_qos(profile);
-    CHECK(writer.policy<policy::Reliability>().value().kind == policy::ReliabilityKind::reliable);
+    CHECK(writer.policy<policy::Reliability>().value().kind() == policy::ReliabilityKind::RELIABLE);
     for (const Qos* const end : {&writer, &qos.datareader_qos(profile)}) {
-      CHECK(end->policy<policy::LatencyBudget>().value().duration == Duration::zero());
+      CHECK(end->policy<policy::LatencyBudget>().value().duration() == core::Duration::zero());
       const auto limits = end->policy<policy::ResourceLimits>().value();
-      CHECK(limits.max_instances == policy::length_unlimited);
+      CHECK(limits.max_instances() == core::LENGTH_UNLIMITED);
       if (profile != "ros2::Input" || end == &writer) {
-        CHECK(limits.max_samples == policy::length_unlimited);
-        CHECK(limits.max_samples_per_instance == policy::length_unlimited);
+        CHECK(limits.max_samples() == core::LENGTH_UNLIMITED);
+        CHECK(limits.max_samples_per_instance() == core::LENGTH_UNLIMITED);
       }
       const policy::Liveliness liveliness = end->policy<policy::Liveliness>().value();
       const bool asserts = profile == "sonopose::Pose" && end == &writer;
-      CHECK(liveliness.kind ==
-            (asserts ? policy::LivelinessKind::manual_by_topic : policy::LivelinessKind::automatic));
+      CHECK(liveliness.kind() ==
+            (asserts ? policy::LivelinessKind::MANUAL_BY_TOPIC : policy::LivelinessKind::AUTOMATIC));
       const bool without_lease = !is_native(profile) || profile == "sonopose::Log";
-      const Duration lease = asserts ? Duration(100ms) : without_lease ? infinite : Duration(1s);
-      CHECK(liveliness.lease_duration == lease);
+      const auto lease = asserts         ? core::Duration::from_millisecs(100)
+                         : without_lease ? core::Duration::infinite()
+                                         : core::Duration(1);
+      CHECK(liveliness.lease_duration() == lease);
       const bool is_pose = profile == "sonopose::Pose" || profile == "sonopose::LosslessPose";
-      CHECK(end->policy<policy::Ownership>().value().kind ==
-            (is_pose ? policy::OwnershipKind::exclusive : policy::OwnershipKind::shared));
+      CHECK(end->policy<policy::Ownership>().value().kind() ==
+            (is_pose ? policy::OwnershipKind::EXCLUSIVE : policy::OwnershipKind::SHARED));
       if (is_native(profile)) {
-        CHECK(end->policy<policy::Reliability>().value().kind == policy::ReliabilityKind::reliable);
+        CHECK(end->policy<policy::Reliability>().value().kind() == policy::ReliabilityKind::RELIABLE);
       } else {
-        CHECK(end->policy<policy::Deadline>().value().period == infinite);
+        CHECK(end->policy<policy::Deadline>().value().period() == core::Duration::infinite());
       }
       if (is_pose && end == &writer) {
-        CHECK(end->policy<policy::OwnershipStrength>().value().value == 100);
+        CHECK(end->policy<policy::OwnershipStrength>().value().value() == 100);
       }
     }
     if (!is_native(profile)) CHECK(blocking(qos, profile) == "2 ms");
@@ -178,8 +182,8 @@ TEST_CASE("Every profile sets every policy, and the general statements of docs/q
         std::set<std::string>{"sonopose::Imu",  "sonopose::Fix",    "sonopose::Heading", "sonopose::Twist",
                               "sonopose::Pose", "sonopose::Report", "sonopose::Truth",   "ros2::Rosout"}
             .contains(profile);
-    const Duration lifespan = expires ? Duration(std::chrono::seconds(10)) : infinite;
-    CHECK(writer.policy<policy::Lifespan>().value().duration == lifespan);
+    const auto lifespan = expires ? core::Duration(10) : core::Duration::infinite();
+    CHECK(writer.policy<policy::Lifespan>().value().duration() == lifespan);
   }
 }
 

@@ -13,14 +13,14 @@ TEST_CASE("The project's QoS file has the policies that its streams need") {
   SECTION("IMU and pose: reliable, depth 64 or more, and a stalled consumer blocks writers only briefly") {
     for (const char* const name : {"sonopose::Imu", "sonopose::Pose"}) {
       for (const Qos* const qos : {&provider.datawriter_qos(name), &provider.datareader_qos(name)}) {
-        CHECK(qos->policy<policy::Reliability>()->kind == policy::ReliabilityKind::reliable);
-        CHECK(qos->policy<policy::History>()->depth >= 64);
-        CHECK(qos->policy<policy::LatencyBudget>()->duration == Duration::zero());
+        CHECK(qos->policy<policy::Reliability>()->kind() == policy::ReliabilityKind::RELIABLE);
+        CHECK(qos->policy<policy::History>()->depth() >= 64);
+        CHECK(qos->policy<policy::LatencyBudget>()->duration() == core::Duration::zero());
         // the slowest supported IMU sends a sample every 40 ms
-        CHECK(qos->policy<policy::Deadline>()->period > milliseconds(40));
+        CHECK(qos->policy<policy::Deadline>()->period() > core::Duration::from_millisecs(40));
       }
-      CHECK(provider.datawriter_qos(name).policy<policy::Reliability>()->max_blocking_time <=
-            milliseconds(5));
+      CHECK(provider.datawriter_qos(name).policy<policy::Reliability>()->max_blocking_time() <=
+            core::Duration::from_millisecs(5));
     }
   }
   SECTION("the pose alone is exclusive, on both sides") {
@@ -28,7 +28,7 @@ TEST_CASE("The project's QoS file has the policies that its streams need") {
       const auto of_writer = provider.datawriter_qos(profile).policy<policy::Ownership>();
       const auto of_reader = provider.datareader_qos(profile).policy<policy::Ownership>();
       CHECK(of_writer.has_value() == of_reader.has_value());
-      return of_reader && of_reader->kind == policy::OwnershipKind::exclusive;
+      return of_reader && of_reader->kind() == policy::OwnershipKind::EXCLUSIVE;
     };
     CHECK(exclusive("sonopose::Pose"));
     CHECK(exclusive("sonopose::LosslessPose"));
@@ -42,32 +42,31 @@ TEST_CASE("The project's QoS file has the policies that its streams need") {
          {"sonopose::SettingsRequest", "sonopose::SettingsReply", "sonopose::Settings"}) {
       for (const Qos* const qos : {&provider.datawriter_qos(name), &provider.datareader_qos(name)}) {
         const bool is_settings = std::string(name) == "sonopose::Settings";
-        CHECK(qos->policy<policy::Reliability>()->kind == policy::ReliabilityKind::reliable);
-        CHECK(
-            qos->policy<policy::Durability>()->kind ==
-            (is_settings ? policy::DurabilityKind::transient_local : policy::DurabilityKind::volatile_data));
-        CHECK(qos->policy<policy::History>()->kind == policy::HistoryKind::keep_last);
-        CHECK(qos->policy<policy::History>()->depth == (is_settings ? 1 : 64));
+        CHECK(qos->policy<policy::Reliability>()->kind() == policy::ReliabilityKind::RELIABLE);
+        CHECK(qos->policy<policy::Durability>()->kind() ==
+              (is_settings ? policy::DurabilityKind::TRANSIENT_LOCAL : policy::DurabilityKind::VOLATILE));
+        CHECK(qos->policy<policy::History>()->kind() == policy::HistoryKind::KEEP_LAST);
+        CHECK(qos->policy<policy::History>()->depth() == (is_settings ? 1 : 64));
         // settings may stay unchanged forever
         const auto deadline = qos->policy<policy::Deadline>();
-        if (deadline) CHECK(deadline->period == infinite);
+        if (deadline) CHECK(deadline->period() == core::Duration::infinite());
       }
     }
     // The fusion writes these on the thread that makes poses.
     for (const char* const name : {"sonopose::SettingsReply", "sonopose::Settings"}) {
-      CHECK(provider.datawriter_qos(name).policy<policy::Reliability>()->max_blocking_time <=
-            milliseconds(5));
+      CHECK(provider.datawriter_qos(name).policy<policy::Reliability>()->max_blocking_time() <=
+            core::Duration::from_millisecs(5));
     }
   }
   SECTION("lossless: both sides keep all") {
     for (const char* const name : {"Imu", "Fix", "Heading", "Pose", "Report"}) {
       const std::string profile = std::string("sonopose::Lossless") + name;
-      CHECK(provider.datawriter_qos(profile).policy<policy::History>()->kind ==
-            policy::HistoryKind::keep_all);
-      CHECK(provider.datareader_qos(profile).policy<policy::History>()->kind ==
-            policy::HistoryKind::keep_all);
-      CHECK(provider.datawriter_qos(profile).policy<policy::Reliability>()->max_blocking_time >=
-            milliseconds(100));
+      CHECK(provider.datawriter_qos(profile).policy<policy::History>()->kind() ==
+            policy::HistoryKind::KEEP_ALL);
+      CHECK(provider.datareader_qos(profile).policy<policy::History>()->kind() ==
+            policy::HistoryKind::KEEP_ALL);
+      CHECK(provider.datawriter_qos(profile).policy<policy::Reliability>()->max_blocking_time() >=
+            core::Duration::from_millisecs(100));
     }
   }
   SECTION(
@@ -77,7 +76,7 @@ TEST_CASE("The project's QoS file has the policies that its streams need") {
                                    "sonopose::Pose", "sonopose::SettingsReply", "ros2::Discovery"}) {
       for (const Qos* const qos : {&provider.datawriter_qos(name), &provider.datareader_qos(name)}) {
         REQUIRE(qos->policy<policy::UserData>());
-        const auto bytes = qos->policy<policy::UserData>()->value;
+        const auto bytes = qos->policy<policy::UserData>()->value();
         CHECK(std::string(bytes.begin(), bytes.end()) == "sonopose=1;");
       }
     }
@@ -85,18 +84,19 @@ TEST_CASE("The project's QoS file has the policies that its streams need") {
 }
 
 /// QoS of a ROS 2 node's endpoint: rmw's defaults with these policies.
-Qos ros_end(policy::ReliabilityKind reliability, policy::DurabilityKind durability, std::int32_t depth) {
-  return Qos() << policy::Reliability{reliability} << policy::Durability{durability}
-               << policy::History::keep_last(depth);
+Qos ros_end(policy::ReliabilityKind::Type reliability, policy::DurabilityKind::Type durability,
+            std::uint32_t depth) {
+  return Qos() << policy::Reliability(reliability) << policy::Durability(durability)
+               << policy::History::KeepLast(depth);
 }
 
 TEST_CASE("The profiles for ROS 2 match what ROS 2 nodes use by default") {
   using Kind = policy::ReliabilityKind;
   using Durability = policy::DurabilityKind;
   const qos::Provider provider = project_qos();
-  const Qos usual = ros_end(Kind::reliable, Durability::volatile_data, 10);
-  const Qos sensor_data = ros_end(Kind::best_effort, Durability::volatile_data, 5);
-  const Qos transient = ros_end(Kind::reliable, Durability::transient_local, 1);
+  const Qos usual = ros_end(Kind::RELIABLE, Durability::VOLATILE, 10);
+  const Qos sensor_data = ros_end(Kind::BEST_EFFORT, Durability::VOLATILE, 5);
+  const Qos transient = ros_end(Kind::RELIABLE, Durability::TRANSIENT_LOCAL, 1);
   const auto match = [](const Qos& writer, const Qos& reader) {
     return qos::mismatches(writer, reader).empty();
   };
@@ -118,17 +118,17 @@ TEST_CASE("The profiles for ROS 2 match what ROS 2 nodes use by default") {
       CAPTURE(name);
       CHECK(match(provider.datawriter_qos(name), transient));
       CHECK(match(transient, provider.datareader_qos(name)));
-      CHECK(provider.datawriter_qos(name).policy<policy::History>()->depth == 1);
+      CHECK(provider.datawriter_qos(name).policy<policy::History>()->depth() == 1);
       CHECK_FALSE(match(usual, provider.datareader_qos(name)));
     }
   }
   SECTION("depths are those of rclcpp, tf2_ros and rmw_dds_common") {
-    const auto depth = [](const Qos& qos) { return qos.policy<policy::History>()->depth; };
+    const auto depth = [](const Qos& qos) { return qos.policy<policy::History>()->depth(); };
     CHECK(depth(provider.datawriter_qos("ros2::Default")) == 10);
     CHECK(depth(provider.datareader_qos("ros2::SensorData")) == 5);
     CHECK(depth(provider.datawriter_qos("ros2::Tf")) == 100);
-    CHECK(provider.datareader_qos("ros2::Discovery").policy<policy::History>()->kind ==
-          policy::HistoryKind::keep_all);
+    CHECK(provider.datareader_qos("ros2::Discovery").policy<policy::History>()->kind() ==
+          policy::HistoryKind::KEEP_ALL);
   }
 }
 

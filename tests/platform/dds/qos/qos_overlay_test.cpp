@@ -43,7 +43,7 @@ std::string history(const std::string& profile, int depth, const std::string& ba
 }
 
 std::int32_t depth_of(const qos::Provider& qos, const std::string& profile) {
-  return qos.datareader_qos(profile).policy<policy::History>()->depth;
+  return qos.datareader_qos(profile).policy<policy::History>()->depth();
 }
 
 qos::Provider overlaid(const std::string& content) {
@@ -93,11 +93,11 @@ SCENARIO("a user's file changes what it says and nothing else") {
     }
     THEN("the reader's other policies, and the writer, are the project's") {
       const Qos& reader = qos.datareader_qos("sonopose::Imu");
-      CHECK(reader.policy<policy::Deadline>()->period ==
-            project.datareader_qos("sonopose::Imu").policy<policy::Deadline>()->period);
-      CHECK(reader.policy<policy::Reliability>()->kind == policy::ReliabilityKind::reliable);
-      CHECK(qos.datawriter_qos("sonopose::Imu").policy<policy::History>()->depth ==
-            project.datawriter_qos("sonopose::Imu").policy<policy::History>()->depth);
+      CHECK(reader.policy<policy::Deadline>()->period() ==
+            project.datareader_qos("sonopose::Imu").policy<policy::Deadline>()->period());
+      CHECK(reader.policy<policy::Reliability>()->kind() == policy::ReliabilityKind::RELIABLE);
+      CHECK(qos.datawriter_qos("sonopose::Imu").policy<policy::History>()->depth() ==
+            project.datawriter_qos("sonopose::Imu").policy<policy::History>()->depth());
     }
     THEN("profiles that inherit from it in the project's file keep theirs") {
       for (const char* const heir : {"sonopose::Fix", "sonopose::Pose", "sonopose::Heading"}) {
@@ -127,8 +127,8 @@ TEST_CASE(
                 "<qos_profile name=\"Pose\" base_name=\"mine::Deep\"/></qos_library></dds>",
             "user.xml");
   CHECK(depth_of(qos, "sonopose::Pose") == 704);
-  CHECK(qos.datareader_qos("sonopose::Pose").policy<policy::Ownership>()->kind ==
-        policy::OwnershipKind::exclusive);
+  CHECK(qos.datareader_qos("sonopose::Pose").policy<policy::Ownership>()->kind() ==
+        policy::OwnershipKind::EXCLUSIVE);
   CHECK_THROWS_AS(qos.datareader_qos("mine::Deep"), qos::FileError);
 }
 

@@ -42,24 +42,24 @@ TEST_CASE("Every policy of a QoS file is read") {
     <partition><name><element>a</element><element>b</element></name></partition>
     <user_data><value>AP8Q</value></user_data>)");
   const Qos& qos = provider.datawriter_qos("L::P");
-  CHECK(qos.policy<policy::Deadline>()->period == milliseconds(1500));
-  CHECK(qos.policy<policy::LatencyBudget>()->duration == nanoseconds(7));
-  CHECK(qos.policy<policy::Lifespan>()->duration == seconds(3));
-  CHECK(qos.policy<policy::Reliability>()->kind == policy::ReliabilityKind::reliable);
-  CHECK(qos.policy<policy::Reliability>()->max_blocking_time == milliseconds(2));
-  CHECK(qos.policy<policy::History>()->depth == 64);
-  CHECK(qos.policy<policy::DurabilityService>()->history_depth == 12);
-  CHECK(qos.policy<policy::Durability>()->kind == policy::DurabilityKind::transient_local);
-  CHECK(qos.policy<policy::Liveliness>()->kind == policy::LivelinessKind::manual_by_topic);
-  CHECK(qos.policy<policy::Liveliness>()->lease_duration == infinite);
-  CHECK(qos.policy<policy::Ownership>()->kind == policy::OwnershipKind::exclusive);
-  CHECK(qos.policy<policy::OwnershipStrength>()->value == -5);
-  CHECK(qos.policy<policy::ResourceLimits>()->max_samples == policy::length_unlimited);
-  CHECK(qos.policy<policy::ResourceLimits>()->max_instances == 9);
-  CHECK(qos.policy<policy::TransportPriority>()->value == 11);
-  CHECK_FALSE(qos.policy<policy::WriterDataLifecycle>()->autodispose_unregistered_instances);
-  CHECK(qos.policy<policy::Partition>()->names == std::vector<std::string>{"a", "b"});
-  CHECK(qos.policy<policy::UserData>()->value == std::vector<std::uint8_t>{0x00, 0xFF, 0x10});
+  CHECK(qos.policy<policy::Deadline>()->period() == core::Duration::from_millisecs(1500));
+  CHECK(qos.policy<policy::LatencyBudget>()->duration() == core::Duration(0, 7));
+  CHECK(qos.policy<policy::Lifespan>()->duration() == core::Duration(3));
+  CHECK(qos.policy<policy::Reliability>()->kind() == policy::ReliabilityKind::RELIABLE);
+  CHECK(qos.policy<policy::Reliability>()->max_blocking_time() == core::Duration::from_millisecs(2));
+  CHECK(qos.policy<policy::History>()->depth() == 64);
+  CHECK(qos.policy<policy::DurabilityService>()->history_depth() == 12);
+  CHECK(qos.policy<policy::Durability>()->kind() == policy::DurabilityKind::TRANSIENT_LOCAL);
+  CHECK(qos.policy<policy::Liveliness>()->kind() == policy::LivelinessKind::MANUAL_BY_TOPIC);
+  CHECK(qos.policy<policy::Liveliness>()->lease_duration() == core::Duration::infinite());
+  CHECK(qos.policy<policy::Ownership>()->kind() == policy::OwnershipKind::EXCLUSIVE);
+  CHECK(qos.policy<policy::OwnershipStrength>()->value() == -5);
+  CHECK(qos.policy<policy::ResourceLimits>()->max_samples() == core::LENGTH_UNLIMITED);
+  CHECK(qos.policy<policy::ResourceLimits>()->max_instances() == 9);
+  CHECK(qos.policy<policy::TransportPriority>()->value() == 11);
+  CHECK_FALSE(qos.policy<policy::WriterDataLifecycle>()->autodispose_unregistered_instances());
+  CHECK(qos.policy<policy::Partition>()->name() == std::vector<std::string>{"a", "b"});
+  CHECK(qos.policy<policy::UserData>()->value() == std::vector<std::uint8_t>{0x00, 0xFF, 0x10});
 }
 
 TEST_CASE("Policies that a profile does not set remain unset, and the four kinds of entity are independent") {
@@ -71,10 +71,10 @@ TEST_CASE("Policies that a profile does not set remain unset, and the four kinds
     </qos_profile></qos_library></dds>)",
                                                             "file.xml");
   CHECK_FALSE(provider.datawriter_qos("L::P").policy<policy::History>());
-  CHECK(provider.datareader_qos("L::P").policy<policy::History>()->kind == policy::HistoryKind::keep_all);
+  CHECK(provider.datareader_qos("L::P").policy<policy::History>()->kind() == policy::HistoryKind::KEEP_ALL);
   CHECK_FALSE(provider.datareader_qos("L::P").policy<policy::Lifespan>());
-  CHECK(provider.topic_qos("L::P").policy<policy::Lifespan>()->duration == seconds(1));
-  CHECK(provider.participant_qos("L::P").policy<policy::UserData>()->value ==
+  CHECK(provider.topic_qos("L::P").policy<policy::Lifespan>()->duration() == core::Duration(1));
+  CHECK(provider.participant_qos("L::P").policy<policy::UserData>()->value() ==
         std::vector<std::uint8_t>{0xFF});
 }
 
@@ -88,10 +88,10 @@ TEST_CASE("A profile inherits what it does not set itself") {
     <qos_library name="M"><qos_profile name="Far" base_name="L::Derived"/></qos_library></dds>)",
                                                             "file.xml");
   for (const char* const profile : {"L::Derived", "M::Far"}) {
-    CHECK(provider.datawriter_qos(profile).policy<policy::History>()->depth == 5);
-    CHECK(provider.datawriter_qos(profile).policy<policy::TransportPriority>()->value == 2);
+    CHECK(provider.datawriter_qos(profile).policy<policy::History>()->depth() == 5);
+    CHECK(provider.datawriter_qos(profile).policy<policy::TransportPriority>()->value() == 2);
   }
-  CHECK(provider.datawriter_qos("L::Base").policy<policy::TransportPriority>()->value == 1);
+  CHECK(provider.datawriter_qos("L::Base").policy<policy::TransportPriority>()->value() == 1);
 }
 
 TEST_CASE("A missing profile is an error that names file and profile") {

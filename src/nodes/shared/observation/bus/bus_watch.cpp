@@ -35,7 +35,7 @@ class BusWatch::Impl {
 public:
   Impl(const BusWatchOptions& options, SampleHook* hook)
       : qos_(options.qos_file),
-        participant_(options.domain),
+        participant_(dds::ext::participant(options.domain)),
         observers_(dds::deadline_of(qos_.datareader_qos(topics::pose.profile)).count()),
         admission_({}, options.max_beacons),
         subscriptions_(participant_, qos_, observers_, admission_, endpoints_, hook, options.has_reports),
@@ -84,12 +84,12 @@ public:
     return observers_.summaries(clocks::host_now());
   }
 
-  [[nodiscard]] const dds::DomainParticipant& participant() const { return participant_; }
+  [[nodiscard]] const dds::domain::DomainParticipant& participant() const { return participant_; }
   [[nodiscard]] const dds::qos::Provider& qos() const { return qos_; }
 
 private:
   dds::qos::Provider qos_;
-  dds::DomainParticipant participant_;
+  dds::domain::DomainParticipant participant_;
   BeaconObservers observers_;
   presence::BeaconAdmission admission_;
   process::EndpointCounters endpoints_;
@@ -105,7 +105,7 @@ BusWatch::BusWatch(const BusWatchOptions& options, SampleHook* hook)
     : impl_(std::make_unique<Impl>(options, hook)) {}
 BusWatch::~BusWatch() = default;
 
-const dds::DomainParticipant& BusWatch::participant() const {
+const dds::domain::DomainParticipant& BusWatch::participant() const {
   return impl_->participant();
 }
 

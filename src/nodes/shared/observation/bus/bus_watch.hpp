@@ -6,7 +6,7 @@
 #include "presence/beacon_admission.hpp"
 #include "process/endpoint_counters.hpp"
 #include <sonopose/dds/binding/domain.hpp>
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/qos/provider.hpp>
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/samples.hpp>
@@ -55,13 +55,14 @@ struct BusSnapshot {
 /// this process lost. Use it from one thread.
 class BusWatch {
 public:
-  /// `hook` may be null; otherwise it must outlive the watch. Throws dds::Error, dds::qos::FileError.
+  /// `hook` may be null; otherwise it must outlive the watch. Throws dds::core::Exception,
+  /// dds::qos::FileError.
   explicit BusWatch(const BusWatchOptions& options, SampleHook* hook = nullptr);
   BusWatch(const BusWatch&) = delete;
   BusWatch& operator=(const BusWatch&) = delete;
   ~BusWatch();
 
-  [[nodiscard]] const dds::DomainParticipant& participant() const;
+  [[nodiscard]] const dds::domain::DomainParticipant& participant() const;
   [[nodiscard]] const dds::qos::Provider& qos() const;
 
   /// Takes new samples; call it many times a second. Returns the pose streams that fell silent or resumed.

@@ -3,8 +3,7 @@
 /// Observes the lines of the bridges.
 
 #include "presence/instance_limit.hpp"
-#include <sonopose/dds/binding/data_reader.hpp>
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/qos/provider.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
@@ -24,15 +23,16 @@ namespace sonopose::observation::bus {
 /// Last status of each line whose bridge runs.
 class LineObserver {
 public:
-  LineObserver(const dds::DomainParticipant& participant, const dds::qos::Provider& qos)
+  LineObserver(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos)
       : reader_(dds::topics::make_reader(participant, qos, dds::topics::line_status, nullptr,
                                          dds::topics::Delivery::live, &limit_)) {}
 
   /// Takes new statuses.
   void take() {
-    reader_.try_take_each(
-        [this](const sonopose_LineStatus& sample, const dds::SampleInfo& info) {
-          if (!info.alive()) {
+    dds::ext::try_take_each(
+        reader_,
+        [this](const sonopose_LineStatus& sample, const dds::sub::SampleInfo& info) {
+          if (!dds::ext::is_alive(info)) {
             forget(sample);
             return;
           }
@@ -40,8 +40,8 @@ public:
           const std::pair key{line.name, line.bridge_id};
           lines_[key] = std::move(line);
         },
-        [this](const sonopose_LineStatus& key, const dds::SampleInfo& info) {
-          if (!info.alive()) forget(key);
+        [this](const sonopose_LineStatus& key, const dds::sub::SampleInfo& info) {
+          if (!dds::ext::is_alive(info)) forget(key);
         });
   }
 
@@ -72,7 +72,7 @@ private:
   }
 
   presence::InstanceLimit<sonopose_LineStatus> limit_;
-  dds::DataReader<sonopose_LineStatus> reader_;
+  dds::sub::DataReader<sonopose_LineStatus> reader_;
   std::map<std::pair<std::string, std::uint64_t>, LineStatus> lines_;
 };
 

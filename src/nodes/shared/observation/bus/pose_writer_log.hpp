@@ -5,8 +5,8 @@
 #include "clocks/clocks.hpp"
 #include "logging/log.hpp"
 #include "observation/pose_writers.hpp"
-#include <sonopose/dds/binding/discovery.hpp>
-#include <sonopose/dds/binding/participant.hpp>
+#include <sonopose/dds/psm/discovery.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 
 #include <fmt/format.h>
 
@@ -24,7 +24,7 @@ namespace sonopose::observation::bus {
 /// again every minute.
 class PoseWriterLog {
 public:
-  explicit PoseWriterLog(const dds::DomainParticipant& participant) : discovery_(participant) {}
+  explicit PoseWriterLog(const dds::domain::DomainParticipant& participant) : discovery_(participant) {}
 
   void log(const ServedBeacons& served) {
     constexpr TimeNs repeat_after_ns = 60'000'000'000;

@@ -5,7 +5,7 @@
 #include "observation/bus/bus_watch.hpp"
 #include "observation/own_reports.hpp"
 #include "presence/instance_limit.hpp"
-#include <sonopose/dds/binding/data_reader.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
 #include <cstdint>
@@ -38,7 +38,7 @@ enum class TakeTime : std::uint8_t {
 /// A subscription to one topic.
 template <class T>
 struct Subscription {
-  Subscription(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+  Subscription(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos,
                const dds::topics::Entry<T>& entry, BeaconObservers& observers,
                presence::BeaconAdmission& admission, process::EndpointCounters& endpoints, SampleHook* hook,
                TakeTime taking)
@@ -50,27 +50,27 @@ struct Subscription {
   void take() { listener.on_data_available(reader); }
 
   Listener<T> listener;
-  dds::DataReader<T> reader;
+  dds::sub::DataReader<T> reader;
 
 private:
-  static dds::StatusMask mask_of(TakeTime taking) {
-    const auto all = dds::StatusMask::all();
-    return taking == TakeTime::on_arrival ? all : all.without(dds::StatusMask::data_available());
+  static dds::core::status::StatusMask mask_of(TakeTime taking) {
+    using Mask = dds::core::status::StatusMask;
+    return taking == TakeTime::on_arrival ? Mask::all() : dds::ext::all_but(Mask::data_available());
   }
 };
 
 /// A subscription to a topic whose second key is a fusion. Taken in batches.
 template <class T>
 struct FusionSubscription {
-  FusionSubscription(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+  FusionSubscription(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos,
                      const dds::topics::Entry<T>& entry, BeaconObservers& observers,
                      presence::BeaconAdmission& admission, process::EndpointCounters& endpoints,
                      SampleHook* hook)
       : limit(&admission),
         listener(observers, endpoints, hook, limit),
-        reader(dds::topics::make_reader(participant, qos, entry, &listener, dds::topics::Delivery::live,
-                                        &limit,
-                                        dds::StatusMask::all().without(dds::StatusMask::data_available()))) {}
+        reader(
+            dds::topics::make_reader(participant, qos, entry, &listener, dds::topics::Delivery::live, &limit,
+                                     dds::ext::all_but(dds::core::status::StatusMask::data_available()))) {}
 
   void take() { listener.on_data_available(reader); }
 
@@ -88,48 +88,49 @@ struct FusionSubscription {
 
   presence::InstanceLimit<T> limit;
   ForgettingListener listener;
-  dds::DataReader<T> reader;
+  dds::sub::DataReader<T> reader;
 };
 
 /// A subscription to the reports of the fusion that owns the poses, without those of its standbys. Taken in
 /// batches.
 struct ReportSubscription {
-  ReportSubscription(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+  ReportSubscription(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos,
                      BeaconObservers& observers, presence::BeaconAdmission& admission,
                      process::EndpointCounters& endpoints, SampleHook* hook,
-                     const dds::DataReader<sonopose_FusedPose>& poses)
+                     const dds::sub::DataReader<sonopose_FusedPose>& poses)
       : listener(observers, endpoints, hook, poses),
         reader(dds::topics::make_reader(participant, qos, dds::topics::report, &listener,
                                         dds::topics::Delivery::live, &admission,
-                                        dds::StatusMask::all().without(dds::StatusMask::data_available()))) {}
+                                        dds::ext::all_but(dds::core::status::StatusMask::data_available()))) {
+  }
 
   void take() { listener.on_data_available(reader); }
 
   class OwnListener final : public Listener<sonopose_FixReport> {
   public:
     OwnListener(BeaconObservers& observers, process::EndpointCounters& endpoints, SampleHook* hook,
-                const dds::DataReader<sonopose_FusedPose>& poses)
+                const dds::sub::DataReader<sonopose_FusedPose>& poses)
         : Listener<sonopose_FixReport>(observers, endpoints, hook), observers_(observers), poses_(poses) {}
 
   private:
-    bool accepts(const dds::DataReader<sonopose_FixReport>& reader, const FixReport& report,
-                 const dds::SampleInfo& info) noexcept override {
+    bool accepts(const dds::sub::DataReader<sonopose_FixReport>& reader, const FixReport& report,
+                 const dds::sub::SampleInfo& info) noexcept override {
       return own_.accepts(report.address, reader, info.publication_handle(), poses_,
                           observers_.pose_writer_of(report.address));
     }
 
     BeaconObservers& observers_;
-    const dds::DataReader<sonopose_FusedPose>& poses_;
+    const dds::sub::DataReader<sonopose_FusedPose>& poses_;
     OwnReports own_;
   };
 
   OwnListener listener;
-  dds::DataReader<sonopose_FixReport> reader;
+  dds::sub::DataReader<sonopose_FixReport> reader;
 };
 
 /// All subscriptions. Poses are taken on arrival, because their latency is measured.
 struct Subscriptions {
-  Subscriptions(const dds::DomainParticipant& participant, const dds::qos::Provider& qos,
+  Subscriptions(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos,
                 BeaconObservers& observers, presence::BeaconAdmission& admission,
                 process::EndpointCounters& endpoints, SampleHook* hook, bool has_reports)
       : pose(participant, qos, dds::topics::pose, observers, admission, endpoints, hook,

@@ -31,7 +31,8 @@ public:
   Node& operator=(Node&&) = delete;
   virtual ~Node() = default;
 
-  /// Makes a node, which closes with its last reference.
+  /// Makes a node, which closes with its last reference: on a thread of its own if that is in a callback of
+  /// the node, for which its end waits.
   template <class N, class... Arguments>
   static std::shared_ptr<N> make(Arguments&&... arguments) {
     return std::shared_ptr<N>(new N(std::forward<Arguments>(arguments)...), release);
@@ -39,6 +40,10 @@ public:
 
   /// The handle in C. Throws AlreadyClosedError after `close()` of this node or of one that it belongs to.
   dds_entity_t handle() const;
+  /// The same without exceptions; negative after a close.
+  dds_entity_t try_handle() const noexcept {
+    return is_closed() ? dds_entity_t{DDS_RETCODE_ALREADY_DELETED} : handle_.load();
+  }
   /// Sets the handle, once. A callback of the entity may do so before the constructor does.
   void handle(dds_entity_t value) noexcept {
     dds_entity_t unset = 0;
@@ -64,6 +69,7 @@ protected:
 
 private:
   friend class Pin;
+  friend class RunningCallback;
   static void release(Node* node) noexcept;
   bool inherit(std::unique_ptr<Node>& node) noexcept;
 
@@ -149,6 +155,9 @@ struct Access {
     return node;
   }
   static dds_entity_t handle(const Reference& reference) { return reference.pointer()->handle(); }
+  static dds_entity_t try_handle(const Reference& reference) noexcept {
+    return reference.is_nil() ? dds_entity_t{DDS_RETCODE_BAD_PARAMETER} : reference.node_->try_handle();
+  }
 };
 }  // namespace detail
 
@@ -191,6 +200,15 @@ public:
   }
   /// cyclonedds-cxx 0.10 throws UnsupportedError.
   void retain() { node().retain(); }
+
+protected:
+  /// Reads a status, which clears its changes.
+  template <class Status, class C>
+  Status read_status(dds_return_t (*get)(dds_entity_t, C*)) const {
+    C c{};
+    detail::check("dds_get_…_status", get(node().handle(), &c));
+    return Status(c);
+  }
 };
 
 }  // namespace dds::inline sonopose_psm::core

@@ -136,6 +136,10 @@ namespace detail {
 inline dds_duration_t to_c(const Duration& duration) {
   return duration == Duration::infinite() ? DDS_INFINITY : duration.sec() * ns_per_s + duration.nanosec();
 }
+inline Duration to_duration(dds_duration_t ns) {
+  if (ns / ns_per_s >= Duration::infinite().sec()) return Duration::infinite();
+  return Duration(ns / ns_per_s, static_cast<std::uint32_t>(ns % ns_per_s));
+}
 /// Throws InvalidArgumentError for an invalid time.
 dds_time_t to_c(const Time& time);
 inline Time to_time(dds_time_t time) {

@@ -4,6 +4,7 @@
 /// sets, suspended publications, TopicInstance, writing of ranges and pairs, instance management with a time
 /// stamp, discovery.
 
+#include "../core/detail/Callbacks.hpp"
 #include "../core/detail/EntityQos.hpp"
 #include "../topic/ddstopic.hpp"
 
@@ -25,8 +26,7 @@ using DataWriterQos =
 template <class T>
 class DataWriter;
 
-/// Callbacks of a writer, on threads of Cyclone DDS. They must not block, throw, or end the writer. The
-/// writer that they receive must not be kept. The listener must outlive its writer.
+/// Callbacks of a writer, under the contract of those of a reader (DataReaderListener).
 template <class T>
 class DataWriterListener {
 public:
@@ -62,37 +62,17 @@ public:
   qos::PublisherQos qos;
 };
 
-class WriterNode;
-
-/// Target of a writer's callbacks, for writers of any type.
-class WriterEvents {
+class WriterNode : public core::detail::EndpointNode {
 public:
-  WriterEvents() = default;
-  WriterEvents(const WriterEvents&) = delete;
-  WriterEvents& operator=(const WriterEvents&) = delete;
-  WriterEvents(WriterEvents&&) = delete;
-  WriterEvents& operator=(WriterEvents&&) = delete;
-  virtual ~WriterEvents() = default;
-  virtual void on(WriterNode& writer, const core::status::OfferedDeadlineMissedStatus& status) = 0;
-  virtual void on(WriterNode& writer, const core::status::OfferedIncompatibleQosStatus& status) = 0;
-  virtual void on(WriterNode& writer, const core::status::LivelinessLostStatus& status) = 0;
-  virtual void on(WriterNode& writer, const core::status::PublicationMatchedStatus& status) = 0;
-};
+  using EndpointNode::EndpointNode;
 
-class WriterNode : public core::detail::Node {
-public:
-  using Node::Node;
-
-  std::shared_ptr<core::detail::Node> topic;
   qos::DataWriterQos qos;
-  std::shared_ptr<void> bridge;  ///< what the callbacks in C call
-  void* listener = nullptr;      ///< what that calls: the user's
 };
 
-std::shared_ptr<WriterNode> make_writer(const core::Reference& publisher, const core::Reference& topic,
-                                        const qos::DataWriterQos& qos, std::shared_ptr<WriterEvents> events,
-                                        const core::status::StatusMask& mask);
-void listen(WriterNode& writer, std::shared_ptr<WriterEvents> events, const core::status::StatusMask& mask);
+std::shared_ptr<WriterNode> make_node(const core::Reference& publisher, const core::Reference& topic,
+                                      const qos::DataWriterQos& qos);
+/// Makes the writer of a node.
+void open(WriterNode& writer, const core::detail::Callbacks& callbacks);
 
 }  // namespace detail
 
@@ -123,10 +103,18 @@ public:
   /// Throws ImmutablePolicyError for what an existing writer cannot change.
   void qos(const qos::DataWriterQos& qos);
 
-  const core::status::LivelinessLostStatus liveliness_lost_status();
-  const core::status::OfferedDeadlineMissedStatus offered_deadline_missed_status();
-  const core::status::OfferedIncompatibleQosStatus offered_incompatible_qos_status();
-  const core::status::PublicationMatchedStatus publication_matched_status();
+  const core::status::LivelinessLostStatus liveliness_lost_status() {
+    return read_status<core::status::LivelinessLostStatus>(dds_get_liveliness_lost_status);
+  }
+  const core::status::OfferedDeadlineMissedStatus offered_deadline_missed_status() {
+    return read_status<core::status::OfferedDeadlineMissedStatus>(dds_get_offered_deadline_missed_status);
+  }
+  const core::status::OfferedIncompatibleQosStatus offered_incompatible_qos_status() {
+    return read_status<core::status::OfferedIncompatibleQosStatus>(dds_get_offered_incompatible_qos_status);
+  }
+  const core::status::PublicationMatchedStatus publication_matched_status() {
+    return read_status<core::status::PublicationMatchedStatus>(dds_get_publication_matched_status);
+  }
 
 protected:
   explicit AnyDataWriter(std::shared_ptr<core::detail::Node> node) : Entity(std::move(node)) {}
@@ -147,8 +135,10 @@ public:
   DataWriter(const Publisher& publisher, const topic::Topic<T>& topic, const qos::DataWriterQos& qos,
              DataWriterListener<T>* listener = nullptr,
              const core::status::StatusMask& mask = core::status::StatusMask::none())
-      : AnyDataWriter(detail::make_writer(publisher, topic, qos, events_of(listener), mask)) {
-    node<detail::WriterNode>().listener = listener;
+      : AnyDataWriter(detail::make_node(publisher, topic, qos)) {
+    auto& writer = node<detail::WriterNode>();
+    writer.listener = listener;
+    detail::open(writer, callbacks(writer, mask));
   }
 
   void write(const T& sample) { call("dds_write", dds_write, AsC(sample).get()); }
@@ -199,44 +189,23 @@ public:
 
   void listener(DataWriterListener<T>* listener, const core::status::StatusMask& mask) {
     auto& writer = node<detail::WriterNode>();
-    detail::listen(writer, events_of(listener), mask);
-    writer.listener = listener;
+    core::detail::listen(writer, listener, callbacks(writer, mask));
   }
   DataWriterListener<T>* listener() const {
-    return static_cast<DataWriterListener<T>*>(node<detail::WriterNode>().listener);
+    return static_cast<DataWriterListener<T>*>(node<detail::WriterNode>().listener.load());
   }
 
 private:
-  class Events : public detail::WriterEvents {
-  public:
-    explicit Events(DataWriterListener<T>& listener) : listener_(listener) {}
-    void on(detail::WriterNode& writer, const core::status::OfferedDeadlineMissedStatus& status) override {
-      DataWriter view = view_of(writer);
-      listener_.on_offered_deadline_missed(view, status);
-    }
-    void on(detail::WriterNode& writer, const core::status::OfferedIncompatibleQosStatus& status) override {
-      DataWriter view = view_of(writer);
-      listener_.on_offered_incompatible_qos(view, status);
-    }
-    void on(detail::WriterNode& writer, const core::status::LivelinessLostStatus& status) override {
-      DataWriter view = view_of(writer);
-      listener_.on_liveliness_lost(view, status);
-    }
-    void on(detail::WriterNode& writer, const core::status::PublicationMatchedStatus& status) override {
-      DataWriter view = view_of(writer);
-      listener_.on_publication_matched(view, status);
-    }
-
-  private:
-    /// Does not own the writer, whose end waits for its callbacks.
-    static DataWriter view_of(detail::WriterNode& writer) {
-      return DataWriter(std::shared_ptr<core::detail::Node>(std::shared_ptr<void>(), &writer));
-    }
-    DataWriterListener<T>& listener_;
-  };
-
-  static std::shared_ptr<detail::WriterEvents> events_of(DataWriterListener<T>* listener) {
-    return listener == nullptr ? nullptr : std::make_shared<Events>(*listener);
+  static core::detail::Callbacks callbacks(detail::WriterNode& writer, const core::status::StatusMask& mask) {
+    using Mask = core::status::StatusMask;
+    core::detail::Callbacks all(writer, mask);
+    all.add<&Listener::on_liveliness_lost>(Mask::liveliness_lost(), dds_lset_liveliness_lost);
+    all.add<&Listener::on_publication_matched>(Mask::publication_matched(), dds_lset_publication_matched);
+    all.add<&Listener::on_offered_deadline_missed>(Mask::offered_deadline_missed(),
+                                                   dds_lset_offered_deadline_missed);
+    all.add<&Listener::on_offered_incompatible_qos>(Mask::offered_incompatible_qos(),
+                                                    dds_lset_offered_incompatible_qos);
+    return all;
   }
 
   template <class Function, class... Arguments>

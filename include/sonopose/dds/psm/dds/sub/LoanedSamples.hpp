@@ -64,8 +64,9 @@ public:
   using const_iterator = typename Samples::const_iterator;
 
   LoanedSamples() = default;
-  explicit LoanedSamples(Samples samples)
-      : samples_(samples.empty() ? nullptr : std::make_shared<const Samples>(std::move(samples))) {}
+  explicit LoanedSamples(Samples samples, std::shared_ptr<const void> memory = nullptr)
+      : samples_(samples.empty() ? nullptr : std::make_shared<const Samples>(std::move(samples))),
+        memory_(std::move(memory)) {}
 
   const_iterator begin() const { return samples_ == nullptr ? const_iterator() : samples_->begin(); }
   const_iterator end() const { return samples_ == nullptr ? const_iterator() : samples_->end(); }
@@ -75,6 +76,7 @@ public:
 
 private:
   std::shared_ptr<const Samples> samples_;
+  std::shared_ptr<const void> memory_;  ///< that the samples point to, if they do
 };
 
 }  // namespace dds::inline sonopose_psm::sub

@@ -4,6 +4,7 @@
 /// coherent access, copying into iterators, the `>>` of readers, TopicInstance, discovery.
 
 #include "../core/cond/WaitSet.hpp"
+#include "../core/detail/Callbacks.hpp"
 #include "../core/detail/EntityQos.hpp"
 #include "../topic/ddstopic.hpp"
 #include "LoanedSamples.hpp"
@@ -28,8 +29,14 @@ using DataReaderQos =
 template <class T>
 class DataReader;
 
-/// Callbacks of a reader, on threads of Cyclone DDS. They must not block, throw, or end the reader. The
-/// reader that they receive must not be kept. The listener must outlive its reader.
+/// Callbacks of a reader. The contract:
+/// - They run on threads of Cyclone DDS: data of other processes on its one receive thread, data of this
+///   process on the writing thread, deadlines and liveliness on others. They must take microseconds, not
+///   block, not throw (the process ends), and neither create nor end entities.
+/// - A callback may run before the constructor of the reader has returned. Samples can be taken then, but the
+///   instance handle of the reader is still nil.
+/// - The listener must outlive its reader, whose end waits for a running callback.
+/// - A status that a listener handles does not wake a `WaitSet`.
 template <class T>
 class DataReaderListener {
 public:
@@ -72,41 +79,18 @@ public:
   qos::SubscriberQos qos;
 };
 
-class ReaderNode;
-
-/// Target of a reader's callbacks, for readers of any type.
-class ReaderEvents {
+class ReaderNode : public core::detail::EndpointNode {
 public:
-  ReaderEvents() = default;
-  ReaderEvents(const ReaderEvents&) = delete;
-  ReaderEvents& operator=(const ReaderEvents&) = delete;
-  ReaderEvents(ReaderEvents&&) = delete;
-  ReaderEvents& operator=(ReaderEvents&&) = delete;
-  virtual ~ReaderEvents() = default;
-  virtual void on_data(ReaderNode& reader) = 0;
-  virtual void on(ReaderNode& reader, const core::status::RequestedDeadlineMissedStatus& status) = 0;
-  virtual void on(ReaderNode& reader, const core::status::RequestedIncompatibleQosStatus& status) = 0;
-  virtual void on(ReaderNode& reader, const core::status::SampleRejectedStatus& status) = 0;
-  virtual void on(ReaderNode& reader, const core::status::LivelinessChangedStatus& status) = 0;
-  virtual void on(ReaderNode& reader, const core::status::SubscriptionMatchedStatus& status) = 0;
-  virtual void on(ReaderNode& reader, const core::status::SampleLostStatus& status) = 0;
-};
+  using EndpointNode::EndpointNode;
 
-class ReaderNode : public core::detail::Node {
-public:
-  using Node::Node;
-
-  std::shared_ptr<core::detail::Node> topic;
   qos::DataReaderQos qos;
   status::DataState filter_state;
-  std::shared_ptr<void> bridge;  ///< what the callbacks in C call
-  void* listener = nullptr;      ///< what that calls: the user's
 };
 
-std::shared_ptr<ReaderNode> make_reader(const core::Reference& subscriber, const core::Reference& topic,
-                                        const qos::DataReaderQos& qos, std::shared_ptr<ReaderEvents> events,
-                                        const core::status::StatusMask& mask);
-void listen(ReaderNode& reader, std::shared_ptr<ReaderEvents> events, const core::status::StatusMask& mask);
+std::shared_ptr<ReaderNode> make_node(const core::Reference& subscriber, const core::Reference& topic,
+                                      const qos::DataReaderQos& qos);
+/// Makes the reader of a node.
+void open(ReaderNode& reader, const core::detail::Callbacks& callbacks);
 
 /// Samples to read or take.
 struct Selection {
@@ -168,12 +152,25 @@ public:
   /// Throws TimeoutError unless the transient-local samples from before this reader arrive within `timeout`.
   void wait_for_historical_data(const core::Duration& timeout);
 
-  core::status::LivelinessChangedStatus liveliness_changed_status();
-  core::status::SampleRejectedStatus sample_rejected_status();
-  core::status::SampleLostStatus sample_lost_status();
-  core::status::RequestedDeadlineMissedStatus requested_deadline_missed_status();
-  core::status::RequestedIncompatibleQosStatus requested_incompatible_qos_status();
-  core::status::SubscriptionMatchedStatus subscription_matched_status();
+  core::status::LivelinessChangedStatus liveliness_changed_status() {
+    return read_status<core::status::LivelinessChangedStatus>(dds_get_liveliness_changed_status);
+  }
+  core::status::SampleRejectedStatus sample_rejected_status() {
+    return read_status<core::status::SampleRejectedStatus>(dds_get_sample_rejected_status);
+  }
+  core::status::SampleLostStatus sample_lost_status() {
+    return read_status<core::status::SampleLostStatus>(dds_get_sample_lost_status);
+  }
+  core::status::RequestedDeadlineMissedStatus requested_deadline_missed_status() {
+    return read_status<core::status::RequestedDeadlineMissedStatus>(dds_get_requested_deadline_missed_status);
+  }
+  core::status::RequestedIncompatibleQosStatus requested_incompatible_qos_status() {
+    return read_status<core::status::RequestedIncompatibleQosStatus>(
+        dds_get_requested_incompatible_qos_status);
+  }
+  core::status::SubscriptionMatchedStatus subscription_matched_status() {
+    return read_status<core::status::SubscriptionMatchedStatus>(dds_get_subscription_matched_status);
+  }
 
 protected:
   explicit AnyDataReader(std::shared_ptr<core::detail::Node> node) : Entity(std::move(node)) {}
@@ -227,8 +224,10 @@ public:
   DataReader(const Subscriber& subscriber, const topic::Topic<T>& topic, const qos::DataReaderQos& qos,
              DataReaderListener<T>* listener = nullptr,
              const core::status::StatusMask& mask = core::status::StatusMask::none())
-      : AnyDataReader(detail::make_reader(subscriber, topic, qos, events_of(listener), mask)) {
-    node<detail::ReaderNode>().listener = listener;
+      : AnyDataReader(detail::make_node(subscriber, topic, qos)) {
+    auto& reader = node<detail::ReaderNode>();
+    reader.listener = listener;
+    detail::open(reader, callbacks(reader, mask));
   }
 
   /// Default selection of read, take and select: everything.
@@ -256,67 +255,46 @@ public:
 
   void listener(DataReaderListener<T>* listener, const core::status::StatusMask& mask) {
     auto& reader = node<detail::ReaderNode>();
-    detail::listen(reader, events_of(listener), mask);
-    reader.listener = listener;
+    core::detail::listen(reader, listener, callbacks(reader, mask));
   }
   DataReaderListener<T>* listener() const {
-    return static_cast<DataReaderListener<T>*>(node<detail::ReaderNode>().listener);
+    return static_cast<DataReaderListener<T>*>(node<detail::ReaderNode>().listener.load());
   }
 
 private:
-  class Events : public detail::ReaderEvents {
-  public:
-    explicit Events(DataReaderListener<T>& listener) : listener_(listener) {}
-    void on_data(detail::ReaderNode& reader) override {
-      DataReader view = view_of(reader);
-      listener_.on_data_available(view);
-    }
-    void on(detail::ReaderNode& reader, const core::status::RequestedDeadlineMissedStatus& status) override {
-      DataReader view = view_of(reader);
-      listener_.on_requested_deadline_missed(view, status);
-    }
-    void on(detail::ReaderNode& reader, const core::status::RequestedIncompatibleQosStatus& status) override {
-      DataReader view = view_of(reader);
-      listener_.on_requested_incompatible_qos(view, status);
-    }
-    void on(detail::ReaderNode& reader, const core::status::SampleRejectedStatus& status) override {
-      DataReader view = view_of(reader);
-      listener_.on_sample_rejected(view, status);
-    }
-    void on(detail::ReaderNode& reader, const core::status::LivelinessChangedStatus& status) override {
-      DataReader view = view_of(reader);
-      listener_.on_liveliness_changed(view, status);
-    }
-    void on(detail::ReaderNode& reader, const core::status::SubscriptionMatchedStatus& status) override {
-      DataReader view = view_of(reader);
-      listener_.on_subscription_matched(view, status);
-    }
-    void on(detail::ReaderNode& reader, const core::status::SampleLostStatus& status) override {
-      DataReader view = view_of(reader);
-      listener_.on_sample_lost(view, status);
-    }
-
-  private:
-    /// Does not own the reader, whose end waits for its callbacks.
-    static DataReader view_of(detail::ReaderNode& reader) {
-      return DataReader(std::shared_ptr<core::detail::Node>(std::shared_ptr<void>(), &reader));
-    }
-    DataReaderListener<T>& listener_;
-  };
-
-  static std::shared_ptr<detail::ReaderEvents> events_of(DataReaderListener<T>* listener) {
-    return listener == nullptr ? nullptr : std::make_shared<Events>(*listener);
+  static core::detail::Callbacks callbacks(detail::ReaderNode& reader, const core::status::StatusMask& mask) {
+    using Mask = core::status::StatusMask;
+    core::detail::Callbacks all(reader, mask);
+    all.add<&Listener::on_data_available>(Mask::data_available(), dds_lset_data_available);
+    all.add<&Listener::on_sample_lost>(Mask::sample_lost(), dds_lset_sample_lost);
+    all.add<&Listener::on_sample_rejected>(Mask::sample_rejected(), dds_lset_sample_rejected);
+    all.add<&Listener::on_liveliness_changed>(Mask::liveliness_changed(), dds_lset_liveliness_changed);
+    all.add<&Listener::on_subscription_matched>(Mask::subscription_matched(), dds_lset_subscription_matched);
+    all.add<&Listener::on_requested_deadline_missed>(Mask::requested_deadline_missed(),
+                                                     dds_lset_requested_deadline_missed);
+    all.add<&Listener::on_requested_incompatible_qos>(Mask::requested_incompatible_qos(),
+                                                      dds_lset_requested_incompatible_qos);
+    return all;
   }
 
   static LoanedSamples<T> fetch(const core::detail::Node& reader, const detail::Selection& selection) {
-    const detail::Fetched fetched(reader, selection, topic::detail::TypeSupport<T>::descriptor());
+    using Support = topic::detail::TypeSupport<T>;
+    const auto fetched = std::make_shared<detail::Fetched>(reader, selection, Support::descriptor());
     std::vector<SampleRef<T>> samples;
-    samples.reserve(fetched.size());
-    for (std::size_t i = 0; i < fetched.size(); ++i) {
-      T data;
-      topic::detail::copy_from_c<T>(*static_cast<const C*>(fetched.sample(i)), data);
-      samples.emplace_back(std::move(data), SampleInfo(fetched.info(i)));
+    samples.reserve(fetched->size());
+    for (std::size_t i = 0; i < fetched->size(); ++i) {
+      const C& c = *static_cast<const C*>(fetched->sample(i));
+      const SampleInfo info(fetched->info(i));
+      if constexpr (topic::detail::Native<T>) {
+        samples.emplace_back(c, info);
+      } else {
+        T data;
+        topic::detail::copy_from_c<T>(c, data);
+        samples.emplace_back(std::move(data), info);
+      }
     }
+    // What native samples point to lives as long as they do.
+    if constexpr (topic::detail::Native<T>) return LoanedSamples<T>(std::move(samples), fetched);
     return LoanedSamples<T>(std::move(samples));
   }
 };

@@ -18,6 +18,8 @@ struct DeleteQos {
 using CQos = std::unique_ptr<dds_qos_t, DeleteQos>;
 
 CQos make_qos();
+/// A copy; empty of null.
+CQos copy_of(const dds_qos_t* qos);
 
 // Each writes a policy into a QoS in C, and throws for an invalid value.
 void apply(const policy::UserData& policy, dds_qos_t* qos);
@@ -35,6 +37,23 @@ void apply(const policy::ResourceLimits& policy, dds_qos_t* qos);
 void apply(const policy::WriterDataLifecycle& policy, dds_qos_t* qos);
 void apply(const policy::TransportPriority& policy, dds_qos_t* qos);
 void apply(const policy::DurabilityService& policy, dds_qos_t* qos);
+
+// Each reads a policy from a QoS in C, and returns false if it is not set there.
+bool read(policy::UserData& policy, const dds_qos_t* qos);
+bool read(policy::Durability& policy, const dds_qos_t* qos);
+bool read(policy::Deadline& policy, const dds_qos_t* qos);
+bool read(policy::LatencyBudget& policy, const dds_qos_t* qos);
+bool read(policy::Lifespan& policy, const dds_qos_t* qos);
+bool read(policy::Ownership& policy, const dds_qos_t* qos);
+bool read(policy::OwnershipStrength& policy, const dds_qos_t* qos);
+bool read(policy::Liveliness& policy, const dds_qos_t* qos);
+bool read(policy::Partition& policy, const dds_qos_t* qos);
+bool read(policy::Reliability& policy, const dds_qos_t* qos);
+bool read(policy::History& policy, const dds_qos_t* qos);
+bool read(policy::ResourceLimits& policy, const dds_qos_t* qos);
+bool read(policy::WriterDataLifecycle& policy, const dds_qos_t* qos);
+bool read(policy::TransportPriority& policy, const dds_qos_t* qos);
+bool read(policy::DurabilityService& policy, const dds_qos_t* qos);
 
 struct TopicDefaults;
 
@@ -55,7 +74,7 @@ public:
   template <class... Others>
   EntityQos& operator=(const EntityQos<TopicDefaults, Others...>& other) {
     const auto copy = [this]<class Policy>(const Policy& value) {
-      if constexpr (has<Policy>) std::get<Policy>(policies_) = value;
+      if constexpr (has<Policy>) policy<Policy>() = value;
     };
     (copy(other.template policy<Others>()), ...);
     return *this;
@@ -65,7 +84,7 @@ public:
   EntityQos& policy(const Policy& value) {
     static_assert(has<Policy>, "this kind of entity has no such policy");
     detail::apply(value, make_qos().get());  // throws if it is invalid
-    std::get<Policy>(policies_) = value;
+    policy<Policy>() = value;
     return *this;
   }
   template <class Policy>
@@ -74,6 +93,7 @@ public:
   }
   template <class Policy>
   Policy& policy() {
+    std::get<Set<Policy>>(set_).value = true;
     return std::get<Policy>(policies_);
   }
   template <class Policy>
@@ -85,17 +105,35 @@ public:
     value = policy<Policy>();
     return *this;
   }
-  bool operator==(const EntityQos&) const = default;
+  bool operator==(const EntityQos& other) const { return policies_ == other.policies_; }
 
   /// Beyond the PSM: the QoS in C.
   CQos c_qos() const {
-    CQos qos = make_qos();
-    (detail::apply(std::get<Policies>(policies_), qos.get()), ...);
+    CQos qos = copy_of(base_.get());
+    const auto apply_set = [&]<class Policy>(const Policy& value) {
+      if (std::get<Set<Policy>>(set_).value) detail::apply(value, qos.get());
+    };
+    (apply_set(std::get<Policies>(policies_)), ...);
+    return qos;
+  }
+  /// Beyond the PSM: takes over a QoS in C. What it does not set, the topic or Cyclone DDS decides.
+  static EntityQos of_c(const dds_qos_t* c) {
+    EntityQos qos;
+    qos.base_ = copy_of(c);
+    ((std::get<Set<Policies>>(qos.set_).value = read(std::get<Policies>(qos.policies_), c)), ...);
     return qos;
   }
 
 private:
+  /// False for a policy that the constructor from C found unset.
+  template <class Policy>
+  struct Set {
+    bool value = true;
+  };
+
   std::tuple<Policies...> policies_;
+  std::tuple<Set<Policies>...> set_;
+  std::shared_ptr<const dds_qos_t> base_;  ///< with policies that this kind of entity lacks in the PSM
 };
 
 struct NoDefaults {

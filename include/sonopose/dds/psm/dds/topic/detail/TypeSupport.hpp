@@ -22,10 +22,29 @@
 #include <type_traits>
 #include <vector>
 
+namespace sonopose::dds {
+/// Descriptor of a type that idlc generated. Specialise it with a static function `const
+/// dds_topic_descriptor_t& descriptor()`. Its struct can then be the type of a topic.
+template <class T>
+struct TopicTraits;
+}  // namespace sonopose::dds
+
 namespace dds::inline sonopose_psm::topic::detail {
 
 template <class T>
 struct TypeSupport;
+
+/// A struct of idlc that is itself the type of a topic (sonopose::dds::TopicTraits): nothing is converted.
+template <class T>
+concept Native = requires {
+  sonopose::dds::TopicTraits<T>::descriptor();
+};
+
+template <Native T>
+struct TypeSupport<T> {
+  using C = T;
+  static const dds_topic_descriptor_t& descriptor() { return sonopose::dds::TopicTraits<T>::descriptor(); }
+};
 
 template <class T>
 concept Plain = std::is_arithmetic_v<T> || std::is_enum_v<T>;
@@ -149,6 +168,16 @@ private:
   typename TypeSupport<T>::C c_{};
 };
 
+template <Native T>
+class AsC<T> {
+public:
+  explicit AsC(const T& sample) : c_(&sample) {}
+  const T* get() const { return c_; }
+
+private:
+  const T* c_;
+};
+
 /// Frees what Cyclone DDS put into a sample in C.
 template <class T>
 void free_contents(typename TypeSupport<T>::C& c) {
@@ -166,10 +195,14 @@ void copy_from_c(const typename TypeSupport<T>::C& c, T& sample) {
 /// Sets the key fields of `key` to those of an instance of a reader or writer.
 template <class T>
 void read_key(dds_entity_t entity, const core::InstanceHandle& instance, T& key) {
-  typename TypeSupport<T>::C c{};
-  core::detail::check("dds_instance_get_key", dds_instance_get_key(entity, instance.c_value(), &c));
-  copy_from_c<T>(c, key);
-  free_contents<T>(c);
+  if constexpr (Native<T>) {
+    core::detail::check("dds_instance_get_key", dds_instance_get_key(entity, instance.c_value(), &key));
+  } else {
+    typename TypeSupport<T>::C c{};
+    core::detail::check("dds_instance_get_key", dds_instance_get_key(entity, instance.c_value(), &c));
+    copy_from_c<T>(c, key);
+    free_contents<T>(c);
+  }
 }
 
 }  // namespace dds::inline sonopose_psm::topic::detail

@@ -3,7 +3,7 @@
 /// Conversion of samples from and to their serialized form, without a participant: for recordings, for
 /// example.
 
-#include <sonopose/dds/binding/topic.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 
 #include <dds/dds.h>
 

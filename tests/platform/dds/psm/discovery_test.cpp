@@ -1,6 +1,6 @@
 #include "dds/dds_fixture.hpp"
 #include "support/wait_until.hpp"
-#include <sonopose/dds/binding/discovery.hpp>
+#include <sonopose/dds/psm/discovery.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -26,7 +26,7 @@ const FoundParticipant* with_key(const std::vector<FoundParticipant>& participan
 }
 
 TEST_CASE("Discovery finds this process with its readers and writers and their QoS") {
-  const DomainParticipant member = participant();
+  const domain::DomainParticipant member = participant();
   const qos::Provider qos = project_qos();
   const Discovery discovery(member);
   CHECK(on_topic(discovery.writers(), topics::pose.name) == nullptr);
@@ -38,13 +38,13 @@ TEST_CASE("Discovery finds this process with its readers and writers and their Q
   REQUIRE(pose != nullptr);
   CHECK(pose->type_name == "sonopose::FusedPose");
   CHECK(pose->participant_key == discovery.own_key());
-  CHECK(pose->qos.policy<policy::Ownership>()->kind == policy::OwnershipKind::exclusive);
-  CHECK(pose->qos.policy<policy::OwnershipStrength>()->value == 100);
+  CHECK(pose->qos.policy<policy::Ownership>()->kind() == policy::OwnershipKind::EXCLUSIVE);
+  CHECK(pose->qos.policy<policy::OwnershipStrength>()->value() == 100);
 
   const auto readers = discovery.readers();
   const FoundEndpoint* const imu = on_topic(readers, "sonopose/imu");
   REQUIRE(imu != nullptr);
-  CHECK(imu->qos.policy<policy::Deadline>()->period == std::chrono::milliseconds(100));
+  CHECK(imu->qos.policy<policy::Deadline>()->period() == core::Duration::from_millisecs(100));
 
   const auto participants = discovery.participants();
   const FoundParticipant* const own = with_key(participants, discovery.own_key());
@@ -58,7 +58,7 @@ TEST_CASE("Discovery finds this process with its readers and writers and their Q
 }
 
 TEST_CASE("Discovery finds another process, its writer and its identity") {
-  const DomainParticipant member = participant();
+  const domain::DomainParticipant member = participant();
   const Discovery discovery(member);
   const std::string command =
       std::string(SONOPOSE_TEST_DDS_PEER) + " " + std::to_string(test_domain()) + " loopback 7";
@@ -75,7 +75,7 @@ TEST_CASE("Discovery finds another process, its writer and its identity") {
   const FoundEndpoint* const writer = on_topic(writers, "test/peer");
   REQUIRE(writer != nullptr);
   CHECK(writer->participant_key != discovery.own_key());
-  CHECK(writer->qos.policy<policy::Reliability>()->kind == policy::ReliabilityKind::reliable);
+  CHECK(writer->qos.policy<policy::Reliability>()->kind() == policy::ReliabilityKind::RELIABLE);
   const auto participants = discovery.participants();
   const FoundParticipant* const process = with_key(participants, writer->participant_key);
   REQUIRE(process != nullptr);
@@ -94,13 +94,13 @@ TEST_CASE("Discovery keeps nothing of writers that have ended") {
   const Environment tag(
       "CYCLONEDDS_URI",
       "<CycloneDDS><Domain><Discovery><Tag>discovery_test</Tag></Discovery></Domain></CycloneDDS>");
-  const DomainParticipant member = participant();
-  const Topic<sonopose_FusedPose> topic(member, topics::pose.name);
+  const domain::DomainParticipant member = participant();
+  const topic::Topic<sonopose_FusedPose> topic(member, topics::pose.name);
   const Discovery discovery(member);
   constexpr int times = 300;
   const auto come_and_go = [&] {
     for (int i = 0; i < times; ++i) {
-      DataWriter<sonopose_FusedPose>(member, topic).close();
+      pub::DataWriter<sonopose_FusedPose>(pub::Publisher(member), topic);
       if (i % 10 == 0) CHECK(on_topic(discovery.writers(), topics::pose.name) == nullptr);
     }
   };

@@ -30,16 +30,16 @@ double allocated_mb() {
 /// A writer that never pauses does not request acknowledgements from its readers (docs/reliability.md,
 /// "Soak").
 TEST_CASE("A busy writer does not keep the samples of beacons that are gone") {
-  const DomainParticipant member = participant();
-  const Topic<sonopose_FusedPose> topic(member, topics::pose.name);
+  const domain::DomainParticipant member = participant();
+  const topic::Topic<sonopose_FusedPose> topic(member, topics::pose.name);
   constexpr std::chrono::seconds lifespan(3);  // shorter than the project's
   Qos qos = project_qos().datawriter_qos(topics::pose.profile);
-  qos << policy::Lifespan{lifespan};
-  DataWriter<sonopose_FusedPose> writer(member, topic, qos);
+  qos << policy::Lifespan(ext::to_duration(lifespan));
+  pub::DataWriter<sonopose_FusedPose> writer(pub::Publisher(member), topic, qos);
   const OtherProcess reader = reader_elsewhere();
   REQUIRE(reader != nullptr);
-  REQUIRE(wait_for(writer, StatusMask::publication_matched(),
-                   [&] { return writer.publication_matched_status().current_count == 1; }));
+  REQUIRE(wait_for(writer, core::status::StatusMask::publication_matched(),
+                   [&] { return writer.publication_matched_status().current_count() == 1; }));
   const auto pose_of = [](std::uint16_t address) {
     sonopose_FusedPose pose{};
     pose.address = address;

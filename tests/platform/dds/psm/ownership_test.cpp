@@ -7,23 +7,24 @@ namespace sonopose::dds::test::ownership_test {
 using Command = sonopose_ResetCommand;
 
 Qos exclusive(std::int32_t strength) {
-  return Qos() << policy::Reliability::reliable() << policy::History::keep_last(16)
-               << policy::Ownership{policy::OwnershipKind::exclusive} << policy::OwnershipStrength{strength};
+  return Qos() << policy::Reliability::Reliable() << policy::History::KeepLast(16)
+               << policy::Ownership::Exclusive() << policy::OwnershipStrength(strength);
 }
 
 TEST_CASE("Of two exclusive writers the stronger one is received, instance by instance") {
   GIVEN("a strong and a weak writer") {
-    const DomainParticipant member = participant();
-    const Topic<Command> topic(member, "test/ownership");
-    DataReader<Command> reader(member, topic,
-                               Qos() << policy::Reliability::reliable() << policy::History::keep_last(16)
-                                     << policy::Ownership{policy::OwnershipKind::exclusive});
-    DataWriter<Command> strong(member, topic, exclusive(20));
-    DataWriter<Command> weak(member, topic, exclusive(10));
+    const domain::DomainParticipant member = participant();
+    const topic::Topic<Command> topic(member, "test/ownership");
+    sub::DataReader<Command> reader(sub::Subscriber(member), topic,
+                                    Qos() << policy::Reliability::Reliable() << policy::History::KeepLast(16)
+                                          << policy::Ownership::Exclusive());
+    pub::DataWriter<Command> strong(pub::Publisher(member), topic, exclusive(20));
+    pub::DataWriter<Command> weak(pub::Publisher(member), topic, exclusive(10));
     REQUIRE(matched(reader, 2));
     const auto received = [&] {
       std::vector<std::uint64_t> ids;
-      reader.take_each([&](const Command& sample, const SampleInfo&) { ids.push_back(sample.request_id); });
+      ext::take_each(
+          reader, [&](const Command& sample, const sub::SampleInfo&) { ids.push_back(sample.request_id); });
       return ids;
     };
     using Ids = std::vector<std::uint64_t>;
@@ -55,8 +56,8 @@ TEST_CASE("Of two exclusive writers the stronger one is received, instance by in
     }
     WHEN("the weak one is made the stronger") {
       strong.write(command(7, 1));
-      weak.ownership_strength(30);
-      CHECK(weak.qos().policy<policy::OwnershipStrength>()->value == 30);
+      weak.qos(weak.qos() << policy::OwnershipStrength(30));
+      CHECK(weak.qos().policy<policy::OwnershipStrength>().value() == 30);
       weak.write(command(7, 2));
       strong.write(command(7, 3));
       THEN("it takes over while both live") {
@@ -67,25 +68,26 @@ TEST_CASE("Of two exclusive writers the stronger one is received, instance by in
 }
 
 TEST_CASE("With the pose's profile a standby takes over from a hanging fusion, and not earlier") {
-  const DomainParticipant member = participant();
+  const domain::DomainParticipant member = participant();
   const qos::Provider qos = project_qos();
-  DataReader<sonopose_FusedPose> reader = topics::make_reader(member, qos, topics::pose);
-  DataWriter<sonopose_FusedPose> strong = topics::make_writer(member, qos, topics::pose);
-  DataWriter<sonopose_FusedPose> standby = topics::make_writer(member, qos, topics::pose);
-  standby.ownership_strength(strong.qos().policy<policy::OwnershipStrength>()->value - 1);
+  sub::DataReader<sonopose_FusedPose> reader = topics::make_reader(member, qos, topics::pose);
+  pub::DataWriter<sonopose_FusedPose> strong = topics::make_writer(member, qos, topics::pose);
+  pub::DataWriter<sonopose_FusedPose> standby = topics::make_writer(member, qos, topics::pose);
+  standby.qos(standby.qos() << policy::OwnershipStrength(
+                  strong.qos().policy<policy::OwnershipStrength>().value() - 1));
   REQUIRE(matched(reader, 2));
   sonopose_FusedPose pose{};
   pose.address = 7;
-  const auto write_as = [&pose](DataWriter<sonopose_FusedPose>& writer, std::uint64_t number) {
+  const auto write_as = [&pose](pub::DataWriter<sonopose_FusedPose>& writer, std::uint64_t number) {
     pose.event_sequence = number;
     writer.write(pose);
   };
   std::vector<std::uint64_t> received;
-  const auto receive = [&](Duration timeout) {
+  const auto receive = [&](std::chrono::nanoseconds timeout) {
     return wait_for(
-        reader, StatusMask::data_available(),
+        reader, core::status::StatusMask::data_available(),
         [&] {
-          reader.take_each([&](const sonopose_FusedPose& sample, const SampleInfo&) {
+          ext::take_each(reader, [&](const sonopose_FusedPose& sample, const sub::SampleInfo&) {
             received.push_back(sample.event_sequence);
           });
           return received.size() > 1;
@@ -93,10 +95,10 @@ TEST_CASE("With the pose's profile a standby takes over from a hanging fusion, a
         timeout);
   };
   // The standby writes while the strong writer is alive; repeated if the machine stalled in between.
-  const Duration lease = strong.qos().policy<policy::Liveliness>()->lease_duration;
+  const auto lease = ext::to_chrono(strong.qos().policy<policy::Liveliness>().lease_duration());
   auto began = std::chrono::steady_clock::now();
   do {
-    receive(Duration::zero());
+    receive(std::chrono::nanoseconds::zero());
     received.clear();
     ++pose.address;
     began = std::chrono::steady_clock::now();

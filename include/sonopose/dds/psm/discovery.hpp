@@ -3,9 +3,7 @@
 /// The processes of the domain, their readers and writers, as found by discovery (the built-in topics
 /// DCPSParticipant, DCPSPublication and DCPSSubscription).
 
-#include <sonopose/dds/binding/participant.hpp>
-#include <sonopose/dds/binding/qos.hpp>
-#include <sonopose/dds/binding/types.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 
 #include <cstdint>
 #include <functional>
@@ -29,19 +27,19 @@ struct FoundParticipant {
 /// A reader or a writer.
 struct FoundEndpoint {
   std::string key;
-  InstanceHandle handle;  ///< handle; for a writer, equal to SampleInfo::publication_handle
+  core::InstanceHandle handle;  ///< handle; for a writer, equal to SampleInfo::publication_handle
   std::string participant_key;
   std::string topic_name;
   std::string type_name;
   Qos qos;
 };
 
-/// Reads the results of discovery. Every member throws `Error`.
+/// Reads the results of discovery. Every member throws the exceptions of the PSM.
 class Discovery {
 public:
-  /// `participant` must outlive this object. `on_change` is called after every change, under the rules of a
+  /// `on_change` is called after every change, under the rules of a
   /// listener: it must not block or use this object.
-  explicit Discovery(const DomainParticipant& participant, std::function<void()> on_change = {});
+  explicit Discovery(const domain::DomainParticipant& participant, std::function<void()> on_change = {});
 
   /// All current participants, including the own one.
   std::vector<FoundParticipant> participants() const;
@@ -52,23 +50,17 @@ public:
   std::string own_key() const;
 
 private:
-  class BuiltinReader : public Entity {
-  public:
-    /// `on_change` may be null.
-    BuiltinReader(const DomainParticipant& participant, dds_entity_t topic, std::function<void()>* on_change);
-  };
+  using Reader = std::shared_ptr<core::detail::Node>;
 
+  Reader reader_of(dds_entity_t builtin_topic) const;
   /// Frees the memory of participants and endpoints that have left the bus.
   void discard_ended() const;
 
-  dds_entity_t participant_;
+  domain::DomainParticipant participant_;
   std::unique_ptr<std::function<void()>> on_change_;  ///< may be null; the readers call it
-  BuiltinReader participants_;
-  BuiltinReader writers_;
-  BuiltinReader readers_;
+  Reader participants_;
+  Reader writers_;
+  Reader readers_;
 };
-
-/// A GUID as 32 hexadecimal digits.
-std::string text_of(const dds_guid_t& guid);
 
 }  // namespace sonopose::dds

@@ -1,4 +1,4 @@
-#include <sonopose/dds/binding/serialized.hpp>
+#include <sonopose/dds/psm/serialized.hpp>
 
 #include <dds/ddsi/ddsi_serdata.h>
 #include <dds/ddsi/q_protocol.h>
@@ -68,13 +68,13 @@ const ddsi_sertype& foreign_type() {
   return instance.type;
 }
 
-std::uint32_t status_of(SerializedWriter::Change change) {
+std::uint32_t status_of(ext::Change change) {
   switch (change) {
-    case SerializedWriter::Change::write:
+    case ext::Change::write:
       return 0;
-    case SerializedWriter::Change::dispose:
+    case ext::Change::dispose:
       return NN_STATUSINFO_DISPOSE;
-    case SerializedWriter::Change::unregister:
+    case ext::Change::unregister:
       return NN_STATUSINFO_UNREGISTER;
   }
   return 0;
@@ -82,11 +82,11 @@ std::uint32_t status_of(SerializedWriter::Change change) {
 
 /// Returns true if Cyclone DDS 0.10.2 reads the encoding within bounds. Samples must have the first version
 /// of CDR (cdr.hpp). Keys may also have the second one, which it gives them itself.
-bool is_readable(std::span<const std::byte> bytes, SerializedWriter::Change change) {
+bool is_readable(std::span<const std::byte> bytes, ext::Change change) {
   constexpr std::size_t header_size = 4;
   if (bytes.size() < header_size || bytes[0] != std::byte{0}) return false;
   const unsigned encoding = std::to_integer<unsigned>(bytes[1]) & ~1U;  // without the byte order
-  return encoding == 0 || (encoding == 6 && change != SerializedWriter::Change::write);
+  return encoding == 0 || (encoding == 6 && change != ext::Change::write);
 }
 
 }  // namespace
@@ -114,63 +114,45 @@ void SerializedSample::release() noexcept {
   bytes_ = {};
 }
 
-DataReader<Serialized>::Batch::~Batch() {
+namespace ext {
+namespace detail {
+
+SerializedBatch::~SerializedBatch() {
   for (ddsi_serdata* sample : samples) {
     if (sample != nullptr) ddsi_serdata_unref(sample);
   }
 }
 
-ReturnCode DataReader<Serialized>::Batch::take(dds_entity_t reader) noexcept {
+ReturnCode SerializedBatch::take(dds_entity_t reader) noexcept {
   return dds_takecdr(reader, samples.data(), capacity, infos.data(), DDS_ANY_STATE);
 }
 
-bool DataReader<Serialized>::Batch::is_last_of_instance(std::size_t index, ReturnCode taken) const noexcept {
+bool SerializedBatch::is_last_of_instance(std::size_t index, ReturnCode taken) const noexcept {
   const auto* const first = infos.begin() + static_cast<std::ptrdiff_t>(index) + 1;
   return std::none_of(first, infos.begin() + taken, [&](const dds_sample_info_t& later) {
     return later.instance_handle == infos[index].instance_handle;
   });
 }
 
-bool DataReader<Serialized>::Batch::has_end_of(dds_instance_handle_t instance,
-                                               ReturnCode taken) const noexcept {
+bool SerializedBatch::has_end_of(dds_instance_handle_t instance, ReturnCode taken) const noexcept {
   return taken > 0 && std::any_of(infos.begin(), infos.begin() + taken, [&](const dds_sample_info_t& info) {
            return info.instance_handle == instance && info.instance_state != DDS_IST_ALIVE;
          });
 }
 
-SubscriptionMatchedStatus DataReader<Serialized>::subscription_matched_status() {
-  SubscriptionMatchedStatus status{};
-  check("dds_get_subscription_matched_status", dds_get_subscription_matched_status(handle(), &status));
-  return status;
-}
+}  // namespace detail
 
-SampleLostStatus DataReader<Serialized>::sample_lost_status() {
-  SampleLostStatus status{};
-  check("dds_get_sample_lost_status", dds_get_sample_lost_status(handle(), &status));
-  return status;
-}
-
-ReturnCode SerializedWriter::try_forward(std::span<const std::byte> bytes, std::int64_t source_timestamp_ns,
-                                         Change change) noexcept {
+ReturnCode try_forward(const SerializedWriter& writer, std::span<const std::byte> bytes,
+                       std::int64_t source_timestamp_ns, Change change) noexcept {
   if (!is_readable(bytes, change) || source_timestamp_ns < 0) return DDS_RETCODE_BAD_PARAMETER;
+  const dds_entity_t c_writer = try_handle(writer);
+  if (c_writer < 0) return c_writer;
   ForeignSample sample{{}, bytes};
   ddsi_serdata_init(&sample.base, &foreign_type(), change == Change::write ? SDK_DATA : SDK_KEY);
   sample.base.statusinfo = status_of(change);
   sample.base.timestamp.v = source_timestamp_ns;
-  return dds_forwardcdr(handle(), &sample.base);
+  return dds_forwardcdr(c_writer, &sample.base);
 }
 
-bool SerializedWriter::wait_for_acknowledgments(Duration timeout) {
-  const ReturnCode code = dds_wait_for_acks(handle(), timeout.count());
-  if (code == DDS_RETCODE_TIMEOUT) return false;
-  check("dds_wait_for_acks", code);
-  return true;
-}
-
-PublicationMatchedStatus SerializedWriter::publication_matched_status() {
-  PublicationMatchedStatus status{};
-  check("dds_get_publication_matched_status", dds_get_publication_matched_status(handle(), &status));
-  return status;
-}
-
+}  // namespace ext
 }  // namespace sonopose::dds

@@ -1,4 +1,4 @@
-#include <sonopose/dds/binding/cdr.hpp>
+#include <sonopose/dds/psm/cdr.hpp>
 
 #include <dds/ddsi/ddsi_cdrstream.h>
 
