@@ -139,9 +139,10 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
     if (is_tracking) learn_noise(state, judged);
     note_used(state, fix);
     if (is_tracking) state.imu_fault.add_used(innovation);
+    if (fits_badly) switch_to_distrustful_model(state);
   } else {
     ++state.fixes.rejected_in_row;
-    if (state.fixes.rejected_in_row >= min_rejected_in_row) state.imu_fault.is_undecided = true;
+    if (state.fixes.rejected_in_row >= min_misfits_in_row) state.imu_fault.is_undecided = true;
     correct_distrustful(state, judged);
     if (switch_to_distrustful_model(state)) {
       note_used(state, fix);
