@@ -2,6 +2,7 @@
 
 #include "files/error.hpp"
 #include "files/input_file.hpp"
+#include "files/missing.hpp"
 
 #include <cerrno>
 #include <cstring>
@@ -14,10 +15,18 @@ namespace {
 constexpr std::size_t max_line_bytes = std::size_t{1} << 18U;  ///< bytes; also the size of the buffer
 constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 
+std::FILE* open_stream(const std::filesystem::path& file) {
+  Descriptor opened = open_input(file);
+  std::FILE* const stream = ::fdopen(opened.number(), "rb");
+  if (stream == nullptr) throw IoError(opening_error(file.string(), errno));
+  opened.release();
+  return stream;
+}
+
 }  // namespace
 
 LineReader::LineReader(const std::filesystem::path& file)
-    : name_{file.string()}, file_{::fdopen(open_input(file), "rb")}, buffer_(max_line_bytes) {
+    : name_{file.string()}, file_{open_stream(file)}, buffer_(max_line_bytes) {
   std::error_code not_known;
   const auto size = std::filesystem::file_size(file, not_known);
   if (!not_known) file_size_ = size;

@@ -2,6 +2,8 @@
 /// \file
 /// A file that is read in any order.
 
+#include "files/input_file.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -14,11 +16,6 @@ class RandomAccessFile {
 public:
   /// Throws IoError if the file cannot be opened or is not a regular file.
   explicit RandomAccessFile(const std::filesystem::path& file);
-  ~RandomAccessFile();
-  RandomAccessFile(const RandomAccessFile&) = delete;
-  RandomAccessFile& operator=(const RandomAccessFile&) = delete;
-  RandomAccessFile(RandomAccessFile&&) = delete;
-  RandomAccessFile& operator=(RandomAccessFile&&) = delete;
 
   [[nodiscard]] const std::string& name() const { return name_; }
   /// The size when the file was opened.
@@ -28,7 +25,7 @@ public:
 
 private:
   std::string name_;
-  int descriptor_ = -1;
+  Descriptor file_;
   std::uint64_t size_ = 0;
 };
 

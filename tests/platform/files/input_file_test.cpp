@@ -9,6 +9,10 @@
 
 #include <catch2/catch.hpp>
 
+#include <array>
+#include <cstdlib>
+#include <fcntl.h>
+#include <poll.h>
 #include <string>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -48,6 +52,78 @@ SCENARIO("what is not a file is refused by its kind") {
   ::close(socket);
 
   CHECK_THROWS_WITH(read_text(folder / "none"), Contains("none: does not exist"));
+}
+
+/// A terminal of which only our end is open.
+struct UnopenedTerminal {
+  UnopenedTerminal() {
+    REQUIRE(::grantpt(our_end) == 0);
+    REQUIRE(::unlockpt(our_end) == 0);
+    std::array<char, 64> text{};
+    REQUIRE(::ptsname_r(our_end, text.data(), text.size()) == 0);
+    name = text.data();
+  }
+  ~UnopenedTerminal() { ::close(our_end); }
+  UnopenedTerminal(const UnopenedTerminal&) = delete;
+  UnopenedTerminal& operator=(const UnopenedTerminal&) = delete;
+  UnopenedTerminal(UnopenedTerminal&&) = delete;
+  UnopenedTerminal& operator=(UnopenedTerminal&&) = delete;
+
+  /// Returns true once the other end was opened and closed.
+  [[nodiscard]] bool was_opened() const {
+    pollfd state{.fd = our_end, .events = 0, .revents = 0};
+    return ::poll(&state, 1, 0) == 1 && (state.revents & POLLHUP) != 0;
+  }
+
+  int our_end = ::posix_openpt(O_RDWR | O_NOCTTY);
+  std::string name;
+};
+
+SCENARIO("a serial line is refused without being opened") {
+  const UnopenedTerminal terminal;
+  check_refused(terminal.name, "a device, not a file");
+  CHECK_FALSE(terminal.was_opened());
+  ::close(::open(terminal.name.c_str(), O_RDWR | O_NOCTTY));
+  CHECK(terminal.was_opened());
+}
+
+/// Replaces the standard input during its lifetime.
+class StandardInput {
+public:
+  explicit StandardInput(int replacement) { ::dup2(replacement, STDIN_FILENO); }
+  ~StandardInput() {
+    ::dup2(before_, STDIN_FILENO);
+    ::close(before_);
+  }
+  StandardInput(const StandardInput&) = delete;
+  StandardInput& operator=(const StandardInput&) = delete;
+  StandardInput(StandardInput&&) = delete;
+  StandardInput& operator=(StandardInput&&) = delete;
+
+private:
+  int before_ = ::fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 3);
+};
+
+SCENARIO("the standard input is read, from a file and from a pipe") {
+  const TemporaryFolder folder;
+  sonopose::test::write_text(folder / "file", "text\n");
+  int ends[2] = {};
+  REQUIRE(::pipe(ends) == 0);
+  REQUIRE(::write(ends[1], "text\n", 5) == 5);
+  ::close(ends[1]);
+  const Descriptor pipe(ends[0]);
+  const Descriptor file = open_input(folder / "file");
+  const auto* const source = GENERATE("a file", "a pipe");
+  CAPTURE(source);
+  const StandardInput input(source == std::string("a file") ? file.number() : pipe.number());
+  WHEN("it is read as a whole") {
+    CHECK(read_text("/dev/stdin") == "text\n");
+  }
+  WHEN("it is read by lines") {
+    LineReader lines("/dev/stdin");
+    CHECK(lines.next() == "text");
+    CHECK_FALSE(lines.next());
+  }
 }
 
 SCENARIO("a file, the shell's pipe and the null device are read to their end") {
