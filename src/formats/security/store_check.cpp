@@ -1,10 +1,10 @@
+#include "files/error.hpp"
 #include "files/input_file.hpp"
 #include "security/enclave.hpp"
 #include "security/error.hpp"
 #include "security/key_store.hpp"
 
 #include <algorithm>
-#include <stdexcept>
 #include <system_error>
 
 namespace sonopose::security {
@@ -12,20 +12,31 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Returns the certificates below a folder that the permissions authority issued, itself excluded.
-std::vector<fs::path> leaves_of(const std::string& authority, const fs::path& folder) {
-  std::vector<fs::path> leaves;
-  for (const fs::path& path : files_below(folder)) {
+bool is_leaf(const std::string& text, const std::string& authority) {
+  if (text.find("BEGIN CERTIFICATE") == text.npos || text == authority) return false;
+  try {
+    return is_issued_by(text, authority);
+  } catch (const SecurityError&) {  // a broken one authorises nobody
+    return false;
+  }
+}
+
+/// Adds the certificates of the store that the permissions authority issued, itself excluded.
+void check_leaves(const KeyStore& store, std::vector<StoreProblem>& problems) {
+  const std::string authority =
+      read_file(store.folder() / "public" / permissions_ca_file, "the store has no permissions authority");
+  for (const fs::path& path : files_below(store.folder())) {
     std::error_code unreadable;
     if (fs::is_symlink(path, unreadable) || !fs::is_regular_file(path, unreadable)) continue;
     try {
-      const std::string text = files::read_text(path);
-      if (text.find("BEGIN CERTIFICATE") == text.npos || text == authority) continue;
-      if (is_issued_by(text, authority)) leaves.push_back(path);
-    } catch (const std::runtime_error&) {  // NOLINT(bugprone-empty-catch): a broken one authorises nobody
+      if (!is_leaf(files::read_text(path), authority)) continue;
+      problems.push_back({path.string(),
+                          "issued by the permissions authority: its owner can sign permissions that Cyclone "
+                          "DDS accepts (CVE-2023-24011); make a new store, whose authorities are separate"});
+    } catch (const files::IoError& error) {
+      problems.push_back({path.string(), error.what()});
     }
   }
-  return leaves;
 }
 
 /// Adds what is wrong with the authorities, whose private keys are absent where a machine has only enclaves.
@@ -60,13 +71,7 @@ void check_authorities(const KeyStore& store, std::int64_t now_s, std::vector<St
 
 std::vector<StoreProblem> check(const KeyStore& store, std::int64_t now_s) {
   std::vector<StoreProblem> problems;
-  const fs::path authority = store.folder() / "public" / permissions_ca_file;
-  const std::string signer = read_file(authority, "the store has no permissions authority");
-  for (const fs::path& leaf : leaves_of(signer, store.folder())) {
-    problems.push_back({leaf.string(),
-                        "issued by the permissions authority: its owner can sign permissions that Cyclone "
-                        "DDS accepts (CVE-2023-24011); make a new store, whose authorities are separate"});
-  }
+  check_leaves(store, problems);
   check_authorities(store, now_s, problems);
   for (const std::string& name : store.enclaves()) {
     try {

@@ -1,5 +1,6 @@
 #include "security/key_store.hpp"
 
+#include "files/input_file.hpp"
 #include "security/authority.hpp"
 #include "security/enclave.hpp"
 #include "security/error.hpp"
@@ -22,6 +23,7 @@ using namespace sonopose::security;
 using namespace sonopose::test;
 using Catch::Contains;
 namespace fs = std::filesystem;
+namespace files = sonopose::files;
 
 constexpr std::int64_t now_s = 1'800'000'000;  // 2027-01-15
 constexpr Validity year{now_s - day_s, now_s + 365 * day_s};
@@ -196,6 +198,19 @@ SCENARIO("A check is also of the authorities") {
     REQUIRE(problems.size() == 1);
     CHECK(problems.front().subject == open.string());
     CHECK_THAT(problems.front().text, Contains("chmod"));
+  }
+  WHEN("a file cannot be checked, which could be a certificate of theirs") {
+    const fs::path file = store.keys.folder() / "large.pem";
+    write_text(file, "");
+    fs::resize_file(file, files::max_text_bytes + 1);  // sparse
+    const auto problems = store.problems();
+    REQUIRE(problems.size() == 1);
+    CHECK(problems.front().subject == file.string());
+    CHECK_THAT(problems.front().text, Contains("bytes, the limit"));
+  }
+  WHEN("a certificate is broken") {
+    write_text(store.keys.folder() / "broken.pem", "-----BEGIN CERTIFICATE-----\nnone");
+    CHECK(store.problems().empty());
   }
   WHEN("they expire, in a store without an enclave") {
     const auto problems = store.problems(now_s + 3700 * day_s);
