@@ -11,6 +11,7 @@
 namespace sonopose::transport {
 
 ByteFile::ByteFile(const std::filesystem::path& path)
+    // Not files::open_input: a named pipe, whose writer comes later, and a device may play bytes as well.
     : name_{path.string()}, file_{std::fopen(name_.c_str(), "rbe")} {
   if (!file_) throw files::IoError(files::opening_error(name_, errno));
   // A folder can be opened and fails only at the first read.

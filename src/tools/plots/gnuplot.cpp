@@ -84,7 +84,10 @@ void draw_plot(const fs::path& file, files::Replacement& replacement, const std:
   const int status = std::system(command.c_str());
   std::error_code ignored;
   if (status != 0 || fs::file_size(replacement.part(), ignored) == 0) {
-    throw PlotError(file.string() + ": gnuplot could not draw it: " + files::read_text(folder.messages()));
+    // The file is missing if the shell was killed, or the disk is full.
+    const std::string messages =
+        fs::exists(folder.messages(), ignored) ? files::read_text(folder.messages()) : std::string();
+    throw PlotError(file.string() + ": gnuplot could not draw it: " + messages);
   }
   replacement.commit();
 }
