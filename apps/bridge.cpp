@@ -38,8 +38,8 @@ int serve(const CLI::App& app, const Options& options) {
   const auto source = apps::make_source(options.source);
   stop.listen_to_signals();
   if (!apps::wait_for_network(options.bus.domain, stop)) return 0;
-  publication::SensorPublisher node({.domain = options.bus.domain,
-                                     .qos_file = options.bus.qos_file,
+  publication::SensorPublisher node(options.bus.domain,
+                                    {.qos_file = options.bus.qos_file,
                                      .lossless = options.source.is_unpaced(),
                                      .batch = options.source.is_many(),
                                      .record_folder = options.record,

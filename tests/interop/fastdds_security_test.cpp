@@ -32,7 +32,8 @@ struct SecuredPeers {
   }
 
   /// Returns true if a process ends well while one of some peers runs, which may be itself. Fast DDS 2.9 can
-  /// miss the last message of a handshake, which neither side repeats.
+  /// miss the last message of a handshake, which neither side repeats; it prints nothing about that, so only
+  /// time tells.
   [[nodiscard]] bool serves_one(const Arguments& arguments, Process* process = nullptr) const {
     constexpr int peers = 12;
     for (int i = 0; i < peers; ++i) {
@@ -55,12 +56,14 @@ SCENARIO("A program with Fast DDS receives the poses of a secured relay") {
   const auto fusion = peers.bus.fusion();
   const auto bridge = peers.bus.bridge({});
   WHEN("its certificate lets the relay begin the handshake") {
-    CHECK(peers.serves_one(listening));
+    THEN("it receives them") {
+      CHECK(peers.serves_one(listening));
+    }
   }
   WHEN("its certificate lets it begin") {
     const auto peer = peers.peer("rviz2", listening);
     THEN("the relay says what is missing, and serves others") {
-      CHECK(relay->wait_for_line(Stream::error, "it has Fast DDS and began the handshake"));
+      CHECK(relay->wait_for_line(Stream::error, "it probably has Fast DDS, and began the handshake"));
       CHECK(peers.serves_one(listening));
       CHECK(peer->lines(Stream::output).empty());
     }
@@ -71,7 +74,11 @@ SCENARIO("A secured relay takes the samples of a driver in Fast DDS in") {
   const SecuredPeers peers;
   const auto relay = peers.bus.ros2({"--imu-in", "/driver/imu=9", "--enclave", "relay"});
   const auto monitor = peers.bus.monitor({"--echo", "imu", "--count", "5"});
-  CHECK(peers.serves_one({"send", "rt/driver/imu", "imu", "1000000", "3fd5555555555555"}, monitor.get()));
+  WHEN("the driver sends") {
+    THEN("the monitor shows them") {
+      CHECK(peers.serves_one({"send", "rt/driver/imu", "imu", "1000000", "3fd5555555555555"}, monitor.get()));
+    }
+  }
 }
 
 }  // namespace fastdds_security_test

@@ -395,10 +395,8 @@ void Relay::Impl::bridge_while(const std::function<void()>& serve, std::atomic<b
     parameters_.add(aiding->services());
     source_->use(std::move(aiding));
   }
-  publication::SensorPublisher bridge(participant_, {.domain = options_.domain,
-                                                     .qos_file = options_.qos_file,
-                                                     .record_folder = {},
-                                                     .publishes_log = false});
+  publication::SensorPublisher bridge(
+      participant_, {.qos_file = options_.qos_file, .record_folder = {}, .publishes_log = false});
   process::StopSignal bridge_stop;
   std::exception_ptr failure;
   {

@@ -25,6 +25,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <variant>
@@ -32,12 +33,18 @@
 namespace sonopose::publication {
 namespace {
 
-/// Options of the domain. A live bridge does not wait for a stalled fusion.
-dds::DomainOptions domain_options(const PublisherOptions& options) {
-  dds::DomainOptions domain = options.domain;
+/// Joins the domain. A live bridge does not wait for a stalled fusion.
+dds::domain::DomainParticipant participant_in(dds::DomainOptions domain, const PublisherOptions& options) {
   domain.wait_for_readers = options.lossless;
   domain.batch_writes = options.batch;
-  return domain;
+  return dds::ext::participant(domain);
+}
+
+const PublisherOptions& without_domain(const PublisherOptions& options) {
+  if (options.lossless || options.batch) {
+    throw std::invalid_argument("a given participant has its own options of lossless and batched writes");
+  }
+  return options;
 }
 
 /// True for a sample that may be of the beacon of another bridge.
@@ -358,11 +365,11 @@ void SensorPublisher::Publisher::log_silence(BeaconAddress address, transitions:
   log({.address = address, .kind = kind, .begins = change->silent, .lasted_s = change->lasted_s}, now);
 }
 
-SensorPublisher::SensorPublisher(const PublisherOptions& options)
-    : publisher_(std::make_unique<Publisher>(options, dds::ext::participant(domain_options(options)))) {}
+SensorPublisher::SensorPublisher(const dds::DomainOptions& domain, const PublisherOptions& options)
+    : publisher_(std::make_unique<Publisher>(options, participant_in(domain, options))) {}
 SensorPublisher::SensorPublisher(const dds::domain::DomainParticipant& participant,
                                  const PublisherOptions& options)
-    : publisher_(std::make_unique<Publisher>(options, participant)) {}
+    : publisher_(std::make_unique<Publisher>(without_domain(options), participant)) {}
 SensorPublisher::~SensorPublisher() = default;
 
 void SensorPublisher::run(Source& source, const process::StopSignal& stop) {

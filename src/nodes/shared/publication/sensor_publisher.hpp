@@ -17,7 +17,6 @@
 namespace sonopose::publication {
 
 struct PublisherOptions {
-  dds::DomainOptions domain;
   std::optional<std::filesystem::path> qos_file;
   bool lossless = false;  ///< keeps all samples and waits for slow readers
   bool batch = false;     ///< sends samples that are due together in one packet: for many beacons
@@ -31,8 +30,9 @@ struct PublisherOptions {
 class SensorPublisher {
 public:
   /// Joins the domain. Throws dds::core::Exception, dds::qos::FileError, files::IoError.
-  explicit SensorPublisher(const PublisherOptions& options);
-  /// Uses a participant instead of the domain of the options.
+  SensorPublisher(const dds::DomainOptions& domain, const PublisherOptions& options);
+  /// Uses a participant. Throws std::invalid_argument for `lossless` and `batch`, which are also options of
+  /// its domain.
   SensorPublisher(const dds::domain::DomainParticipant& participant, const PublisherOptions& options);
   SensorPublisher(const SensorPublisher&) = delete;
   SensorPublisher& operator=(const SensorPublisher&) = delete;

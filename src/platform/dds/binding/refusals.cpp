@@ -45,7 +45,8 @@ std::string plain(std::string_view reason) {
       Words{"certificate has expired", "its certificate has expired"},
       Words{"Certificate expired", "its certificate has expired"},
       Words{"certificate revoked", "its certificate is revoked"},
-      Words{"ASN1 integer", "it has Fast DDS and began the handshake; make its enclave with --fastdds"},
+      Words{"ASN1 integer",
+            "it probably has Fast DDS, and began the handshake; make its enclave with --fastdds"},
   };
   const auto* const found =
       std::ranges::find_if(all, [&](const Words& words) { return reason.find(words.part) != reason.npos; });
@@ -96,7 +97,8 @@ Refusals::Verdict Refusals::on_message(std::string_view message) {
 
 Refusals::Verdict Refusals::refuse(RefusedPeer peer) {
   Verdict verdict{.is_about_refusal = true, .text = {}};
-  const std::string name = peer.key_prefix + peer.subject;
+  const bool is_named = !peer.key_prefix.empty() || !peer.subject.empty();
+  const std::string name = is_named ? peer.key_prefix + peer.subject : peer.reason;
   if (known_.contains(name)) return verdict;
   if (known_.size() >= max_peers) {
     if (!std::exchange(is_full_, true)) {

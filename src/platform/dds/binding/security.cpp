@@ -1,15 +1,25 @@
 #include "dds/binding/security.hpp"
 
+#include "dds/binding/logged_errors.hpp"
 #include <sonopose/dds/binding/domain.hpp>
 
 #include <dds/ddsrt/time.h>
 #include <dds/version.h>
 
 #include <array>
+#include <atomic>
+#include <dlfcn.h>
 #include <filesystem>
+#include <mutex>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
+
+namespace {
+
+std::atomic<std::uint64_t> unlimited_handshakes_count = 0;
+
+}  // namespace
 
 #if DDS_VERSION_MAJOR == 0  // 11.0 is the first release without the defect
 /// Takes the place of Cyclone DDS's own function, which it finds here first. That ends a handshake after 100
@@ -22,13 +32,45 @@ struct dds_security_fsm;  // its header is not C++
 [[gnu::visibility("default")]] void dds_security_fsm_set_timeout(dds_security_fsm* /*handshake*/,
                                                                  void (* /*action*/)(dds_security_fsm*,
                                                                                      void*),
-                                                                 dds_duration_t /*limit*/) {}
+                                                                 dds_duration_t /*limit*/) {
+  ++unlimited_handshakes_count;
+}
 }
 #endif
 
 namespace sonopose::dds {
+namespace {
+
+/// Warns once if Cyclone DDS finds its own function first, as in a program that is linked with it before
+/// this.
+void check_handshake_limit() {
+#if DDS_VERSION_MAJOR == 0
+  // The address of our function would also be that of the first one: compare where they are.
+  Dl_info first{};
+  Dl_info ours{};
+  const void* const found = ::dlsym(RTLD_DEFAULT, "dds_security_fsm_set_timeout");
+  if (found != nullptr && ::dladdr(found, &first) != 0 &&
+      ::dladdr(static_cast<const void*>(&unlimited_handshakes_count), &ours) != 0 &&
+      first.dli_fbase == ours.dli_fbase) {
+    return;
+  }
+  static std::once_flag once;
+  std::call_once(once, [] {
+    report_error(
+        "security: a stranger's handshake of 100 s can end this process, since the linker finds Cyclone DDS "
+        "before sonopose: link sonopose first (SECURITY.md)");
+  });
+#endif
+}
+
+}  // namespace
+
+std::uint64_t unlimited_handshakes() {
+  return unlimited_handshakes_count;
+}
 
 void secure(dds_qos_t* qos, const std::string& enclave_folder) {
+  check_handshake_limit();
   using Pair = std::pair<const char*, const char*>;
   constexpr std::array plugins{
       Pair{"dds.sec.auth.library.path", "dds_security_auth"},

@@ -4,11 +4,15 @@
 
 #include <dds/dds.h>
 
+#include <cstdint>
 #include <string>
 
 namespace sonopose::dds {
 
 /// Adds the files of an enclave to the QoS of a participant.
 void secure(dds_qos_t* qos, const std::string& enclave_folder);
+
+/// Number of handshakes so far whose limit of time was left out.
+std::uint64_t unlimited_handshakes();
 
 }  // namespace sonopose::dds

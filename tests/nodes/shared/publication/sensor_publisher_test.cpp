@@ -62,9 +62,7 @@ SCENARIO("a beacon that is gone ends its streams, and its event numbers go on wh
     const auto participant = dds::ext::participant({.domain_id = domain.id()});
     Received received{.reader = dds::topics::make_reader(participant, dds::qos::Provider(), dds::topics::imu),
                       .sequences = {}};
-    const publication::PublisherOptions options{
-        .domain = {.domain_id = domain.id()}, .qos_file = {}, .record_folder = {}};
-    publication::SensorPublisher node(options);
+    publication::SensorPublisher node({.domain_id = domain.id()}, {.qos_file = {}, .record_folder = {}});
     ScriptedSource source([&](SampleSink& sink) {
       REQUIRE(received.wait_until(
           [&] { return received.reader.subscription_matched_status().current_count() == 1; }));
@@ -86,6 +84,15 @@ SCENARIO("a beacon that is gone ends its streams, and its event numbers go on wh
   }
 }
 
+SCENARIO("a given participant takes no options that are those of its domain") {
+  const test::TestDomain domain;
+  const auto participant = dds::ext::participant({.domain_id = domain.id()});
+  const publication::PublisherOptions lossless{.qos_file = {}, .lossless = true, .record_folder = {}};
+  CHECK_THROWS_AS(publication::SensorPublisher(participant, lossless), std::invalid_argument);
+  const publication::PublisherOptions batch{.qos_file = {}, .batch = true, .record_folder = {}};
+  CHECK_THROWS_AS(publication::SensorPublisher(participant, batch), std::invalid_argument);
+}
+
 SCENARIO("aiding of a beacon that another bridge numbers has no numbers and no status") {
   GIVEN("a source of headings of the body, and readers in another participant") {
     const test::TestDomain domain;
@@ -93,9 +100,7 @@ SCENARIO("aiding of a beacon that another bridge numbers has no numbers and no s
     const dds::qos::Provider qos;
     auto headings = dds::topics::make_reader(participant, qos, dds::topics::heading);
     auto statuses = dds::topics::make_reader(participant, qos, dds::topics::beacon_status);
-    const publication::PublisherOptions options{
-        .domain = {.domain_id = domain.id()}, .qos_file = {}, .record_folder = {}};
-    publication::SensorPublisher node(options);
+    publication::SensorPublisher node({.domain_id = domain.id()}, {.qos_file = {}, .record_folder = {}});
     std::vector<std::uint64_t> sequences;
     std::vector<BeaconAddress> with_status;
     ScriptedSource source([&](SampleSink& sink) {

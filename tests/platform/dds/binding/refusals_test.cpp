@@ -31,9 +31,16 @@ SCENARIO("a peer with Fast DDS that begins the handshake is reported with the re
       "Begin handshake reply failed: Failed to convert octet sequence to ASN1 integer: "
       "error:0680008E:asn1 encoding routines::not enough data(code: 200)";
   CHECK(refusals.on_message(message).text ==
-        "security: refused a process: it has Fast DDS and began the handshake; make its enclave with "
-        "--fastdds");
+        "security: refused a process: it probably has Fast DDS, and began the handshake; make its enclave "
+        "with --fastdds");
   CHECK(refusals.on_message(message).text.empty());
+  THEN("another reason without a name is reported too, once") {
+    const std::string other = "Process handshake failed: no memory(code: 105)";
+    CHECK_THAT(refusals.on_message(other).text, Catch::Contains("no memory"));
+    CHECK(refusals.on_message(other).text.empty());
+    CHECK(refusals.on_message(message).text.empty());
+    CHECK(refusals.peers().size() == 2);
+  }
 }
 
 SCENARIO("another governance is reported when the process is refused again") {

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <optional>
 #include <string>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <vector>
 
@@ -182,6 +183,15 @@ TEST_CASE("A user's file is refused by its size before it is read") {
   fs::resize_file(file.path, 2'000'000);
   CHECK_THROWS_WITH(qos::Provider(file.path),
                     file.path.string() + ": has 2000000 bytes, the limit of a QoS file is 1048576");
+}
+
+TEST_CASE("A folder and a named pipe are no QoS files, and are not waited for") {
+  const sonopose::test::TemporaryFolder folder;
+  const fs::path pipe = folder / "pipe";
+  REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);  // without a writer
+  for (const fs::path& path : {folder.path(), pipe}) {
+    CHECK_THROWS_WITH(qos::Provider(path), Catch::StartsWith(path.string() + ": is not a file"));
+  }
 }
 
 }  // namespace sonopose::dds::test::qos_overlay_test
