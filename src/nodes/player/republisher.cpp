@@ -74,15 +74,16 @@ Republisher::Outcome Republisher::end_instance(const mcap::Message& message,
   const std::string_view text(
       reinterpret_cast<const char*>(message.data.data()),  // NOLINT(*-reinterpret-cast)
       message.data.size());
+  bus_log::InstanceEnd end;
   try {
-    const bus_log::InstanceEnd end = bus_log::instance_end_of(text);
-    const auto found = streams_.find(end.topic);
-    if (found == streams_.end()) return Outcome::unplayed;
-    const auto change = end.disposed ? dds::ext::Change::dispose : dds::ext::Change::unregister;
-    return forward(found->second, end.key_cdr, shifted(message.publish_time_ns), change, stop);
+    end = bus_log::instance_end_of(text);
   } catch (const std::invalid_argument&) {
     return Outcome::refused;
   }
+  const auto found = streams_.find(end.topic);
+  if (found == streams_.end()) return Outcome::unplayed;
+  const auto change = end.disposed ? dds::ext::Change::dispose : dds::ext::Change::unregister;
+  return forward(found->second, end.key_cdr, shifted(message.publish_time_ns), change, stop);
 }
 
 Republisher::Outcome Republisher::forward(Stream& stream, std::span<const std::byte> bytes, TimeNs stamp_ns,

@@ -15,7 +15,7 @@ namespace sonopose::recorder {
 
 class Ros2Topics {
 public:
-  /// The references must outlive it.
+  /// `pipeline` and `qos` must outlive it.
   Ros2Topics(Pipeline& pipeline, const dds::domain::DomainParticipant& participant,
              const dds::qos::Provider& qos)
       : pipeline_(pipeline), participant_(participant), qos_(qos) {}
@@ -32,7 +32,7 @@ private:
   void add(const dds::FoundEndpoint& writer, const std::string& name);
 
   Pipeline& pipeline_;
-  const dds::domain::DomainParticipant& participant_;
+  dds::domain::DomainParticipant participant_;
   const dds::qos::Provider& qos_;
   std::set<std::string> topics_;  ///< by their DDS names
 };

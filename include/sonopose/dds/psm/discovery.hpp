@@ -40,6 +40,11 @@ public:
   /// `on_change` is called after every change, under the rules of a
   /// listener: it must not block or use this object.
   explicit Discovery(const domain::DomainParticipant& participant, std::function<void()> on_change = {});
+  Discovery(const Discovery&) = delete;
+  Discovery& operator=(const Discovery&) = delete;
+  Discovery(Discovery&&) = default;
+  Discovery& operator=(Discovery&&) = delete;  // on_change_ would end before the readers that call it
+  ~Discovery() = default;
 
   /// All current participants, including the own one.
   std::vector<FoundParticipant> participants() const;

@@ -45,7 +45,8 @@ inline dds_topic_descriptor_t renamed(const dds_topic_descriptor_t& descriptor, 
 
 namespace ext {
 
-/// The handle of an entity or condition in C, for calls that the PSM lacks.
+/// The handle of an entity or condition in C, for calls that the PSM lacks. Loans by it may have at most 256
+/// samples (try_take_each).
 inline dds_entity_t handle(const core::Reference& entity) {
   return core::detail::Access::handle(entity);
 }
@@ -113,7 +114,7 @@ struct EndpointData {
 /// The writers that a reader has matched, or the readers of a writer.
 std::vector<core::InstanceHandle> matched_publications(const sub::AnyDataReader& reader);
 std::vector<core::InstanceHandle> matched_subscriptions(const pub::AnyDataWriter& writer);
-/// Throws Error if there is no such match any more.
+/// Throws core::Exception if there is no such match any more.
 EndpointData matched_publication_data(const sub::AnyDataReader& reader,
                                       const core::InstanceHandle& publication);
 EndpointData matched_subscription_data(const pub::AnyDataWriter& writer,
@@ -181,9 +182,10 @@ ReturnCode try_key_value(const sub::DataReader<T>& reader, T& key,
 template <topic::detail::Native T, class OnData, class OnState>
 ReturnCode try_take_each(const sub::DataReader<T>& reader, OnData&& on_data, OnState&& on_state) {
   constexpr std::int32_t batch = 8;  // small: Cyclone DDS clears every sample of a returned loan
+  constexpr std::size_t max_loan = 256;
   // Cyclone DDS 0.10 keeps the memory of a reader's largest loan. For a later, smaller one it still writes a
-  // pointer for each of those samples into the caller's array. So no loan is larger than this one.
-  std::array<void*, batch> samples;  // NOLINT(*-member-init): dds_take reads only the first
+  // pointer for each of those samples into the caller's array. So loans by ext::handle must not be larger.
+  std::array<void*, max_loan> samples;  // NOLINT(*-member-init): dds_take reads only the first
   // Samples without pointers are taken into this memory, which saves returning a loan.
   const bool is_flat = (TopicTraits<T>::descriptor().m_flagset & DDS_TOPIC_FIXED_SIZE) != 0;
   std::array<T, batch> memory{};

@@ -18,12 +18,13 @@ namespace sonopose::dds::topics {
 /// fusion. Only DDS Security proves who writes. `sonopose-monitor --json` prints the ids. Not thread-safe.
 class PinnedFusion {
 public:
-  /// `participant` is that of the reader of poses. Throws Error.
+  /// `participant` is that of the reader of poses. Throws core::Exception.
   PinnedFusion(const domain::DomainParticipant& participant, const qos::Provider& qos,
                std::uint64_t fusion_id);
 
   /// Returns true if the fusion wrote this sample of `poses`, also if it has ended since. Returns false
-  /// before the first status with its id, and for a sample of an unknown writer that has gone. Throws Error.
+  /// before the first status with its id, and for a sample of an unknown writer that has gone. Throws
+  /// core::Exception.
   [[nodiscard]] bool wrote(const sub::DataReader<sonopose_FusedPose>& poses, const sub::SampleInfo& info);
 
 private:

@@ -38,7 +38,7 @@ dds::Qos participant_qos(const std::string& enclave = "/");
 /// A node in the ROS 2 graph. Not thread-safe. The destructor withdraws its announcement.
 class Node {
 public:
-  /// `participant` and `qos` must outlive the node.
+  /// `qos` must outlive the node.
   Node(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos, NameResolver names,
        Distro layout, QosOverrides overrides = {});
   Node(const Node&) = delete;
@@ -119,7 +119,8 @@ private:
     const dds::topic::Topic<T> topic(participant_, name, qos_.topic_qos(profile));
     dds::Qos qos = with_type_hash<T>(qos_.datawriter_qos(profile), prefix);
     overrides_.apply(name_without_prefix(name), QosOverrides::Endpoint::publisher, qos);
-    const dds::pub::Publisher publisher(participant_, dds::pub::qos::PublisherQos());
+    const dds::pub::Publisher publisher(participant_,
+                                        dds::ext::group_qos(dds::pub::qos::PublisherQos(), qos));
     dds::pub::DataWriter<T> writer(publisher, topic, qos, listener, dds::core::status::StatusMask::all());
     add(writers_, writer);
     return writer;
@@ -132,7 +133,8 @@ private:
     const dds::topic::Topic<T> topic(participant_, name, qos_.topic_qos(profile));
     dds::Qos qos = with_type_hash<T>(qos_.datareader_qos(profile), prefix);
     overrides_.apply(name_without_prefix(name), QosOverrides::Endpoint::subscription, qos);
-    const dds::sub::Subscriber subscriber(participant_, dds::sub::qos::SubscriberQos());
+    const dds::sub::Subscriber subscriber(participant_,
+                                          dds::ext::group_qos(dds::sub::qos::SubscriberQos(), qos));
     dds::sub::DataReader<T> reader(subscriber, topic, qos, listener, mask);
     add(readers_, reader);
     return reader;
@@ -157,7 +159,7 @@ private:
   void with_discovery(const Action& action);
   void write_info(const NodeName* node);
 
-  const dds::domain::DomainParticipant& participant_;
+  dds::domain::DomainParticipant participant_;
   const dds::qos::Provider& qos_;
   NameResolver names_;
   Distro layout_;

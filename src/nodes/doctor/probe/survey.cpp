@@ -180,7 +180,8 @@ std::size_t visit_first(std::deque<std::uint32_t>& ids, const dds::DomainOptions
       visits.emplace_back(dds::DomainOptions{
           .domain_id = ids.front(), .network = here.network, .interfaces = here.interfaces});
     } catch (const dds::core::OutOfResourcesError&) {
-      break;                       // next time, when these are closed
+      break;  // next time, when these are closed
+    } catch (const dds::core::Exception&) {
       ++bus.domains_not_searched;  // others use its ports
     }
     ids.pop_front();

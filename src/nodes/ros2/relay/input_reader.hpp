@@ -38,6 +38,12 @@ struct InputReader {
       : listener(counters),
         reader(node.make_reader<T>(topic, "ros2::Input", &listener, counted_statuses())),
         has_data(reader, dds::sub::status::DataState::any()) {}
+  InputReader(const InputReader&) = delete;
+  InputReader& operator=(const InputReader&) = delete;
+  InputReader(InputReader&&) = delete;
+  InputReader& operator=(InputReader&&) = delete;
+  /// Ends the reader before its listener: a wait set may still have references to it.
+  ~InputReader() { reader.close(); }
 
   process::CountingReaderListener<T> listener;
   dds::sub::DataReader<T> reader;

@@ -19,7 +19,7 @@ namespace sonopose::publication {
 /// --lossless.
 class LossyFusions {
 public:
-  /// Both must outlive it.
+  /// `qos` must outlive it.
   LossyFusions(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos);
 
   /// Logs each of them once. Call it after the readers have appeared, and before the first sample.
@@ -49,7 +49,7 @@ private:
   void take(bool has_begun);
   void wait_for_statuses(SteadyTime since, TimeNs max_ns, bool has_begun, const process::StopSignal& stop);
 
-  const dds::domain::DomainParticipant& participant_;
+  dds::domain::DomainParticipant participant_;
   const dds::qos::Provider& qos_;
   dds::Discovery discovery_;
   std::optional<dds::sub::DataReader<sonopose_FusionStatus>> statuses_;  ///< empty while there are none

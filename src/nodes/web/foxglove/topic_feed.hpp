@@ -26,7 +26,7 @@ public:
   /// Sends to one client without blocking; thread-safe.
   using Send = std::function<void(Client client, std::string message, bool is_text)>;
 
-  /// `participant` and `qos` must outlive the feed.
+  /// `qos` must outlive the feed.
   TopicFeed(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos, Send send);
   TopicFeed(const TopicFeed&) = delete;
   TopicFeed& operator=(const TopicFeed&) = delete;
@@ -48,7 +48,7 @@ private:
   void unsubscribe(Client client, SubscriptionId id);
   void refuse(Client client, const std::string& why);
 
-  const dds::domain::DomainParticipant& participant_;
+  dds::domain::DomainParticipant participant_;
   const dds::qos::Provider& qos_;
   Send send_;
   std::string session_id_;

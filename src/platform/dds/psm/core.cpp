@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <array>
+#include <exception>
 #include <iterator>
 #include <mutex>
+#include <new>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -107,7 +109,12 @@ void listen(EndpointNode& node, void* listener, const Callbacks& callbacks) {
 
 void Node::release(Node* pointer) noexcept {
   if (pointer == in_callback) {
-    std::thread([pointer] { release(pointer); }).detach();
+    try {
+      std::thread([pointer] { release(pointer); }).detach();
+    } catch (const std::exception&) {
+      // No thread is free: the entity stays, without its listener, until its owner ends.
+      static_cast<EndpointNode*>(pointer)->listener = nullptr;
+    }
     return;
   }
   std::unique_ptr<Node> node(pointer);
@@ -123,7 +130,11 @@ void Node::release(Node* pointer) noexcept {
 bool Node::inherit(std::unique_ptr<Node>& node) noexcept {
   const std::lock_guard lock(mutex_);
   if (handle_ >= 0 || has_ended_) return false;
-  inherited_.push_back(std::move(node));
+  try {
+    inherited_.push_back(std::move(node));
+  } catch (const std::bad_alloc&) {
+    static_cast<void>(node.release());  // callbacks may use it until the end, so it stays
+  }
   return true;
 }
 

@@ -52,13 +52,12 @@ FoundEndpoint found(const dds_builtintopic_endpoint_t& sample, InstanceHandle ha
 
 /// Calls `visit(sample, info)` for each sample of a state in the reader of a built-in topic.
 template <class Sample, class Call, class Visit>
-void each_in(dds_entity_t reader, Call call, std::uint32_t mask, const Visit& visit) {
+void each_in(dds_entity_t reader, const char* name, Call call, std::uint32_t mask, const Visit& visit) {
   constexpr std::size_t max_samples = 10'000;
   std::vector<void*> samples(max_samples, nullptr);
   std::vector<dds_sample_info_t> infos(max_samples);
   const dds_return_t count =
-      core::detail::check("dds_read_mask or dds_take_mask",
-                          call(reader, samples.data(), infos.data(), max_samples, max_samples, mask));
+      core::detail::check(name, call(reader, samples.data(), infos.data(), max_samples, max_samples, mask));
   const auto give_back = [&](void** first) { dds_return_loan(reader, first, count); };
   const std::unique_ptr<void*, decltype(give_back)> loan(count > 0 ? samples.data() : nullptr, give_back);
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
@@ -72,7 +71,8 @@ void discard_ended_in(dds_entity_t reader) {
   constexpr std::uint32_t ended = DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE |
                                   DDS_NOT_ALIVE_DISPOSED_INSTANCE_STATE |
                                   DDS_NOT_ALIVE_NO_WRITERS_INSTANCE_STATE;
-  each_in<Sample>(reader, dds_take_mask, ended, [](const Sample&, const dds_sample_info_t&) {});
+  each_in<Sample>(reader, "dds_take_mask", dds_take_mask, ended,
+                  [](const Sample&, const dds_sample_info_t&) {});
 }
 
 /// Returns the live samples, of type `Sample`, in the reader of a built-in topic.
@@ -80,9 +80,11 @@ template <class Sample>
 auto all_in(dds_entity_t reader) {
   constexpr std::uint32_t alive = DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_ALIVE_INSTANCE_STATE;
   std::vector<decltype(found(std::declval<const Sample&>(), InstanceHandle()))> result;
-  each_in<Sample>(reader, dds_read_mask, alive, [&](const Sample& sample, const dds_sample_info_t& info) {
-    if (info.valid_data) result.push_back(found(sample, InstanceHandle(info.instance_handle)));
-  });
+  each_in<Sample>(reader, "dds_read_mask", dds_read_mask, alive,
+                  [&](const Sample& sample, const dds_sample_info_t& info) {
+                    if (info.valid_data)
+                      result.push_back(found(sample, InstanceHandle(info.instance_handle)));
+                  });
   return result;
 }
 

@@ -112,7 +112,9 @@ bool wait_for_acknowledgments(const core::Entity& writer, std::chrono::nanosecon
 
 void set_filter(const core::Entity& topic, bool (*accepts)(const void* sample, void* argument),
                 void* argument) {
-  check("dds_set_topic_filter_and_arg", dds_set_topic_filter_and_arg(handle(topic), accepts, argument));
+  const dds_entity_t c_topic = handle(topic);
+  const auto& node = static_cast<const topic::detail::TopicNode&>(*core::detail::Access::node(topic));
+  check("dds_set_topic_filter_and_arg", node.name, dds_set_topic_filter_and_arg(c_topic, accepts, argument));
 }
 
 }  // namespace sonopose::dds::ext

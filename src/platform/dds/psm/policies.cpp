@@ -3,6 +3,7 @@
 #include <sonopose/dds/psm/dds/core/detail/EntityQos.hpp>
 #include <sonopose/dds/psm/qos.hpp>
 
+#include <algorithm>
 #include <new>
 #include <string>
 #include <vector>
@@ -17,6 +18,11 @@ void require(bool ok, const char* what) {
 
 bool is_limit(std::int32_t value) {
   return value > 0 || value == LENGTH_UNLIMITED;
+}
+
+/// The QoS of others may have negative durations, which become zero.
+Duration read_duration(dds_duration_t ns) {
+  return to_duration(std::max<dds_duration_t>(ns, 0));
 }
 
 /// The kinds have the same numbers in C.
@@ -77,7 +83,7 @@ void apply(const policy::Deadline& policy, dds_qos_t* qos) {
 bool read(policy::Deadline& policy, const dds_qos_t* qos) {
   dds_duration_t period = 0;
   if (!dds_qget_deadline(qos, &period)) return false;
-  policy.period(to_duration(period));
+  policy.period(read_duration(period));
   return true;
 }
 
@@ -87,7 +93,7 @@ void apply(const policy::LatencyBudget& policy, dds_qos_t* qos) {
 bool read(policy::LatencyBudget& policy, const dds_qos_t* qos) {
   dds_duration_t duration = 0;
   if (!dds_qget_latency_budget(qos, &duration)) return false;
-  policy.duration(to_duration(duration));
+  policy.duration(read_duration(duration));
   return true;
 }
 
@@ -98,7 +104,7 @@ void apply(const policy::Lifespan& policy, dds_qos_t* qos) {
 bool read(policy::Lifespan& policy, const dds_qos_t* qos) {
   dds_duration_t duration = 0;
   if (!dds_qget_lifespan(qos, &duration)) return false;
-  policy.duration(to_duration(duration));
+  policy.duration(read_duration(duration));
   return true;
 }
 
@@ -130,7 +136,7 @@ bool read(policy::Liveliness& policy, const dds_qos_t* qos) {
   dds_liveliness_kind_t kind{};
   dds_duration_t lease = 0;
   if (!dds_qget_liveliness(qos, &kind, &lease)) return false;
-  policy.kind(kind_of<policy::LivelinessKind::Type>(kind)).lease_duration(to_duration(lease));
+  policy.kind(kind_of<policy::LivelinessKind::Type>(kind)).lease_duration(read_duration(lease));
   return true;
 }
 
@@ -157,14 +163,16 @@ bool read(policy::Reliability& policy, const dds_qos_t* qos) {
   dds_reliability_kind_t kind{};
   dds_duration_t blocking = 0;
   if (!dds_qget_reliability(qos, &kind, &blocking)) return false;
-  policy.kind(kind_of<policy::ReliabilityKind::Type>(kind)).max_blocking_time(to_duration(blocking));
+  policy.kind(kind_of<policy::ReliabilityKind::Type>(kind)).max_blocking_time(read_duration(blocking));
   return true;
 }
 
 void apply(const policy::History& policy, dds_qos_t* qos) {
   const bool keeps_all = policy.kind() == policy::HistoryKind::KEEP_ALL;
+  // The exception is that of cyclonedds-cxx.
   require<InconsistentPolicyError>(keeps_all || policy.depth() > 0, "a history depth must be positive");
-  dds_qset_history(qos, kind_of<dds_history_kind_t>(policy.kind()), keeps_all ? 1 : policy.depth());
+  const std::int32_t depth = keeps_all ? std::max(1, policy.depth()) : policy.depth();
+  dds_qset_history(qos, kind_of<dds_history_kind_t>(policy.kind()), depth);
 }
 bool read(policy::History& policy, const dds_qos_t* qos) {
   dds_history_kind_t kind{};

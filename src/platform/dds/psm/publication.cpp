@@ -1,5 +1,6 @@
 // Writers.
 
+#include "dds/psm/effective_qos.hpp"
 #include <sonopose/dds/psm/dds/pub/ddspub.hpp>
 
 namespace dds::inline sonopose_psm::pub::detail {
@@ -21,6 +22,7 @@ void open(WriterNode& writer, const core::detail::Callbacks& callbacks) {
                       dds_create_writer(writer.owner()->handle(), topic.handle(), writer.qos.c_qos().get(),
                                         writer.listener == nullptr ? nullptr : callbacks.c())));
   topic.add_user(writer.shared_from_this());
+  core::detail::read_qos(writer);
 }
 
 }  // namespace dds::inline sonopose_psm::pub::detail

@@ -1,5 +1,6 @@
 // Readers.
 
+#include "dds/psm/effective_qos.hpp"
 #include <sonopose/dds/psm/dds/sub/ddssub.hpp>
 
 #include <dds/ddsc/dds_internal_api.h>
@@ -27,6 +28,7 @@ void open(ReaderNode& reader, const core::detail::Callbacks& callbacks) {
                       dds_create_reader(reader.owner()->handle(), topic.handle(), reader.qos.c_qos().get(),
                                         reader.listener == nullptr ? nullptr : callbacks.c())));
   topic.add_user(reader.shared_from_this());
+  core::detail::read_qos(reader);
 }
 
 Fetched::Fetched(const core::detail::Node& node, const Selection& selection,

@@ -1,5 +1,6 @@
 // Participants, topics, publishers and subscribers.
 
+#include "dds/psm/effective_qos.hpp"
 #include <sonopose/dds/psm/ext.hpp>
 
 namespace dds::inline sonopose_psm {
@@ -102,6 +103,7 @@ void Publisher::qos(const qos::PublisherQos& qos) {
 
 void AnyDataWriter::qos(const qos::DataWriterQos& qos) {
   change_qos(node<detail::WriterNode>(), qos);
+  core::detail::read_qos(node<detail::WriterNode>());
 }
 
 }  // namespace pub
@@ -121,6 +123,7 @@ void Subscriber::qos(const qos::SubscriberQos& qos) {
 
 void AnyDataReader::qos(const qos::DataReaderQos& qos) {
   change_qos(node<detail::ReaderNode>(), qos);
+  core::detail::read_qos(node<detail::ReaderNode>());
 }
 
 }  // namespace sub

@@ -113,12 +113,15 @@ struct Access;
 class Reference {
 public:
   Reference(const Reference& other) : node_(detail::owning(other.node_)) {}
-  Reference(Reference&& other) noexcept : Reference(other) {}
+  Reference(Reference&& other) noexcept : node_(other.take()) {}
   Reference& operator=(const Reference& other) {
     node_ = detail::owning(other.node_);
     return *this;
   }
-  Reference& operator=(Reference&& other) noexcept { return *this = other; }
+  Reference& operator=(Reference&& other) noexcept {
+    node_ = other.take();
+    return *this;
+  }
   ~Reference() = default;
 
   bool is_nil() const noexcept { return node_ == nullptr; }
@@ -141,6 +144,12 @@ protected:
 
 private:
   friend detail::Access;
+
+  /// For moves. A callback keeps its reference.
+  std::shared_ptr<detail::Node> take() noexcept {
+    return node_.use_count() > 0 ? std::move(node_) : detail::owning(node_);
+  }
+
   std::shared_ptr<detail::Node> node_;
 };
 

@@ -76,7 +76,8 @@ public:
   bool trigger_value() { return Condition::trigger_value(); }
 };
 
-/// Blocks a thread until a condition is true.
+/// Blocks a thread until a condition is true. Attached conditions keep their entities: one whose listener
+/// ends must be closed or detached before.
 class WaitSet : public Reference {
 public:
   using ConditionSeq = std::vector<Condition>;
