@@ -39,7 +39,7 @@ public:
   RosReader(const Bus& bus, const std::string& topic, Subscription kind = Subscription::standard)
       : participant_(dds::ext::participant({.domain_id = bus.domain_id()})),
         reader_(dds::sub::Subscriber(participant_),
-                dds::topic::Topic<T>(participant_, ros2::name_in_dds(topic)), qos_of(kind)) {}
+                dds::topic::Topic<T>(participant_, ros2::name_in_dds(topic), dds::Qos()), qos_of(kind)) {}
 
   /// Waits until `inspect(const T&)` returns true for a message.
   template <class Look>
@@ -92,7 +92,7 @@ public:
   RosWriter(const Bus& bus, const std::string& topic, bool reliable = true)
       : participant_(dds::ext::participant({.domain_id = bus.domain_id()})),
         writer_(dds::pub::Publisher(participant_),
-                dds::topic::Topic<T>(participant_, ros2::name_in_dds(topic)),
+                dds::topic::Topic<T>(participant_, ros2::name_in_dds(topic), dds::Qos()),
                 qos_of(reliable ? Subscription::standard : Subscription::sensor_data)) {}
 
   bool wait_for_reader() {

@@ -68,7 +68,7 @@ public:
   explicit Watcher(std::uint32_t domain_id)
       : participant_(dds::ext::participant({.domain_id = domain_id})),
         reader_(dds::sub::Subscriber(participant_),
-                dds::topic::Topic<Info>(participant_, "ros_discovery_info"),
+                dds::topic::Topic<Info>(participant_, "ros_discovery_info", dds::Qos()),
                 dds::Qos() << dds::policy::Reliability::Reliable() << dds::policy::History::KeepAll()
                            << dds::policy::Durability::TransientLocal()) {}
 
@@ -116,7 +116,8 @@ public:
       : participant_(dds::ext::participant({.domain_id = domain_id}, with_user_data(user_data))) {
     for (const auto& [topic, text] : writers) {
       writers_.emplace_back(dds::pub::Publisher(participant_),
-                            dds::topic::Topic<ros2::Imu>(participant_, topic), with_user_data(text));
+                            dds::topic::Topic<ros2::Imu>(participant_, topic, dds::Qos()),
+                            with_user_data(text));
     }
   }
 
