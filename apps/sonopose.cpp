@@ -2,10 +2,10 @@
 
 #include "launch/execute.hpp"
 #include "logging/log.hpp"
-#include "support/nearest.hpp"
 #include "support/output.hpp"
 #include "support/verbs.hpp"
 #include "support/version.hpp"
+#include <sonopose/text/nearest.hpp>
 
 #include <fmt/format.h>
 
@@ -59,7 +59,7 @@ int refuse_verb(const std::string& verb) {
   }
   std::vector<std::string> names(verbs.size());
   std::transform(verbs.begin(), verbs.end(), names.begin(), [](const Verb& each) { return each.name; });
-  return refuse(fmt::format("{}: unknown verb{}", verb, suggestion(verb, names)));
+  return refuse(fmt::format("{}: unknown verb{}", verb, sonopose::text::suggestion(verb, names)));
 }
 
 /// Replaces this process by the program of the verb. Returns only on failure.
@@ -86,7 +86,7 @@ int main(int argc, char** argv) {
   if (first == "help" && !words.empty()) return become(words.front(), {"--help"});
   if (first == "help" || first == "--help" || first == "-h") return list_verbs();
   if (first.starts_with('-')) {
-    return refuse(fmt::format("{}: unknown option{}", first, suggestion(first, {"--help", "--version"})));
+    return refuse(fmt::format("{}: unknown option{}", first, sonopose::text::suggestion(first, {"--help", "--version"})));
   }
   return become(first, words);
 }

@@ -2,8 +2,8 @@
 
 #include "help.hpp"
 #include "logging/log.hpp"
-#include "nearest.hpp"
 #include "run.hpp"
+#include <sonopose/text/nearest.hpp>
 
 #include <fmt/format.h>
 
@@ -17,7 +17,7 @@ void print_settings(const std::string& group) {
   const std::string text = config::settings_help(group);
   if (!text.empty()) throw Printed(wrapped_lines(text, column_of_ranges));
   throw CLI::ValidationError(settings_option, fmt::format("{}: no settings have this name{}", group,
-                                                          suggestion(group, config::settings_groups())));
+                                                          text::suggestion(group, config::settings_groups())));
 }
 
 }  // namespace

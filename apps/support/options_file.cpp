@@ -4,8 +4,8 @@
 #include "files/toml/quoted.hpp"
 #include "files/toml/toml_leaves.hpp"
 #include "help.hpp"
-#include "nearest.hpp"
 #include "run.hpp"
+#include <sonopose/text/nearest.hpp>
 
 #include <fmt/format.h>
 
@@ -76,7 +76,7 @@ std::vector<std::string> values_for(const CLI::Option& option, const toml::Value
     if (is_key(*option)) known.push_back(option->get_lnames().front());
   }
   throw config::ConfigError(
-      fmt::format("{}: {} has no such option{}", origin, app.get_name(), suggestion(key, known)));
+      fmt::format("{}: {} has no such option{}", origin, app.get_name(), text::suggestion(key, known)));
 }
 
 FileOption option_of(const CLI::App& app, const std::string& file, const toml::Leaf& leaf,

@@ -16,8 +16,7 @@ void add_file_options(CLI::App& app, recorder::RecorderOptions& options) {
   add_compression_option(app, options.compression);
   app.add_option("--max-size", options.max_size_bytes,
                  "Begin another file before one is larger, such as 500MB")
-      ->transform(CLI::AsSizeValue(true))
-      ->check(number_between(min_bytes))
+      ->transform(size_between(min_bytes))
       ->type_name("SIZE");
   app.add_option("--max-duration", options.max_duration_s, "Begin another file after this many seconds")
       ->check(number_between(1.0, 1e9))
@@ -27,8 +26,7 @@ void add_file_options(CLI::App& app, recorder::RecorderOptions& options) {
       ->type_name("N");
   app.add_option("--max-total", options.max_total_bytes,
                  "Remove the oldest files before all together are larger, such as 100GB")
-      ->transform(CLI::AsSizeValue(true))
-      ->check(number_between(10 * min_bytes))
+      ->transform(size_between(10 * min_bytes))
       ->type_name("SIZE");
   app.add_flag("--include-earlier", options.includes_earlier,
                "These two limits include the files of earlier recordings of this name, at any time");
@@ -42,8 +40,7 @@ void add_last_options(CLI::App& app, recorder::RecorderOptions& options) {
           ->type_name("S")
           ->excludes(app.get_option("--ros2"));
   app.add_option("--keep-memory", options.keep_bytes, "The memory for --keep-last [256MB]")
-      ->transform(CLI::AsSizeValue(true))
-      ->check(number_between(min_bytes))
+      ->transform(size_between(min_bytes))
       ->type_name("SIZE")
       ->needs(keep);
   app.add_option("--trigger-topic", options.trigger_topic,

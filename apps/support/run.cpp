@@ -4,15 +4,17 @@
 #include "config/fusion_config.hpp"
 #include "help.hpp"
 #include "logging/log.hpp"
-#include "nearest.hpp"
 #include "options_file.hpp"
 #include "verbs.hpp"
 #include "version.hpp"
+#include <sonopose/text/nearest.hpp>
+#include <sonopose/text/size_text.hpp>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -69,14 +71,14 @@ std::string mistake_in(const CLI::App& app, const CLI::ParseError& error) {
                                    [](const std::string& word) { return word.starts_with('-'); });
   if (option != unknown.end()) {
     const std::string name = option->substr(0, option->find('='));
-    return fmt::format("{}: unknown option{}", name, suggestion(name, option_names(app)));
+    return fmt::format("{}: unknown option{}", name, text::suggestion(name, option_names(app)));
   }
   if (unknown.empty()) return error.what();
   const std::vector<std::string> commands = command_names(app);
   if (commands.empty() || !app.get_subcommands().empty()) {
     return fmt::format("{}: unexpected argument", unknown.front());
   }
-  return fmt::format("{}: unknown command{}", unknown.front(), suggestion(unknown.front(), commands));
+  return fmt::format("{}: unknown command{}", unknown.front(), text::suggestion(unknown.front(), commands));
 }
 
 /// Joins an option and its optional value, which CLI11 would give to a required positional argument.
@@ -255,6 +257,24 @@ CLI::Validator number_between(double min, double max) {
             return good ? std::string() : fmt::format("Value {} not in range [{}]", text, range);
           },
           "[" + range + "]"};
+}
+
+CLI::Validator size_between(double min_bytes, double max_bytes) {
+  return {[=](std::string& text) {
+            const auto bytes = text::bytes_of(text);
+            if (!bytes) {
+              return fmt::format("'{}' is not a size, such as 0.5MB, 2GiB or 1000000", text);
+            }
+            if (*bytes < min_bytes) {
+              return fmt::format("'{}' is less than the least, {}", text, text::size_text(min_bytes));
+            }
+            if (*bytes > max_bytes) {
+              return fmt::format("'{}' is more than the most, {}", text, text::size_text(max_bytes));
+            }
+            text = fmt::format("{:.0f}", std::floor(*bytes));
+            return std::string();
+          },
+          ""};
 }
 
 CLI::Validator readable_by(std::function<void(const std::string&)> read) {

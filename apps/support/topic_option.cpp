@@ -1,7 +1,7 @@
 #include "topic_option.hpp"
 
-#include "nearest.hpp"
 #include <sonopose/dds/topics/serialized_topics.hpp>
+#include <sonopose/text/nearest.hpp>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -18,7 +18,7 @@ CLI::Validator topic_name() {
             for (const auto& topic : dds::topics::serialized_topics()) {
               names.push_back(dds::topics::short_name(topic.name));
             }
-            const std::string meant = suggestion(dds::topics::short_name(text), names);
+            const std::string meant = text::suggestion(dds::topics::short_name(text), names);
             return fmt::format("{}: unknown topic{} All topics: {}", text, meant.empty() ? "." : meant,
                                fmt::join(names, ", "));
           },

@@ -1,12 +1,12 @@
 #include "settings/table_builder.hpp"
 #include <sonopose/settings/settings_table.hpp>
-#include <sonopose/text/edit_distance.hpp>
+#include <sonopose/text/nearest.hpp>
 
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <limits>
+#include <vector>
 
 namespace sonopose::settings {
 namespace {
@@ -140,16 +140,18 @@ const SettingInfo& setting_info(std::string_view key) {
       throw RenamedSetting("'" + std::string(key) + "' is now called '" + row.key + "'");
     }
   }
-  const SettingInfo* nearest = &table.front();
-  std::size_t min_distance = std::numeric_limits<std::size_t>::max();
+  std::vector<std::string> keys;
+  std::vector<std::string> names;
   for (const SettingInfo& row : table) {
-    const std::size_t distance =
-        std::min(text::edit_distance(row.key, key), text::edit_distance(without_engine(row), key));
-    if (distance >= min_distance) continue;
-    nearest = &row;
-    min_distance = distance;
+    keys.push_back(row.key);
+    names.emplace_back(without_engine(row));
   }
-  throw SettingError("there is no setting '" + std::string(key) + "'; the nearest is '" + nearest->key + "'");
+  const std::string unknown = "there is no setting '" + std::string(key) + "'";
+  if (const auto meant = text::nearest(key, keys)) throw SettingError(unknown + "; did you mean '" + *meant + "'?");
+  const auto meant = text::nearest(key, names);
+  if (!meant) throw SettingError(unknown + " (docs/settings.md lists all)");
+  const auto row = std::find(names.begin(), names.end(), *meant) - names.begin();
+  throw SettingError(unknown + "; did you mean '" + keys[static_cast<std::size_t>(row)] + "'?");
 }
 
 SettingValue get(const Settings& settings, std::string_view key) {
