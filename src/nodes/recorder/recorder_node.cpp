@@ -131,15 +131,26 @@ std::string loss_words(const TapCounts& counts) {
 std::vector<const topics::SerializedTopic*> selected_topics(const RecorderOptions& options) {
   std::vector<const topics::SerializedTopic*> selected;
   for (const std::string& name : options.topics) selected.push_back(&topic_named(name));
-  // A recording of inputs is of little use without the settings.
-  if (!selected.empty()) selected.push_back(&topic_named("settings"));
   if (options.topics.empty()) {
     for (const auto& topic : topics::serialized_topics()) selected.push_back(&topic);
   }
-  for (const std::string& name : options.exclude) std::erase(selected, &topic_named(name));
+  const topics::SerializedTopic* const companion = &topic_named("settings");
+  const auto included = selected;
+  bool has_companion = true;
+  for (const std::string& name : options.exclude) {
+    const topics::SerializedTopic* const topic = &topic_named(name);
+    if (topic == companion) {
+      has_companion = false;
+    } else if (std::find(included.begin(), included.end(), topic) == included.end()) {
+      throw std::invalid_argument(fmt::format("--exclude: {} is none of --topics", name));
+    }
+    std::erase(selected, topic);
+  }
+  if (selected.empty()) throw std::invalid_argument("--exclude: no topic is left");
+  // A recording of inputs is of little use without the settings.
+  if (has_companion) selected.push_back(companion);
   std::sort(selected.begin(), selected.end());
   selected.erase(std::unique(selected.begin(), selected.end()), selected.end());
-  if (selected.empty()) throw std::invalid_argument("--exclude: no topic is left");
   return selected;
 }
 

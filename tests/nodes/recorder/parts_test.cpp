@@ -150,6 +150,8 @@ TEST_CASE("The selected topics") {
   CHECK(names({"pose", "imu"}, {"imu", "settings"}) == std::vector<std::string>{"sonopose/pose"});
   CHECK_THROWS_WITH(names({"poses"}, {}), Catch::Contains("poses: unknown topic"));
   CHECK_THROWS_WITH(names({"imu"}, {"imu", "settings"}), Catch::Contains("no topic is left"));
+  CHECK_THROWS_WITH(names({"imu"}, {"imu", "imu"}), Catch::Contains("no topic is left"));
+  CHECK_THROWS_WITH(names({"imu"}, {"pose"}), Catch::Contains("--exclude: pose is none of --topics"));
 }
 
 TEST_CASE("Topics that are not native are named once, with the most writers that they had") {
