@@ -33,7 +33,6 @@ using Stacked = Eigen::Matrix<double, Eigen::Dynamic, unknowns>;
 constexpr double gyro_bias_std_radps = 0.015;
 constexpr double accel_bias_std_mps2 = 0.1;
 constexpr double lever_arm_std_m = 0.1;
-constexpr double delay_std_s = 0.1;
 /// Least noise of good fixes; it also covers the noise of the integrated IMU.
 constexpr double min_noise_m = 0.02;
 /// Least noise of a heading of a pair.
@@ -87,7 +86,8 @@ double persistent_noise_of(const std::vector<double>& residuals) {
 
 class Solver {
 public:
-  Solver(const Segment& segment, Vector3d signs) : segment_(segment), signs_(std::move(signs)) {}
+  Solver(const Segment& segment, Vector3d signs, double delay_std_s)
+      : segment_(segment), signs_(std::move(signs)), delay_std_s_(delay_std_s) {}
 
   /// A solver that keeps the mount and takes the yaw of the start from the headings.
   Solver(const Segment& segment, double mount_rad)
@@ -268,7 +268,7 @@ private:
     expect(at_gyro_bias, estimate_.gyro_bias_radps, gyro_bias_std_radps);
     expect(at_accel_bias, estimate_.accel_bias_mps2, accel_bias_std_mps2);
     expect(at_lever_arm, estimate_.lever_arm_body_m, lever_arm_std_m);
-    expect(at_delay, Eigen::Matrix<double, 1, 1>(estimate_.delay_s), delay_std_s);
+    expect(at_delay, Eigen::Matrix<double, 1, 1>(estimate_.delay_s), delay_std_s_);
     normal.diagonal().array() += 1e-9;
     factor_.compute(normal);
     Unknowns change = factor_.solve(right);
@@ -307,7 +307,7 @@ private:
     return cost + 0.5 * ((estimate_.gyro_bias_radps / gyro_bias_std_radps).squaredNorm() +
                          (estimate_.accel_bias_mps2 / accel_bias_std_mps2).squaredNorm() +
                          (estimate_.lever_arm_body_m / lever_arm_std_m).squaredNorm() +
-                         estimate_.delay_s * estimate_.delay_s / (delay_std_s * delay_std_s));
+                         estimate_.delay_s * estimate_.delay_s / (delay_std_s_ * delay_std_s_));
   }
 
   [[nodiscard]] SegmentFit result() const {
@@ -331,6 +331,7 @@ private:
 
   const Segment& segment_;
   Vector3d signs_;
+  double delay_std_s_ = usual_delay_std_s;
   std::optional<double> known_mount_rad_;
   Estimate estimate_;
   std::vector<IntegralState> states_;
@@ -345,12 +346,12 @@ private:
 
 }  // namespace
 
-std::optional<SegmentFit> fit_segment(const Segment& segment, const Vector3d& signs) {
+std::optional<SegmentFit> fit_segment(const Segment& segment, const Vector3d& signs, double delay_std_s) {
   // All starts begin; the best ones continue.
   constexpr int starts = 12;
   constexpr int first_steps = 8;
   constexpr std::size_t finalists = 4;
-  Solver solver(segment, signs);
+  Solver solver(segment, signs, delay_std_s);
   std::vector<std::pair<double, Estimate>> begun;
   for (int start = 0; start < starts; ++start) {
     if (auto each = solver.begin(2.0 * std::numbers::pi * start / starts, first_steps)) {

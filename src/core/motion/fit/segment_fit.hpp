@@ -29,9 +29,13 @@ struct SegmentFit {
   std::vector<Vector3d> deviations_m;  ///< deviation of each fix from the motion
 };
 
+/// Standard deviation of the delay before any measurement.
+inline constexpr double usual_delay_std_s = 0.1;
+
 /// Best motion, from starts in all directions. `signs`: factors of the axes of the specific force. Empty if
 /// no start gives a finite result.
-std::optional<SegmentFit> fit_segment(const Segment& segment, const Vector3d& signs);
+std::optional<SegmentFit> fit_segment(const Segment& segment, const Vector3d& signs,
+                                      double delay_std_s = usual_delay_std_s);
 
 /// Best motion with a known mount, which gives the direction of the start. Requires headings.
 std::optional<SegmentFit> fit_segment_with_mount(const Segment& segment, double mount_rad);

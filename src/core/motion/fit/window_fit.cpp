@@ -68,7 +68,95 @@ std::vector<Vector3d> outliers_of(const SegmentFit& fit) {
   return outliers_m;
 }
 
-std::optional<Piece> piece_of(const Window& window, TimeNs begin_ns, TimeNs end_ns) {
+/// Samples of a segment that are changed.
+struct Changed {
+  explicit Changed(const Segment& segment)
+      : imu(segment.imu.begin(), segment.imu.end()),
+        fixes(segment.fixes.begin(), segment.fixes.end()),
+        headings(segment.headings.begin(), segment.headings.end()) {}
+
+  [[nodiscard]] Segment segment() const { return {imu, fixes, headings}; }
+
+  std::vector<Reading> imu;
+  std::vector<Position> fixes;
+  std::vector<Direction> headings;
+};
+
+/// Log-likelihood of the second fit over that of the first, which may have more or fewer fixes.
+double gain_of(const SegmentFit& before, const SegmentFit& after) {
+  const auto share =
+      static_cast<double>(before.deviations_m.size()) / static_cast<double>(after.deviations_m.size());
+  return before.cost - share * after.cost;
+}
+
+std::optional<Variant> variant_of(const SegmentFit& unchanged, const Segment& segment,
+                                  const Vector3d& signs = Vector3d::Ones()) {
+  const auto fit = detail::fit_segment(segment, signs);
+  if (!fit) return std::nullopt;
+  return Variant{gain_of(unchanged, *fit), fit->residual_m, outliers_of(*fit).size(),
+                 mount_of(*fit, segment)};
+}
+
+/// Fits the segment as it would be with a gyroscope or a map of the other sense.
+void fit_mirrored(const Segment& segment, const SegmentFit& fit, Piece& piece) {
+  Changed changed(segment);
+  for (Reading& reading : changed.imu) reading.rate_body_radps *= -1.0;
+  piece.turned_gyroscope = variant_of(fit, changed.segment()).value_or(Variant{});
+  changed.imu.assign(segment.imu.begin(), segment.imu.end());
+  for (Position& fix : changed.fixes) fix.position_world_m.y() *= -1.0;
+  piece.mirrored_fixes = variant_of(fit, changed.segment()).value_or(Variant{});
+  if (segment.headings.empty()) {
+    piece.mirrored = piece.mirrored_fixes;
+    return;
+  }
+  for (Direction& heading : changed.headings) heading.heading_world_rad *= -1.0;
+  piece.mirrored = variant_of(fit, changed.segment()).value_or(Variant{});
+}
+
+/// Fits the segment with the stamps of fixes and headings set back by up to a second, the smallest change
+/// first, and compares it with a fit whose delay is one of a beacon.
+void search_clock(const Window& window, const Segment& segment, const SegmentFit& fit, Piece& piece) {
+  constexpr double beacon_delay_std_s = 0.02;
+  constexpr double step_s = 0.2;  // the fit itself finds half of it
+  constexpr int steps = 10;       // to both sides
+  constexpr double good_residual_m = 0.03;
+  constexpr double good_log_likelihood = 25.0;
+  const auto one_clock = detail::fit_segment(segment, Vector3d::Ones(), beacon_delay_std_s);
+  if (!one_clock) return;
+  bool is_found = false;
+  constexpr double inside_s = 0.12;  // further out the next change fits better
+  constexpr double edge_s = 0.25;
+  const auto compare = [&](const SegmentFit& found, const Segment& of, double set_back_s) {
+    const double gain = gain_of(*one_clock, found);
+    if (gain <= piece.other_clock.log_likelihood || std::abs(found.delay_s) > edge_s) return;
+    piece.other_clock = {gain, found.residual_m, outliers_of(found).size(), mount_of(found, of)};
+    piece.clock_offset_s = {set_back_s + found.delay_s, found.delay_std_s};
+    is_found = found.residual_m < good_residual_m && gain > good_log_likelihood &&
+               std::abs(found.delay_s) < inside_s;
+  };
+  compare(fit, segment, 0.0);
+  for (int step = 1; step <= steps && !is_found; ++step) {
+    const double set_back_s = step_s * (step % 2 == 0 ? -step / 2 : (step + 1) / 2);
+    const TimeNs set_back_ns = to_ns(set_back_s);
+    const TimeNs first_ns = segment.imu.front().time_ns + set_back_ns;
+    const TimeNs last_ns = segment.imu.back().time_ns + set_back_ns;
+    Changed changed(
+        {segment.imu, between(window.fixes, first_ns, last_ns), between(window.headings, first_ns, last_ns)});
+    if (changed.fixes.size() < min_fixes) continue;
+    for (Position& fix_back : changed.fixes) fix_back.time_ns -= set_back_ns;
+    for (Direction& heading : changed.headings) heading.time_ns -= set_back_ns;
+    const auto found = detail::fit_segment(changed.segment(), Vector3d::Ones());
+    if (found) compare(*found, changed.segment(), set_back_s);
+  }
+}
+
+/// What is fitted for a piece.
+struct PieceOptions {
+  bool all_changes = false;  ///< also of pieces that fit well without a change
+  int clock_searches = 3;    ///< searches left; each takes as long as several pieces
+};
+
+std::optional<Piece> piece_of(const Window& window, TimeNs begin_ns, TimeNs end_ns, PieceOptions& options) {
   const auto imu = longest_run_of(between(window.imu, begin_ns, end_ns));
   if (imu.size() < 2) return std::nullopt;
   const TimeNs first_ns = imu.front().time_ns;
@@ -99,12 +187,40 @@ std::optional<Piece> piece_of(const Window& window, TimeNs begin_ns, TimeNs end_
   for (std::size_t axis = 0; axis < piece.inverted.size(); ++axis) {
     Vector3d signs = Vector3d::Ones();
     signs(static_cast<Eigen::Index>(axis)) = -1.0;
-    const auto inverted = detail::fit_segment(segment, signs);
+    const auto inverted = variant_of(*fit, segment, signs);
     if (!inverted) return std::nullopt;
-    piece.inverted.at(axis) = {fit->cost - inverted->cost, inverted->residual_m,
-                               outliers_of(*inverted).size(), mount_of(*inverted, segment)};
+    piece.inverted.at(axis) = *inverted;
+  }
+  constexpr double poor_residual_m = 0.022;
+  constexpr double doubtful_residual_m = 0.035;
+  constexpr double doubtful_log_likelihood = 10.0;
+  constexpr double doubtful_delay_s = 0.1;
+  const bool is_poor = piece.residual_m > poor_residual_m ||
+                       piece.mount_log_likelihood > doubtful_log_likelihood ||
+                       std::ranges::any_of(piece.inverted, [](const Variant& inverted) {
+                         return inverted.log_likelihood > doubtful_log_likelihood;
+                       });
+  if (is_poor || options.all_changes) fit_mirrored(segment, *fit, piece);
+  const bool has_doubtful_clock =
+      piece.residual_m > doubtful_residual_m || std::abs(piece.delay_s.value) > doubtful_delay_s;
+  if (has_doubtful_clock && options.clock_searches > 0) {
+    --options.clock_searches;
+    search_clock(window, segment, *fit, piece);
   }
   return piece;
+}
+
+/// True if pieces with a known mount have different ones.
+bool have_other_mounts(const std::vector<Piece>& pieces) {
+  constexpr double min_difference_rad = 45.0 * geometry::radians_per_degree;
+  constexpr double max_std_rad = 10.0 * geometry::radians_per_degree;
+  const Piece* first = nullptr;
+  return std::ranges::any_of(pieces, [&](const Piece& piece) {
+    if (!piece.mount_rad || piece.mount_rad->std > max_std_rad) return false;
+    if (first == nullptr) first = &piece;
+    return std::abs(geometry::wrap_angle(piece.mount_rad->value - first->mount_rad->value)) >
+           min_difference_rad;
+  });
 }
 
 }  // namespace
@@ -117,15 +233,23 @@ std::vector<Piece> pieces_of(Window window, const std::function<bool()>& is_stop
   if (length_s < min_piece_s) return {};
   const auto count = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(length_s / piece_s)));
   const std::size_t step = (count + max_pieces - 1) / max_pieces;
-  std::vector<Piece> pieces;
-  for (std::size_t i = 0; i < count; i += step) {
-    if (is_stopped && is_stopped()) break;
-    const double share_s = length_s / static_cast<double>(count);
-    auto piece = piece_of(window, begin_ns + to_ns(static_cast<double>(i) * share_s),
-                          begin_ns + to_ns(static_cast<double>(i + 1) * share_s));
-    if (piece) pieces.push_back(std::move(*piece));
-  }
-  return pieces;
+  PieceOptions options;
+  const auto fit_all = [&] {
+    std::vector<Piece> pieces;
+    for (std::size_t i = 0; i < count; i += step) {
+      if (is_stopped && is_stopped()) break;
+      const double share_s = length_s / static_cast<double>(count);
+      auto piece = piece_of(window, begin_ns + to_ns(static_cast<double>(i) * share_s),
+                            begin_ns + to_ns(static_cast<double>(i + 1) * share_s), options);
+      if (piece) pieces.push_back(std::move(*piece));
+    }
+    return pieces;
+  };
+  std::vector<Piece> pieces = fit_all();
+  // A straight way of a mirrored map looks like another mount.
+  if (!have_other_mounts(pieces)) return pieces;
+  options.all_changes = true;
+  return fit_all();
 }
 
 }  // namespace sonopose::motion::fit

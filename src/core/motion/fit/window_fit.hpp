@@ -19,8 +19,8 @@ struct Measured {
   double std = 0;
 };
 
-/// The same motion with the sign of one axis of the accelerometer changed.
-struct Inverted {
+/// The motion of samples with one change. Without a fit it explains nothing.
+struct Variant {
   double log_likelihood = 0;  ///< log-likelihood minus that without the change
   double residual_m = 0;
   std::size_t outliers = 0;  ///< fixes that are far from this motion
@@ -39,7 +39,14 @@ struct Piece {
   std::optional<Measured> mount_rad;  ///< angle from body X to the axis of the pair; empty without headings
   /// Log-likelihood minus that of the motion with the configured mount; 0 without headings.
   double mount_log_likelihood = 0;
-  std::array<Inverted, 3> inverted;  ///< axes x, y, z
+  std::array<Variant, 3> inverted;  ///< sign of one axis of the accelerometer: x, y, z
+  // Only of pieces that no motion explains well without a change.
+  Variant turned_gyroscope;  ///< sign of all rates
+  Variant mirrored;          ///< sign of y of fixes and headings
+  Variant mirrored_fixes;    ///< sign of y of the fixes alone
+  Variant other_clock;       ///< stamps of fixes and headings, changed by `clock_offset_s`
+  Measured
+      clock_offset_s;  ///< the age of fixes and headings beyond what the fusion assumes, up to about a second
   std::vector<Vector3d> outliers_m;  ///< deviations of the fixes that are far from the motion, world
 };
 

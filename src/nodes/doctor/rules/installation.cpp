@@ -1,6 +1,8 @@
 #include "doctor/rules/checks.hpp"
+#include "motion/fit/changes.hpp"
 #include <sonopose/calibration/model/axes.hpp>
 #include <sonopose/geometry/rotation.hpp>
+#include <sonopose/settings/settings_table.hpp>
 #include <sonopose/text/number_text.hpp>
 
 #include <fmt/format.h>
@@ -9,22 +11,25 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <string_view>
 
 namespace sonopose::doctor::rules {
 namespace {
 
+using motion::fit::are_few;
+using motion::fit::explains;
+using motion::fit::is_judged;
+using motion::fit::max_residual_m;
+using motion::fit::mean_of;
 using motion::fit::Measured;
+using motion::fit::min_log_likelihood_ratio;
+using motion::fit::min_span_m;
 using motion::fit::Piece;
+using motion::fit::significant_stds;
 
 constexpr double degrees = 1.0 / geometry::radians_per_degree;
 
-/// Largest residual, above the noise of any usable fix. Beyond it the IMU does not measure the motion of the
-/// fixes.
-constexpr double max_residual_m = 0.06;
-/// Smallest motion at which fixes say something about mount and signs.
-constexpr double min_span_m = 0.5;
-/// Shortest piece. In less time, tilt and biases explain an acceleration of the wrong sign.
-constexpr double min_length_s = 5.0;
 /// Accuracy of a useful piece.
 constexpr double useful_mount_std_rad = 15.0 * geometry::radians_per_degree;
 constexpr double useful_delay_std_s = 0.020;
@@ -39,20 +44,8 @@ constexpr double mount_error_rad = 2.0 * geometry::radians_per_degree;
 constexpr double delay_error_s = 0.003;
 /// Largest share of fixes far from the motion. Beyond it the cause is a wrong track, not the installation.
 constexpr double max_outliers = 0.2;
-constexpr double max_outliers_of_sign = 0.1;
-/// Accuracy of the mount with the other sign. Fixes that drift away resemble a wrong sign, but no mount fits
-/// them well.
-constexpr double sign_mount_std_rad = 6.0 * geometry::radians_per_degree;
-/// Number of standard deviations for a finding.
-constexpr double significant_stds = 3.5;
-/// Logarithm of the likelihood ratio, per piece, by which another sign or mount must win.
-constexpr double min_log_likelihood_ratio = 25.0;
 /// Range of the estimate of `kalman.delay.estimate`.
 constexpr double estimated_delay_s = 0.06;
-
-bool are_few(std::size_t outliers, const Piece& piece, double share) {
-  return static_cast<double>(outliers) < share * static_cast<double>(piece.fixes);
-}
 
 bool is_usable(const Piece& piece) {
   return piece.residual_m < max_residual_m && piece.span_m > min_span_m &&
@@ -67,31 +60,6 @@ bool has_known_delay(const Piece& piece) {
   return is_usable(piece) && piece.delay_s.std < useful_delay_std_s;
 }
 
-/// True if the IMU with this axis inverted explains the piece, and the other sign does not.
-bool shows_inverted(const Piece& piece, std::size_t axis) {
-  const motion::fit::Inverted& inverted = piece.inverted.at(axis);
-  if (inverted.log_likelihood < min_log_likelihood_ratio || inverted.residual_m > max_residual_m)
-    return false;
-  if (inverted.mount_rad && inverted.mount_rad->std > sign_mount_std_rad) return false;
-  return are_few(inverted.outliers, piece, max_outliers_of_sign);
-}
-
-/// Weighted mean of independent estimates. Not more accurate than `min_std`, nor than their
-/// spread.
-Measured mean_of(const std::vector<Measured>& all, double min_std) {
-  double weights = 0;
-  double sum = 0;
-  for (const Measured& each : all) {
-    weights += 1.0 / (each.std * each.std);
-    sum += each.value / (each.std * each.std);
-  }
-  const double mean = sum / weights;
-  double squares = 0;
-  for (const Measured& each : all) squares += (each.value - mean) * (each.value - mean);
-  const double spread = std::sqrt(squares) / static_cast<double>(all.size());
-  return {mean, std::max(min_std, std::hypot(std::sqrt(1.0 / weights), spread))};
-}
-
 /// True if more than half of the pieces differ by more than `limit` on the mean's side.
 bool majority_exceeds(const std::vector<Measured>& all, const Measured& mean, double limit) {
   const auto agrees = [&](const Measured& each) { return each.value * (mean.value > 0 ? 1 : -1) > limit; };
@@ -103,9 +71,10 @@ public:
   InstallationCheck(const BeaconObservation& beacon, Findings& findings)
       : beacon_(beacon), findings_(findings) {}
 
-  /// Runs the checks. A wrong sign makes mount and delay wrong too, so it comes first.
+  /// Runs the checks. Other clocks, mirrored fixes and a wrong sign make mount and delay wrong too, so they
+  /// come first.
   void run() const {
-    if (signs()) return;
+    if (clocks() || mirror() || signs()) return;
     mount();
     delay();
   }
@@ -120,6 +89,29 @@ public:
   }
 
 private:
+  /// Reports stamps of fixes and IMU that are of different clocks. Returns false if they are of one, or if
+  /// that is not known.
+  [[nodiscard]] bool clocks() const {
+    const auto offset = motion::fit::clock_offset_in(beacon_.pieces);
+    if (offset) report_age(*offset, Severity::error, ": the stamps of fixes and IMU are of different clocks");
+    return offset.has_value();
+  }
+
+  /// Reports fixes of a left-handed map. Returns false if there are none, or if that is not known.
+  [[nodiscard]] bool mirror() const {
+    if (!has_gravity_upwards()) return false;  // an IMU upside down turns as a mirrored one
+    const auto change = motion::fit::mirror_in(beacon_.pieces, configured_mount_rad());
+    if (!change) return false;
+    findings_.push_back(
+        {Severity::error, name_of(beacon_),
+         "its fixes are mirrored: they agree with the IMU only if the sense of the map is changed",
+         fmt::format(
+             "{}, where the positions come from: the map of the beacons is left-handed, or their driver "
+             "mixes the axes",
+             motion::fit::text_of(*change))});
+    return true;
+  }
+
   /// True if the mean force is up, as at rest. If it is down, an inverted accelerometer explains the fit as
   /// well as a gyroscope with the wrong sign does.
   [[nodiscard]] bool has_gravity_upwards() const {
@@ -186,10 +178,10 @@ private:
     std::array<std::size_t, 3> pieces{};
     std::size_t judged = 0;
     for (const Piece& piece : beacon_.pieces) {
-      if (piece.span_m < min_span_m || piece.length_s < min_length_s) continue;
+      if (!is_judged(piece)) continue;
       ++judged;
       for (std::size_t axis = 0; axis < evidence.size(); ++axis) {
-        if (!shows_inverted(piece, axis)) continue;
+        if (!explains(piece.inverted.at(axis), piece)) continue;
         evidence.at(axis) += piece.inverted.at(axis).log_likelihood;
         ++pieces.at(axis);
       }
@@ -273,16 +265,31 @@ private:
     if (is_estimated || std::abs(error.value) > credible_delay_s) return;
     if (std::abs(error.value) < std::max(wrong_delay_s, significant_stds * error.std)) return;
     if (!majority_exceeds(errors, error, 0.5 * wrong_delay_s)) return;
+    report_age(error, Severity::warning, "");
+  }
+
+  /// Reports the age of the fixes beyond what the fusion assumes, with the setting that corrects it.
+  void report_age(const Measured& error, Severity severity, std::string_view cause) const {
+    const settings::DelaySettings& settings = beacon_.fusion_settings.delay;
     const bool own =
         settings.source == settings::DelaySource::measured && 2 * beacon_.timed_fixes > beacon_.fix.samples;
+    const std::string key = own ? "delay.correction_s" : "delay.processing_s";
+    const double value_s = (own ? settings.correction_s : settings.processing_s) + error.value;
+    const settings::SettingInfo& limits = settings::setting_info(key);
+    const bool is_possible =
+        value_s >= std::get<double>(limits.minimum) && value_s <= std::get<double>(limits.maximum);
     findings_.push_back(
-        {Severity::warning, name_of(beacon_),
-         fmt::format("its fixes are about {:.0f} ms (±{:.0f} ms) {} than the fusion assumes",
-                     std::abs(error.value) * 1e3, error.std * 1e3, error.value > 0 ? "older" : "younger"),
-         fmt::format(
-             "try delay.{}={}; sonopose-calibrate delay finds it exactly (docs/calibration.md)",
-             own ? "correction_s" : "processing_s",
-             text::number_text((own ? settings.correction_s : settings.processing_s) + error.value, 3))});
+        {severity, name_of(beacon_),
+         fmt::format("its fixes are about {:.0f} ms (±{:.0f} ms) {} than the fusion assumes{}",
+                     std::abs(error.value) * 1e3, error.std * 1e3, error.value > 0 ? "older" : "younger",
+                     cause),
+         is_possible
+             ? fmt::format("try {}={}; sonopose-calibrate delay finds it exactly (docs/calibration.md)", key,
+                           text::number_text(value_s, 3))
+             : fmt::format(
+                   "set the clock that stamps them, or correct the stamps by {} s in the driver: {} allows "
+                   "only {}",
+                   text::number_text(-error.value, 3), key, limits.allowed())});
   }
 
   const BeaconObservation& beacon_;

@@ -1,0 +1,170 @@
+#include "motion/fit/changes.hpp"
+
+#include <sonopose/geometry/rotation.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace sonopose::motion::fit {
+namespace {
+
+/// Shortest piece. In less time, tilt and biases explain an acceleration of the wrong sign.
+constexpr double min_length_s = 5.0;
+constexpr double max_outliers = 0.1;
+/// Accuracy of the mount with a change. Fixes that drift away resemble a wrong sign, but no mount fits them
+/// well.
+constexpr double max_mount_std_rad = 6.0 * geometry::radians_per_degree;
+/// In the plane, a mirrored map looks like an inverted axis z: the likelihoods are nearly equal.
+constexpr double min_share_of_others = 0.9;
+
+/// Log-likelihood of the best change of the IMU.
+double best_of_imu(const Piece& piece) {
+  double best = piece.turned_gyroscope.log_likelihood;
+  for (const Variant& inverted : piece.inverted) best = std::max(best, inverted.log_likelihood);
+  return best;
+}
+
+bool has_right_headings(const Piece& piece) {
+  return piece.mirrored_fixes.log_likelihood > piece.mirrored.log_likelihood;
+}
+
+const Variant& mirrored_of(const Piece& piece) {
+  return has_right_headings(piece) ? piece.mirrored_fixes : piece.mirrored;
+}
+
+bool is_majority(std::size_t count, std::size_t all) {
+  return count > 0 && 2 * count > all;
+}
+
+MapChange change_of(double turned_rad) {
+  const long quarters = std::lround(turned_rad / (0.5 * std::numbers::pi));
+  constexpr std::array changes{MapChange::invert_y, MapChange::exchange, MapChange::invert_x,
+                               MapChange::exchange_and_invert};
+  return changes.at(static_cast<std::size_t>((quarters + 4) % 4));
+}
+
+/// Largest difference of these angles from the first.
+double range_of(const std::vector<double>& angles_rad) {
+  double range_rad = 0;
+  for (const double angle_rad : angles_rad)
+    range_rad = std::max(range_rad, std::abs(geometry::wrap_angle(angle_rad - angles_rad.front())));
+  return range_rad;
+}
+
+/// Straight ways look as well without a mirror, but each with another mount; with it the mount is one.
+std::optional<MapChange> mirror_by_mounts(const std::vector<Piece>& pieces, double mount_rad) {
+  constexpr double max_range_rad = 20.0 * geometry::radians_per_degree;
+  constexpr double min_range_rad = 45.0 * geometry::radians_per_degree;
+  std::vector<double> mounts_rad;
+  std::vector<double> mirrored_rad;
+  for (const Piece& piece : pieces) {
+    const auto& mirrored = piece.mirrored_fixes;
+    if (!is_judged(piece) || !piece.mount_rad || piece.mount_rad->std > max_mount_std_rad) continue;
+    mounts_rad.push_back(piece.mount_rad->value);
+    if (!mirrored.mount_rad || mirrored.mount_rad->std > max_mount_std_rad ||
+        mirrored.residual_m > max_residual_m)
+      return std::nullopt;
+    mirrored_rad.push_back(geometry::wrap_angle(mirrored.mount_rad->value - mount_rad));
+  }
+  if (mirrored_rad.size() < 2 || range_of(mirrored_rad) > max_range_rad ||
+      range_of(mounts_rad) < min_range_rad)
+    return std::nullopt;
+  return change_of(mirrored_rad.front());
+}
+
+}  // namespace
+
+bool is_judged(const Piece& piece) {
+  return piece.span_m >= min_span_m && piece.length_s >= min_length_s;
+}
+
+bool explains(const Variant& variant, const Piece& piece, double min_log_likelihood) {
+  if (variant.log_likelihood < min_log_likelihood || variant.residual_m > max_residual_m) return false;
+  if (variant.mount_rad && variant.mount_rad->std > max_mount_std_rad) return false;
+  return are_few(variant.outliers, piece, max_outliers);
+}
+
+Measured mean_of(const std::vector<Measured>& all, double min_std) {
+  double weights = 0;
+  double sum = 0;
+  for (const Measured& each : all) {
+    weights += 1.0 / (each.std * each.std);
+    sum += each.value / (each.std * each.std);
+  }
+  const double mean = sum / weights;
+  double squares = 0;
+  for (const Measured& each : all) squares += (each.value - mean) * (each.value - mean);
+  const double spread = std::sqrt(squares) / static_cast<double>(all.size());
+  return {mean, std::max(min_std, std::hypot(std::sqrt(1.0 / weights), spread))};
+}
+
+std::optional<Measured> clock_offset_in(const std::vector<Piece>& pieces) {
+  constexpr double min_offset_s = 0.12;  // less is a delay
+  constexpr double min_std_s = 0.003;
+  constexpr double max_difference_s = 0.08;
+  std::vector<Measured> offsets;
+  std::size_t searched = 0;
+  double by_clock = 0;
+  double by_others = 0;
+  for (const Piece& piece : pieces) {
+    if (!is_judged(piece) || !(piece.clock_offset_s.std > 0)) continue;
+    ++searched;
+    by_others += std::max(best_of_imu(piece), mirrored_of(piece).log_likelihood);
+    if (!explains(piece.other_clock, piece, min_log_likelihood_ratio / 4)) continue;
+    by_clock += piece.other_clock.log_likelihood;
+    offsets.push_back(piece.clock_offset_s);
+  }
+  if (!is_majority(offsets.size(), searched) || by_clock < min_share_of_others * by_others ||
+      by_clock < min_log_likelihood_ratio)
+    return std::nullopt;
+  const auto [least, most] =
+      std::ranges::minmax(offsets, {}, [](const Measured& offset) { return offset.value; });
+  if (most.value - least.value > max_difference_s) return std::nullopt;
+  const Measured offset = mean_of(offsets, min_std_s);
+  if (std::abs(offset.value) < std::max(min_offset_s, significant_stds * offset.std)) return std::nullopt;
+  return offset;
+}
+
+std::string_view text_of(MapChange change) {
+  switch (change) {
+    case MapChange::invert_y:
+      return "change the sign of y";
+    case MapChange::invert_x:
+      return "change the sign of x";
+    case MapChange::exchange:
+      return "exchange x and y";
+    case MapChange::exchange_and_invert:
+      return "exchange x and y, and change the sign of both";
+    case MapChange::unknown:
+      break;
+  }
+  return "exchange x and y, or change the sign of one of them";
+}
+
+std::optional<MapChange> mirror_in(const std::vector<Piece>& pieces, double mount_rad) {
+  std::size_t judged = 0;
+  std::size_t mirrored = 0;
+  double over_gyroscope = 0;
+  double over_imu = 0;
+  std::vector<double> turned_rad;  // headings against fixes whose y has the other sign
+  for (const Piece& piece : pieces) {
+    if (!is_judged(piece)) continue;
+    ++judged;
+    const Variant& variant = mirrored_of(piece);
+    if (!explains(variant, piece)) continue;
+    ++mirrored;
+    over_gyroscope +=
+        variant.log_likelihood - piece.turned_gyroscope.log_likelihood - min_log_likelihood_ratio;
+    over_imu += variant.log_likelihood - min_share_of_others * best_of_imu(piece);
+    if (has_right_headings(piece) && variant.mount_rad)
+      turned_rad.push_back(geometry::wrap_angle(variant.mount_rad->value - mount_rad));
+  }
+  if (is_majority(mirrored, judged) && over_gyroscope > 0 && over_imu > 0) {
+    return is_majority(turned_rad.size(), mirrored) ? change_of(turned_rad.front()) : MapChange::unknown;
+  }
+  return mirror_by_mounts(pieces, mount_rad);
+}
+
+}  // namespace sonopose::motion::fit

@@ -1,0 +1,100 @@
+/// Fixes of a mirrored map, and of another clock than the IMU's, while the beacon moves.
+
+#include "doctor/replayed.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace changes_test {
+
+using namespace sonopose;
+using namespace sonopose::doctor::test;
+using Catch::Contains;
+
+/// Changes the fixes, and the headings if wanted.
+void change(std::vector<Event>& events, const std::function<void(UltrasonicFix&)>& of_fix,
+            const std::function<void(PairHeading&)>& of_heading = {}) {
+  for (Event& event : events) {
+    if (auto* const fix = std::get_if<UltrasonicFix>(&event)) of_fix(*fix);
+    auto* const heading = std::get_if<PairHeading>(&event);
+    if (heading != nullptr && of_heading) of_heading(*heading);
+  }
+  std::ranges::stable_sort(events, {}, [](const Event& event) { return available_at_ns(event); });
+}
+
+struct Mirror {
+  const char* remedy;
+  std::function<Vector3d(const Vector3d&)> of;
+};
+
+const std::vector<Mirror> mirrors{
+    {"; change the sign of y, where", [](const Vector3d& at) { return Vector3d(at.x(), -at.y(), at.z()); }},
+    {"; change the sign of x, where", [](const Vector3d& at) { return Vector3d(-at.x(), at.y(), at.z()); }},
+    {"; exchange x and y, where", [](const Vector3d& at) { return Vector3d(at.y(), at.x(), at.z()); }},
+    {"; exchange x and y, and change the sign of both, where",
+     [](const Vector3d& at) { return Vector3d(-at.y(), -at.x(), at.z()); }}};
+
+TEST_CASE("Mirrored fixes are found by right headings, with the change that corrects them") {
+  std::uint64_t seed = 2501;
+  for (const char* const scenario : {"walk", "kart", "forklift", "drone"}) {
+    const Mirror& mirror = mirrors.at(seed % mirrors.size());
+    auto events = events_of(scenario, seed++, 32.5);
+    change(events, [&](UltrasonicFix& fix) { fix.position_world_m = mirror.of(fix.position_world_m); });
+    const std::string problems = problems_of(observed(events, {}, {8, 24}));
+    CAPTURE(scenario, mirror.remedy, problems);
+    CHECK_THAT(problems, Contains("its fixes are mirrored") && Contains(mirror.remedy));
+    CHECK_THAT(problems, !Contains("gyroscope") && !Contains("accelerometer") && !Contains("mount offset"));
+  }
+}
+
+TEST_CASE("A mirrored map is found without headings, and with those of the map") {
+  std::uint64_t seed = 2601;
+  for (const char* const scenario : {"walk", "kart", "forklift", "drone"}) {
+    const bool has_headings = scenario == std::string("forklift");  // it drives straight for long
+    auto events = events_of(scenario, seed++, 32.5,
+                            [&](sim::SensorSettings& sensors) { sensors.pair_heading = has_headings; });
+    change(
+        events, [](UltrasonicFix& fix) { fix.position_world_m.y() *= -1; },
+        [](PairHeading& heading) { heading.heading_world_rad *= -1; });
+    const std::string problems = problems_of(observed(events, {}, {8, 24}));
+    CAPTURE(scenario, has_headings, problems);
+    CHECK_THAT(problems, Contains("its fixes are mirrored") &&
+                             Contains("; exchange x and y, or change the sign of one of them, where"));
+    CHECK_THAT(problems, !Contains("gyroscope") && !Contains("accelerometer"));
+  }
+}
+
+TEST_CASE("Stamps of fixes and IMU of different clocks are found, with the value to try") {
+  struct Case {
+    const char* scenario;
+    double ahead_s;
+    bool has_headings;
+  };
+  std::uint64_t seed = 2701;
+  for (const Case& each :
+       {Case{"walk", -0.3, true}, Case{"walk", 0.3, true}, Case{"kart", 0.3, false}, Case{"kart", -0.8, true},
+        Case{"forklift", -0.3, false}, Case{"drone", 0.2, false}}) {
+    auto events = events_of(each.scenario, seed++, 32.5,
+                            [&](sim::SensorSettings& sensors) { sensors.pair_heading = each.has_headings; });
+    const auto shift = [&](auto& sample) { sample.emission_time_ns += to_ns(each.ahead_s); };
+    change(events, shift, shift);
+    const std::string problems = problems_of(observed(events, {}, {8, 24}));
+    CAPTURE(each.scenario, each.ahead_s, each.has_headings, problems);
+    CHECK_THAT(problems, Contains("the stamps of fixes and IMU are of different clocks"));
+    CHECK_THAT(problems, !Contains("gyroscope") && !Contains("accelerometer") && !Contains("mount offset") &&
+                             !Contains("mirrored"));
+    const bool is_possible = std::abs(each.ahead_s) < 0.5;
+    const std::string before = is_possible ? "try delay.correction_s=" : "correct the stamps by ";
+    const std::size_t at = problems.find(before);
+    REQUIRE(at != std::string::npos);
+    CHECK(std::stod(problems.substr(at + before.size())) ==
+          Approx(is_possible ? each.ahead_s : -each.ahead_s).margin(0.03));
+  }
+}
+
+}  // namespace changes_test
