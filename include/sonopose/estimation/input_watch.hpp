@@ -18,8 +18,9 @@ namespace sonopose::estimation {
 /// allocate. It is no part of an estimator's snapshot: it is empty after a restart.
 ///
 /// It finds within seconds: an axis that keeps its value, a unit that contradicts gravity, a gyroscope of the
-/// wrong sign (by headings, or by the direction of travel), a mount that is turned (by the accelerations),
-/// and stamps of the IMU that are ahead of those of the headings.
+/// wrong sign (by headings, or by the direction of travel), a mount that is turned (by the accelerations, or
+/// by headings that the engine does not follow), and stamps of the IMU that are ahead of those of the
+/// headings.
 class InputWatch {
 public:
   explicit InputWatch(const settings::Settings& settings) { configure(settings); }
@@ -51,6 +52,7 @@ private:
     TimeNs time_ns = 0;
     double turned_rad = 0;                 ///< by the gyroscope, about the vertical
     std::complex<double> moved_world_m{};  ///< by the accelerations alone, in the horizontal plane
+    std::complex<double> facing_world{};   ///< direction of the body's x axis; zero if not known
   };
 
   /// A direction, continuous beyond ±π, and the turn of the gyroscope until then.
@@ -96,6 +98,7 @@ private:
   void on_direction(TimeNs time_ns, double angle_rad, int min_turns);
   void on_place(const Place& place);
   void on_heading(TimeNs time_ns, double heading_rad);
+  void judge_mount(TimeNs time_ns, double body_heading_rad);
   void judge_block(TimeNs time_ns);
   void judge_turn(const Direction& from, const Direction& middle, const Direction& to, int min_turns);
   [[nodiscard]] bool moment_at(TimeNs time_ns, Moment& moment) const;
@@ -104,6 +107,7 @@ private:
 
   settings::DelaySettings delay_;
   calibration::Calibration calibration_;
+  double mount_rad_ = 0;
   TimeNs faulty_until_ns_ = 0;
   TimeNs other_clock_until_ns_ = 0;
   TimeNs last_imu_ns_ = 0;
@@ -133,6 +137,8 @@ private:
   double fix_square_ = 0;
   double judged_ = 0;  ///< fading number of changes
   int turned_in_row_ = 0;
+  TimeNs last_heading_ns_ = 0;
+  TimeNs headings_wrong_ns_ = 0;  ///< since then all contradict the pose; 0: not now
 };
 
 }  // namespace sonopose::estimation

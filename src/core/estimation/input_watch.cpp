@@ -21,12 +21,13 @@ std::complex<double> horizontal(const Vector3d& vector) {
 void InputWatch::configure(const settings::Settings& settings) {
   delay_ = settings.delay;
   calibration_ = calibration::Calibration(settings.calibration);
+  mount_rad_ = settings.heading.mount_offset_deg * geometry::radians_per_degree;
   restart();
 }
 
 /// Forgets everything but a fault.
 void InputWatch::restart() {
-  last_imu_ns_ = last_pose_ns_ = known_since_ns_ = 0;
+  last_imu_ns_ = last_pose_ns_ = known_since_ns_ = headings_wrong_ns_ = 0;
   block_ = {};
   bad_blocks_ = wrong_turns_ = right_turns_ = turned_in_row_ = 0;
   force_body_mps2_.setZero();
@@ -59,6 +60,8 @@ void InputWatch::on(const Event& event) {
     const TimeNs time_ns = aiding::measured_at(delay_, *heading);
     on_direction(time_ns, heading->heading_world_rad, min_turns);
     on_heading(time_ns, heading->heading_world_rad);
+    const bool is_of_body = (heading->flags & heading_flag_of_body) != 0;
+    judge_mount(time_ns, heading->heading_world_rad - (is_of_body ? 0.0 : mount_rad_));
   }
 }
 
@@ -143,7 +146,13 @@ void InputWatch::on(const FusedPose& pose) {
     moved_world_m_ += step_s * speed_world_mps_;
   }
   if (moments_.size() > 0 && pose.time_ns - moments_.back(0).time_ns < min_step_ns) return;
-  moments_.add({pose.time_ns, turned_rad_, moved_world_m_});
+  // The status says that the heading is unknown also where headings contradict a known yaw.
+  constexpr double max_yaw_std_rad = 10.0 * geometry::radians_per_degree;
+  const double yaw_std = yaw_std_rad(pose);
+  const bool has_yaw = (pose.status & (status_initialising | status_converging)) == 0 && yaw_std >= 0 &&
+                       yaw_std < max_yaw_std_rad;
+  const Vector3d x_world = pose.q_body_to_world * Vector3d::UnitX();
+  moments_.add({pose.time_ns, turned_rad_, moved_world_m_, has_yaw ? horizontal(x_world) : 0.0});
 }
 
 /// Interpolates the integrals. Returns false outside of the moments.
@@ -158,6 +167,7 @@ bool InputWatch::moment_at(TimeNs time_ns, Moment& moment) const {
     moment.time_ns = time_ns;
     moment.turned_rad = before.turned_rad + share * (after.turned_rad - before.turned_rad);
     moment.moved_world_m = before.moved_world_m + share * (after.moved_world_m - before.moved_world_m);
+    moment.facing_world = before.facing_world + share * (after.facing_world - before.facing_world);
     return true;
   }
   return false;
@@ -295,6 +305,27 @@ void InputWatch::on_heading(TimeNs time_ns, double heading_rad) {
   if (best->variance_rad2 > max_std_rad * max_std_rad) return;
   if (none.variance_rad2 < min_ratio * min_ratio * best->variance_rad2) return;
   other_clock_until_ns_ = last_imu_ns_ + memory_of_fault_ns;
+}
+
+/// Suspects the mount if headings keep contradicting a pose whose yaw is known from the motion.
+void InputWatch::judge_mount(TimeNs time_ns, double body_heading_rad) {
+  constexpr double wrong_rad = 30.0 * geometry::radians_per_degree;
+  constexpr double min_s = 3.0;
+  constexpr double max_gap_s = 1.0;
+  constexpr double min_level = 0.5;  // a body that looks up or down has no heading
+  Moment moment;
+  if (!moment_at(time_ns, moment)) return;
+  const double error_rad = std::arg(std::polar(1.0, body_heading_rad) * std::conj(moment.facing_world));
+  const bool is_wrong = std::abs(moment.facing_world) > min_level && std::abs(error_rad) > wrong_rad;
+  const bool continues = seconds_between(last_heading_ns_, time_ns) < max_gap_s;
+  last_heading_ns_ = time_ns;
+  if (!is_wrong) {
+    headings_wrong_ns_ = 0;
+  } else if (headings_wrong_ns_ == 0 || !continues) {
+    headings_wrong_ns_ = time_ns;
+  } else if (seconds_between(headings_wrong_ns_, time_ns) > min_s) {
+    fault(time_ns);
+  }
 }
 
 void InputWatch::judge_turn(const Direction& from, const Direction& middle, const Direction& to,

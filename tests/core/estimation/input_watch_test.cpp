@@ -23,11 +23,12 @@ using Change = std::function<void(ImuSample&)>;
 
 /// Seconds from the begin of the motion, at 3 s, to the first pose with the bit; infinite without one.
 double found_after_s(const std::string& scenario, std::uint64_t seed, bool has_headings, const Change& change,
-                     std::uint32_t bits = ~0U) {
+                     std::uint32_t bits = ~0U, double mount_rad = 0) {
   constexpr double begin_s = 3.0;
   const sim::Run run{.seed = seed, .duration_s = 32.0};
   sim::Scenario drawn = sim::drawn(sim::find_scenario(scenario), run);
   drawn.sensors.pair_heading = drawn.sensors.pair_heading && has_headings;
+  drawn.sensors.pair_mount_offset_rad += mount_rad;
   const std::vector<Event> events = sim::record(drawn, run).events;
   const settings::Settings settings;
   estimation::AnyEstimator estimator(settings);
@@ -106,6 +107,16 @@ TEST_CASE("a gyroscope of the wrong sign is found between tags that alternate to
     CAPTURE(scenario);
     CHECK(found_between_tags_after_s(scenario, false, 1, -1.0) < 7.0);
     CHECK(found_between_tags_after_s(scenario, false, 2, -1.0) < 7.0);
+  }
+}
+
+TEST_CASE("a pair that is mounted across is found, also where the engine does not follow its headings") {
+  for (const char* const scenario : {"walk", "kart", "forklift"}) {
+    for (const double mount_rad : {0.5 * std::numbers::pi, -0.5 * std::numbers::pi, std::numbers::pi}) {
+      CAPTURE(scenario, mount_rad);
+      CHECK(found_after_s(
+                scenario, 5, true, [](ImuSample&) {}, status_imu_inconsistent, mount_rad) < 20.0);
+    }
   }
 }
 
