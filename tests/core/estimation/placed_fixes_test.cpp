@@ -295,18 +295,19 @@ SCENARIO("the estimate starts again at a pose that the user sets") {
     const TruthSample& truth = truth_at(walk, last.time_ns);
     const std::uint32_t resets = last.reset_counter;
     const Vector3d bias_radps = last.gyro_bias_body_radps;
-    WHEN("a pose 20 m away and turned by 120° is set, of a point 0.3 m ahead of the IMU") {
+    WHEN("a pose 20 m away and turned by 120° is set, of a point 0.3 m ahead of the IMU, by whatever clock") {
       constexpr double yaw_rad = 2.0;
+      const TimeNs stamp_ns = last.time_ns + to_ns(GENERATE(0.0, 2.0, -30.0));
       PairHeading heading{.address = last.address,
-                          .emission_time_ns = last.time_ns - 1'000'000,
-                          .received_time_ns = last.time_ns - 1'000'000,
+                          .emission_time_ns = stamp_ns - 1'000'000,
+                          .received_time_ns = stamp_ns - 1'000'000,
                           .heading_world_rad = yaw_rad,
                           .valid = true,
                           .std_rad = 0.1,
                           .flags = heading_flag_of_body | heading_flag_set_pose};
       UltrasonicFix fix;
       fix.address = last.address;
-      fix.emission_time_ns = fix.received_time_ns = last.time_ns;
+      fix.emission_time_ns = fix.received_time_ns = stamp_ns;
       fix.measured_delay_s = 0;
       fix.flags = ultrasonic_flag_set_pose;
       fix.position_world_m = truth.position_world_m + Vector3d(20, 0, 0);

@@ -74,11 +74,6 @@ public:
   [[nodiscard]] double offset_s() const { return offset_.value_s(); }
   /// Converts a time of reception to the clock of the stamps.
   [[nodiscard]] TimeNs stamp_at(TimeNs received_ns) const { return stamp_clock_.at(received_ns); }
-  /// Converts a time of reception likewise, but to no later time than that of the latest IMU sample: a set
-  /// pose applies at once.
-  [[nodiscard]] TimeNs latest_stamp_at(TimeNs received_ns) const {
-    return stamp_clock_.at_latest(received_ns);
-  }
 
 private:
   void take(ReceivedImu& received, std::string_view frame, MonitoredInput& input, Moment moment,

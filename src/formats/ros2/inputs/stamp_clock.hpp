@@ -4,8 +4,6 @@
 
 #include <sonopose/samples/time.hpp>
 
-#include <algorithm>
-
 namespace sonopose::ros2 {
 
 /// Relates host time to the IMU's stamps, which in a played recording belong to another time. The delay of a
@@ -15,8 +13,6 @@ public:
   /// Takes the stamp of an IMU sample, and its reception in the host's clock.
   void on_imu(TimeNs stamp_ns, TimeNs received_ns) {
     lag_ns_ = saturated_difference(received_ns, stamp_ns);
-    const bool is_far_back = saturated_difference(latest_ns_, stamp_ns) > max_transport_ns;
-    latest_ns_ = is_far_back ? stamp_ns : std::max(latest_ns_, stamp_ns);
   }
 
   /// Converts a host time to the clock of the stamps. Before the first sample, or if they differ by at most
@@ -26,17 +22,10 @@ public:
     return is_same ? host_ns : saturated_difference(host_ns, lag_ns_);
   }
 
-  /// The same, but not after the latest sample: an engine that is behind, as on a busy machine, takes later
-  /// stamps for wrong ones.
-  [[nodiscard]] TimeNs at_latest(TimeNs host_ns) const {
-    return latest_ns_ == 0 ? at(host_ns) : std::min(at(host_ns), latest_ns_);
-  }
-
   static constexpr TimeNs max_transport_ns = 1'000'000'000;
 
 private:
   TimeNs lag_ns_ = 0;
-  TimeNs latest_ns_ = 0;  ///< 0: no sample yet; falls where the stamps do, as after one that was far ahead
 };
 
 }  // namespace sonopose::ros2

@@ -245,9 +245,7 @@ private:
         [this](const AidingInput& input) {
           const auto beacon = beacons_.find(input.address);
           if (beacon == beacons_.end()) return now_();
-          const BeaconInputs& inputs = beacon->second.inputs;
-          return input.kind == AidingInput::Kind::set_pose ? inputs.latest_stamp_at(now_())
-                                                           : inputs.stamp_at(now_());
+          return beacon->second.inputs.stamp_at(now_());
         },
         lines_);
   }
