@@ -188,13 +188,14 @@
     }
   }
 
-  // Bits of FusedPose.status: {bit, word, severity}, as the server has them.
+  // Bits of FusedPose.status: {bit, word, severity, hidden_by}, as the server has them.
   let statusTable = [];
   const setStatusTable = (table) => {
     statusTable = table;
   };
   const words = (status) => {
-    const set = statusTable.filter(({ bit }) => (status & bit) !== 0);
+    const set = statusTable.filter(({ bit, hidden_by }) =>
+      (status & bit) !== 0 && (status & hidden_by) === 0);
     return { text: set.map(({ word }) => word).join(", ") || "ok", severity: Math.max(0, ...set.map(({ severity }) => severity)) };
   };
   const headingUnknown = 16; // bit of FusedPose.status

@@ -27,7 +27,8 @@ std::size_t lines_in(const std::string& text) {
 
 TEST_CASE("every status bit has its own name") {
   CHECK(observation::status_words(0) == "ok");
-  CHECK(observation::status_words(status_stale | status_frozen_track) == "stale, frozen track");
+  CHECK(observation::status_words(status_stale | status_low_trust) == "stale, low trust");
+  CHECK(observation::status_words(status_stale | status_frozen_track) == "frozen track");
   std::set<std::string> words;
   for (std::uint32_t bit = status_initialising; bit <= status_fixes_inconsistent; bit <<= 1U) {
     const std::string word = observation::status_words(bit);

@@ -64,6 +64,8 @@ SCENARIO("the bits of the status have the words and the order of the monitor") {
   CHECK(by_bit.at(status_stale)["word"] == "stale");
   CHECK(by_bit.at(status_stale)["severity"] > by_bit.at(status_converging)["severity"]);
   CHECK(by_bit.at(status_predicted)["severity"] == 0);
+  CHECK(by_bit.at(status_stale)["hidden_by"] == status_frozen_track);
+  CHECK(by_bit.at(status_frozen_track)["hidden_by"] == 0);
 }
 
 SCENARIO("the table of settings has what a form needs") {

@@ -28,10 +28,16 @@ constexpr std::array<std::pair<PoseStatus, std::string_view>, 14> status_names{{
 
 }  // namespace
 
+std::uint32_t causes_in(std::uint32_t status) {
+  // Repeated positions are no valid fixes.
+  const bool is_frozen = (status & status_frozen_track) != 0U;
+  return is_frozen ? status & ~std::uint32_t{status_stale} : status;
+}
+
 std::string status_words(std::uint32_t status) {
   std::string words;
   for (const auto& [bit, name] : status_names) {
-    if ((status & bit) == 0U) continue;
+    if ((causes_in(status) & bit) == 0U) continue;
     if (!words.empty()) words += ", ";
     words += name;
   }

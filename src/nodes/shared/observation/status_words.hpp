@@ -7,7 +7,10 @@
 
 namespace sonopose::observation {
 
-/// "ok" if no bit is set, otherwise the names of the set bits: "stale, frozen track".
+/// Returns the bits that are no consequence of another: a frozen track is stale after a while.
+std::uint32_t causes_in(std::uint32_t status);
+
+/// "ok" if no bit is set, otherwise the names of its causes: "stale, low trust".
 std::string status_words(std::uint32_t status);
 
 }  // namespace sonopose::observation
