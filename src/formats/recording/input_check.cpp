@@ -145,22 +145,20 @@ std::optional<std::string> InputCheck::overlap(const char* what, const Stamps& s
       what, before_s > 0 ? "before" : "after", seconds_text(std::max(before_s, after_s)));
 }
 
-/// Suspects another clock if a stream begins and ends later or earlier than the IMU, by the same time.
-std::optional<std::string> InputCheck::shift(const char* what, const Stamps& stamps) const {
-  constexpr double min_s = 1.5;
-  constexpr double max_difference_s = 0.3;  // people who start and stop two programs differ by more
+/// Suspects another clock if a stream begins and ends later or earlier than another one, by the same time.
+std::optional<std::string> InputCheck::shift(const char* what, const Stamps& stamps, const Reference& other) {
   constexpr double leap_seconds_s = 18.0;
-  if (imu_.empty() || stamps.empty()) return std::nullopt;
-  const auto [first_imu, last_imu] = std::ranges::minmax(imu_);
+  if (other.stamps.empty() || stamps.empty()) return std::nullopt;
+  const auto [first_other, last_other] = std::ranges::minmax(other.stamps);
   const auto [first, last] = std::ranges::minmax(stamps);
-  const double begin_s = seconds_between(first_imu, first);
-  const double end_s = seconds_between(last_imu, last);
+  const double begin_s = seconds_between(first_other, first);
+  const double end_s = seconds_between(last_other, last);
   const double least_s = std::min(std::abs(begin_s), std::abs(end_s));
-  if (begin_s * end_s <= 0.0 || least_s < min_s || std::abs(begin_s - end_s) > max_difference_s)
+  if (begin_s * end_s <= 0.0 || least_s < other.min_s || std::abs(begin_s - end_s) > other.max_difference_s)
     return std::nullopt;
-  return fmt::format("the {} begin {} and end {} {} the IMU samples: are their stamps of one clock?{}", what,
+  return fmt::format("the {} begin {} and end {} {} the {}: are their stamps of one clock?{}", what,
                      seconds_text(std::abs(begin_s)), seconds_text(std::abs(end_s)),
-                     begin_s > 0 ? "after" : "before",
+                     begin_s > 0 ? "after" : "before", other.what,
                      std::abs(least_s - leap_seconds_s) < 1.0 ? " GPS time is 18 s ahead of UTC." : "");
 }
 
@@ -377,8 +375,15 @@ std::vector<std::string> InputCheck::findings() const {
   for (const auto& [what, stamps] :
        {std::pair("fixes", &fixes_), std::pair("headings", &headings_), std::pair("velocities", &twists_)}) {
     if (overlap(what, *stamps)) continue;
-    const bool is_shifted = add_if(shift(what, *stamps));
+    // People who start and stop two programs differ by more.
+    const bool is_shifted = add_if(
+        shift(what, *stamps, {.what = "IMU samples", .stamps = imu_, .min_s = 1.5, .max_difference_s = 0.3}));
     if (stamps == &fixes_) references.fixes &= !is_shifted;
+  }
+  // The fixes of a pair have its headings.
+  if (references.fixes && fixes_.size() == headings_.size()) {
+    references.fixes &= !add_if(shift(
+        "fixes", fixes_, {.what = "headings", .stamps = headings_, .min_s = 0.2, .max_difference_s = 0.02}));
   }
   add_if(age("fixes", fix_ages_ns_));
   add_if(age("headings", heading_ages_ns_));

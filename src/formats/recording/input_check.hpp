@@ -45,7 +45,15 @@ private:
   [[nodiscard]] std::optional<std::string> unit_of_time(const char* what, const Stamps& stamps, Table table,
                                                         double min_rate_hz, double max_rate_hz) const;
   [[nodiscard]] std::optional<std::string> overlap(const char* what, const Stamps& stamps) const;
-  [[nodiscard]] std::optional<std::string> shift(const char* what, const Stamps& stamps) const;
+  /// A stream whose begin and end another one is compared with.
+  struct Reference {
+    const char* what;
+    const Stamps& stamps;
+    double min_s;             ///< smallest shift
+    double max_difference_s;  ///< of the shifts at begin and end
+  };
+  [[nodiscard]] static std::optional<std::string> shift(const char* what, const Stamps& stamps,
+                                                        const Reference& other);
   static std::optional<std::string> age(const char* what, const std::vector<TimeNs>& ages_ns);
   [[nodiscard]] std::vector<std::string> units_of_readings() const;
   [[nodiscard]] std::optional<std::string> unit_of_positions() const;

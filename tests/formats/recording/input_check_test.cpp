@@ -278,6 +278,34 @@ SCENARIO("fixes of a clock that is some seconds ahead are found") {
   CHECK_THAT(shifted_by(-3.0)[0], Contains("before the IMU samples"));
 }
 
+SCENARIO("fixes of another clock than the headings of their pair are found") {
+  const auto findings_with = [](TimeNs shift_ns) {
+    std::vector<Event> events = standing();
+    std::vector<Event> headings;
+    for (Event& event : events) {
+      auto* const fix = std::get_if<UltrasonicFix>(&event);
+      if (fix == nullptr) continue;
+      PairHeading heading;
+      heading.emission_time_ns = fix->emission_time_ns;
+      heading.received_time_ns = fix->received_time_ns;
+      heading.valid = true;
+      headings.emplace_back(heading);
+      fix->emission_time_ns += shift_ns;
+      fix->received_time_ns += shift_ns;
+    }
+    events.insert(events.end(), headings.begin(), headings.end());
+    return input_findings("log", events);
+  };
+  CHECK(findings_with(0).empty());
+  CHECK(findings_with(100'000'000).empty());
+  for (const TimeNs shift_ns : {TimeNs{500'000'000}, TimeNs{-300'000'000}}) {
+    const auto findings = findings_with(shift_ns);
+    REQUIRE(findings.size() == 1);
+    CHECK_THAT(findings[0], Contains("the fixes begin ") &&
+                                Contains(shift_ns > 0 ? "after the headings" : "before the headings"));
+  }
+}
+
 SCENARIO("impossible receptions and qualities are found") {
   CHECK_THAT(
       with_fixes([](UltrasonicFix& fix, double /*unused*/) { fix.received_time_ns -= 200'000'000; })[0],
