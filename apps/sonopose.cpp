@@ -86,7 +86,8 @@ int main(int argc, char** argv) {
   if (first == "help" && !words.empty()) return become(words.front(), {"--help"});
   if (first == "help" || first == "--help" || first == "-h") return list_verbs();
   if (first.starts_with('-')) {
-    return refuse(fmt::format("{}: unknown option{}", first, sonopose::text::suggestion(first, {"--help", "--version"})));
+    return refuse(fmt::format("{}: unknown option{}", first,
+                              sonopose::text::suggestion(first, {"--help", "--version"})));
   }
   return become(first, words);
 }

@@ -16,8 +16,9 @@ void print_settings(const std::string& group) {
   constexpr std::size_t column_of_ranges = 54;
   const std::string text = config::settings_help(group);
   if (!text.empty()) throw Printed(wrapped_lines(text, column_of_ranges));
-  throw CLI::ValidationError(settings_option, fmt::format("{}: no settings have this name{}", group,
-                                                          text::suggestion(group, config::settings_groups())));
+  throw CLI::ValidationError(settings_option,
+                             fmt::format("{}: no settings have this name{}", group,
+                                         text::suggestion(group, config::settings_groups())));
 }
 
 }  // namespace

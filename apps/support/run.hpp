@@ -33,8 +33,8 @@ public:
 /// Accepts a number in this range. Unlike CLI::Range, refuses texts that are not numbers, such as nan.
 CLI::Validator number_between(double min, double max = std::numeric_limits<double>::max());
 
-/// Replaces a size with a unit, such as 0.5MB, 2 GiB or 1e6, by its number of bytes, which must be in this range.
-/// 1 kB is 1000 bytes.
+/// Replaces a size with a unit, such as 0.5MB, 2 GiB or 1e6, by its number of bytes, which must be in this
+/// range. 1 kB is 1000 bytes.
 CLI::Validator size_between(double min_bytes, double max_bytes = std::numeric_limits<double>::max());
 
 /// Accepts a text that `read` reads without std::invalid_argument.

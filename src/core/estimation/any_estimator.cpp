@@ -13,8 +13,8 @@ std::variant<documented::Engine, kalman::Engine> make(settings::EngineKind kind,
   return documented::Engine(settings);
 }
 
-/// A pose that the user sets holds when it arrives: its stamps are of another clock than the IMU's, whose samples
-/// may also arrive late.
+/// A pose that the user sets holds when it arrives: its stamps are of another clock than the IMU's, whose
+/// samples may also arrive late.
 template <class Sample>
 Sample at_arrival(Sample set, TimeNs now_ns) {
   constexpr TimeNs heading_earlier_ns = 1'000'000;  // the heading precedes its fix

@@ -147,7 +147,8 @@ const SettingInfo& setting_info(std::string_view key) {
     names.emplace_back(without_engine(row));
   }
   const std::string unknown = "there is no setting '" + std::string(key) + "'";
-  if (const auto meant = text::nearest(key, keys)) throw SettingError(unknown + "; did you mean '" + *meant + "'?");
+  if (const auto meant = text::nearest(key, keys))
+    throw SettingError(unknown + "; did you mean '" + *meant + "'?");
   const auto meant = text::nearest(key, names);
   if (!meant) throw SettingError(unknown + " (docs/settings.md lists all)");
   const auto row = std::find(names.begin(), names.end(), *meant) - names.begin();

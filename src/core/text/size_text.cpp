@@ -45,9 +45,9 @@ std::string size_text(double bytes) {
   for (; bytes >= decimal_step && unit + 1 < units.size(); ++unit) bytes /= decimal_step;
   std::array<char, 32> digits{};
   constexpr int significant_digits = 4;
-  const auto end =
-      std::to_chars(digits.data(), digits.data() + digits.size(), bytes, std::chars_format::general, significant_digits)
-          .ptr;
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), bytes,
+                                 std::chars_format::general, significant_digits)
+                       .ptr;
   return std::string(digits.data(), end).append(units.at(unit));
 }
 

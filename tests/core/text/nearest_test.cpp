@@ -22,7 +22,8 @@ TEST_CASE("a misspelt word is answered by the known one") {
 }
 
 TEST_CASE("a word that is near none is answered by none") {
-  for (const char* const word : {"", "x", "colour", "trust.colour", "heading.temperature_limit", "a.b.c", "foo"}) {
+  for (const char* const word :
+       {"", "x", "colour", "trust.colour", "heading.temperature_limit", "a.b.c", "foo"}) {
     CAPTURE(word);
     CHECK_FALSE(nearest(word, known));
     CHECK(suggestion(word, known).empty());

@@ -19,7 +19,8 @@ TEST_CASE("a size is a number with a unit, whole or not") {
 }
 
 TEST_CASE("other texts are no size") {
-  for (const char* const text : {"", "MB", "-1MB", "1,5MB", "1MBit", "1xB", "nan", "inf", "1e308EB", "5 MB x", "0x10"}) {
+  for (const char* const text :
+       {"", "MB", "-1MB", "1,5MB", "1MBit", "1xB", "nan", "inf", "1e308EB", "5 MB x", "0x10"}) {
     CAPTURE(text);
     CHECK_FALSE(bytes_of(text));
   }

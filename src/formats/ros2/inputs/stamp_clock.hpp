@@ -11,9 +11,7 @@ namespace sonopose::ros2 {
 class StampClock {
 public:
   /// Takes the stamp of an IMU sample, and its reception in the host's clock.
-  void on_imu(TimeNs stamp_ns, TimeNs received_ns) {
-    lag_ns_ = saturated_difference(received_ns, stamp_ns);
-  }
+  void on_imu(TimeNs stamp_ns, TimeNs received_ns) { lag_ns_ = saturated_difference(received_ns, stamp_ns); }
 
   /// Converts a host time to the clock of the stamps. Before the first sample, or if they differ by at most
   /// `max_transport_ns`, the two are the same clock.
