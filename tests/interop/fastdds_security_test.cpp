@@ -32,8 +32,7 @@ struct SecuredPeers {
   }
 
   /// Returns true if a process ends well while one of some peers runs, which may be itself. Fast DDS 2.9 can
-  /// miss the last message of a handshake, which neither side repeats; it prints nothing about that, so only
-  /// time tells.
+  /// miss the last message of a handshake, which neither side repeats or reports.
   [[nodiscard]] bool serves_one(const Arguments& arguments, Process* process = nullptr) const {
     constexpr int peers = 12;
     for (int i = 0; i < peers; ++i) {

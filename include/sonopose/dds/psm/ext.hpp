@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// What the PSM lacks, or has only more slowly: free functions on the entities of the PSM. The hot path, the
+/// Free functions on the entities of the PSM, for what it lacks or has only more slowly. The hot path, the
 /// recorder, the player and the ROS 2 relay use the structs of idlc as types of their topics (TopicTraits),
 /// without conversions.
 
