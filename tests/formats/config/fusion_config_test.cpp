@@ -153,7 +153,7 @@ TEST_CASE("a file that is not there is an error that names it") {
 
 TEST_CASE("a folder in place of a file is an error that names it") {
   const std::string folder = std::filesystem::temp_directory_path().string();
-  CHECK_THROWS_WITH(FusionConfig::load(folder), Contains(folder) && Contains("directory"));
+  CHECK_THROWS_WITH(FusionConfig::load(folder), Contains(folder) && Contains("folder"));
 }
 
 /// A dotted key "a.a.a" with this many parts.
