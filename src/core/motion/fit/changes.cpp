@@ -16,6 +16,8 @@ constexpr double max_outliers = 0.1;
 /// Accuracy of the mount with a change. Fixes that drift away resemble a wrong sign, but no mount fits them
 /// well.
 constexpr double max_mount_std_rad = 6.0 * geometry::radians_per_degree;
+/// Largest difference of right mounts between pieces.
+constexpr double max_range_rad = 20.0 * geometry::radians_per_degree;
 /// In the plane, a mirrored map looks like an inverted axis z: the likelihoods are nearly equal.
 constexpr double min_share_of_others = 0.9;
 
@@ -55,7 +57,6 @@ double range_of(const std::vector<double>& angles_rad) {
 
 /// Straight ways look as well without a mirror, but each with another mount; with it the mount is one.
 std::optional<MapChange> mirror_by_mounts(const std::vector<Piece>& pieces, double mount_rad) {
-  constexpr double max_range_rad = 20.0 * geometry::radians_per_degree;
   constexpr double min_range_rad = 45.0 * geometry::radians_per_degree;
   std::vector<double> mounts_rad;
   std::vector<double> mirrored_rad;
@@ -104,19 +105,23 @@ std::optional<Measured> clock_offset_in(const std::vector<Piece>& pieces) {
   constexpr double min_offset_s = 0.12;  // less is a delay
   constexpr double min_std_s = 0.003;
   constexpr double max_difference_s = 0.08;
+  constexpr double known_std_s = 0.02;
   std::vector<Measured> offsets;
-  std::size_t searched = 0;
+  std::size_t judged = 0;
   double by_clock = 0;
   double by_others = 0;
   for (const Piece& piece : pieces) {
-    if (!is_judged(piece) || !(piece.clock_offset_s.std > 0)) continue;
-    ++searched;
+    if (!is_judged(piece) || piece.clock_search == ClockSearch::left_out) continue;
+    const bool is_searched = piece.clock_search == ClockSearch::done;
+    if (!is_searched && piece.delay_s.std > known_std_s) continue;  // fits with any clock
+    ++judged;
+    if (!is_searched) continue;
     by_others += std::max(best_of_imu(piece), mirrored_of(piece).log_likelihood);
     if (!explains(piece.other_clock, piece, min_log_likelihood_ratio / 4)) continue;
     by_clock += piece.other_clock.log_likelihood;
     offsets.push_back(piece.clock_offset_s);
   }
-  if (!is_majority(offsets.size(), searched) || by_clock < min_share_of_others * by_others ||
+  if (!is_majority(offsets.size(), judged) || by_clock < min_share_of_others * by_others ||
       by_clock < min_log_likelihood_ratio)
     return std::nullopt;
   const auto [least, most] =
@@ -162,7 +167,8 @@ std::optional<MapChange> mirror_in(const std::vector<Piece>& pieces, double moun
       turned_rad.push_back(geometry::wrap_angle(variant.mount_rad->value - mount_rad));
   }
   if (is_majority(mirrored, judged) && over_gyroscope > 0 && over_imu > 0) {
-    return is_majority(turned_rad.size(), mirrored) ? change_of(turned_rad.front()) : MapChange::unknown;
+    const bool is_known = is_majority(turned_rad.size(), mirrored) && range_of(turned_rad) < max_range_rad;
+    return is_known ? change_of(turned_rad.front()) : MapChange::unknown;
   }
   return mirror_by_mounts(pieces, mount_rad);
 }

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// Changes of the samples without which no motion explains them: other clocks, a mirrored map. And when a fit
-/// with a change counts.
+/// Changes of the samples without which no motion explains them (other clocks, a mirrored map), and the
+/// conditions under which a fit with a change counts.
 
 #include "motion/fit/window_fit.hpp"
 

@@ -114,8 +114,9 @@ void fit_mirrored(const Segment& segment, const SegmentFit& fit, Piece& piece) {
 }
 
 /// Fits the segment with the stamps of fixes and headings set back by up to a second, the smallest change
-/// first, and compares it with a fit whose delay is one of a beacon.
-void search_clock(const Window& window, const Segment& segment, const SegmentFit& fit, Piece& piece) {
+/// first, and compares it with a fit whose delay is one of a beacon. Finds nothing if it is stopped.
+void search_clock(const Window& window, const Segment& segment, const SegmentFit& fit,
+                  const std::function<bool()>& is_stopped, Piece& piece) {
   constexpr double beacon_delay_std_s = 0.02;
   constexpr double step_s = 0.2;  // the fit itself finds half of it
   constexpr int steps = 10;       // to both sides
@@ -136,6 +137,11 @@ void search_clock(const Window& window, const Segment& segment, const SegmentFit
   };
   compare(fit, segment, 0.0);
   for (int step = 1; step <= steps && !is_found; ++step) {
+    if (is_stopped()) {
+      piece.other_clock = {};
+      piece.clock_offset_s = {};
+      return;
+    }
     const double set_back_s = step_s * (step % 2 == 0 ? -step / 2 : (step + 1) / 2);
     const TimeNs set_back_ns = to_ns(set_back_s);
     const TimeNs first_ns = segment.imu.front().time_ns + set_back_ns;
@@ -148,15 +154,24 @@ void search_clock(const Window& window, const Segment& segment, const SegmentFit
     const auto found = detail::fit_segment(changed.segment(), Vector3d::Ones());
     if (found) compare(*found, changed.segment(), set_back_s);
   }
+  piece.clock_search = ClockSearch::done;
 }
 
-/// What is fitted for a piece.
-struct PieceOptions {
-  bool all_changes = false;  ///< also of pieces that fit well without a change
-  int clock_searches = 3;    ///< searches left; each takes as long as several pieces
+/// A piece with its unchanged fit.
+struct FittedPiece {
+  Piece piece;
+  Segment segment;
+  SegmentFit fit;
+  bool lacks_mirrored = false;  ///< true if it fits well without a change
 };
 
-std::optional<Piece> piece_of(const Window& window, TimeNs begin_ns, TimeNs end_ns, PieceOptions& options) {
+/// Limits of the fit of all pieces.
+struct Limits {
+  std::function<bool()> is_stopped;
+  int clock_searches = 3;  ///< searches left; each takes as long as several pieces
+};
+
+std::optional<FittedPiece> piece_of(const Window& window, TimeNs begin_ns, TimeNs end_ns, Limits& limits) {
   const auto imu = longest_run_of(between(window.imu, begin_ns, end_ns));
   if (imu.size() < 2) return std::nullopt;
   const TimeNs first_ns = imu.front().time_ns;
@@ -169,7 +184,8 @@ std::optional<Piece> piece_of(const Window& window, TimeNs begin_ns, TimeNs end_
   }
   const auto fit = detail::fit_segment(segment, Vector3d::Ones());
   if (!fit) return std::nullopt;
-  Piece piece;
+  FittedPiece fitted{{}, segment, *fit};
+  Piece& piece = fitted.piece;
   piece.residual_m = fit->residual_m;
   piece.span_m = span_of(segment.fixes);
   piece.fixes = segment.fixes.size();
@@ -183,7 +199,7 @@ std::optional<Piece> piece_of(const Window& window, TimeNs begin_ns, TimeNs end_
   }
   piece.outliers_m = outliers_of(*fit);
   constexpr double min_span_m = 0.5;  // a smaller motion says nothing about signs
-  if (piece.span_m < min_span_m) return piece;
+  if (piece.span_m < min_span_m) return fitted;
   for (std::size_t axis = 0; axis < piece.inverted.size(); ++axis) {
     Vector3d signs = Vector3d::Ones();
     signs(static_cast<Eigen::Index>(axis)) = -1.0;
@@ -200,22 +216,25 @@ std::optional<Piece> piece_of(const Window& window, TimeNs begin_ns, TimeNs end_
                        std::ranges::any_of(piece.inverted, [](const Variant& inverted) {
                          return inverted.log_likelihood > doubtful_log_likelihood;
                        });
-  if (is_poor || options.all_changes) fit_mirrored(segment, *fit, piece);
+  fitted.lacks_mirrored = !is_poor;
+  if (is_poor) fit_mirrored(segment, *fit, piece);
   const bool has_doubtful_clock =
       piece.residual_m > doubtful_residual_m || std::abs(piece.delay_s.value) > doubtful_delay_s;
-  if (has_doubtful_clock && options.clock_searches > 0) {
-    --options.clock_searches;
-    search_clock(window, segment, *fit, piece);
+  if (has_doubtful_clock) piece.clock_search = ClockSearch::left_out;
+  if (has_doubtful_clock && limits.clock_searches > 0) {
+    --limits.clock_searches;
+    search_clock(window, segment, *fit, limits.is_stopped, piece);
   }
-  return piece;
+  return fitted;
 }
 
 /// True if pieces with a known mount have different ones.
-bool have_other_mounts(const std::vector<Piece>& pieces) {
+bool have_other_mounts(const std::vector<FittedPiece>& pieces) {
   constexpr double min_difference_rad = 45.0 * geometry::radians_per_degree;
   constexpr double max_std_rad = 10.0 * geometry::radians_per_degree;
   const Piece* first = nullptr;
-  return std::ranges::any_of(pieces, [&](const Piece& piece) {
+  return std::ranges::any_of(pieces, [&](const FittedPiece& fitted) {
+    const Piece& piece = fitted.piece;
     if (!piece.mount_rad || piece.mount_rad->std > max_std_rad) return false;
     if (first == nullptr) first = &piece;
     return std::abs(geometry::wrap_angle(piece.mount_rad->value - first->mount_rad->value)) >
@@ -233,23 +252,24 @@ std::vector<Piece> pieces_of(Window window, const std::function<bool()>& is_stop
   if (length_s < min_piece_s) return {};
   const auto count = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(length_s / piece_s)));
   const std::size_t step = (count + max_pieces - 1) / max_pieces;
-  PieceOptions options;
-  const auto fit_all = [&] {
-    std::vector<Piece> pieces;
-    for (std::size_t i = 0; i < count; i += step) {
-      if (is_stopped && is_stopped()) break;
-      const double share_s = length_s / static_cast<double>(count);
-      auto piece = piece_of(window, begin_ns + to_ns(static_cast<double>(i) * share_s),
-                            begin_ns + to_ns(static_cast<double>(i + 1) * share_s), options);
-      if (piece) pieces.push_back(std::move(*piece));
-    }
-    return pieces;
-  };
-  std::vector<Piece> pieces = fit_all();
+  Limits limits{[&] { return is_stopped && is_stopped(); }};
+  std::vector<FittedPiece> fitted;
+  for (std::size_t i = 0; i < count && !limits.is_stopped(); i += step) {
+    const double share_s = length_s / static_cast<double>(count);
+    auto piece = piece_of(window, begin_ns + to_ns(static_cast<double>(i) * share_s),
+                          begin_ns + to_ns(static_cast<double>(i + 1) * share_s), limits);
+    if (piece) fitted.push_back(std::move(*piece));
+  }
   // A straight way of a mirrored map looks like another mount.
-  if (!have_other_mounts(pieces)) return pieces;
-  options.all_changes = true;
-  return fit_all();
+  const bool may_be_mirrored = have_other_mounts(fitted);
+  std::vector<Piece> pieces;
+  for (FittedPiece& each : fitted) {
+    if (may_be_mirrored && each.lacks_mirrored && !limits.is_stopped()) {
+      fit_mirrored(each.segment, each.fit, each.piece);
+    }
+    pieces.push_back(std::move(each.piece));
+  }
+  return pieces;
 }
 
 }  // namespace sonopose::motion::fit

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -27,6 +28,9 @@ struct Variant {
   std::optional<Measured> mount_rad;
 };
 
+/// Search for another clock of the fixes; left out for lack of time.
+enum class ClockSearch : std::uint8_t { not_needed, left_out, done };
+
 /// One piece of the window, some seconds long.
 struct Piece {
   std::size_t fixes = 0;
@@ -45,8 +49,9 @@ struct Piece {
   Variant mirrored;          ///< sign of y of fixes and headings
   Variant mirrored_fixes;    ///< sign of y of the fixes alone
   Variant other_clock;       ///< stamps of fixes and headings, changed by `clock_offset_s`
-  Measured
-      clock_offset_s;  ///< the age of fixes and headings beyond what the fusion assumes, up to about a second
+  /// Age of fixes and headings beyond what the fusion assumes, up to about a second.
+  Measured clock_offset_s;
+  ClockSearch clock_search = ClockSearch::not_needed;
   std::vector<Vector3d> outliers_m;  ///< deviations of the fixes that are far from the motion, world
 };
 

@@ -1,6 +1,7 @@
 #include "doctor/rules/checks.hpp"
 #include "motion/fit/changes.hpp"
 #include <sonopose/calibration/model/axes.hpp>
+#include <sonopose/estimation/aiding/admission.hpp>
 #include <sonopose/geometry/rotation.hpp>
 #include <sonopose/settings/settings_table.hpp>
 #include <sonopose/text/number_text.hpp>
@@ -93,8 +94,13 @@ private:
   /// that is not known.
   [[nodiscard]] bool clocks() const {
     const auto offset = motion::fit::clock_offset_in(beacon_.pieces);
-    if (offset) report_age(*offset, Severity::error, ": the stamps of fixes and IMU are of different clocks");
-    return offset.has_value();
+    if (!offset) return false;
+    if (offset->value > 0 && can_set(age_setting(*offset))) {
+      report_age(*offset, Severity::warning, ": another delay, or another clock than that of the IMU");
+    } else {
+      report_age(*offset, Severity::error, ": the stamps of fixes and IMU are of different clocks");
+    }
+    return true;
   }
 
   /// Reports fixes of a left-handed map. Returns false if there are none, or if that is not known.
@@ -268,28 +274,46 @@ private:
     report_age(error, Severity::warning, "");
   }
 
-  /// Reports the age of the fixes beyond what the fusion assumes, with the setting that corrects it.
-  void report_age(const Measured& error, Severity severity, std::string_view cause) const {
+  /// Setting that corrects the age of the fixes, and the value that does. The fusion takes later fixes for
+  /// ones from the future.
+  struct AgeSetting {
+    std::string key;
+    double value_s = 0;
+    double least_s = 0;
+    double most_s = 0;
+  };
+
+  [[nodiscard]] AgeSetting age_setting(const Measured& error) const {
     const settings::DelaySettings& settings = beacon_.fusion_settings.delay;
     const bool own =
         settings.source == settings::DelaySource::measured && 2 * beacon_.timed_fixes > beacon_.fix.samples;
     const std::string key = own ? "delay.correction_s" : "delay.processing_s";
-    const double value_s = (own ? settings.correction_s : settings.processing_s) + error.value;
     const settings::SettingInfo& limits = settings::setting_info(key);
-    const bool is_possible =
-        value_s >= std::get<double>(limits.minimum) && value_s <= std::get<double>(limits.maximum);
+    return {key, (own ? settings.correction_s : settings.processing_s) + error.value,
+            std::max(std::get<double>(limits.minimum), -estimation::aiding::admission::future_tolerance_s),
+            std::get<double>(limits.maximum)};
+  }
+
+  static bool can_set(const AgeSetting& setting) {
+    return setting.value_s >= setting.least_s && setting.value_s <= setting.most_s;
+  }
+
+  /// Reports the age of the fixes beyond what the fusion assumes, with the setting that corrects it.
+  void report_age(const Measured& error, Severity severity, std::string_view cause) const {
+    const AgeSetting setting = age_setting(error);
     findings_.push_back(
         {severity, name_of(beacon_),
          fmt::format("its fixes are about {:.0f} ms (±{:.0f} ms) {} than the fusion assumes{}",
                      std::abs(error.value) * 1e3, error.std * 1e3, error.value > 0 ? "older" : "younger",
                      cause),
-         is_possible
-             ? fmt::format("try {}={}; sonopose-calibrate delay finds it exactly (docs/calibration.md)", key,
-                           text::number_text(value_s, 3))
+         can_set(setting)
+             ? fmt::format("try {}={}; sonopose-calibrate delay finds it exactly (docs/calibration.md)",
+                           setting.key, text::number_text(setting.value_s, 3))
              : fmt::format(
-                   "set the clock that stamps them, or correct the stamps by {} s in the driver: {} allows "
-                   "only {}",
-                   text::number_text(-error.value, 3), key, limits.allowed())});
+                   "set the clock that stamps them, or correct the stamps by {} s in the driver: {} can "
+                   "only be {} to {} s here",
+                   text::number_text(-error.value, 3), setting.key, text::number_text(setting.least_s, 3),
+                   text::number_text(setting.most_s, 3))});
   }
 
   const BeaconObservation& beacon_;

@@ -122,7 +122,7 @@ SCENARIO("an axis of the IMU that does not change is named, and none of its cons
   }
 }
 
-SCENARIO("an IMU whose clock is ahead is named, with the setting to try") {
+SCENARIO("an IMU whose clock is ahead is named, with the correction beyond the range of the setting") {
   for (const char* const scenario : {"walk", "kart", "forklift"}) {
     GIVEN(std::string("a drive of ") + scenario + " whose IMU stamps are 0.4 s ahead") {
       const std::string problems =
@@ -130,7 +130,8 @@ SCENARIO("an IMU whose clock is ahead is named, with the setting to try") {
       CAPTURE(problems);
       CHECK_THAT(problems,
                  Contains("the stamps of fixes and IMU are of different clocks") &&
-                     (Contains("try delay.correction_s=-0.40") || Contains("try delay.correction_s=-0.39")));
+                     (Contains("correct the stamps by 0.40") || Contains("correct the stamps by 0.39")) &&
+                     Contains("delay.correction_s can only be -0.3 to 0.5 s here"));
     }
   }
 }
