@@ -295,8 +295,15 @@ SCENARIO("the estimate starts again at a pose that the user sets") {
     const TruthSample& truth = truth_at(walk, last.time_ns);
     const std::uint32_t resets = last.reset_counter;
     const Vector3d bias_radps = last.gyro_bias_body_radps;
-    WHEN("a pose 20 m away and turned by 120° is set, of a point 0.3 m ahead of the IMU, by whatever clock") {
+    WHEN(
+        "a pose 20 m away and turned by 120° is set, of a point 0.3 m ahead of the IMU, by whatever clock "
+        "and delay") {
       constexpr double yaw_rad = 2.0;
+      settings::Settings with_delay = engine.settings();
+      with_delay.delay.correction_s = GENERATE(-0.4, 0.0, 0.4);
+      with_delay.delay.processing_s = 0.4;
+      with_delay.delay.source = GENERATE(settings::DelaySource::measured, settings::DelaySource::fixed);
+      engine.configure(with_delay);
       const TimeNs stamp_ns = last.time_ns + to_ns(GENERATE(0.0, 2.0, -30.0));
       PairHeading heading{.address = last.address,
                           .emission_time_ns = stamp_ns - 1'000'000,

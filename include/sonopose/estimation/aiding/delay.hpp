@@ -7,7 +7,8 @@
 
 namespace sonopose::estimation::aiding {
 
-/// Time of the measurement, by its own delay or the fixed one (delay.source).
+/// Time of the measurement, by its own delay or the fixed one (delay.source). A pose that the user sets has
+/// no delay.
 [[nodiscard]] TimeNs measured_at(const settings::DelaySettings& settings, const UltrasonicFix& fix);
 [[nodiscard]] TimeNs measured_at(const settings::DelaySettings& settings, const PairHeading& heading);
 

@@ -11,6 +11,7 @@ TimeNs before(TimeNs time_ns, double seconds) {
 }  // namespace
 
 TimeNs measured_at(const settings::DelaySettings& settings, const UltrasonicFix& fix) {
+  if ((fix.flags & ultrasonic_flag_set_pose) != 0) return fix.emission_time_ns;
   const bool own =
       settings.source == sonopose::settings::DelaySource::measured && fix.measured_delay_s.has_value();
   return own ? before(fix.emission_time_ns, settings.correction_s)
@@ -18,6 +19,7 @@ TimeNs measured_at(const settings::DelaySettings& settings, const UltrasonicFix&
 }
 
 TimeNs measured_at(const settings::DelaySettings& settings, const PairHeading& heading) {
+  if ((heading.flags & heading_flag_set_pose) != 0) return heading.emission_time_ns;
   const bool own = settings.source == sonopose::settings::DelaySource::measured;
   return own ? before(heading.emission_time_ns, settings.correction_s)
              : before(heading.received_time_ns, settings.processing_s);
