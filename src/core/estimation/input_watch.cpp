@@ -146,11 +146,13 @@ void InputWatch::on(const FusedPose& pose) {
     moved_world_m_ += step_s * speed_world_mps_;
   }
   if (moments_.size() > 0 && pose.time_ns - moments_.back(0).time_ns < min_step_ns) return;
-  // The status says that the heading is unknown also where headings contradict a known yaw.
+  // The status says that the heading is unknown also where headings contradict a known yaw. Without right
+  // fixes the motion shows no yaw.
+  constexpr std::uint32_t without_yaw = status_initialising | status_converging | status_stale |
+                                        status_frozen_track | status_low_trust | status_fixes_inconsistent;
   constexpr double max_yaw_std_rad = 10.0 * geometry::radians_per_degree;
   const double yaw_std = yaw_std_rad(pose);
-  const bool has_yaw = (pose.status & (status_initialising | status_converging)) == 0 && yaw_std >= 0 &&
-                       yaw_std < max_yaw_std_rad;
+  const bool has_yaw = (pose.status & without_yaw) == 0 && yaw_std >= 0 && yaw_std < max_yaw_std_rad;
   const Vector3d x_world = pose.q_body_to_world * Vector3d::UnitX();
   moments_.add({pose.time_ns, turned_rad_, moved_world_m_, has_yaw ? horizontal(x_world) : 0.0});
 }
