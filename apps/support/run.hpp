@@ -35,7 +35,7 @@ CLI::Validator number_between(double min, double max = std::numeric_limits<doubl
 
 /// Replaces a size with a unit, such as 0.5MB, 2 GiB or 1e6, by its number of bytes, which must be in this
 /// range. 1 kB is 1000 bytes.
-CLI::Validator size_between(double min_bytes, double max_bytes = std::numeric_limits<double>::max());
+CLI::Validator size_between(double min_bytes, double max_bytes = 1e18);
 
 /// Accepts a text that `read` reads without std::invalid_argument.
 CLI::Validator readable_by(std::function<void(const std::string&)> read);

@@ -42,7 +42,8 @@ std::optional<double> bytes_of(std::string_view text) {
 std::string size_text(double bytes) {
   constexpr std::array<std::string_view, 7> units{" B", " kB", " MB", " GB", " TB", " PB", " EB"};
   std::size_t unit = 0;
-  for (; bytes >= decimal_step && unit + 1 < units.size(); ++unit) bytes /= decimal_step;
+  constexpr double rounded_up = 999.95;  // 1000 with four digits
+  for (; bytes >= rounded_up && unit + 1 < units.size(); ++unit) bytes /= decimal_step;
   std::array<char, 32> digits{};
   constexpr int significant_digits = 4;
   const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), bytes,

@@ -31,6 +31,8 @@ TEST_CASE("a size is shown in its largest unit") {
   CHECK(size_text(1e6) == "1 MB");
   CHECK(size_text(1.5e9) == "1.5 GB");
   CHECK(size_text(1e18) == "1 EB");
+  CHECK(size_text(999'900) == "999.9 kB");
+  CHECK(size_text(999'999) == "1 MB");
 }
 
 }  // namespace size_text_test
