@@ -9,8 +9,10 @@
 #include <chrono>
 #include <compare>
 #include <cstdlib>
+#include <memory>
 #include <thread>
 #include <type_traits>
+#include <utility>
 
 namespace psm_own_test {
 
@@ -209,9 +211,114 @@ SCENARIO("a wait of ours ends without an exception") {
   dds::core::cond::WaitSet waitset;
   waitset += stop;
   CHECK_FALSE(ext::wait(waitset, milliseconds(5)));
+  CHECK_FALSE(ext::wait(waitset, milliseconds(0)));
   CHECK_FALSE(ext::wait(waitset, milliseconds(-5)));  // already past
   stop.trigger_value(true);
   CHECK(ext::wait(waitset));
+  CHECK(ext::wait(waitset, milliseconds(0)));
+  CHECK(ext::wait(waitset, milliseconds(-5)));
+  CHECK(waitset.detach_condition(stop));
+  CHECK_FALSE(waitset.detach_condition(stop));
+  CHECK_FALSE(ext::wait(waitset, milliseconds(0)));
+}
+
+/// Knows its end.
+class EndedListener : public dds::sub::NoOpDataReaderListener<Sample> {
+public:
+  explicit EndedListener(std::atomic<int>& calls) : calls_(calls) {}
+  void on_data_available(dds::sub::DataReader<Sample>&) override { ++calls_; }
+
+private:
+  std::atomic<int>& calls_;
+};
+
+SCENARIO("a wait set keeps a reader until it is closed") {
+  Bus bus;
+  const dds::topic::Topic<Sample> topic(bus.participant, "attached");
+  dds::pub::DataWriter<Sample> writer(bus.publisher, topic, reliable_writer());
+  std::atomic<int> calls = 0;
+  auto listener = std::make_unique<EndedListener>(calls);
+  dds::core::cond::WaitSet waitset;
+  dds::sub::DataReader<Sample> reader(bus.subscriber, topic, reliable_reader(), listener.get(),
+                                      dds::core::status::StatusMask::data_available());
+  waitset += dds::sub::cond::ReadCondition(reader, DataState::any());
+  const auto matched = [&writer] { return writer.publication_matched_status().current_count(); };
+  REQUIRE(wait_until([&] { return matched() == 1; }));
+  WHEN("its last other reference ends") {
+    reader = dds::core::null;
+    THEN("its listener is still called") {
+      writer.write(sample(1));
+      CHECK(calls.load() == 1);
+      CHECK(matched() == 1);
+    }
+  }
+  WHEN("it is closed, and its listener ends") {
+    reader.close();
+    listener.reset();
+    THEN("no callback follows, although the condition is attached") {
+      writer.write(sample(1));
+      CHECK(calls.load() == 0);
+      CHECK(wait_until([&] { return matched() == 0; }));
+      CHECK(waitset.conditions().size() == 1);
+      CHECK_FALSE(ext::wait(waitset, std::chrono::milliseconds(0)));
+    }
+  }
+}
+
+/// True for an entity that was not deleted.
+bool exists(dds_entity_t entity) {
+  dds_instance_handle_t instance = 0;
+  return dds_get_instance_handle(entity, &instance) == DDS_RETCODE_OK;
+}
+
+SCENARIO("an entity ends with its last owner") {
+  Bus bus;
+  dds::pub::DataWriter<Sample> first(bus.publisher, bus.topic);
+  const dds_entity_t moved = ext::handle(first);
+  WHEN("it is moved to another one") {
+    dds::pub::DataWriter<Sample> second(bus.publisher, bus.topic);
+    const dds_entity_t replaced = ext::handle(second);
+    second = std::move(first);
+    THEN("it has the other's place, whose entity is deleted") {
+      CHECK_FALSE(exists(replaced));
+      CHECK(ext::handle(second) == moved);
+      CHECK((first == dds::core::null));  // NOLINT(bugprone-use-after-move,clang-analyzer-cplusplus.Move)
+    }
+  }
+  WHEN("it is moved to what ends") {
+    { const dds::pub::DataWriter<Sample> last = std::move(first); }
+    THEN("it is deleted") {
+      CHECK_FALSE(exists(moved));
+    }
+  }
+}
+
+SCENARIO("a participant may be replaced by another domain's") {
+  const sonopose::test::TestDomain one;
+  const sonopose::test::TestDomain other;
+  auto participant = ext::participant({.domain_id = one.id()});
+  const dds_entity_t before = ext::handle(participant);
+  participant = ext::participant({.domain_id = other.id()});
+  CHECK(participant.domain_id() == other.id());
+  CHECK_FALSE(exists(before));
+  // The first domain is closed, so it can be opened with another configuration.
+  CHECK_NOTHROW(ext::participant({.domain_id = one.id(), .network = sonopose::dds::Network::lan}));
+}
+
+SCENARIO("the QoS of endpoints is the effective one") {
+  using namespace dds::core::policy;
+  const dds::core::Duration deadline(5, 0);
+  Bus bus;
+  const dds::topic::Topic<Sample> topic(bus.participant, "effective",
+                                        dds::topic::qos::TopicQos() << Deadline(deadline));
+  const sonopose::dds::Qos unset;
+  dds::pub::DataWriter<Sample> writer(bus.publisher, topic, unset);
+  const dds::sub::DataReader<Sample> reader(bus.subscriber, topic, unset);
+  CHECK((writer.qos().policy<Deadline>().period() == deadline));
+  CHECK((reader.qos().policy<Deadline>().period() == deadline));
+  writer.qos(sonopose::dds::Qos() << OwnershipStrength(3));
+  CHECK((writer.qos().policy<Deadline>().period() == deadline));
+  CHECK((writer.qos().policy<OwnershipStrength>().value() == 3));
 }
 
 SCENARIO("what cyclonedds-cxx does not compile, ours does not either") {
