@@ -96,4 +96,22 @@ TEST_CASE("A node announces only changes") {
   CHECK(watcher.messages[2].nodes.at(0).writers.empty());
 }
 
+TEST_CASE("A partition in a profile of ROS 2 is that of its endpoints") {
+  ::unsetenv("CYCLONEDDS_URI");
+  const TestDomain domain;
+  const auto participant = dds::ext::participant({.domain_id = domain.id()});
+  const std::string partition = "<partition><name><element>hall</element></name></partition>";
+  dds::qos::Provider qos;
+  qos.merge("<dds><qos_library name=\"ros2\"><qos_profile name=\"Default\"><datawriter_qos>" + partition +
+                "</datawriter_qos><datareader_qos>" + partition +
+                "</datareader_qos></qos_profile></qos_library></dds>",
+            "user.xml");
+  ros2::Node node(participant, qos, ros2::NameResolver({}), ros2::Distro::jazzy);
+  const dds::core::StringSeq expected{"hall"};
+  const auto writer = node.make_writer<ros2::Imu>("imu", "ros2::Default");
+  const auto reader = node.make_reader<ros2::Imu>("imu", "ros2::Default");
+  CHECK(writer.publisher().qos().policy<dds::policy::Partition>().name() == expected);
+  CHECK(reader.subscriber().qos().policy<dds::policy::Partition>().name() == expected);
+}
+
 }  // namespace sonopose::node_test

@@ -43,6 +43,17 @@ SCENARIO("parameters of ROS 2 change the QoS of one topic's publisher") {
       }
     }
   }
+  GIVEN("a limit of a profile that keeps all, as ros2::Input") {
+    QosOverrides overrides;
+    overrides.add("qos_overrides./odom.subscription.history", "keep_last");
+    overrides.add("qos_overrides./odom.subscription.depth", "100");
+    dds::Qos qos;
+    qos << policy::History::KeepAll();
+    overrides.apply("/odom", Endpoint::subscription, qos);
+    THEN("it has the depth that was asked for") {
+      CHECK(qos.policy<policy::History>() == policy::History::KeepLast(100));
+    }
+  }
   GIVEN("mistakes") {
     QosOverrides overrides;
     THEN("they are named with what is known") {

@@ -117,6 +117,33 @@ TEMPLATE_TEST_CASE("take_each passes all samples in order, however many there ar
   }
 }
 
+TEMPLATE_TEST_CASE("Loans of any sizes follow each other", "", Command, sonopose_LogLine) {
+  GIVEN("more samples than the largest loan may have") {
+    constexpr std::size_t max_loan = 256;
+    const domain::DomainParticipant member = participant();
+    const topic::Topic<TestType> topic(member, "test/loans");
+    sub::DataReader<TestType> reader(sub::Subscriber(member), topic, reliable(1000));
+    pub::DataWriter<TestType> writer(pub::Publisher(member), topic, reliable(1000));
+    REQUIRE(matched(reader));
+    for (std::uint64_t number = 1; number <= 600; ++number) writer.write(numbered<TestType>(number));
+
+    WHEN("a large loan was returned, then all are visited") {
+      std::vector<void*> loan(max_loan, nullptr);
+      std::vector<dds_sample_info_t> infos(max_loan);
+      REQUIRE(dds_take(ext::handle(reader), loan.data(), infos.data(), max_loan, max_loan) == max_loan);
+      REQUIRE(dds_return_loan(ext::handle(reader), loan.data(), max_loan) == DDS_RETCODE_OK);
+      std::vector<std::uint64_t> numbers;
+      ext::take_each(reader, [&](const TestType& sample, const sub::SampleInfo&) {
+        numbers.push_back(number_in(sample));
+      });
+      THEN("none is lost or repeated") {
+        REQUIRE(numbers.size() == 600 - max_loan);
+        for (std::size_t i = 0; i < numbers.size(); ++i) CHECK(numbers[i] == max_loan + 1 + i);
+      }
+    }
+  }
+}
+
 TEST_CASE("The end of an instance is reported") {
   const domain::DomainParticipant member = participant();
   const topic::Topic<Command> topic(member, "test/instance_end");

@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <cstdint>
+#include <limits>
 #include <stdexcept>
 
 namespace sonopose::dds::test::qos_test {
@@ -61,6 +63,12 @@ TEST_CASE("Invalid values are rejected") {
   CHECK_THROWS_AS(qos << policy::Liveliness::Automatic(core::Duration::zero()), std::invalid_argument);
   CHECK_THROWS_AS(qos << policy::ResourceLimits(0, 1, 1), std::invalid_argument);
   CHECK_FALSE(qos.policy<policy::Deadline>());
+}
+
+TEST_CASE("Negative durations in a QoS of others are read as zero") {
+  Qos qos;
+  dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, std::numeric_limits<std::int64_t>::min());
+  CHECK(qos.policy<policy::Reliability>() == policy::Reliability::Reliable(core::Duration::zero()));
 }
 
 TEST_CASE("Writer and reader match only in a common partition") {
