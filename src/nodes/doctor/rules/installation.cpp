@@ -312,8 +312,8 @@ private:
              : fmt::format(
                    "set the clock that stamps them, or correct the stamps by {} s in the driver: {} can "
                    "only be {} to {} s here",
-                   text::number_text(-error.value, 3), setting.key, text::number_text(setting.least_s, 3),
-                   text::number_text(setting.most_s, 3))});
+                   text::number_text(-error.value, 3), setting.key, text::number_text(setting.least_s, 1),
+                   text::number_text(setting.most_s, 1))});
   }
 
   const BeaconObservation& beacon_;
