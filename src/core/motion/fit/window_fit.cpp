@@ -168,7 +168,7 @@ struct FittedPiece {
 /// Limits of the fit of all pieces.
 struct Limits {
   std::function<bool()> is_stopped;
-  int clock_searches = 3;  ///< searches left; each takes as long as several pieces
+  int clock_searches = 1;  ///< searches left; one takes as long as several pieces
 };
 
 std::optional<FittedPiece> piece_of(const Window& window, TimeNs begin_ns, TimeNs end_ns, Limits& limits) {
