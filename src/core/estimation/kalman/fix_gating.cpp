@@ -47,6 +47,14 @@ void correct_followed(State& state, const JudgedFix& judged, const Matrix3d& mor
     return;
   }
   choose_model(state);
+  // The models that trust the IMU have not recovered from the attitude of this one.
+  constexpr int min_distrusted_fixes = 60;
+  constexpr double heading_memory_s = 2.0;
+  const Hypothesis& best = state.bank.best();
+  const bool has_headings = seconds_between(state.headings.used_ns, state.time_ns) < heading_memory_s;
+  if (best.imu == ImuModel::distrusts_imu && best.explained_in_row >= min_distrusted_fixes && !has_headings) {
+    search_yaw_again(state);
+  }
 }
 
 /// Corrects the distrustful models by a fix that the best hypothesis rejects.
@@ -131,10 +139,9 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
     if (is_tracking) learn_noise(state, judged);
     note_used(state, fix);
     if (is_tracking) state.imu_fault.add_used(innovation);
-    if (fits_badly) switch_to_distrustful_model(state);
   } else {
     ++state.fixes.rejected_in_row;
-    if (state.fixes.rejected_in_row >= min_misfits_in_row) state.imu_fault.is_undecided = true;
+    if (state.fixes.rejected_in_row >= min_rejected_in_row) state.imu_fault.is_undecided = true;
     correct_distrustful(state, judged);
     if (switch_to_distrustful_model(state)) {
       note_used(state, fix);

@@ -182,7 +182,7 @@ bool switch_to_distrustful_model(State& state) {
   // fixes.
   if (state.phase != Phase::tracking ||
       std::max(state.fixes.since_start, state.fixes.rejected_in_row / 2) < proven_fixes ||
-      std::max(state.fixes.misfits_in_row, state.headings.rejected_in_row) < min_misfits_in_row)
+      std::max(state.fixes.rejected_in_row, state.headings.rejected_in_row) < min_rejected_in_row)
     return false;
   Hypothesis* chosen = nullptr;
   for (Hypothesis& each : state.bank) {

@@ -19,7 +19,7 @@ inline constexpr double heading_chi2_reject_threshold =
 
 inline constexpr double wrong_fix_likelihood = -4.5;       // logarithm; the fix lies anywhere within metres
 inline constexpr TimeNs max_heading_age_ns = 500'000'000;  // age at which a start may still use a heading
-inline constexpr int min_misfits_in_row = 3;               // fewer may be outliers
+inline constexpr int min_rejected_in_row = 3;              // fewer may be outliers
 inline constexpr int min_track_fixes = 3;                  // number of fixes that make a track
 inline constexpr double min_evidence_margin = 10.0;        // prior odds: most IMUs are right
 inline constexpr double min_margin_over_tracks = 4.0;      // wrong tracks are more frequent
@@ -127,7 +127,7 @@ void restore_trusted_biases(const ImuFaultDetector& detector, Filter& filter);
 void level_by_mean_force(const State& state, Filter& filter);
 /// Begins to judge fixes and headings again after a change of the model.
 void forget_judgement(State& state);
-/// Makes a distrustful model the best if it explains the badly fitting fixes or the rejected headings best.
+/// Makes a distrustful model the best if it explains the rejected fixes or headings best.
 bool switch_to_distrustful_model(State& state);
 void predict_if_silent(State& state, const settings::Settings& settings, TimeNs measured_ns);
 void end_imu_gap(State& state, TimeNs to_ns);
