@@ -32,22 +32,24 @@ SCENARIO("a late consumer receives poses, and the last status at once") {
     REQUIRE(first.wait_for_count(50));
     REQUIRE(first_status.wait_for_count(1));
     WHEN("a second consumer starts") {
-      const TimeNs came_ns = clocks::host_now();
       Consumer<sonopose_FusedPose> second(bus, topics::pose);
       Consumer<sonopose_BeaconStatus> beacon(bus, topics::beacon_status);
       Consumer<sonopose_FusionStatus> engine(bus, topics::fusion_status);
       THEN("it receives earlier statuses, and poses from then on; other consumers are not affected") {
+        REQUIRE(beacon.wait_for_writers());
+        REQUIRE(engine.wait_for_writers());
+        const TimeNs matched_ns = clocks::host_now();
         REQUIRE(beacon.wait_for_count(1));
         CHECK(beacon.samples.front().address == 7);
-        CHECK(beacon.samples.front().time_ns < came_ns);
+        CHECK(beacon.samples.front().time_ns < matched_ns);
         REQUIRE(engine.wait_for_count(1));
-        CHECK(engine.samples.front().time_ns < came_ns);
+        CHECK(engine.samples.front().time_ns < matched_ns);
         REQUIRE(second.wait_for_count(50));
         CHECK(second.samples.front().time_ns > first.samples.front().time_ns);
         REQUIRE(first.wait_for_more(50));
         CHECK(without_a_gap(first.samples));
         REQUIRE(first_status.wait_for(
-            [came_ns](const FusionStatus& status) { return status.time_ns > came_ns; }));
+            [matched_ns](const FusionStatus& status) { return status.time_ns > matched_ns; }));
         CHECK(first_status.samples.back().events_lost == 0);
         CHECK(first_status.samples.back().imu_gaps == 0);
       }
