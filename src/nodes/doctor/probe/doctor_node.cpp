@@ -303,11 +303,12 @@ rules::Observations SystemObserver::run(const process::StopSignal& stop) {
   return observations;
 }
 
-/// Fits the motion of each beacon, as far as the time suffices.
+/// Fits the motion of each beacon, as far as the processor time suffices: a busy machine takes longer and
+/// finds the same.
 void fit(const std::map<BeaconAddress, BeaconProbe>& probes, const DoctorOptions& options,
          const process::StopSignal& stop, rules::Observations& observations) {
-  const SteadyTime end = clocks::steady_now() + to_ns(options.fits_s);
-  const auto is_over = [&] { return stop.requested() || clocks::steady_now() >= end; };
+  const TimeNs end_ns = clocks::thread_time_ns() + to_ns(options.fits_s);
+  const auto is_over = [&] { return stop.requested() || clocks::thread_time_ns() >= end_ns; };
   std::size_t done = 0;
   for (rules::BeaconObservation& beacon : observations.beacons) {
     if (options.on_fit) options.on_fit(static_cast<double>(done++) / static_cast<double>(probes.size()));

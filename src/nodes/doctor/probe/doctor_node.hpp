@@ -19,7 +19,7 @@ struct DoctorOptions {
   std::optional<std::filesystem::path> qos_file;
   double duration_s = 8;
   std::size_t max_beacons = presence::BeaconAdmission::default_max_beacons;  ///< most beacons to observe
-  double fits_s = 30;                             ///< time for the fits of all beacons, after the window
+  double fits_s = 30;                             ///< processor time for the fits of all beacons
   std::function<void(double share)> on_fit = {};  ///< called before each beacon's fit
 };
 

@@ -32,9 +32,8 @@ void check_coverage(const Observations& observations, Findings& findings) {
     findings.push_back({Severity::note, "doctor",
                         fmt::format("mount, delay and signs of {} were not checked, or only in part",
                                     text::count_text(observations.beacons_not_fitted, "beacon")),
-                        observations.cut_from_s
-                            ? "run it again without stopping it"
-                            : "run it again, with fewer beacons or on a machine with less load"});
+                        observations.cut_from_s ? "run it again without stopping it"
+                                                : "run it again, with fewer beacons or on a faster machine"});
   }
 }
 
