@@ -1,0 +1,14 @@
+#pragma once
+/// \file
+/// nlohmann's JSON without its literal `""_json`, for the precompiled header of the tests: that inline
+/// function makes g++ instantiate the whole parser in every file, which takes it a second.
+
+// Declares the literal, and makes its definition a template that nobody instantiates.
+#define _json(characters, size) /* NOLINT(bugprone-reserved-identifier,cert-dcl37-c,cert-dcl51-cpp) */ \
+  _json(characters, size);                                                                             \
+  template <int>                                                                                       \
+  nlohmann::json unused_literal(characters, size)
+
+#include <nlohmann/json.hpp>
+
+#undef _json
