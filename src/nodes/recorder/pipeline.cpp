@@ -26,12 +26,10 @@ void Pipeline::open() {
 
 void Pipeline::record(TapTopic topic, std::uint16_t channel_id, const MakeReader& make_reader) {
   const TapTarget target{.queue = queue_, .channel_id = channel_id, .ends_channel_id = ends_channel_id_};
-  TopicTap* tap = nullptr;
-  {
-    const threads::Lock lock(mutex_);
-    tap = taps_.emplace_back(std::make_unique<TopicTap>(std::move(topic), target)).get();
-  }
-  tap->open(make_reader(tap));
+  auto tap = std::make_unique<TopicTap>(std::move(topic), target);
+  tap->open(make_reader(tap.get()));
+  const threads::Lock lock(mutex_);
+  taps_.push_back(std::move(tap));
 }
 
 TapCounts Pipeline::counts() const {

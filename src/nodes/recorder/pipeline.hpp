@@ -34,7 +34,8 @@ public:
   /// Checks that the first file can be created. The references must outlive it. Throws files::IoError.
   Pipeline(Settings settings, Trigger& trigger, process::Wakeup& failed);
 
-  /// Records a topic on the channel with that id. Its reader is `make_reader(listener)`.
+  /// Records a topic on the channel with that id. Its reader is `make_reader(listener)`, whose exceptions
+  /// pass.
   using MakeReader = std::function<dds::SerializedReader(dds::sub::DataReaderListener<dds::Serialized>*)>;
   void record(TapTopic topic, std::uint16_t channel_id, const MakeReader& make_reader);
 

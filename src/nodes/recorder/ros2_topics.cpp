@@ -40,9 +40,15 @@ void Ros2Topics::add(const dds::FoundEndpoint& writer, const std::string& name) 
                              .metadata = {{"offered_qos_profiles", ros2::qos_in_yaml(writer.qos)}},
                              .is_latched = is_latched(writer.qos)});
   const dds::Qos qos = ros2::matching_reader_qos(qos_, writer.qos);
-  pipeline_.record({.name = name}, channel_id, [&](dds::sub::DataReaderListener<dds::Serialized>* listener) {
-    return type->make_reader(participant_, writer.topic_name, qos, listener);
-  });
+  try {
+    pipeline_.record({.name = name}, channel_id,
+                     [&](dds::sub::DataReaderListener<dds::Serialized>* listener) {
+                       return type->make_reader(participant_, writer.topic_name, qos, listener);
+                     });
+  } catch (const dds::core::Exception& error) {  // DDS or its security refuses the topic
+    logging::warning(text::escaped(name) + " of ROS 2 cannot be recorded: " + text::escaped(error.what()));
+    return;
+  }
   logging::info("recording " + text::escaped(name) + " of ROS 2");
 }
 

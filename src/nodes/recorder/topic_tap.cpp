@@ -1,6 +1,7 @@
 #include "recorder/topic_tap.hpp"
 
 #include "clocks/clocks.hpp"
+#include "process/endpoint_counters.hpp"
 #include "recorder/raw_ends.hpp"
 
 namespace sonopose::recorder {
@@ -12,11 +13,8 @@ std::uint64_t file_time(std::int64_t time_ns) {
 
 /// Publish time of a sample; the log time if its writer gave none.
 std::uint64_t publish_time(const dds::sub::SampleInfo& info, std::int64_t log_time_ns) {
-  return file_time(dds::ext::source_time_ns(info) > 0 ? dds::ext::source_time_ns(info) : log_time_ns);
-}
-
-void add_change(std::atomic<std::uint64_t>& counter, std::int32_t change) {
-  if (change > 0) counter.fetch_add(static_cast<std::uint64_t>(change), std::memory_order_relaxed);
+  const std::int64_t time_ns = dds::ext::source_time_ns(info);
+  return file_time(time_ns > 0 ? time_ns : log_time_ns);
 }
 
 }  // namespace
@@ -32,13 +30,13 @@ void TopicTap::on_data_available(dds::SerializedReader& reader) noexcept {
 
 void TopicTap::on_sample_lost(dds::SerializedReader& /*reader*/,
                               const dds::core::status::SampleLostStatus& status) noexcept {
-  if (!topic_.is_exclusive) add_change(lost_dds_, status.total_count_change());
+  if (!topic_.is_exclusive) process::add(lost_dds_, status.total_count_change());
 }
 
 void TopicTap::on_requested_incompatible_qos(
     dds::SerializedReader& /*reader*/,
     const dds::core::status::RequestedIncompatibleQosStatus& status) noexcept {
-  add_change(incompatible_, status.total_count_change());
+  process::add(incompatible_, status.total_count_change());
 }
 
 bool TopicTap::accepts(std::span<const std::byte> sample) const noexcept {

@@ -7,12 +7,15 @@
 
 namespace sonopose::dds {
 
-/// A refused process, by the one or the other.
+/// A refused process. Key and subject may both be unknown.
 struct RefusedPeer {
-  std::string key_prefix;  ///< first 24 digits of the key of its participant; may be empty
-  std::string subject;     ///< subject of its certificate: "/CN=/bridge"; may be empty
+  std::string key_prefix;  ///< first 24 digits of the key of its participant
+  std::string subject;     ///< subject of its certificate: "/CN=/bridge"
   std::string reason;
 };
+
+/// "a process (certificate /CN=/bridge): REASON".
+std::string text_of(const RefusedPeer& peer);
 
 /// Returns the processes that participants of this process have refused so far: the first 64. Cyclone DDS
 /// does not report those without a certificate, whose endpoints it hides, nor those whose enclave lacks a

@@ -27,7 +27,7 @@ struct FoundParticipant {
 /// A reader or a writer.
 struct FoundEndpoint {
   std::string key;
-  core::InstanceHandle handle;  ///< handle; for a writer, equal to SampleInfo::publication_handle
+  core::InstanceHandle handle;  ///< for a writer, equal to SampleInfo::publication_handle
   std::string participant_key;
   std::string topic_name;
   std::string type_name;
@@ -37,8 +37,8 @@ struct FoundEndpoint {
 /// Reads the results of discovery. Every member throws the exceptions of the PSM.
 class Discovery {
 public:
-  /// `on_change` is called after every change, under the rules of a
-  /// listener: it must not block or use this object.
+  /// `on_change` is called after every change, under the rules of a listener: it must not block or use this
+  /// object.
   explicit Discovery(const domain::DomainParticipant& participant, std::function<void()> on_change = {});
   Discovery(const Discovery&) = delete;
   Discovery& operator=(const Discovery&) = delete;

@@ -1,12 +1,11 @@
 #pragma once
 /// \file
-/// Free functions on the entities of the PSM, for what it lacks or has only more slowly. The hot path, the
-/// recorder, the player and the ROS 2 relay use the structs of idlc as types of their topics (TopicTraits),
-/// without conversions.
+/// Functions on entities of the PSM: calls that the PSM lacks, and faster ones. The hot path, the recorder,
+/// the player and the ROS 2 relay use the structs of idlc as types of their topics (TopicTraits), without
+/// conversions.
 
 #include "dds/dds.hpp"
 #include <sonopose/dds/binding/domain.hpp>
-#include <sonopose/dds/binding/error.hpp>
 #include <sonopose/dds/psm/names.hpp>
 #include <sonopose/dds/psm/qos.hpp>
 
@@ -16,11 +15,15 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <vector>
 
 namespace sonopose::dds {
+
+/// Result of a Cyclone DDS call: negative is an error (`DDS_RETCODE_…`), anything else a success.
+using ReturnCode = dds_return_t;
 
 /// The enclave of this process does not permit what it tried.
 struct ForbiddenError : core::IllegalOperationError {
@@ -65,19 +68,17 @@ std::string text_of(const dds_guid_t& guid);
 /// subscribers have the partition of the options by default.
 domain::DomainParticipant participant(const DomainOptions& options = {}, const Qos& qos = {});
 
-/// The QoS of a publisher or subscriber for an endpoint: its partition is that of the options, otherwise that
-/// of the endpoint's profile.
-template <class GroupQos>
-GroupQos group_qos(GroupQos by_options, const Qos& of_endpoint) {
-  const auto partition = of_endpoint.policy<policy::Partition>();
-  if (partition && by_options == GroupQos()) by_options << *partition;
-  return by_options;
-}
+/// Makes the publisher of a writer with this QoS. Its partition is that of the options, otherwise that of the
+/// writer's profile.
+pub::Publisher publisher_of(const domain::DomainParticipant& participant, const Qos& writer_qos);
+/// The same for a reader.
+sub::Subscriber subscriber_of(const domain::DomainParticipant& participant, const Qos& reader_qos);
 
-// Times. An infinite duration is the longest of the standard library; a negative one becomes zero.
+/// Longest duration; waits for ever.
+inline constexpr std::chrono::nanoseconds infinite = std::chrono::nanoseconds::max();
+// An infinite duration becomes `infinite`, and a negative one zero.
 std::chrono::nanoseconds to_chrono(const core::Duration& duration);
 core::Duration to_duration(std::chrono::nanoseconds duration);
-inline constexpr std::chrono::nanoseconds infinite = std::chrono::nanoseconds::max();
 
 /// Waits, and returns false after the timeout, where WaitSet::wait throws. Calls no handlers.
 bool wait(const core::cond::WaitSet& waitset, std::chrono::nanoseconds timeout = infinite);
@@ -89,7 +90,7 @@ inline core::status::StatusMask all_but(const core::status::StatusMask& mask) {
   return all;
 }
 
-// What a sample's info says of its instance and time.
+// Instance and time in a sample's info.
 inline bool is_alive(const sub::SampleInfo& info) {
   return info.state().instance_state() == sub::status::InstanceState::alive();
 }
@@ -104,9 +105,6 @@ inline std::int64_t source_time_ns(const sub::SampleInfo& info) {
 
 /// Identity of a matched reader or writer.
 struct EndpointData {
-  std::string topic_name;
-  std::string type_name;
-  dds_guid_t key{};              ///< its GUID
   dds_guid_t participant_key{};  ///< GUID of its participant
   std::vector<std::uint8_t> user_data;
 };
@@ -114,15 +112,15 @@ struct EndpointData {
 /// The writers that a reader has matched, or the readers of a writer.
 std::vector<core::InstanceHandle> matched_publications(const sub::AnyDataReader& reader);
 std::vector<core::InstanceHandle> matched_subscriptions(const pub::AnyDataWriter& writer);
-/// Throws core::Exception if there is no such match any more.
-EndpointData matched_publication_data(const sub::AnyDataReader& reader,
-                                      const core::InstanceHandle& publication);
-EndpointData matched_subscription_data(const pub::AnyDataWriter& writer,
-                                       const core::InstanceHandle& subscription);
+/// Empty if there is no such match any more.
+std::optional<EndpointData> matched_publication_data(const sub::AnyDataReader& reader,
+                                                     const core::InstanceHandle& publication);
+std::optional<EndpointData> matched_subscription_data(const pub::AnyDataWriter& writer,
+                                                      const core::InstanceHandle& subscription);
 
 // The rest is for the hot path: calls named `try_…` return codes instead of throwing.
 
-/// Writes. If `is_timeout`, readers blocked for max_blocking_time and the sample was not written.
+/// Writes. After DDS_RETCODE_TIMEOUT, readers blocked for max_blocking_time and the sample was not written.
 template <topic::detail::Native T>
 ReturnCode try_write(const pub::DataWriter<T>& writer, const std::type_identity_t<T>& sample) noexcept {
   const dds_entity_t c_writer = try_handle(writer);
@@ -136,14 +134,10 @@ ReturnCode try_unregister_instance(const pub::DataWriter<T>& writer,
   return c_writer < 0 ? c_writer : dds_unregister_instance(c_writer, &key);
 }
 
-/// True if a `try_…` call timed out.
-inline bool is_timeout(ReturnCode code) noexcept {
-  return code == DDS_RETCODE_TIMEOUT;
-}
 /// Repeats `attempt()`, a `try_…` call, after timeouts until `give_up()` returns true. Returns the last code.
 ReturnCode retry_unless(const auto& give_up, const auto& attempt) {
   ReturnCode code = attempt();
-  while (is_timeout(code) && !give_up()) code = attempt();
+  while (code == DDS_RETCODE_TIMEOUT && !give_up()) code = attempt();
   return code;
 }
 
@@ -154,17 +148,17 @@ inline ReturnCode try_assert_liveliness(const pub::AnyDataWriter& writer) noexce
   return c_writer < 0 ? c_writer : dds_assert_liveliness(c_writer);
 }
 /// Sends pending samples if the domain batches writes (DomainOptions::batch_writes).
-inline void flush(const core::Entity& writer) noexcept {
+inline void flush(const pub::AnyDataWriter& writer) noexcept {
   const dds_entity_t c_writer = try_handle(writer);
   if (c_writer > 0) dds_write_flush(c_writer);
 }
 /// True if all readers acknowledged all samples within `timeout`.
-bool wait_for_acknowledgments(const core::Entity& writer, std::chrono::nanoseconds timeout);
+bool wait_for_acknowledgments(const pub::AnyDataWriter& writer, std::chrono::nanoseconds timeout);
 
 /// Restricts readers made with this topic from now on to samples for which `accepts(sample, argument)` is
 /// true. It is called on the receive thread, before an instance is made. `argument` must outlive the readers.
 /// `sample` is a struct of idlc.
-void set_filter(const core::Entity& topic, bool (*accepts)(const void* sample, void* argument),
+void set_filter(const topic::TopicDescription& topic, bool (*accepts)(const void* sample, void* argument),
                 void* argument);
 
 /// Sets the key fields of `key` to those of an instance. Returns a negative code if it is unknown.

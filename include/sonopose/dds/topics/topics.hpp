@@ -116,20 +116,20 @@ pub::DataWriter<T> make_writer(const domain::DomainParticipant& participant, con
   const topic::Topic<T> topic(participant, entry.name, qos.topic_qos(profile));
   Qos writer_qos = qos.datawriter_qos(profile);
   writer_qos.merge(changes);
-  const pub::Publisher publisher(participant,
-                                 ext::group_qos(participant.default_publisher_qos(), writer_qos));
-  return pub::DataWriter<T>(publisher, topic, writer_qos, listener, core::status::StatusMask::all());
+  return pub::DataWriter<T>(ext::publisher_of(participant, writer_qos), topic, writer_qos, listener,
+                            core::status::StatusMask::all());
 }
 
 /// Makes a reader for one row of the diagram. `listener` and `filter` must outlive it. The listener receives
 /// the statuses in `mask`, but no losses of an exclusive reader: DDS counts what weaker writers, such as a
-/// standby, write. `filter` is an AddressFilter, or accepts whole samples.
+/// standby, write. `filter` is an AddressFilter, or accepts whole samples. `changes` override the profile.
 template <class T, class Filter = AddressFilter>
 sub::DataReader<T> make_reader(const domain::DomainParticipant& participant, const qos::Provider& qos,
                                const Entry<T>& entry,
                                std::type_identity_t<sub::DataReaderListener<T>>* listener = nullptr,
                                Delivery delivery = Delivery::live, Filter* filter = nullptr,
-                               core::status::StatusMask mask = core::status::StatusMask::all()) {
+                               core::status::StatusMask mask = core::status::StatusMask::all(),
+                               const Qos& changes = {}) {
   const char* profile = profile_of(entry, delivery);
   const topic::Topic<T> topic(participant, entry.name, qos.topic_qos(profile));
   if constexpr (requires(const T& sample) { filter->accepts(sample); }) {
@@ -143,11 +143,10 @@ sub::DataReader<T> make_reader(const domain::DomainParticipant& participant, con
     };
     if (filter != nullptr) ext::set_filter(topic, accepts, filter);
   }
-  const Qos& reader_qos = qos.datareader_qos(profile);
+  Qos reader_qos = qos.datareader_qos(profile);
+  reader_qos.merge(changes);
   if (is_exclusive(reader_qos)) mask &= ~core::status::StatusMask::sample_lost();
-  const sub::Subscriber subscriber(participant,
-                                   ext::group_qos(participant.default_subscriber_qos(), reader_qos));
-  return sub::DataReader<T>(subscriber, topic, reader_qos, listener, mask);
+  return sub::DataReader<T>(ext::subscriber_of(participant, reader_qos), topic, reader_qos, listener, mask);
 }
 
 }  // namespace sonopose::dds::topics

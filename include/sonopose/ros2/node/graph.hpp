@@ -30,7 +30,7 @@ inline constexpr Distro layout_without_others = Distro::humble;
 /// Observes the other ROS 2 processes of a domain. Not thread-safe.
 class GraphObserver {
 public:
-  /// `participant` must outlive it. `on_change`: see dds::Discovery.
+  /// `on_change`: see dds::Discovery.
   explicit GraphObserver(const dds::domain::DomainParticipant& participant,
                          std::function<void()> on_change = {});
 

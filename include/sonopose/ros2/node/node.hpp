@@ -119,8 +119,7 @@ private:
     const dds::topic::Topic<T> topic(participant_, name, qos_.topic_qos(profile));
     dds::Qos qos = with_type_hash<T>(qos_.datawriter_qos(profile), prefix);
     overrides_.apply(name_without_prefix(name), QosOverrides::Endpoint::publisher, qos);
-    const dds::pub::Publisher publisher(participant_,
-                                        dds::ext::group_qos(dds::pub::qos::PublisherQos(), qos));
+    const dds::pub::Publisher publisher(participant_, qos);
     dds::pub::DataWriter<T> writer(publisher, topic, qos, listener, dds::core::status::StatusMask::all());
     add(writers_, writer);
     return writer;
@@ -133,8 +132,7 @@ private:
     const dds::topic::Topic<T> topic(participant_, name, qos_.topic_qos(profile));
     dds::Qos qos = with_type_hash<T>(qos_.datareader_qos(profile), prefix);
     overrides_.apply(name_without_prefix(name), QosOverrides::Endpoint::subscription, qos);
-    const dds::sub::Subscriber subscriber(participant_,
-                                          dds::ext::group_qos(dds::sub::qos::SubscriberQos(), qos));
+    const dds::sub::Subscriber subscriber(participant_, qos);
     dds::sub::DataReader<T> reader(subscriber, topic, qos, listener, mask);
     add(readers_, reader);
     return reader;

@@ -67,17 +67,14 @@ private:
   static constexpr int max_waits = 25;
 
   bool has_reply_reader(dds::core::InstanceHandle request_writer) const {
-    try {
-      const auto request_endpoint = dds::ext::matched_publication_data(requests_, request_writer);
-      const std::string client = client_of(request_endpoint.user_data, request_endpoint.participant_key);
-      for (const dds::core::InstanceHandle reader : dds::ext::matched_subscriptions(replies_)) {
-        const auto reply_endpoint = dds::ext::matched_subscription_data(replies_, reader);
-        if (client_of(reply_endpoint.user_data, reply_endpoint.participant_key) == client) return true;
-      }
-      return false;
-    } catch (const dds::core::Exception&) {
-      return true;  // the client has gone: remove its request
-    }
+    const auto writer = dds::ext::matched_publication_data(requests_, request_writer);
+    if (!writer) return true;  // the client has gone: remove its request
+    const std::string client = client_of(writer->user_data, writer->participant_key);
+    const auto readers = dds::ext::matched_subscriptions(replies_);
+    return std::any_of(readers.begin(), readers.end(), [&](const dds::core::InstanceHandle& each) {
+      const auto reader = dds::ext::matched_subscription_data(replies_, each);
+      return reader && client_of(reader->user_data, reader->participant_key) == client;
+    });
   }
 
   std::unique_ptr<RequestListener> listener_;

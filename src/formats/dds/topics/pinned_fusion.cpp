@@ -16,11 +16,8 @@ std::array<std::uint8_t, 16> bytes_of(const dds_guid_t& guid) {
 template <class T>
 std::optional<std::array<std::uint8_t, 16>> participant_of(const sub::DataReader<T>& reader,
                                                            core::InstanceHandle writer) {
-  try {
-    return bytes_of(ext::matched_publication_data(reader, writer).participant_key);
-  } catch (const core::Exception&) {
-    return std::nullopt;
-  }
+  const auto data = ext::matched_publication_data(reader, writer);
+  return data ? std::optional(bytes_of(data->participant_key)) : std::nullopt;
 }
 
 }  // namespace

@@ -22,9 +22,8 @@ SerializedReader make_reader_of(const domain::DomainParticipant& participant, co
   const topic::Topic<T> topic(participant, entry.name, qos.topic_qos(entry.profile));
   Qos reader_qos = qos.datareader_qos(entry.profile);
   reader_qos << policy::Deadline();
-  const sub::Subscriber subscriber(participant,
-                                   ext::group_qos(participant.default_subscriber_qos(), reader_qos));
-  return {subscriber, ext::serialized(topic), reader_qos, listener, core::status::StatusMask::all()};
+  return {ext::subscriber_of(participant, reader_qos), ext::serialized(topic), reader_qos, listener,
+          core::status::StatusMask::all()};
 }
 
 template <std::size_t I>
@@ -40,9 +39,7 @@ SerializedWriter make_writer_of(const domain::DomainParticipant& participant, co
              << qos.datareader_qos(profile).template policy_or_default<policy::Liveliness>();
   // Keeps all samples even with a live profile, whose own writers need only their latest sample.
   if (delivery == Delivery::lossless) writer_qos << policy::History::KeepAll() << policy::Lifespan();
-  const pub::Publisher publisher(participant,
-                                 ext::group_qos(participant.default_publisher_qos(), writer_qos));
-  return {publisher, ext::serialized(topic), writer_qos};
+  return {ext::publisher_of(participant, writer_qos), ext::serialized(topic), writer_qos};
 }
 
 template <std::size_t I>

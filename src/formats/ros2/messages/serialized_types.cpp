@@ -26,8 +26,7 @@ dds::SerializedReader make_reader_of(const dds::domain::DomainParticipant& parti
                                      const std::string& topic_in_dds, const dds::Qos& qos,
                                      dds::sub::DataReaderListener<dds::Serialized>* listener) {
   const dds::topic::Topic<T> topic(participant, topic_in_dds);
-  const dds::sub::Subscriber subscriber(participant,
-                                        dds::ext::group_qos(dds::sub::qos::SubscriberQos(), qos));
+  const dds::sub::Subscriber subscriber(participant, qos);
   return {subscriber, dds::ext::serialized(topic), qos, listener, dds::core::status::StatusMask::all()};
 }
 

@@ -50,11 +50,7 @@ struct Subscription {
 std::vector<std::string> refused_of(const dds::Discovery& discovery, const Processes& processes,
                                     const Processes& early) {
   std::vector<std::string> texts;
-  for (const dds::RefusedPeer& peer : dds::refused_peers()) {
-    const bool has_subject = !peer.subject.empty();
-    texts.push_back((has_subject ? "certificate " + peer.subject : "key " + peer.key_prefix) + ": " +
-                    peer.reason);
-  }
+  for (const dds::RefusedPeer& peer : dds::refused_peers()) texts.push_back(dds::text_of(peer));
   std::set<std::string> admitted{discovery.own_key()};
   for (const auto& endpoint : discovery.writers()) admitted.insert(endpoint.participant_key);
   for (const auto& endpoint : discovery.readers()) admitted.insert(endpoint.participant_key);
@@ -227,14 +223,10 @@ std::vector<rules::ProcessObservation> SystemObserver::processes_of(
   std::vector<rules::ProcessObservation> found;
   const auto matched = dds::ext::matched_publications(imu_.reader);
   for (const std::uint64_t writer : imu_writers) {
-    if (std::find(matched.begin(), matched.end(), dds::core::InstanceHandle(writer)) == matched.end())
-      continue;
-    try {
-      const auto key = dds::ext::text_of(
-          dds::ext::matched_publication_data(imu_.reader, dds::core::InstanceHandle(writer)).participant_key);
-      found.push_back(process_of(processes, key));
-    } catch (const dds::core::Exception&) {
-      continue;  // it has just disappeared
+    const dds::core::InstanceHandle handle(writer);
+    if (std::find(matched.begin(), matched.end(), handle) == matched.end()) continue;
+    if (const auto data = dds::ext::matched_publication_data(imu_.reader, handle)) {
+      found.push_back(process_of(processes, dds::ext::text_of(data->participant_key)));
     }
   }
   return found;

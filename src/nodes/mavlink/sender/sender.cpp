@@ -211,9 +211,9 @@ void run(const SenderOptions& options, const process::StopSignal& stop) {
   SteadyTime due = clocks::steady_now();
   while (!stop.requested()) {
     dds::ext::wait(waitset, std::chrono::milliseconds(100));
-    for (const auto& sample : reader.take()) {
-      if (sample.info().valid()) sender.on(topics::from_idl(sample.data()));
-    }
+    dds::ext::take_each(reader, [&](const sonopose_FusedPose& pose, const dds::sub::SampleInfo&) {
+      sender.on(topics::from_idl(pose));
+    });
     const SteadyTime now = clocks::steady_now();
     process::report_progress(now);
     if (now < due) continue;

@@ -109,10 +109,8 @@ void Node::join_discovery() {
 template <class Info>
 Node::Discovery<Info> Node::make_discovery(const dds::Qos& writer_qos, const dds::Qos& reader_qos) const {
   const dds::topic::Topic<Info> topic(participant_, discovery_topic, qos_.topic_qos(discovery_profile));
-  const dds::pub::Publisher publisher(participant_,
-                                      dds::ext::group_qos(dds::pub::qos::PublisherQos(), writer_qos));
-  const dds::sub::Subscriber subscriber(participant_,
-                                        dds::ext::group_qos(dds::sub::qos::SubscriberQos(), reader_qos));
+  const dds::pub::Publisher publisher(participant_, writer_qos);
+  const dds::sub::Subscriber subscriber(participant_, reader_qos);
   return {dds::pub::DataWriter<Info>(publisher, topic, writer_qos),
           dds::sub::DataReader<Info>(subscriber, topic, reader_qos)};
 }

@@ -112,7 +112,8 @@ public:
   explicit SetPoses(const AidingInput& input)
       : Topic(input, {}, dds::TopicTraits<ros2::SetPose::Request>::descriptor().m_typename, 0) {}
 
-  void attach_to(dds::core::cond::WaitSet& /*waitset*/) override {}  // the waits are short
+  void attach_to(dds::core::cond::WaitSet& /*waitset*/) override {
+  }  // polled, since another thread receives them
 
   void take_request(const ros2::PoseWithCovarianceStamped& pose) override {
     const threads::Lock lock(mutex_);

@@ -41,7 +41,7 @@ struct ParameterServerOptions {
 class ParameterServer {
 public:
   /// `wake`, if given, is called when there is something to serve, under the rules of a listener. Throws
-  /// dds::core::Exception, dds::qos::FileError. `participant` and `log` must outlive it.
+  /// dds::core::Exception, dds::qos::FileError. `log` must outlive it.
   ParameterServer(ros2::Node& node, const dds::domain::DomainParticipant& participant,
                   const ParameterServerOptions& options, Log& log, std::function<void()> wake = {});
 

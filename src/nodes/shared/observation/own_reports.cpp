@@ -12,13 +12,8 @@ std::string participant_of(const auto& reader, dds::core::InstanceHandle writer,
   constexpr std::size_t max_known = 1024;  // writers that have ended stay
   if (const auto found = known.find(writer.c_value()); found != known.end()) return found->second;
   if (known.size() >= max_known) known.clear();
-  try {
-    return known[writer.c_value()] =
-               dds::ext::text_of(dds::ext::matched_publication_data(reader, writer).participant_key);
-  } catch (const dds::core::Exception&) {
-    known.erase(writer.c_value());
-    return {};
-  }
+  const auto data = dds::ext::matched_publication_data(reader, writer);
+  return data ? known[writer.c_value()] = dds::ext::text_of(data->participant_key) : "";
 }
 
 }  // namespace

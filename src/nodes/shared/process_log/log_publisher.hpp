@@ -14,7 +14,7 @@ namespace sonopose::process_log {
 /// that cannot be written, appear on standard error only.
 class LogPublisher final : public logging::Listener {
 public:
-  /// `participant` must outlive it. Throws dds::core::Exception.
+  /// Throws dds::core::Exception.
   LogPublisher(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos);
 
   void on(const logging::Line& line) noexcept override;

@@ -59,14 +59,11 @@ private:
 /// A reader that keeps the samples of every fusion, not only the latest one of a beacon.
 dds::sub::DataReader<sonopose_EffectiveSettings> changed_settings_reader(
     const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos) {
-  const auto& entry = topics::changed_settings;
-  dds::Qos reader_qos = qos.datareader_qos(entry.profile);
-  reader_qos << dds::policy::History::KeepAll();
-  const dds::topic::Topic<sonopose_EffectiveSettings> topic(participant, entry.name,
-                                                            qos.topic_qos(entry.profile));
-  const dds::sub::Subscriber subscriber(
-      participant, dds::ext::group_qos(participant.default_subscriber_qos(), reader_qos));
-  return {subscriber, topic, reader_qos};
+  const auto no_filter = static_cast<topics::AddressFilter*>(nullptr);
+  dds::Qos changes;
+  changes << dds::policy::History::KeepAll();
+  return topics::make_reader(participant, qos, topics::changed_settings, nullptr, topics::Delivery::live,
+                             no_filter, dds::core::status::StatusMask::all(), changes);
 }
 
 /// Reset counters by beacon and fusion (its status writer).

@@ -1,7 +1,7 @@
+#include "dds/binding/error.hpp"
 #include "dds/binding/logged_errors.hpp"
 #include "dds/binding/system_checks.hpp"
 #include <sonopose/dds/binding/domain.hpp>
-#include <sonopose/dds/binding/error.hpp>
 #include <sonopose/dds/binding/network_interfaces.hpp>
 
 #include <charconv>

@@ -1,7 +1,8 @@
+#include "dds/binding/participant.hpp"
+
+#include "dds/binding/error.hpp"
 #include "dds/binding/logged_errors.hpp"
 #include "dds/binding/security.hpp"
-#include <sonopose/dds/binding/error.hpp>
-#include <sonopose/dds/binding/participant.hpp>
 
 namespace sonopose::dds {
 namespace {

@@ -108,10 +108,7 @@ Refusals::Verdict Refusals::refuse(RefusedPeer peer) {
     return verdict;
   }
   known_.insert(name);
-  const std::string who = !peer.subject.empty()      ? " (certificate " + peer.subject + ")"
-                          : !peer.key_prefix.empty() ? " (key " + peer.key_prefix + ")"
-                                                     : "";
-  verdict.text = "security: refused a process" + who + ": " + peer.reason;
+  verdict.text = "security: refused " + text_of(peer);
   peers_.push_back(std::move(peer));
   return verdict;
 }
@@ -119,6 +116,13 @@ Refusals::Verdict Refusals::refuse(RefusedPeer peer) {
 std::vector<RefusedPeer> Refusals::peers() const {
   const std::lock_guard lock(mutex_);
   return peers_;
+}
+
+std::string text_of(const RefusedPeer& peer) {
+  const std::string who = !peer.subject.empty()      ? " (certificate " + peer.subject + ")"
+                          : !peer.key_prefix.empty() ? " (key " + peer.key_prefix + ")"
+                                                     : "";
+  return "a process" + who + ": " + peer.reason;
 }
 
 }  // namespace sonopose::dds

@@ -22,8 +22,8 @@ std::atomic<std::uint64_t> unlimited_handshakes_count = 0;
 }  // namespace
 
 #if DDS_VERSION_MAJOR == 0  // 11.0 is the first release without the defect
-/// Takes the place of Cyclone DDS's own function, which it finds here first. That ends a handshake after 100
-/// s, and then removes its timer from the heap of timers a second time: the next handshake, of whomever,
+/// Replaces the function of Cyclone DDS that limits a handshake to 100 s. The linker finds this one first.
+/// The original removes its timer from the heap of timers a second time: the next handshake, of whomever,
 /// works on freed memory (https://github.com/eclipse-cyclonedds/cyclonedds/issues/1548). So any stranger who
 /// starts a handshake and waits could end all secured processes. Without the limit, a handshake is tried each
 /// second until it succeeds or the peer leaves.

@@ -1,6 +1,6 @@
 #include "dds/binding/system_checks.hpp"
 
-#include <sonopose/dds/binding/error.hpp>
+#include "dds/binding/error.hpp"
 #include <sonopose/dds/binding/network_interfaces.hpp>
 
 #include <algorithm>

@@ -27,10 +27,15 @@ class WaitSetNode : public Node {
 public:
   WaitSetNode() : Node(nullptr) {
     handle(check("dds_create_waitset", dds_create_waitset(DDS_CYCLONEDDS_HANDLE)));
+    // dds_waitset_wait returns at once if nothing is attached.
+    check("dds_waitset_attach", dds_waitset_attach(handle(), Access::handle(never_), 0));
   }
 
   std::mutex mutex;
   std::map<const Node*, Condition> conditions;  // guarded by mutex
+
+private:
+  GuardCondition never_;
 };
 
 /// An entity has one status condition. This makes it if there is none yet.

@@ -1,13 +1,11 @@
 // Errors, nodes and statuses.
 
+#include "dds/binding/error.hpp"
 #include "dds/psm/masks.hpp"
-#include <sonopose/dds/binding/error.hpp>
 #include <sonopose/dds/psm/ext.hpp>
 
-#include <algorithm>
 #include <array>
 #include <exception>
-#include <iterator>
 #include <mutex>
 #include <new>
 #include <thread>
@@ -62,28 +60,10 @@ dds_time_t to_c(const Time& time) {
   return time.sec() * ns_per_s + time.nanosec();
 }
 
-namespace {
-
-/// Entities that live without references.
-struct Retained {
-  std::mutex mutex;
-  std::vector<std::shared_ptr<Node>> nodes;
-};
-
-Retained& retained() {
-  static auto* const instance = new Retained;  // never destroyed: entities may be static objects
-  return *instance;
-}
-
-}  // namespace
-
 dds_entity_t Node::handle() const {
-  if (is_closed()) throw AlreadyClosedError("this entity is closed");
-  return handle_;
-}
-
-bool Node::is_closed() const noexcept {
-  return handle_ <= 0 || (owner_ != nullptr && owner_->is_closed());
+  const dds_entity_t handle = try_handle();
+  if (handle < 0) throw AlreadyClosedError("this entity is closed");
+  return handle;
 }
 
 namespace {
@@ -163,18 +143,6 @@ void Node::close() noexcept {
     inherited.swap(inherited_);
   }
   for (auto& node : inherited) release(node.release());
-  std::vector<std::shared_ptr<Node>> ended;  // end without the lock, since they close in turn
-  const std::lock_guard lock(retained().mutex);
-  auto& nodes = retained().nodes;
-  const auto first =
-      std::partition(nodes.begin(), nodes.end(), [](const auto& node) { return !node->is_closed(); });
-  ended.assign(std::make_move_iterator(first), std::make_move_iterator(nodes.end()));
-  nodes.erase(first, nodes.end());
-}
-
-void Node::retain() {
-  const std::lock_guard lock(retained().mutex);
-  retained().nodes.push_back(shared_from_this());
 }
 
 namespace {

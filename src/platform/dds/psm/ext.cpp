@@ -1,4 +1,4 @@
-#include <sonopose/dds/binding/participant.hpp>
+#include "dds/binding/participant.hpp"
 #include <sonopose/dds/psm/ext.hpp>
 
 #include <algorithm>
@@ -25,13 +25,19 @@ std::vector<core::InstanceHandle> matched(const char* name, Call call, dds_entit
   return {handles.begin(), handles.begin() + static_cast<std::ptrdiff_t>(count)};
 }
 
-/// Throws if `call` returned no endpoint.
-EndpointData data_of(const char* call, const Endpoint& endpoint) {
-  if (!endpoint) check(call, DDS_RETCODE_BAD_PARAMETER);
+std::optional<EndpointData> data_of(const Endpoint& endpoint) {
+  if (!endpoint) return std::nullopt;
   core::policy::UserData user_data;
   core::detail::read(user_data, endpoint->qos);
-  return {endpoint->topic_name, endpoint->type_name, endpoint->key, endpoint->participant_key,
-          user_data.value()};
+  return EndpointData{endpoint->participant_key, user_data.value()};
+}
+
+/// The QoS of a publisher or subscriber, with the partition of its endpoint if the options have none.
+template <class OuterQos>
+OuterQos with_partition_of(const Qos& endpoint, OuterQos by_options) {
+  const auto partition = endpoint.policy<policy::Partition>();
+  if (partition && by_options == OuterQos()) by_options << *partition;
+  return by_options;
 }
 
 }  // namespace
@@ -70,6 +76,14 @@ domain::DomainParticipant participant(const DomainOptions& options, const Qos& q
   throw core::InvalidArgumentError(error.what());
 }
 
+pub::Publisher publisher_of(const domain::DomainParticipant& participant, const Qos& writer_qos) {
+  return {participant, with_partition_of(writer_qos, participant.default_publisher_qos())};
+}
+
+sub::Subscriber subscriber_of(const domain::DomainParticipant& participant, const Qos& reader_qos) {
+  return {participant, with_partition_of(reader_qos, participant.default_subscriber_qos())};
+}
+
 std::chrono::nanoseconds to_chrono(const core::Duration& duration) {
   return std::chrono::nanoseconds(core::detail::to_c(duration));
 }
@@ -91,30 +105,27 @@ std::vector<core::InstanceHandle> matched_subscriptions(const pub::AnyDataWriter
   return matched("dds_get_matched_subscriptions", dds_get_matched_subscriptions, handle(writer));
 }
 
-EndpointData matched_publication_data(const sub::AnyDataReader& reader,
-                                      const core::InstanceHandle& publication) {
-  return data_of("dds_get_matched_publication_data",
-                 {dds_get_matched_publication_data(handle(reader), publication.c_value()),
+std::optional<EndpointData> matched_publication_data(const sub::AnyDataReader& reader,
+                                                     const core::InstanceHandle& publication) {
+  return data_of({dds_get_matched_publication_data(handle(reader), publication.c_value()),
                   dds_builtintopic_free_endpoint});
 }
 
-EndpointData matched_subscription_data(const pub::AnyDataWriter& writer,
-                                       const core::InstanceHandle& subscription) {
-  return data_of("dds_get_matched_subscription_data",
-                 {dds_get_matched_subscription_data(handle(writer), subscription.c_value()),
+std::optional<EndpointData> matched_subscription_data(const pub::AnyDataWriter& writer,
+                                                      const core::InstanceHandle& subscription) {
+  return data_of({dds_get_matched_subscription_data(handle(writer), subscription.c_value()),
                   dds_builtintopic_free_endpoint});
 }
 
-bool wait_for_acknowledgments(const core::Entity& writer, std::chrono::nanoseconds timeout) {
+bool wait_for_acknowledgments(const pub::AnyDataWriter& writer, std::chrono::nanoseconds timeout) {
   const ReturnCode code = dds_wait_for_acks(handle(writer), timeout.count());
   return code != DDS_RETCODE_TIMEOUT && check("dds_wait_for_acks", code) >= 0;
 }
 
-void set_filter(const core::Entity& topic, bool (*accepts)(const void* sample, void* argument),
+void set_filter(const topic::TopicDescription& topic, bool (*accepts)(const void* sample, void* argument),
                 void* argument) {
-  const dds_entity_t c_topic = handle(topic);
-  const auto& node = static_cast<const topic::detail::TopicNode&>(*core::detail::Access::node(topic));
-  check("dds_set_topic_filter_and_arg", node.name, dds_set_topic_filter_and_arg(c_topic, accepts, argument));
+  check("dds_set_topic_filter_and_arg", topic.name(),
+        dds_set_topic_filter_and_arg(handle(topic), accepts, argument));
 }
 
 }  // namespace sonopose::dds::ext

@@ -171,8 +171,7 @@ void apply(const policy::History& policy, dds_qos_t* qos) {
   const bool keeps_all = policy.kind() == policy::HistoryKind::KEEP_ALL;
   // The exception is that of cyclonedds-cxx.
   require<InconsistentPolicyError>(keeps_all || policy.depth() > 0, "a history depth must be positive");
-  const std::int32_t depth = keeps_all ? std::max(1, policy.depth()) : policy.depth();
-  dds_qset_history(qos, kind_of<dds_history_kind_t>(policy.kind()), depth);
+  dds_qset_history(qos, kind_of<dds_history_kind_t>(policy.kind()), std::max(1, policy.depth()));
 }
 bool read(policy::History& policy, const dds_qos_t* qos) {
   dds_history_kind_t kind{};

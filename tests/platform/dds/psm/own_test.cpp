@@ -84,18 +84,6 @@ SCENARIO("closing a participant closes what belongs to it") {
 SCENARIO("what cyclonedds-cxx 0.10 lacks of the PSM is there") {
   Bus bus;
   const auto matched = [&bus] { return bus.writer.publication_matched_status().current_count(); };
-  GIVEN("a retained reader without references") {
-    {
-      dds::sub::DataReader<Sample> reader(bus.subscriber, bus.topic, reliable_reader());
-      reader.retain();
-      REQUIRE(wait_until([&] { return matched() == 2; }));
-    }
-    THEN("it is still there, until what it belongs to is closed") {
-      CHECK(matched() == 2);
-      bus.subscriber.close();
-      CHECK(wait_until([&] { return matched() == 0; }));
-    }
-  }
   GIVEN("a closed reader with references") {
     dds::sub::DataReader<Sample> reader(bus.subscriber, bus.topic, reliable_reader());
     REQUIRE(wait_until([&] { return matched() == 2; }));
@@ -103,6 +91,24 @@ SCENARIO("what cyclonedds-cxx 0.10 lacks of the PSM is there") {
     THEN("its writers no longer see it") {
       CHECK(wait_until([&] { return matched() == 1; }));
     }
+  }
+}
+
+SCENARIO("a wait set without conditions waits") {
+  constexpr auto timeout = std::chrono::milliseconds(50);
+  const auto waits = [timeout](const dds::core::cond::WaitSet& waitset) {
+    const dds_time_t begin = dds_time();
+    return !ext::wait(waitset, timeout) && dds_time() - begin >= std::chrono::nanoseconds(timeout).count();
+  };
+  GIVEN("one to which nothing was attached") {
+    CHECK(waits(dds::core::cond::WaitSet()));
+  }
+  GIVEN("one whose only reader was closed") {
+    Bus bus;
+    dds::core::cond::WaitSet waitset;
+    waitset += dds::sub::cond::ReadCondition(bus.reader, DataState::any());
+    bus.reader.close();
+    CHECK(waits(waitset));
   }
 }
 

@@ -78,13 +78,9 @@ TEST_CASE("Writer and reader match only in a common partition") {
   const auto in = [](const char* name) {
     return Qos() << policy::Reliability::Reliable() << policy::Partition(name);
   };
-  const auto publisher = [&](const char* name) {
-    return pub::Publisher(member, ext::group_qos(member.default_publisher_qos(), in(name)));
-  };
-  const sub::Subscriber left(member, ext::group_qos(member.default_subscriber_qos(), in("left")));
-  sub::DataReader<Command> reader(left, topic, in("left"));
-  const pub::DataWriter<Command> other(publisher("right"), topic, in("right"));
-  const pub::DataWriter<Command> same(publisher("left"), topic, in("left"));
+  sub::DataReader<Command> reader(ext::subscriber_of(member, in("left")), topic, in("left"));
+  const pub::DataWriter<Command> other(ext::publisher_of(member, in("right")), topic, in("right"));
+  const pub::DataWriter<Command> same(ext::publisher_of(member, in("left")), topic, in("left"));
   REQUIRE(matched(reader));
   CHECK(ext::matched_publications(reader) == std::vector<core::InstanceHandle>{same.instance_handle()});
 }

@@ -31,8 +31,8 @@ public:
   Node& operator=(Node&&) = delete;
   virtual ~Node() = default;
 
-  /// Makes a node, which closes with its last reference: on a thread of its own if that is in a callback of
-  /// the node, for which its end waits.
+  /// Makes a node. Its last reference closes it. In a callback of the node, another thread does so, since the
+  /// end waits for the callback.
   template <class N, class... Arguments>
   static std::shared_ptr<N> make(Arguments&&... arguments) {
     return std::shared_ptr<N>(new N(std::forward<Arguments>(arguments)...), release);
@@ -42,7 +42,9 @@ public:
   dds_entity_t handle() const;
   /// The same without exceptions; negative after a close.
   dds_entity_t try_handle() const noexcept {
-    return is_closed() ? dds_entity_t{DDS_RETCODE_ALREADY_DELETED} : handle_.load();
+    const dds_entity_t handle = handle_;  // read once: another thread may close the entity
+    const bool is_open = handle > 0 && (owner_ == nullptr || !owner_->is_closed());
+    return is_open ? handle : dds_entity_t{DDS_RETCODE_ALREADY_DELETED};
   }
   /// Sets the handle, once. A callback of the entity may do so before the constructor does.
   void handle(dds_entity_t value) noexcept {
@@ -54,9 +56,7 @@ public:
   virtual void check_unused() {}
   /// Deletes the entity. A second call has no effect.
   void close() noexcept;
-  bool is_closed() const noexcept;
-  /// Keeps the entity until it or what it belongs to is closed, even without references.
-  void retain();
+  bool is_closed() const noexcept { return try_handle() < 0; }
 
   const std::shared_ptr<Node>& owner() const noexcept { return owner_; }
 
@@ -145,7 +145,7 @@ protected:
 private:
   friend detail::Access;
 
-  /// For moves. A callback keeps its reference.
+  /// Moves the reference out. That of a callback is copied.
   std::shared_ptr<detail::Node> take() noexcept {
     return node_.use_count() > 0 ? std::move(node_) : detail::owning(node_);
   }
@@ -157,7 +157,8 @@ namespace detail {
 /// Access of the other classes to a reference.
 struct Access {
   static std::shared_ptr<Node> node(const Reference& reference) { return owning(reference.pointer()); }
-  /// For what belongs to it. Throws AlreadyClosedError in a callback of an entity that is ending.
+  /// Returns the owner of a new entity or condition. Throws AlreadyClosedError in a callback of an entity
+  /// that is ending.
   static std::shared_ptr<Node> owner(const Reference& reference) {
     auto node = owning(reference.pointer());
     if (node.use_count() == 0) throw AlreadyClosedError("this entity is ending");
@@ -197,18 +198,19 @@ public:
   Entity(null_type) {}
   explicit Entity(std::shared_ptr<detail::Node> node) : Reference(std::move(node)) {}
 
-  /// Without effect: entities are enabled when they are made.
+  /// Has no effect: entities are enabled from the start.
   void enable() { detail::check("dds_enable", dds_enable(node().handle())); }
   /// Statuses that changed since they were last read.
   const status::StatusMask status_changes();
   const InstanceHandle instance_handle() const;
-  /// Throws PreconditionNotMetError for a topic with open readers or writers.
+  /// Throws PreconditionNotMetError for a topic with open readers or writers. Waits for a running callback,
+  /// except while another thread closes what the entity belongs to: then that close waits.
   void close() {
     node().check_unused();
     node().close();
   }
-  /// cyclonedds-cxx 0.10 throws UnsupportedError.
-  void retain() { node().retain(); }
+  /// Throws, as in cyclonedds-cxx 0.10.
+  [[noreturn]] void retain() { throw UnsupportedError("entities cannot be retained: keep a reference"); }
 
 protected:
   /// Reads a status, which clears its changes.

@@ -76,7 +76,7 @@ public:
 
 private:
   std::shared_ptr<const Samples> samples_;
-  std::shared_ptr<const void> memory_;  ///< that the samples point to, if they do
+  std::shared_ptr<const void> memory_;  ///< strings and sequences of native samples; otherwise null
 };
 
 }  // namespace dds::inline sonopose_psm::sub

@@ -35,7 +35,7 @@ class DataReader;
 ///   block, not throw (the process ends), and neither create nor end entities.
 /// - A callback may run before the constructor of the reader has returned. Samples can be taken then, but the
 ///   instance handle of the reader is still nil.
-/// - The listener must outlive its reader, whose end waits for a running callback.
+/// - The listener must outlive its reader, whose end waits for a running callback (Entity::close).
 /// - A status that a listener handles does not wake a `WaitSet`.
 template <class T>
 class DataReaderListener {
@@ -293,7 +293,7 @@ private:
         samples.emplace_back(std::move(data), info);
       }
     }
-    // What native samples point to lives as long as they do.
+    // Keeps the memory that native samples point to.
     if constexpr (topic::detail::Native<T>) return LoanedSamples<T>(std::move(samples), fetched);
     return LoanedSamples<T>(std::move(samples));
   }

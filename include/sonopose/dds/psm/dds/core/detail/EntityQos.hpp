@@ -57,7 +57,8 @@ bool read(policy::DurabilityService& policy, const dds_qos_t* qos);
 
 struct TopicDefaults;
 
-/// `Defaults` separates the kinds of entities, and changes what differs from the policies' own defaults.
+/// QoS of one kind of entity. `Defaults` tells the kinds apart, and sets defaults that differ from those of
+/// the policies.
 template <class Defaults, class... Policies>
 class EntityQos {
   template <class Policy>

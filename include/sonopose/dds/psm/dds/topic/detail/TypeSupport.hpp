@@ -5,8 +5,8 @@
 ///
 ///   using C = …;                                                 // idlc's struct
 ///   static const dds_topic_descriptor_t& descriptor();           // unless it is @nested
-///   static void fields(auto& visit, auto& sample, auto& c);      // visit(name, sample.x(), c.x) …; a
-///   bounded sequence: its bound, too
+///   static void fields(auto& visit, auto& sample, auto& c);      // visit(name, sample.x(), c.x) …
+///                                                                // (a bounded sequence: its bound, too)
 
 #include "../../core/Entity.hpp"
 
