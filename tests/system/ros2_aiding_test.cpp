@@ -6,8 +6,10 @@
 #include <sonopose/ros2/messages/idl_types.hpp>
 #include <sonopose/ros2/messages/service_types.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <stop_token>
 #include <string>
 #include <thread>
@@ -46,6 +48,8 @@ SCENARIO("headings and set poses of ROS 2 reach the fusion") {
   GIVEN("a robot at rest, whose yaw a compass measures in degrees") {
     const Bus bus;
     Consumer<sonopose_FusedPose> poses(bus, topics::pose);
+    Consumer<sonopose_UltrasonicFix> native(bus, topics::fix);
+    RosReader<ros2::PoseWithCovarianceStamped> fixes(bus, "/hedge_42/fix");
     const auto fusion = bus.fusion();
     const auto relay =
         bus.ros2({"--imu-in", "/imu=42", "--fix-in", "/tag=42", "--heading-in", "/yaw:Float64=42",
@@ -113,6 +117,19 @@ SCENARIO("headings and set poses of ROS 2 reach the fusion") {
         CHECK(poses.samples.back().reset_counter == poses.samples.front().reset_counter);
         CHECK(
             relay->wait_for_line(Stream::error, "beacon 42: /initialpose sets the pose to (1.000, 2.000) m"));
+        // Each fix of ROS 2 is one of the bus, and arrives once, also that of the set pose.
+        native.take();
+        const TimeNs set_ns = native.samples.back().emission_time_ns;
+        std::map<TimeNs, int> seen;
+        REQUIRE(fixes.wait_for([&](const auto& message) {
+          ++seen[stamp_of(message.header)];
+          return stamp_of(message.header) > set_ns + 500'000'000;
+        }));
+        native.take();
+        for (const auto& [stamp_ns, count] : seen) {
+          CHECK(count == 1);
+          CHECK(std::ranges::count(native.samples, stamp_ns, &UltrasonicFix::emission_time_ns) == 1);
+        }
       }
     }
   }

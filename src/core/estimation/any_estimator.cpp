@@ -1,3 +1,4 @@
+#include <sonopose/estimation/aiding/delay.hpp>
 #include <sonopose/estimation/aiding/planar.hpp>
 #include <sonopose/estimation/any_estimator.hpp>
 #include <sonopose/estimation/snapshot_fields.hpp>
@@ -11,21 +12,6 @@ std::variant<documented::Engine, kalman::Engine> make(settings::EngineKind kind,
                                                       const settings::Settings& settings) {
   if (kind == settings::EngineKind::kalman) return kalman::Engine(settings);
   return documented::Engine(settings);
-}
-
-/// A pose that the user sets holds when it arrives: its stamps are of another clock than the IMU's, whose
-/// samples may also arrive late.
-template <class Sample>
-Sample at_arrival(Sample set, TimeNs now_ns) {
-  constexpr TimeNs heading_earlier_ns = 1'000'000;  // the heading precedes its fix
-  if (now_ns == 0) return set;                      // nothing has arrived
-  set.emission_time_ns = set.received_time_ns = now_ns;
-  if constexpr (std::is_same_v<Sample, PairHeading>) {
-    set.emission_time_ns = set.received_time_ns = now_ns - heading_earlier_ns;
-  } else {
-    set.measured_delay_s = 0;
-  }
-  return set;
 }
 
 }  // namespace
@@ -44,20 +30,15 @@ std::optional<FusedPose> AnyEstimator::predict(const ImuSample& imu) noexcept {
 }
 
 FixReport AnyEstimator::correct(const UltrasonicFix& fix) noexcept {
-  if ((fix.flags & ultrasonic_flag_set_pose) != 0) {
-    const UltrasonicFix set = at_arrival(fix, time_ns());
-    return std::visit([&](auto& estimator) { return estimator.correct(set); }, estimator_);
-  }
-  return std::visit([&](auto& estimator) { return estimator.correct(fix); }, estimator_);
+  const UltrasonicFix arrived = aiding::at_arrival(fix, time_ns());
+  FixReport report = std::visit([&](auto& estimator) { return estimator.correct(arrived); }, estimator_);
+  report.emission_time_ns = fix.emission_time_ns;  // by which readers find the fix
+  return report;
 }
 
 void AnyEstimator::correct(const PairHeading& heading) noexcept {
-  if ((heading.flags & heading_flag_set_pose) != 0) {
-    const PairHeading set = at_arrival(heading, time_ns());
-    std::visit([&](auto& estimator) { estimator.correct(set); }, estimator_);
-    return;
-  }
-  std::visit([&](auto& estimator) { estimator.correct(heading); }, estimator_);
+  const PairHeading arrived = aiding::at_arrival(heading, time_ns());
+  std::visit([&](auto& estimator) { estimator.correct(arrived); }, estimator_);
 }
 
 void AnyEstimator::correct(const TwistSample& twist) noexcept {

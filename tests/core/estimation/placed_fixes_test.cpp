@@ -330,6 +330,7 @@ SCENARIO("the estimate starts again at a pose that the user sets") {
       const auto pose = engine.predict(next);
       THEN("the next pose is there, with the biases that were learned and without a reset") {
         CHECK((report.flags & fix_used) != 0);
+        CHECK(report.emission_time_ns == fix.emission_time_ns);
         REQUIRE(pose);
         const Vector3d expected_m =
             fix.position_world_m - Vector3d(0.3 * std::cos(yaw_rad), 0.3 * std::sin(yaw_rad), 0);

@@ -7,6 +7,12 @@
 
 namespace sonopose::estimation::aiding {
 
+/// A pose that the user sets holds when it arrives, at `now_ns` of the IMU: its stamps are of another clock,
+/// and the IMU's samples may arrive late. Its heading comes just before its fix. Returns other samples, and
+/// those before the first IMU sample (`now_ns` is 0), unchanged.
+[[nodiscard]] UltrasonicFix at_arrival(const UltrasonicFix& fix, TimeNs now_ns);
+[[nodiscard]] PairHeading at_arrival(const PairHeading& heading, TimeNs now_ns);
+
 /// Time of the measurement, by its own delay or the fixed one (delay.source). A pose that the user sets has
 /// no delay.
 [[nodiscard]] TimeNs measured_at(const settings::DelaySettings& settings, const UltrasonicFix& fix);

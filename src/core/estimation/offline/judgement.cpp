@@ -1,4 +1,5 @@
 #include <sonopose/estimation/aiding/admission.hpp>
+#include <sonopose/estimation/aiding/delay.hpp>
 #include <sonopose/estimation/kalman/engine.hpp>
 #include <sonopose/estimation/offline/judgement.hpp>
 #include <sonopose/samples/pose.hpp>
@@ -6,6 +7,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <variant>
 
@@ -46,16 +48,22 @@ public:
     admitted_.back().imu.push_back(imu);
   }
 
-  void add(const UltrasonicFix& fix) {
+  void add(const UltrasonicFix& given) {
+    const UltrasonicFix fix = aiding::at_arrival(given, engine_.time_ns());
     const FixMeasurement measured = engine_.measurement_in(fix);
     constexpr std::uint32_t refused = fix_low_quality | fix_invalid | fix_too_late;
-    if ((engine_.correct(fix).flags & refused) == 0) insert({measured, fix.sequence});
+    const std::uint64_t before = engine_.counters().headings;
+    const bool is_refused = (engine_.correct(fix).flags & refused) != 0;
+    if (set_heading_ && engine_.counters().headings != before) insert(*set_heading_);
+    if (!is_refused) insert({measured, fix.sequence});
   }
 
-  void add(const PairHeading& heading) {
+  void add(const PairHeading& given) {
+    const PairHeading heading = aiding::at_arrival(given, engine_.time_ns());
     const HeadingMeasurement measured = engine_.measurement_in(heading);
     const std::uint64_t before = engine_.counters().headings;
     engine_.correct(heading);
+    if (measured.restarts) set_heading_ = {measured, heading.sequence};
     if (heading.valid && engine_.counters().headings != before) insert({measured, heading.sequence});
   }
 
@@ -98,6 +106,7 @@ private:
   }
 
   kalman::Engine engine_;
+  std::optional<NumberedAiding> set_heading_;  ///< of a pose that the user sets; counts with its fix
   std::vector<Admitted> admitted_;
 };
 

@@ -5,12 +5,15 @@
 #include <sonopose/estimation/estimator.hpp>
 #include <sonopose/estimation/kalman/engine.hpp>
 #include <sonopose/estimation/offline/judgement.hpp>
+#include <sonopose/estimation/offline/smoother.hpp>
+#include <sonopose/geometry/rotation.hpp>
 #include <sonopose/samples/pose.hpp>
 
 #include <catch2/catch.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <vector>
@@ -132,6 +135,51 @@ SCENARIO("times are those of the measurement") {
       }
       for (const auto& imu : segments[0].imu) {
         CHECK(imu.rate_body_radps.z() == Approx(yaw_rates.at(imu.time_ns) - 0.02).margin(1e-12));
+      }
+    }
+  }
+}
+
+SCENARIO("a pose that the user sets is judged at its arrival") {
+  GIVEN("a walk whose fixes and headings end after 10 s") {
+    std::vector<Event> events = events_of(sim::find_scenario("walk"), 32, 20.0);
+    std::erase_if(events, [begin_ns = available_at_ns(events.front())](const Event& event) {
+      return !std::holds_alternative<ImuSample>(event) &&
+             seconds_between(begin_ns, available_at_ns(event)) > 10.0;
+    });
+    const auto arrival = std::find_if(events.begin(), events.end(), [&](const Event& event) {
+      return since_start_s(events, available_at_ns(event)) > 15.0;
+    });
+    REQUIRE(arrival != events.end());
+    WHEN("a pose 20 m away is set after 15 s, with the stamp of whatever clock") {
+      constexpr std::uint64_t sequence = 1'000'000;
+      const TimeNs now_ns = std::get<ImuSample>(*std::prev(arrival)).sensor_time_ns;
+      const TimeNs stamp_ns = now_ns + to_ns(GENERATE(0.0, 2.0, -30.0));
+      UltrasonicFix fix;
+      fix.sequence = sequence;
+      fix.emission_time_ns = fix.received_time_ns = stamp_ns;
+      fix.flags = ultrasonic_flag_set_pose;
+      fix.position_world_m = {20, 0, 1};
+      fix.covariance_world_m2 = Covariance<3>::from_matrix(0.01 * Eigen::Matrix3d::Identity());
+      const PairHeading heading{.sequence = sequence,
+                                .emission_time_ns = stamp_ns,
+                                .received_time_ns = stamp_ns,
+                                .heading_world_rad = 2.0,
+                                .valid = true,
+                                .std_rad = 0.1,
+                                .flags = heading_flag_of_body | heading_flag_set_pose};
+      events.insert(events.insert(arrival, heading) + 1, fix);
+      const auto segments = estimation::offline::judged({}, events);
+      THEN("a segment begins there and then, with its position and yaw") {
+        REQUIRE(segments.size() == 2);
+        const JudgedFix& first = segments[1].fixes.front();
+        CHECK(first.sequence == sequence);
+        CHECK(first.used);
+        CHECK(first.measured.time_ns == now_ns);
+        const auto poses = estimation::offline::smoothed({}, segments[1], {});
+        REQUIRE_FALSE(poses.empty());
+        CHECK((poses.front().position_world_m - fix.position_world_m).norm() < 0.3);
+        CHECK(std::abs(geometry::wrap_angle(geometry::yaw_of(poses.front().q_body_to_world) - 2.0)) < 0.2);
       }
     }
   }
