@@ -10,8 +10,6 @@
 namespace sonopose::motion::fit {
 namespace {
 
-/// Shortest piece. In less time, tilt and biases explain an acceleration of the wrong sign.
-constexpr double min_length_s = 5.0;
 constexpr double max_outliers = 0.1;
 /// Accuracy of the mount with a change. Fixes that drift away resemble a wrong sign, but no mount fits them
 /// well.
@@ -55,7 +53,8 @@ double range_of(const std::vector<double>& angles_rad) {
   return range_rad;
 }
 
-/// Straight ways look as well without a mirror, but each with another mount; with it the mount is one.
+/// On straight ways the fit is as good without a mirror, but finds another mount in each piece. With the
+/// mirror the mounts agree.
 std::optional<MapChange> mirror_by_mounts(const std::vector<Piece>& pieces, double mount_rad) {
   constexpr double min_range_rad = 45.0 * geometry::radians_per_degree;
   std::vector<double> mounts_rad;
@@ -77,12 +76,8 @@ std::optional<MapChange> mirror_by_mounts(const std::vector<Piece>& pieces, doub
 
 }  // namespace
 
-bool is_judged(const Piece& piece) {
-  return piece.span_m >= min_span_m && piece.length_s >= min_length_s;
-}
-
-bool explains(const Variant& variant, const Piece& piece, double min_log_likelihood) {
-  if (variant.log_likelihood < min_log_likelihood || variant.residual_m > max_residual_m) return false;
+bool explains(const Variant& variant, const Piece& piece) {
+  if (variant.log_likelihood < min_log_likelihood_ratio || variant.residual_m > max_residual_m) return false;
   if (variant.mount_rad && variant.mount_rad->std > max_mount_std_rad) return false;
   return are_few(variant.outliers, piece, max_outliers);
 }
@@ -104,30 +99,20 @@ Measured mean_of(const std::vector<Measured>& all, double min_std) {
 std::optional<Measured> clock_offset_in(const std::vector<Piece>& pieces) {
   constexpr double min_offset_s = 0.12;  // less is a delay
   constexpr double min_std_s = 0.003;
-  constexpr double max_difference_s = 0.08;
   constexpr double known_std_s = 0.02;
-  std::vector<Measured> offsets;
-  std::size_t judged = 0;
-  double by_clock = 0;
-  double by_others = 0;
+  const Piece* searched = nullptr;  // there is at most one
   for (const Piece& piece : pieces) {
     if (!is_judged(piece) || piece.clock_search == ClockSearch::left_out) continue;
-    const bool is_searched = piece.clock_search == ClockSearch::done;
-    if (!is_searched && piece.delay_s.std > known_std_s) continue;  // fits with any clock
-    ++judged;
-    if (!is_searched) continue;
-    by_others += std::max(best_of_imu(piece), mirrored_of(piece).log_likelihood);
-    if (!explains(piece.other_clock, piece, min_log_likelihood_ratio / 4)) continue;
-    by_clock += piece.other_clock.log_likelihood;
-    offsets.push_back(piece.clock_offset_s);
+    if (piece.clock_search == ClockSearch::done) {
+      searched = &piece;
+    } else if (piece.delay_s.std <= known_std_s) {
+      return std::nullopt;  // it fits with one clock
+    }
   }
-  if (!is_majority(offsets.size(), judged) || by_clock < min_share_of_others * by_others ||
-      by_clock < min_log_likelihood_ratio)
-    return std::nullopt;
-  const auto [least, most] =
-      std::ranges::minmax(offsets, {}, [](const Measured& offset) { return offset.value; });
-  if (most.value - least.value > max_difference_s) return std::nullopt;
-  const Measured offset = mean_of(offsets, min_std_s);
+  if (searched == nullptr || !explains(searched->other_clock, *searched)) return std::nullopt;
+  const double others = std::max(best_of_imu(*searched), mirrored_of(*searched).log_likelihood);
+  if (searched->other_clock.log_likelihood < min_share_of_others * others) return std::nullopt;
+  const Measured offset{searched->clock_offset_s.value, std::max(min_std_s, searched->clock_offset_s.std)};
   if (std::abs(offset.value) < std::max(min_offset_s, significant_stds * offset.std)) return std::nullopt;
   return offset;
 }

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// Changes of the samples without which no motion explains them (other clocks, a mirrored map), and the
-/// conditions under which a fit with a change counts.
+/// Changes that make samples agree with a motion (other clocks, a mirrored map), and the conditions under
+/// which a fit with a change counts.
 
 #include "motion/fit/window_fit.hpp"
 
@@ -16,8 +16,6 @@ namespace sonopose::motion::fit {
 /// Largest residual, above the noise of any usable fix. Beyond it the IMU does not measure the motion of the
 /// fixes.
 inline constexpr double max_residual_m = 0.06;
-/// Smallest motion at which fixes say something about mount, signs and clocks.
-inline constexpr double min_span_m = 0.5;
 /// Number of standard deviations for a finding.
 inline constexpr double significant_stds = 3.5;
 /// Logarithm of the likelihood ratio, per piece, by which a change must win.
@@ -28,12 +26,8 @@ inline bool are_few(std::size_t outliers, const Piece& piece, double share) {
   return static_cast<double>(outliers) < share * static_cast<double>(piece.fixes);
 }
 
-/// True if a piece is long and wide enough to judge changes.
-bool is_judged(const Piece& piece);
-
 /// True if this change explains the piece, which its samples as they are do not.
-bool explains(const Variant& variant, const Piece& piece,
-              double min_log_likelihood = min_log_likelihood_ratio);
+bool explains(const Variant& variant, const Piece& piece);
 
 /// Weighted mean of independent estimates. Not more accurate than `min_std`, nor than their spread.
 Measured mean_of(const std::vector<Measured>& all, double min_std);

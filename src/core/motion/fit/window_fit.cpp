@@ -162,16 +162,12 @@ struct FittedPiece {
   Piece piece;
   Segment segment;
   SegmentFit fit;
-  bool lacks_mirrored = false;  ///< true if it fits well without a change
+  bool is_mirror_untried = false;  ///< true if no mirrored fit was made
 };
 
-/// Limits of the fit of all pieces.
-struct Limits {
-  std::function<bool()> is_stopped;
-  int clock_searches = 1;  ///< searches left; one takes as long as several pieces
-};
-
-std::optional<FittedPiece> piece_of(const Window& window, TimeNs begin_ns, TimeNs end_ns, Limits& limits) {
+/// Fits the samples in [begin, end). Searches another clock unless that is done.
+std::optional<FittedPiece> piece_of(const Window& window, TimeNs begin_ns, TimeNs end_ns,
+                                    const std::function<bool()>& is_stopped, bool is_clock_searched) {
   const auto imu = longest_run_of(between(window.imu, begin_ns, end_ns));
   if (imu.size() < 2) return std::nullopt;
   const TimeNs first_ns = imu.front().time_ns;
@@ -198,7 +194,6 @@ std::optional<FittedPiece> piece_of(const Window& window, TimeNs begin_ns, TimeN
     if (configured) piece.mount_log_likelihood = configured->cost - fit->cost;
   }
   piece.outliers_m = outliers_of(*fit);
-  constexpr double min_span_m = 0.5;  // a smaller motion says nothing about signs
   if (piece.span_m < min_span_m) return fitted;
   for (std::size_t axis = 0; axis < piece.inverted.size(); ++axis) {
     Vector3d signs = Vector3d::Ones();
@@ -216,14 +211,13 @@ std::optional<FittedPiece> piece_of(const Window& window, TimeNs begin_ns, TimeN
                        std::ranges::any_of(piece.inverted, [](const Variant& inverted) {
                          return inverted.log_likelihood > doubtful_log_likelihood;
                        });
-  fitted.lacks_mirrored = !is_poor;
+  fitted.is_mirror_untried = !is_poor;
   if (is_poor) fit_mirrored(segment, *fit, piece);
   const bool has_doubtful_clock =
       piece.residual_m > doubtful_residual_m || std::abs(piece.delay_s.value) > doubtful_delay_s;
   if (has_doubtful_clock) piece.clock_search = ClockSearch::left_out;
-  if (has_doubtful_clock && limits.clock_searches > 0) {
-    --limits.clock_searches;
-    search_clock(window, segment, *fit, limits.is_stopped, piece);
+  if (has_doubtful_clock && is_judged(piece) && !is_clock_searched) {
+    search_clock(window, segment, *fit, is_stopped, piece);
   }
   return fitted;
 }
@@ -244,7 +238,7 @@ bool have_other_mounts(const std::vector<FittedPiece>& pieces) {
 
 }  // namespace
 
-std::vector<Piece> pieces_of(Window window, const std::function<bool()>& is_stopped) {
+std::vector<Piece> pieces_of(Window window, const std::function<bool()>& stops) {
   sort_by_time(window);
   if (window.imu.size() < 2) return {};
   const TimeNs begin_ns = window.imu.front().time_ns;
@@ -252,19 +246,23 @@ std::vector<Piece> pieces_of(Window window, const std::function<bool()>& is_stop
   if (length_s < min_piece_s) return {};
   const auto count = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(length_s / piece_s)));
   const std::size_t step = (count + max_pieces - 1) / max_pieces;
-  Limits limits{[&] { return is_stopped && is_stopped(); }};
+  const auto is_stopped = [&] { return stops && stops(); };
+  bool is_clock_searched = false;
   std::vector<FittedPiece> fitted;
-  for (std::size_t i = 0; i < count && !limits.is_stopped(); i += step) {
+  for (std::size_t i = 0; i < count && !is_stopped(); i += step) {
     const double share_s = length_s / static_cast<double>(count);
-    auto piece = piece_of(window, begin_ns + to_ns(static_cast<double>(i) * share_s),
-                          begin_ns + to_ns(static_cast<double>(i + 1) * share_s), limits);
-    if (piece) fitted.push_back(std::move(*piece));
+    auto piece =
+        piece_of(window, begin_ns + to_ns(static_cast<double>(i) * share_s),
+                 begin_ns + to_ns(static_cast<double>(i + 1) * share_s), is_stopped, is_clock_searched);
+    if (!piece) continue;
+    is_clock_searched = is_clock_searched || piece->piece.clock_search == ClockSearch::done;
+    fitted.push_back(std::move(*piece));
   }
   // A straight way of a mirrored map looks like another mount.
   const bool may_be_mirrored = have_other_mounts(fitted);
   std::vector<Piece> pieces;
   for (FittedPiece& each : fitted) {
-    if (may_be_mirrored && each.lacks_mirrored && !limits.is_stopped()) {
+    if (may_be_mirrored && each.is_mirror_untried && !is_stopped()) {
       fit_mirrored(each.segment, each.fit, each.piece);
     }
     pieces.push_back(std::move(each.piece));

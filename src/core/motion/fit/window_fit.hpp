@@ -20,7 +20,7 @@ struct Measured {
   double std = 0;
 };
 
-/// The motion of samples with one change. Without a fit it explains nothing.
+/// The motion of samples with one change; all zero if no fit succeeded.
 struct Variant {
   double log_likelihood = 0;  ///< log-likelihood minus that without the change
   double residual_m = 0;
@@ -28,7 +28,7 @@ struct Variant {
   std::optional<Measured> mount_rad;
 };
 
-/// Search for another clock of the fixes; left out for lack of time.
+/// Search for another clock of the fixes. One takes as long as several pieces, so the others are left out.
 enum class ClockSearch : std::uint8_t { not_needed, left_out, done };
 
 /// One piece of the window, some seconds long.
@@ -54,6 +54,15 @@ struct Piece {
   ClockSearch clock_search = ClockSearch::not_needed;
   std::vector<Vector3d> outliers_m;  ///< deviations of the fixes that are far from the motion, world
 };
+
+/// Smallest motion at which fixes say something about mount, signs and clocks.
+inline constexpr double min_span_m = 0.5;
+
+/// True if a piece is long and wide enough to judge changes.
+[[nodiscard]] inline bool is_judged(const Piece& piece) {
+  constexpr double min_length_s = 5.0;  // in less time, tilt and biases explain a wrong sign
+  return piece.span_m >= min_span_m && piece.length_s >= min_length_s;
+}
 
 /// Pieces of the window with enough samples: about 8 s each, or the whole of a shorter window; of a long
 /// window 15 of them, evenly spread. Stops early, with the pieces so far, when `is_stopped` returns true.
