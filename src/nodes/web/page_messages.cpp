@@ -107,14 +107,10 @@ std::string status_table_json() {
   for (std::uint32_t bit = 1; bit != 0; bit <<= 1U) {
     const std::string word = observation::status_words(bit);
     if (word == observation::status_words(0)) continue;  // the bit has no meaning
-    std::uint32_t hidden_by = 0;
-    for (std::uint32_t other = 1; other != 0; other <<= 1U) {
-      if ((observation::causes_in(bit | other) & bit) == 0U) hidden_by |= other;
-    }
     table.push_back({{"bit", bit},
                      {"word", word},
                      {"severity", observation::severity_of_status(bit)},
-                     {"hidden_by", hidden_by}});
+                     {"hidden_by", observation::causes_of(bit)}});
   }
   return dump(table);
 }

@@ -28,10 +28,14 @@ constexpr std::array<std::pair<PoseStatus, std::string_view>, 14> status_names{{
 
 }  // namespace
 
+std::uint32_t causes_of(std::uint32_t bit) {
+  return bit == status_stale ? std::uint32_t{status_frozen_track}
+                             : 0U;  // repeated positions are no valid fixes
+}
+
 std::uint32_t causes_in(std::uint32_t status) {
-  // Repeated positions are no valid fixes.
-  const bool is_frozen = (status & status_frozen_track) != 0U;
-  return is_frozen ? status & ~std::uint32_t{status_stale} : status;
+  const bool is_explained = (status & causes_of(status_stale)) != 0U;
+  return is_explained ? status & ~std::uint32_t{status_stale} : status;
 }
 
 std::string status_words(std::uint32_t status) {

@@ -7,7 +7,11 @@
 
 namespace sonopose::observation {
 
-/// Returns the bits that are no consequence of another: a frozen track is stale after a while.
+/// Returns the bits of which a bit is a consequence; 0 if there are none. A frozen track is stale after a
+/// while.
+std::uint32_t causes_of(std::uint32_t bit);
+
+/// Returns the bits that are no consequence of another.
 std::uint32_t causes_in(std::uint32_t status);
 
 /// "ok" if no bit is set, otherwise the names of its causes: "stale, low trust".
