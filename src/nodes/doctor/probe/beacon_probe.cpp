@@ -3,6 +3,7 @@
 #include "doctor/probe/longest_rest.hpp"
 #include "motion/fit/window_fit.hpp"
 #include "observation/beacon_observer.hpp"
+#include "observation/status_words.hpp"
 #include <sonopose/calibration/model/calibration.hpp>
 #include <sonopose/estimation/aiding/delay.hpp>
 #include <sonopose/geometry/rotation.hpp>
@@ -10,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace sonopose::doctor::probe {
@@ -109,6 +111,8 @@ void BeaconProbe::on(const UltrasonicFix& fix, const Arrival& arrival) {
   pair_losses_.on_fix(arrival.time_ns);
   fixes_.add(arrival.time_ns, fix);
   if (fix.measured_delay_s) ++timed_fixes_;
+  least_fix_delay_s_ = std::min(least_fix_delay_s_.value_or(std::numeric_limits<double>::max()),
+                                seconds_between(fix.emission_time_ns, fix.received_time_ns));
   if ((fix.flags & ultrasonic_flag_pair_centre) != 0U) ++pair_fixes_;
 }
 
@@ -130,7 +134,7 @@ void BeaconProbe::on(const TwistSample& twist, const Arrival& arrival) {
 void BeaconProbe::on(const FusedPose& pose, const Arrival& arrival) {
   if (!in_window()) return;
   pose_.count(arrival);
-  status_counts_.add(pose.status);
+  status_counts_.add(observation::causes_in(pose.status));
 }
 
 void BeaconProbe::on(const FixReport& report, const Arrival& arrival) {
@@ -215,6 +219,7 @@ rules::BeaconObservation BeaconProbe::observation(TimeNs now_ns, const settings:
   beacon.pair_fixes = pair_fixes_;
   beacon.fix_outcomes = fix_outcomes();
   beacon.timed_fixes = timed_fixes_;
+  beacon.least_fix_delay_s = least_fix_delay_s_.value_or(0.0);
   beacon.imu = imu_.observation(began_ns_, now_ns);
   beacon.fix = fix_.observation(began_ns_, now_ns);
   beacon.heading = heading_.observation(began_ns_, now_ns);

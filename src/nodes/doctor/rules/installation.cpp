@@ -94,7 +94,7 @@ private:
   /// that is not known.
   [[nodiscard]] bool clocks() const {
     const auto offset = motion::fit::clock_offset_in(beacon_.pieces);
-    if (!offset) return false;
+    if (!offset || !beacon_.fusion_settings.delay.extrapolate) return false;
     if (offset->value > 0 && can_set(age_setting(*offset))) {
       report_age(*offset, Severity::warning, ": another delay, or another clock than that of the IMU");
     } else {
@@ -110,9 +110,9 @@ private:
     if (!change) return false;
     findings_.push_back(
         {Severity::error, name_of(beacon_),
-         "its fixes are mirrored: they agree with the IMU only if the sense of the map is changed",
+         "its fixes are mirrored: they agree with the IMU only if an axis of the map is inverted",
          fmt::format(
-             "{}, where the positions come from: the map of the beacons is left-handed, or their driver "
+             "{} at the source of the positions: the map of the beacons is left-handed, or their driver "
              "mixes the axes",
              motion::fit::text_of(*change))});
     return true;
@@ -274,8 +274,8 @@ private:
     report_age(error, Severity::warning, "");
   }
 
-  /// Setting that corrects the age of the fixes, and the value that does. The fusion takes later fixes for
-  /// ones from the future.
+  /// Setting that corrects the age of the fixes, and the value that does. Below `least_s` the fusion would
+  /// refuse fixes as from the future.
   struct AgeSetting {
     std::string key;
     double value_s = 0;
@@ -289,9 +289,10 @@ private:
         settings.source == settings::DelaySource::measured && 2 * beacon_.timed_fixes > beacon_.fix.samples;
     const std::string key = own ? "delay.correction_s" : "delay.processing_s";
     const settings::SettingInfo& limits = settings::setting_info(key);
+    const double least_s =
+        -estimation::aiding::admission::future_tolerance_s - (own ? beacon_.least_fix_delay_s : 0.0);
     return {key, (own ? settings.correction_s : settings.processing_s) + error.value,
-            std::max(std::get<double>(limits.minimum), -estimation::aiding::admission::future_tolerance_s),
-            std::get<double>(limits.maximum)};
+            std::max(std::get<double>(limits.minimum), least_s), std::get<double>(limits.maximum)};
   }
 
   static bool can_set(const AgeSetting& setting) {
@@ -309,11 +310,11 @@ private:
          can_set(setting)
              ? fmt::format("try {}={}; sonopose-calibrate delay finds it exactly (docs/calibration.md)",
                            setting.key, text::number_text(setting.value_s, 3))
-             : fmt::format(
-                   "set the clock that stamps them, or correct the stamps by {} s in the driver: {} can "
-                   "only be {} to {} s here",
-                   text::number_text(-error.value, 3), setting.key, text::number_text(setting.least_s, 1),
-                   text::number_text(setting.most_s, 1))});
+             : fmt::format("synchronise the clocks that stamp the fixes and the IMU samples, or add {} s to "
+                           "the stamps "
+                           "of the fixes in their driver; {} allows only {} to {} s",
+                           text::number_text(-error.value, 3), setting.key,
+                           text::number_text(setting.least_s, 2), text::number_text(setting.most_s, 2))});
   }
 
   const BeaconObservation& beacon_;

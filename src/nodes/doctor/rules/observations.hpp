@@ -90,7 +90,7 @@ struct RestObservation {
   calibration::AxesSettings axes;
 };
 
-/// Number of poses in the window for each bit of PoseStatus.
+/// Number of poses in the window for each bit of PoseStatus that is no consequence of another.
 class StatusCounts {
 public:
   void add(std::uint32_t status) {
@@ -148,6 +148,7 @@ struct BeaconObservation {
   std::uint64_t pair_fixes = 0;            ///< fixes that are the centre of a pair
   settings::Settings fusion_settings;      ///< settings of its fusion; the defaults if unknown
   std::uint64_t timed_fixes = 0;           ///< fixes whose delay was measured by the hardware
+  double least_fix_delay_s = 0;            ///< least time from emission to receipt
   std::vector<motion::fit::Piece> pieces;  ///< fits of the installation to IMU and fixes
   motion::ImuSummary imu_summary;          ///< summary with the calibration applied
   motion::TurnGain turn_gain;              ///< gain of the calibrated gyroscope

@@ -71,9 +71,6 @@ void check_pose(double window_s, const BeaconObservation& beacon, Cause cause, F
     const double share = beacon.status_counts.share_of(lasting.bit);
     if (share * window_s < lasting.min_s || share < lasting.min_share) continue;
     if (lasting.explained_by != Cause::none && cause >= lasting.explained_by) continue;
-    // A frozen track is stale after a while.
-    const bool is_frozen = beacon.status_counts.share_of(status_frozen_track) >= 0.5 * share;
-    if (lasting.bit == status_stale && is_frozen) continue;
     // A single beacon estimates its heading from motion.
     const bool waits_for_motion = lasting.bit == status_heading_unknown && beacon.heading.samples == 0;
     findings.push_back({waits_for_motion ? Severity::note : Severity::warning, name_of(beacon),

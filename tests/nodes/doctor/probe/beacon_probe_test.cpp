@@ -180,6 +180,19 @@ TEST_CASE("The share of the poses with a status bit is that of the window") {
   CHECK(BeaconProbe().observation(begin_ns, {}).status_counts.share_of(status_stale) == 0.0);
 }
 
+TEST_CASE("A frozen track explains that its poses are stale") {
+  BeaconProbe probe;
+  probe.begin(begin_ns, {});
+  FusedPose pose;
+  for (const std::uint32_t status : {status_frozen_track | status_stale, std::uint32_t{status_stale}}) {
+    pose.status = status;
+    probe.on(pose, begin_ns + 1);
+  }
+  const StatusCounts counts = observation_of(probe).status_counts;
+  CHECK(counts.share_of(status_frozen_track) == 0.5);
+  CHECK(counts.share_of(status_stale) == 0.5);
+}
+
 TEST_CASE("Innovations of outliers are kept, and those of used fixes are not") {
   BeaconProbe probe;
   probe.begin(begin_ns, {});

@@ -100,6 +100,23 @@ TEST_CASE("A status that lasts for a part of the window is reported, however lon
   CHECK(found(findings, "initialising").severity == Severity::ok);  // it is over
 }
 
+TEST_CASE("A frozen track does not hide a silence of the fixes at another time") {
+  Observations observations = healthy();
+  observations.window_s = 60;
+  for (int second = 0; second < 60; ++second) {
+    const bool is_frozen = second < 3;
+    const bool is_stale = second >= 20 && second < 26;
+    observations.beacons.front().status_counts.add(is_frozen  ? std::uint32_t{status_frozen_track}
+                                                   : is_stale ? std::uint32_t{status_stale}
+                                                              : 0U);
+  }
+  const auto findings = diagnose(observations);
+  CHECK(found(findings, "repeat one position although the IMU measures motion (3.0 of 60 s)").severity ==
+        Severity::warning);
+  CHECK(found(findings, "no valid fix for longer than outage.stale_after_s (6.0 of 60 s)").severity ==
+        Severity::warning);
+}
+
 TEST_CASE("Fixes that the hardware flags as unavailable have a specific remedy") {
   const auto findings = findings_with([](auto& b) {
     b.fix = {};

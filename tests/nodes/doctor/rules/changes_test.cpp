@@ -33,10 +33,10 @@ struct Mirror {
 };
 
 const std::vector<Mirror> mirrors{
-    {"; change the sign of y, where", [](const Vector3d& at) { return Vector3d(at.x(), -at.y(), at.z()); }},
-    {"; change the sign of x, where", [](const Vector3d& at) { return Vector3d(-at.x(), at.y(), at.z()); }},
-    {"; exchange x and y, where", [](const Vector3d& at) { return Vector3d(at.y(), at.x(), at.z()); }},
-    {"; exchange x and y, and change the sign of both, where",
+    {"; change the sign of y at", [](const Vector3d& at) { return Vector3d(at.x(), -at.y(), at.z()); }},
+    {"; change the sign of x at", [](const Vector3d& at) { return Vector3d(-at.x(), at.y(), at.z()); }},
+    {"; exchange x and y at", [](const Vector3d& at) { return Vector3d(at.y(), at.x(), at.z()); }},
+    {"; exchange x and y, and change the sign of both at",
      [](const Vector3d& at) { return Vector3d(-at.y(), -at.x(), at.z()); }}};
 
 TEST_CASE("Mirrored fixes are found by right headings, with the change that corrects them") {
@@ -64,7 +64,7 @@ TEST_CASE("A mirrored map is found without headings, and with those of the map")
     const std::string problems = problems_of(observed(events, {}, {8, 24}));
     CAPTURE(scenario, has_headings, problems);
     CHECK_THAT(problems, Contains("its fixes are mirrored") &&
-                             Contains("; exchange x and y, or change the sign of one of them, where"));
+                             Contains("; exchange x and y, or change the sign of one of them at"));
     CHECK_THAT(problems, !Contains("gyroscope") && !Contains("accelerometer"));
   }
 }
@@ -90,13 +90,39 @@ TEST_CASE("Stamps of fixes and IMU of different clocks are found, with the value
                                              : "another delay, or another clock than that of the IMU"));
     CHECK_THAT(problems, !Contains("gyroscope") && !Contains("accelerometer") && !Contains("mount offset") &&
                              !Contains("mirrored"));
-    const bool is_possible = each.ahead_s > -0.3 && each.ahead_s < 0.5;
-    const std::string before = is_possible ? "try delay.correction_s=" : "correct the stamps by ";
+    const bool is_possible = std::abs(each.ahead_s) < 0.5;  // the limits of the setting
+    const std::string before = is_possible ? "try delay.correction_s=" : "or add ";
     const std::size_t at = problems.find(before);
     REQUIRE(at != std::string::npos);
     CHECK(std::stod(problems.substr(at + before.size())) ==
           Approx(is_possible ? each.ahead_s : -each.ahead_s).margin(0.03));
   }
+}
+
+TEST_CASE("Stamps of different clocks are found although the first samples have a gap") {
+  auto events = events_of("walk", 2711, 32.5);
+  const TimeNs gap_ns = available_at_ns(events.front()) + to_ns(8.0 + 4.0);
+  std::erase_if(events, [&](const Event& event) {
+    const auto* const imu = std::get_if<ImuSample>(&event);
+    return imu != nullptr && std::abs(imu->sensor_time_ns - gap_ns) < to_ns(0.075);
+  });
+  const auto shift = [](auto& sample) { sample.emission_time_ns += to_ns(0.4); };
+  change(events, shift, shift);
+  const std::string problems = problems_of(observed(events, {}, {8, 24}));
+  CAPTURE(problems);
+  CHECK_THAT(problems, Contains("another delay, or another clock than that of the IMU"));
+  CHECK_THAT(problems, !Contains("mirrored") && !Contains("wrong sign") && !Contains("mount offset"));
+}
+
+TEST_CASE("Stamps that the fusion does not use are not corrected") {
+  auto events = events_of("walk", 2712, 32.5);
+  const auto shift = [](auto& sample) { sample.emission_time_ns += to_ns(0.3); };
+  change(events, shift, shift);
+  settings::Settings settings;
+  settings.delay.extrapolate = false;
+  const std::string problems = problems_of(observed(events, settings, {8, 24}));
+  CHECK_THAT(problems, !Contains("delay.") && !Contains("of different clocks"));
+  CHECK_THAT(problems, !Contains("mirrored") && !Contains("wrong sign") && !Contains("mount offset"));
 }
 
 }  // namespace changes_test
