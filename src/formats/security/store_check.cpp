@@ -5,6 +5,7 @@
 #include "security/key_store.hpp"
 
 #include <algorithm>
+#include <string_view>
 #include <system_error>
 
 namespace sonopose::security {
@@ -21,6 +22,13 @@ bool is_leaf(const std::string& text, const std::string& authority) {
   }
 }
 
+/// The problem of a file; the message of an error begins with its path.
+StoreProblem problem_of(const fs::path& file, std::string_view message) {
+  const std::string path = file.string() + ": ";
+  if (message.starts_with(path)) message.remove_prefix(path.size());
+  return {file.string(), std::string(message)};
+}
+
 /// Adds the certificates of the store that the permissions authority issued, itself excluded.
 void check_leaves(const KeyStore& store, std::vector<StoreProblem>& problems) {
   const std::string authority =
@@ -34,7 +42,8 @@ void check_leaves(const KeyStore& store, std::vector<StoreProblem>& problems) {
                           "issued by the permissions authority: its owner can sign permissions that Cyclone "
                           "DDS accepts (CVE-2023-24011); make a new store, whose authorities are separate"});
     } catch (const files::IoError& error) {
-      problems.push_back({path.string(), error.what()});
+      if (path.filename() == key_file) continue;  // a problem of its enclave
+      problems.push_back(problem_of(path, error.what()));
     }
   }
 }
@@ -62,7 +71,7 @@ void check_authorities(const KeyStore& store, std::int64_t now_s, std::vector<St
       if (now_s < validity.not_before_s) text = "not valid before " + date_time_text(validity.not_before_s);
       if (!text.empty()) problems.push_back({certificate.string(), text + "; make a new store"});
     } catch (const SecurityError& error) {
-      problems.push_back({certificate.string(), error.what()});
+      problems.push_back(problem_of(certificate, error.what()));
     }
   }
 }

@@ -206,7 +206,23 @@ SCENARIO("A check is also of the authorities") {
     const auto problems = store.problems();
     REQUIRE(problems.size() == 1);
     CHECK(problems.front().subject == file.string());
-    CHECK_THAT(problems.front().text, Contains("bytes, the limit"));
+    CHECK_THAT(problems.front().text, Contains("bytes, the limit") && !Contains("large.pem"));
+  }
+  WHEN("a certificate of theirs is missing") {
+    const fs::path file = store.keys.folder() / "public" / "identity_ca.cert.pem";
+    fs::remove(file);
+    const auto problems = store.problems();
+    REQUIRE(problems.size() == 1);
+    CHECK(problems.front().subject == file.string());
+    CHECK_THAT(problems.front().text, !Contains(file.string()));
+  }
+  WHEN("a key cannot be read") {
+    store.add("bridge", {"bridge"});
+    const fs::path key = store.keys.enclave_folder("bridge") / "key.pem";
+    fs::resize_file(key, files::max_text_bytes + 1);
+    const auto problems = store.problems();
+    REQUIRE(problems.size() == 1);
+    CHECK(problems.front().subject == "bridge");
   }
   WHEN("a certificate is broken") {
     write_text(store.keys.folder() / "broken.pem", "-----BEGIN CERTIFICATE-----\nnone");
