@@ -18,6 +18,7 @@ std::optional<double> unit_of(std::string_view text) {
   std::string unit;
   for (const char c : text) unit += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   if (unit.empty() || unit == "b") return 1.0;
+  if (unit == "e") return std::nullopt;  // an exponent whose digits are missing
   const std::size_t prefix = prefixes.find(unit.front());
   const std::string_view rest = std::string_view(unit).substr(1);
   if (prefix == std::string_view::npos) return std::nullopt;

@@ -15,12 +15,13 @@ TEST_CASE("a size is a number with a unit, whole or not") {
   CHECK(bytes_of("2GiB") == 2147483648.0);
   CHECK(bytes_of("1kib") == 1024.0);
   CHECK(bytes_of("12 b") == 12.0);
+  CHECK(bytes_of("1EB") == 1e18);
   CHECK(bytes_of("0.25Ti") == 274877906944.0);
 }
 
 TEST_CASE("other texts are no size") {
   for (const char* const text :
-       {"", "MB", "-1MB", "1,5MB", "1MBit", "1xB", "nan", "inf", "1e308EB", "5 MB x", "0x10"}) {
+       {"", "MB", "-1MB", "1,5MB", "1MBit", "1xB", "nan", "inf", "1e308EB", "5 MB x", "0x10", "1e", "1 E"}) {
     CAPTURE(text);
     CHECK_FALSE(bytes_of(text));
   }
