@@ -58,11 +58,6 @@ void report(const Assembler& assembler, const marvelmind::DecoderCounters& line,
   }
 }
 
-std::string unused_text(const std::string& name, const marvelmind::DecoderCounters& counters) {
-  return fmt::format("{}: {} of kinds that are not used, such as {}", name,
-                     text::count_text(counters.unused_frames, "frame"), counters.first_unused);
-}
-
 /// Passes an event on. IMU samples get the meaning that the user declares.
 void pass_on(Event event, ImuMeaning imu_meaning, publication::SampleSink& sink) {
   if (auto* imu = std::get_if<ImuSample>(&event)) imu->meaning = imu_meaning;
@@ -196,7 +191,10 @@ private:
     sink.on(status);
     if (said_unused_ || decoder_.counters().unused_frames == 0) return;
     said_unused_ = true;
-    watch_.log().write(logging::Level::info, unused_text(status.name, decoder_.counters()), now);
+    watch_.log().write(logging::Level::info,
+                       fmt::format("{}: ignores frames of unused kinds, such as {}", status.name,
+                                   decoder_.counters().first_unused),
+                       now);
   }
 
   [[nodiscard]] LineStatus line_status() const {
@@ -347,7 +345,8 @@ private:
                       options_.file.string(), text::count_text(counters.frames, "valid frame")));
     }
     if (counters.unused_frames > 0) {
-      logging::info(unused_text(options_.file.string(), counters));
+      logging::info(fmt::format("{}: ignored {} of unused kinds, such as {}", options_.file.string(),
+                                text::count_text(counters.unused_frames, "frame"), counters.first_unused));
     }
     const std::uint64_t other_frames = counters.unknown_frames + counters.malformed_frames;
     if (counters.bytes_lost == 0 && other_frames == 0) return;

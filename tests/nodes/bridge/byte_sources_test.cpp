@@ -8,6 +8,7 @@
 #include "logging/captured_log.hpp"
 #include "marvelmind/encoder.hpp"
 #include "marvelmind/frames.hpp"
+#include "support/pseudo_terminal.hpp"
 #include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
@@ -26,6 +27,7 @@ using namespace sonopose::publication;
 using namespace sonopose::process;
 using namespace sonopose::marvelmind;
 using sonopose::test::CollectingSink;
+using sonopose::test::PseudoTerminal;
 using sonopose::test::TemporaryFolder;
 
 constexpr TimeNs ms = 1'000'000;
@@ -292,21 +294,57 @@ SCENARIO("a beacon that turns to another protocol is named with it") {
                                Catch::Contains("found " + name + ": set the protocol"));
 }
 
-SCENARIO("frames of kinds that are not used are counted and said once") {
-  const TemporaryFolder folder;
-  BeaconFile file(folder / "bytes.bin");
-  file << imu_at(10'000);
-  for (int i = 0; i < 3; ++i) {
-    for (const auto& frame : sonopose::marvelmind::testing::unused_frames()) file.append(frame);
+/// Sends frames to the line at its first report, and stops it at the fourth.
+class FeedingSink final : public CollectingSink {
+public:
+  FeedingSink(const PseudoTerminal& beacon, StopSignal& line) : beacon_(beacon), line_(line) {}
+
+  void tick() override {
+    CollectingSink::tick();
+    if (ticks == 4) line_.request();
+    if (ticks > 1) return;
+    beacon_.send(encode(imu_at(10'000)).bytes());
+    for (const auto& frame : testing::unused_frames()) beacon_.send(frame);
   }
-  file << imu_at(10'010);
-  CollectingSink sink;
+
+private:
+  const PseudoTerminal& beacon_;
+  StopSignal& line_;
+};
+
+SCENARIO("frames of kinds that are not used are said once") {
   logging::test::CapturedError error;
-  make_stream_source({file.path(), 0.0})->run(sink, StopSignal());
-  error.restore();
-  CHECK(sink.events.size() == 2);
-  CHECK_THAT(error.read(),
-             Catch::Contains("bytes.bin: 18 frames of kinds that are not used, such as raw distances"));
+  GIVEN("a file with 18 of them") {
+    const TemporaryFolder folder;
+    BeaconFile file(folder / "bytes.bin");
+    file << imu_at(10'000);
+    for (int i = 0; i < 3; ++i) {
+      for (const auto& frame : testing::unused_frames()) file.append(frame);
+    }
+    file << imu_at(10'010);
+    CollectingSink sink;
+    CHECK(played(sink, file).events.size() == 2);
+    error.restore();
+    THEN("they are counted") {
+      CHECK_THAT(error.read(),
+                 Catch::Contains("bytes.bin: ignored 18 frames of unused kinds, such as raw distances"));
+    }
+  }
+  GIVEN("a line with some of them, and several reports") {
+    const PseudoTerminal beacon;
+    StopSignal stop;
+    FeedingSink sink(beacon, stop);
+    make_serial_source({beacon.device()}, {})->run(sink, stop);
+    error.restore();
+    REQUIRE(sink.of_kind<ImuSample>().size() == 1);
+    THEN("one line says so") {
+      const std::string said = error.read();
+      const std::string text = "ignores frames of unused kinds, such as raw distances";
+      const std::size_t at = said.find(text);
+      REQUIRE(at != std::string::npos);
+      CHECK(said.find(text, at + 1) == std::string::npos);
+    }
+  }
 }
 
 SCENARIO("a stream is a recording, and ends at the stop") {

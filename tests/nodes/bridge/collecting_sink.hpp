@@ -8,7 +8,7 @@
 
 namespace sonopose::test {
 
-class CollectingSink final : public publication::SampleSink {
+class CollectingSink : public publication::SampleSink {
 public:
   void on(const Event& event) override {
     events.push_back(event);
