@@ -14,7 +14,7 @@ inline void add_expanded_option(CLI::App& app) {
          "--max-expanded", [](double bytes) { mcap::set_max_expanded(static_cast<std::uint64_t>(bytes)); },
          "Refuse an MCAP file that expands to more, such as 50GB [4GB, or 200 times its size if that is "
          "more]")
-      ->transform(size_between(1e6, 1e18))
+      ->transform(size_between(1e6))
       ->type_name("SIZE");
 }
 

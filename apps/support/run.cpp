@@ -266,10 +266,10 @@ CLI::Validator size_between(double min_bytes, double max_bytes) {
               return fmt::format("'{}' is not a size, such as 0.5MB, 2GiB or 1000000", text);
             }
             if (*bytes < min_bytes) {
-              return fmt::format("'{}' is less than the least, {}", text, text::size_text(min_bytes));
+              return fmt::format("'{}' is less than {}, the minimum", text, text::size_text(min_bytes));
             }
             if (*bytes > max_bytes) {
-              return fmt::format("'{}' is more than the most, {}", text, text::size_text(max_bytes));
+              return fmt::format("'{}' is more than {}, the maximum", text, text::size_text(max_bytes));
             }
             text = fmt::format("{:.0f}", std::floor(*bytes));
             return std::string();

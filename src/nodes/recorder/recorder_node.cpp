@@ -134,21 +134,21 @@ std::vector<const topics::SerializedTopic*> selected_topics(const RecorderOption
   if (options.topics.empty()) {
     for (const auto& topic : topics::serialized_topics()) selected.push_back(&topic);
   }
-  const topics::SerializedTopic* const companion = &topic_named("settings");
-  const auto included = selected;
-  bool has_companion = true;
+  const topics::SerializedTopic* const settings = &topic_named("settings");
+  const auto listed = selected;
+  bool records_settings = true;
   for (const std::string& name : options.exclude) {
     const topics::SerializedTopic* const topic = &topic_named(name);
-    if (topic == companion) {
-      has_companion = false;
-    } else if (std::find(included.begin(), included.end(), topic) == included.end()) {
-      throw std::invalid_argument(fmt::format("--exclude: {} is none of --topics", name));
+    if (topic == settings) {
+      records_settings = false;
+    } else if (std::ranges::count(listed, topic) == 0) {
+      throw std::invalid_argument(fmt::format("--exclude: {} is not among --topics", name));
     }
     std::erase(selected, topic);
   }
   if (selected.empty()) throw std::invalid_argument("--exclude: no topic is left");
   // A recording of inputs is of little use without the settings.
-  if (has_companion) selected.push_back(companion);
+  if (records_settings) selected.push_back(settings);
   std::sort(selected.begin(), selected.end());
   selected.erase(std::unique(selected.begin(), selected.end()), selected.end());
   return selected;

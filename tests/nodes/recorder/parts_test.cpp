@@ -151,7 +151,7 @@ TEST_CASE("The selected topics") {
   CHECK_THROWS_WITH(names({"poses"}, {}), Catch::Contains("poses: unknown topic"));
   CHECK_THROWS_WITH(names({"imu"}, {"imu", "settings"}), Catch::Contains("no topic is left"));
   CHECK_THROWS_WITH(names({"imu"}, {"imu", "imu"}), Catch::Contains("no topic is left"));
-  CHECK_THROWS_WITH(names({"imu"}, {"pose"}), Catch::Contains("--exclude: pose is none of --topics"));
+  CHECK_THROWS_WITH(names({"imu"}, {"pose"}), Catch::Contains("--exclude: pose is not among --topics"));
 }
 
 TEST_CASE("Topics that are not native are named once, with the most writers that they had") {
