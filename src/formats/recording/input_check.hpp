@@ -45,7 +45,7 @@ private:
   [[nodiscard]] std::optional<std::string> unit_of_time(const char* what, const Stamps& stamps, Table table,
                                                         double min_rate_hz, double max_rate_hz) const;
   [[nodiscard]] std::optional<std::string> overlap(const char* what, const Stamps& stamps) const;
-  /// A stream whose begin and end another one is compared with.
+  /// The stream with which begin and end are compared.
   struct Reference {
     const char* what;
     const Stamps& stamps;
