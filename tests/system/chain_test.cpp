@@ -1,13 +1,17 @@
 /// The demo chain: bridge with the simulator, fusion, monitor.
 
+#include "clocks/clocks.hpp"
 #include "support/bus.hpp"
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <functional>
 #include <map>
+#include <string>
+#include <vector>
 
 namespace sonopose::chain_test {
 
@@ -97,27 +101,42 @@ SCENARIO("the monitor prints JSON, one object per second") {
     const auto fusion = bus.fusion();
     const auto bridge = bus.bridge({"--address", "12"});
     REQUIRE(poses.wait_for(is_ready));
-    WHEN("it runs for three and a half seconds") {
-      const auto monitor = bus.monitor({"--json", "--duration", "3.5"});
-      REQUIRE(monitor->wait_for_exit() == 0);
+    WHEN("it has printed four lines") {
+      const SteadyTime began = clocks::steady_now();
+      const auto monitor = bus.monitor({"--json"});
+      REQUIRE(monitor->wait_for_lines(Stream::output, 4));
+      const TimeNs took_ns = clocks::steady_now() - began;
+      CHECK(monitor->end_by(SIGINT).code == 0);
       THEN("it has reported the beacon in each second, with a pose for every IMU sample") {
-        const auto lines = monitor->lines(Stream::output);
-        REQUIRE(lines.size() >= 2);
-        REQUIRE(lines.size() <= 3);
-        const auto before = nlohmann::json::parse(lines[0]);
-        const auto report = nlohmann::json::parse(lines[1]);
-        REQUIRE(report["beacons"].size() == 1);
-        const auto& beacon = report["beacons"][0];
-        CHECK(beacon["address"] == 12);
+        CHECK(took_ns >= 4'000'000'000);
+        std::vector<nlohmann::json> reports;
+        for (const std::string& line : monitor->lines(Stream::output)) {
+          reports.push_back(nlohmann::json::parse(line));
+          REQUIRE(reports.back()["beacons"].size() == 1);
+        }
         const auto time_ns = [](const nlohmann::json& object, const char* name) {
           return object[name].get<TimeNs>();
         };
-        const double poses_of_samples = 100.0 * seconds_between(time_ns(before["beacons"][0], "pose_time_ns"),
-                                                                time_ns(beacon, "pose_time_ns"));
-        CHECK(beacon["poses"].get<double>() == Approx(poses_of_samples).margin(2));
-        const double period_s = seconds_between(time_ns(before, "time_ns"), time_ns(report, "time_ns"));
-        CHECK(beacon["pose_rate_hz"].get<double>() ==
-              Approx(beacon["poses"].get<double>() / period_s).epsilon(0.2));
+        // A busy machine may delay a line, but not each one more than the one before.
+        double shortest_s = 1e9;
+        double least_rate_error = 1e9;
+        for (std::size_t i = 1; i < reports.size(); ++i) {
+          const auto& latest = reports[i]["beacons"][0];
+          const auto& previous = reports[i - 1]["beacons"][0];
+          const double poses_of_samples =
+              100.0 * seconds_between(time_ns(previous, "pose_time_ns"), time_ns(latest, "pose_time_ns"));
+          CHECK(latest["poses"].get<double>() == Approx(poses_of_samples).margin(2));
+          const double period_s =
+              seconds_between(time_ns(reports[i - 1], "time_ns"), time_ns(reports[i], "time_ns"));
+          const double rate_hz = latest["poses"].get<double>() / period_s;
+          shortest_s = std::min(shortest_s, period_s);
+          least_rate_error =
+              std::min(least_rate_error, std::abs(latest["pose_rate_hz"].get<double>() / rate_hz - 1.0));
+        }
+        CHECK(shortest_s < 1.5);
+        CHECK(least_rate_error < 0.2);
+        const auto& beacon = reports.back()["beacons"][0];
+        CHECK(beacon["address"] == 12);
         CHECK(beacon["latency_p50_s"].get<double>() > 0.0);
         CHECK(beacon["latency_p50_s"].get<double>() <= beacon["latency_p99_s"].get<double>());
         CHECK(beacon["position_error_max_m"].get<double>() < 0.10);

@@ -327,10 +327,11 @@ SCENARIO("on a terminal, the doctor shows how far it is") {
     REQUIRE(bridge->wait_for_line(Stream::error, "found"));
     // The bar is drawn after 2 s.
     TerminalProcess doctor(SONOPOSE_TEST_DOCTOR,
-                           {"--domain", std::to_string(bus.domain_id()), "--duration", "3.5"});
-    THEN("a bar grows, and gives way to the report") {
+                           {"--domain", std::to_string(bus.domain_id()), "--duration", "20"});
+    THEN("a bar grows, and gives way to the report when the user stops it") {
       CHECK(doctor.wait_for("observing the system"));
       CHECK(doctor.wait_for("###"));
+      doctor.type("\x03");
       REQUIRE(doctor.wait_for_exit());
       CHECK_THAT(doctor.screen().text(), Contains("no fusion runs") && !Contains("observing the system"));
     }

@@ -73,20 +73,26 @@ SCENARIO("a flood of forged datagrams does not interrupt a beacon") {
         const UdpSender attacker(beacon.to());
         const SteadyTime began = clocks::steady_now();
         int sent = 0;
+        SteadyTime last = began;
+        TimeNs longest_sent_ns = 0;
         send_in_time(datagrams, [&](std::span<const std::uint8_t> bytes) {
           for (int i = 0; i < 100; ++i, ++sent) attacker.send(forged);
           // If a busy machine delays the bridge, its full receive buffer would lose the beacon's datagram.
           REQUIRE(wait_until([&] { return waiting_bytes(beacon.to()) == 0; }));
           beacon.send(bytes);
+          const SteadyTime now = clocks::steady_now();
+          longest_sent_ns = std::max(longest_sent_ns, now - last);
+          last = now;
         });
         const double rate_hz = sent / seconds_between(began, clocks::steady_now());
         THEN("the beacon's samples are published without a gap, and no others") {
           REQUIRE(imu.wait_for_count(static_cast<std::size_t>(samples) - 10));
           CHECK(imu.samples.size() <= static_cast<std::size_t>(samples) + 1);
           const double gap_s = longest_gap_s(imu.samples);
-          std::cout << fmt::format("{:.0f} datagrams a second: longest gap {:.1f} ms\n", rate_hz,
-                                   1e3 * gap_s);
-          CHECK(gap_s < 0.1);
+          const double sent_gap_s = seconds_between(0, longest_sent_ns);
+          std::cout << fmt::format("{:.0f} datagrams a second: longest gap {:.1f} ms, of its own {:.1f} ms\n",
+                                   rate_hz, 1e3 * gap_s, 1e3 * sent_gap_s);
+          CHECK(gap_s < 0.1 + sent_gap_s);
         }
       }
     }

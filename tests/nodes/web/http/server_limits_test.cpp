@@ -11,6 +11,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace server_limits_test {
@@ -72,18 +73,22 @@ SCENARIO("connections that wait for a request give way to others") {
 }
 
 SCENARIO("connections without a request end, and block nobody meanwhile") {
+  const bool they_end = GENERATE(false, true);
   Site site;
-  ServerOptions impatient = options();
-  impatient.request_timeout_s = 0.3;
-  Server server(impatient);
+  ServerOptions limited = options();
+  limited.request_timeout_s = they_end ? 0.3 : 3600;
+  Server server(limited);
   const Serving serving(server, site);
   std::vector<std::unique_ptr<HttpSocket>> idle;
   for (int i = 0; i < 16; ++i) {
     idle.push_back(std::make_unique<HttpSocket>(server.endpoint().port));
     if (i % 2 == 1) idle.back()->send("GET /page HTTP/1.1\r\n");
   }
-  CHECK_THAT(get(server, "/page"), StartsWith("HTTP/1.1 200 "));
-  for (const auto& socket : idle) CHECK(socket->read_all().empty());
+  if (they_end) {
+    for (const auto& socket : idle) CHECK(socket->read_all().empty());
+  } else {
+    CHECK_THAT(get(server, "/page"), StartsWith("HTTP/1.1 200 "));
+  }
 }
 
 SCENARIO("a connection whose opening fails takes no place") {
@@ -183,20 +188,39 @@ SCENARIO("a client that takes nothing is disconnected") {
   }
 }
 
+/// Takes a large file in more than 3 s, a block each 160 ms. Returns the longest time that a block took, and
+/// whether all came.
+std::pair<std::chrono::duration<double>, bool> take_large_file(Server& server) {
+  using Clock = std::chrono::steady_clock;
+  HttpSocket socket(server.endpoint().port, 65'536);
+  const auto begin = Clock::now();
+  std::chrono::duration<double> longest(0);
+  socket.send("GET /large HTTP/1.1\r\n" + host_line(server) + "Connection: close\r\n\r\n");
+  for (int i = 0; i < Site::large_blocks; ++i) {
+    const auto before = Clock::now();
+    std::this_thread::sleep_for(160ms);
+    const bool came = socket.read_until("end\n").size() > 400'000;
+    longest = std::max<std::chrono::duration<double>>(longest, Clock::now() - before);
+    if (!came) return {longest, false};
+  }
+  CHECK(Clock::now() - begin > 3s);
+  return {longest, true};
+}
+
 SCENARIO("a large file may take long, as long as the client takes it") {
   Site site;
   ServerOptions impatient = options();
   impatient.timeout_s = 3;
   Server server(impatient);
   const Serving serving(server, site);
-  HttpSocket socket(server.endpoint().port, 65'536);
-  const auto begin = std::chrono::steady_clock::now();
-  socket.send("GET /large HTTP/1.1\r\n" + host_line(server) + "Connection: close\r\n\r\n");
-  for (int i = 0; i < Site::large_blocks; ++i) {
-    std::this_thread::sleep_for(160ms);
-    REQUIRE(socket.read_until("end\n").size() > 400'000);
+  bool is_complete = false;
+  for (int tries = 0; tries < 5 && !is_complete; ++tries) {
+    const auto [longest, came] = take_large_file(server);
+    is_complete = came;
+    // A busy machine may keep the client from taking a block in time.
+    if (!came) REQUIRE(longest.count() > 0.5 * impatient.timeout_s);
   }
-  CHECK(std::chrono::steady_clock::now() - begin > 3s);
+  CHECK(is_complete);
 }
 
 }  // namespace server_limits_test
