@@ -121,9 +121,9 @@ SCENARIO("headings and set poses of ROS 2 reach the fusion") {
         native.take();
         const TimeNs set_ns = native.samples.back().emission_time_ns;
         std::map<TimeNs, int> seen;
-        REQUIRE(fixes.wait_for([&](const auto& message) {
-          ++seen[stamp_of(message.header)];
-          return stamp_of(message.header) > set_ns + 500'000'000;
+        REQUIRE(fixes.wait_for([&](const auto& fix) {
+          ++seen[stamp_of(fix.header)];
+          return stamp_of(fix.header) > set_ns + 500'000'000;
         }));
         native.take();
         for (const auto& [stamp_ns, count] : seen) {
