@@ -74,6 +74,10 @@ void BeaconClock::observe(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs
     return;
   }
   if (sent_ns <= newest_ns_) return;  // overtaken, or a repeated stamp: no information
+  if (!settled_ && envelope_.delay_ns(sent_ns) - (arrival_ns - sent_ns) > max_stored_ns) {
+    restart(stamp, send_delay_ns, arrival_ns);
+    return;
+  }
   envelope_.add(sent_ns, arrival_ns);
   const TimeNs target_ns = sent_ns + envelope_.delay_ns(sent_ns);
   const TimeNs behind_ns = settled_ ? target_ns - line_.host_ns(sent_ns) : 0;
@@ -138,7 +142,13 @@ void FixedClock::observe(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs 
   if (!begun_) {
     begin(stamp, send_delay_ns, arrival_ns);
   } else {
-    const std::int64_t step_ns = unwrapper_.beacon_ns(stamp) + send_delay_ns - newest_ns_;
+    const std::int64_t sent_ns = unwrapper_.beacon_ns(stamp) + send_delay_ns;
+    const std::int64_t step_ns = sent_ns - newest_ns_;
+    constexpr std::int64_t max_under_way_ns = 2'000'000'000;
+    const bool is_under_way = before_step_ns_ && step_ns < 0 && send_delay_ns > 0 &&
+                              std::abs(sent_ns - *before_step_ns_) < max_under_way_ns;
+    if (is_under_way) return;
+    if (step_ns > overtaken_ns) before_step_ns_ = newest_ns_;
     if (step_ns < -overtaken_ns || step_ns >= set_ahead_ns) {
       ++resets_;
       begin(stamp, send_delay_ns, saturated_sum(origin_ns_, newest_ns_ - first_ns_));
@@ -156,6 +166,7 @@ void FixedClock::begin(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs ho
   origin_ns_ = host_ns;
   first_ns_ = unwrapper_.beacon_ns(stamp) + send_delay_ns;
   newest_ns_ = first_ns_;
+  before_step_ns_.reset();
   begun_ = true;
 }
 

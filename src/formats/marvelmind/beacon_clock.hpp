@@ -80,12 +80,13 @@ private:
 /// It restarts if the beacon's clock goes back, or if mapped stamps are behind by more than 1 s. It also
 /// restarts if they are so far ahead that a fix, which takes about 70 ms, would arrive before its emission: a
 /// slow line has become fast again. It settles after a quarter of a second, so that one late first packet
-/// need not be slewed away.
+/// need not be slewed away. A later first packet than a port stores is one of before the clock was set.
 class BeaconClock {
 public:
   static constexpr std::int64_t settling_ns = 250'000'000;
   static constexpr std::int64_t max_behind_ns = 1'000'000'000;
   static constexpr std::int64_t max_ahead_ns = 65'000'000;
+  static constexpr std::int64_t max_stored_ns = 10'000'000'000;
 
   /// Takes the arrival of a packet that was sent `send_delay_ns` after `stamp`.
   void observe(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs arrival_ns);
@@ -132,8 +133,8 @@ private:
 
 /// Maps by the beacon's clock alone, for bytes from a file. The first packet was sent at its arrival, and
 /// every stamp keeps its distance to that. The same bytes always give the same times. After a restart of the
-/// beacon, or if its clock was set ahead, time continues from the newest one. Same interface as
-/// `BeaconClock`.
+/// beacon, or if its clock was set ahead, time continues from the newest one. A position that was measured
+/// before such a step and sent after it is no restart. Same interface as `BeaconClock`.
 class FixedClock {
 public:
   /// Shortest step ahead of a clock that was set. A shorter one is a pause of the recording.
@@ -163,6 +164,7 @@ private:
   TimeNs origin_ns_ = 0;
   std::int64_t first_ns_ = 0;
   std::int64_t newest_ns_ = 0;
+  std::optional<std::int64_t> before_step_ns_;  ///< newest time before the latest step ahead
   bool begun_ = false;
   std::uint64_t resets_ = 0;
 };

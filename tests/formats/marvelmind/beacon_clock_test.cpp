@@ -317,6 +317,40 @@ TEST_CASE("A clock that is set from 1970 to now while a file was written costs n
   }
 }
 
+TEST_CASE("A file whose clock is set ahead by less than a day has a gap of that length") {
+  FixedClock clock;
+  constexpr std::int64_t now_ms = 1'795'000'000'000;
+  const std::int64_t step_ms = GENERATE(2'000, 10'000, 3'600'000);
+  const auto at = [&clock](std::int64_t unix_ms, std::int64_t ahead_ms = 0) {
+    const Stamp stamp{TimeBase::unix_ms, unix_ms};
+    clock.observe(stamp, ahead_ms * 1'000'000, host_start_ns);
+    return (clock.host_ns(stamp) - host_start_ns) / 1'000'000;
+  };
+  CHECK(at(now_ms) == 0);
+  CHECK(at(now_ms + 30'000) == 30'000);
+  CHECK(at(now_ms + 30'010 + step_ms) == 30'010 + step_ms);
+  CHECK(at(now_ms + 29'990, 68) == 29'990);  // a position that was measured before
+  CHECK(at(now_ms + 30'020 + step_ms) == 30'020 + step_ms);
+  CHECK(clock.resets() == 0);
+}
+
+TEST_CASE("A position that is under way while the clock of a live beacon is set maps no later stamp") {
+  BeaconClock clock;
+  constexpr std::int64_t set_ms = 1'795'000'000'000;
+  TimeNs arrival_ns = host_start_ns;
+  const auto send = [&](std::int64_t unix_ms, std::int64_t ahead_ns = 0) {
+    clock.observe({TimeBase::unix_ms, unix_ms}, ahead_ns, arrival_ns);
+    arrival_ns += 10'000'000;
+  };
+  for (std::int64_t ms = 30'000; ms < 33'000; ms += 10) send(ms);
+  send(set_ms);
+  send(32'940, 68'000'000);
+  for (std::int64_t i = 1; i <= 40; ++i) send(set_ms + 10 * (i + 1));
+  REQUIRE(clock.settled());
+  CHECK(clock.host_ns({TimeBase::unix_ms, set_ms + 410}) == arrival_ns - 10'000'000);
+  CHECK(clock.host_ns({TimeBase::unix_ms, set_ms + 20}) == arrival_ns - 400'000'000);
+}
+
 TEST_CASE("Garbage that jumps ahead in each stamp does not overflow a clock") {
   constexpr std::int64_t half_range = std::int64_t{1} << 31;
   FixedClock ahead;
