@@ -57,8 +57,8 @@ bool read(policy::DurabilityService& policy, const dds_qos_t* qos);
 
 struct TopicDefaults;
 
-/// QoS of one kind of entity. `Defaults` tells the kinds apart, and sets defaults that differ from those of
-/// the policies.
+/// QoS of the kind of entity that `Defaults` names, which also sets defaults that differ from those of the
+/// policies.
 template <class Defaults, class... Policies>
 class EntityQos {
   template <class Policy>
