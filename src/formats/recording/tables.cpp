@@ -12,7 +12,6 @@
 #include <iterator>
 #include <limits>
 #include <map>
-#include <ranges>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -88,7 +87,10 @@ std::string chosen_tag(const std::filesystem::path& file, const TableFiles& file
   if (by_tag.empty()) return {};
   const std::string own = files.tag.empty() ? std::to_string(address) : files.tag;
   if (!by_tag.contains(own)) {
-    const auto listed = by_tag | std::views::keys | std::views::take(max_tags);
+    std::vector<std::string> listed;
+    for (const auto& entry : by_tag) {
+      if (listed.size() < max_tags) listed.push_back(entry.first);
+    }
     throw files::IoError(fmt::format(
         "{}: has rows of the devices {}{}{}", file.string(), fmt::join(listed, ", "),
         by_tag.size() > max_tags ? ", …" : "",
