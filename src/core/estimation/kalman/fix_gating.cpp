@@ -47,14 +47,6 @@ void correct_followed(State& state, const JudgedFix& judged, const Matrix3d& mor
     return;
   }
   choose_model(state);
-  // The models that trust the IMU have not recovered from the attitude of this one.
-  constexpr int min_distrusted_fixes = 60;
-  constexpr double heading_memory_s = 2.0;
-  const Hypothesis& best = state.bank.best();
-  const bool has_headings = seconds_between(state.headings.used_ns, state.time_ns) < heading_memory_s;
-  if (best.imu == ImuModel::distrusts_imu && best.explained_in_row >= min_distrusted_fixes && !has_headings) {
-    search_yaw_again(state);
-  }
 }
 
 /// Corrects the distrustful models by a fix that the best hypothesis rejects.

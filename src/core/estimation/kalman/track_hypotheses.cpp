@@ -17,7 +17,6 @@ bool is_confirmed(const State& state, const Hypothesis& other, TimeNs now_ns) {
   constexpr double min_turned_s = 0.4;
   constexpr double min_turned_speed_mps = 0.3;  // the fixes of a faster body show that its motion has turned
   constexpr int min_fixes = 8;
-  constexpr double sparse_s = 3.0;  // time after which a track of sparse fixes is enough
   const double alone_s = seconds_between(std::max(state.fixes.used_ns, other.began_ns), now_ns);
   if (other.track == Track::turned && std::min(other.explained, other.headings) >= min_turned &&
       alone_s > min_turned_s && other.filter.velocity_world_mps.norm() > min_turned_speed_mps)
@@ -31,8 +30,7 @@ bool is_confirmed(const State& state, const Hypothesis& other, TimeNs now_ns) {
   constexpr double far_s = 1.0;
   const double nearness = std::clamp((far_m - jump_m) / (far_m - near_m), 0.0, 1.0);
   const double needed_s = std::max(far_s + nearness * (near_s - far_s), state.wrong_tracks.wait_s(now_ns));
-  return alone_s >= needed_s &&
-         (other.explained >= min_fixes || (other.explained >= min_track_fixes && alone_s > sparse_s));
+  return alone_s >= needed_s && other.explained >= min_fixes;
 }
 
 /// True if the fixes contradict the first one: soon after a start the best filter accepts much.
