@@ -17,6 +17,7 @@ enum class ImuModel : std::uint8_t {
   quiet,
   rough_gyro,
   rough,            ///< vibration also shakes the accelerometer
+  drifting_gyro,    ///< the bias of the gyroscope changes within seconds
   other_clock,      ///< IMU stamps are from another clock than those of fixes and headings
   wrong_headings,   ///< headings are wrong: its yaw follows from the motion alone
   distrusts_gyro,   ///< hardly trusts the gyroscope
@@ -25,9 +26,9 @@ enum class ImuModel : std::uint8_t {
   jumped            ///< its attitude or bias has jumped; trusts it again from then on
 };
 
-constexpr std::array<std::string_view, 9> choices_of(ImuModel /*model*/) {
-  return {"quiet",          "rough_gyro",      "rough",         "other_clock", "wrong_headings",
-          "distrusts_gyro", "distrusts_accel", "distrusts_imu", "jumped"};
+constexpr std::array<std::string_view, 10> choices_of(ImuModel /*model*/) {
+  return {"quiet",          "rough_gyro",     "rough",           "drifting_gyro", "other_clock",
+          "wrong_headings", "distrusts_gyro", "distrusts_accel", "distrusts_imu", "jumped"};
 }
 
 constexpr bool is_distrustful(ImuModel model) {
@@ -90,14 +91,14 @@ struct Hypothesis {
 void set_imu_model(Hypothesis& hypothesis, ImuModel model);
 
 inline constexpr int closed_model_count =
-    4;                                 ///< models that trust the IMU, with one hypothesis each while tracking
+    5;                                 ///< models that trust the IMU, with one hypothesis each while tracking
 inline constexpr int start_count = 8;  ///< directions from which an unknown yaw is searched
 
 /// All hypotheses, and the best of the followed track. A plain value with memory for all from its first
 /// hypothesis on, so that an assignment allocates nothing.
 struct HypothesisBank {
   static constexpr int capacity =
-      start_count + 3;  ///< the starts, `distrusts_imu`, another and a former track
+      static_cast<int>(choices_of(ImuModel{}).size()) + 2;  ///< the models, another and a former track
 
   std::vector<Hypothesis> hypotheses;
   int best_index = 0;

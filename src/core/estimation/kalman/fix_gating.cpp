@@ -130,7 +130,10 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
     correct_followed(state, judged, more_covariance_m2);
     if (is_tracking) learn_noise(state, judged);
     note_used(state, fix);
-    if (is_tracking) state.imu_fault.add_used(innovation);
+    if (is_tracking) {
+      state.imu_fault.add_used(innovation);
+      if (fits_badly) switch_to_distrustful_model(state);
+    }
   } else {
     ++state.fixes.rejected_in_row;
     if (state.fixes.rejected_in_row >= min_rejected_in_row) state.imu_fault.is_undecided = true;

@@ -17,7 +17,7 @@ const ImuModelParameters& parameters_of(ImuModel model) {
   // A wrong sensor has been wrong for some tenths of a second before it is found.
   constexpr double wrong_mps = 0.2;
   // The rougher the IMU proves to be, the sooner its integral is worthless.
-  static constexpr std::array<ImuModelParameters, 9> models{{
+  static constexpr std::array<ImuModelParameters, 10> models{{
       {.noise = {}, .inflation = {}, .dead_reckoning_mps_rts = 1.5},
       {.noise = {.gyro_radps_rthz = 2.4e-3, .gyro_bias_radps_rts = 1e-3},
        .inflation = {},
@@ -25,6 +25,9 @@ const ImuModelParameters& parameters_of(ImuModel model) {
       {.noise = {.accel_mps2_rthz = 0.15, .gyro_radps_rthz = 2.4e-3},
        .inflation = {},
        .dead_reckoning_mps_rts = 0.3},
+      {.noise = {.gyro_radps_rthz = 2.4e-3, .gyro_bias_radps_rts = 0.03},
+       .inflation = {},
+       .dead_reckoning_mps_rts = 1.0},
       {.noise = {.gyro_radps_rthz = 2.4e-3, .gyro_bias_radps_rts = 1e-3},
        .inflation = {},
        .dead_reckoning_mps_rts = 1.0,

@@ -124,9 +124,10 @@ void choose_model(State& state) {
     if (each.imu == ImuModel::wrong_headings &&
         (best_is_distrustful || !contradicts_headings(state, each.filter)))
       continue;
-    const double score_margin = each.imu == ImuModel::wrong_headings ? headings_score_margin
-                                : each.imu > bank.best().imu         ? noisier_score_margin
-                                                                     : quieter_score_margin;
+    const double score_margin = each.imu == ImuModel::wrong_headings  ? headings_score_margin
+                                : each.imu == ImuModel::drifting_gyro ? min_evidence_margin
+                                : each.imu > bank.best().imu          ? noisier_score_margin
+                                                                      : quieter_score_margin;
     const bool is_better = best_is_distrustful && !is_distrustful(each.imu)
                                ? trusts_imu_again(each, state)
                                : each.score > bank.best().score + score_margin;
@@ -182,7 +183,8 @@ bool switch_to_distrustful_model(State& state) {
   // fixes.
   if (state.phase != Phase::tracking ||
       std::max(state.fixes.since_start, state.fixes.rejected_in_row / 2) < proven_fixes ||
-      std::max(state.fixes.rejected_in_row, state.headings.rejected_in_row) < min_rejected_in_row)
+      (std::max(state.fixes.rejected_in_row, state.headings.rejected_in_row) < min_rejected_in_row &&
+       state.imu_fault.mean_innovation_chi2 <= chi2_explain_threshold))
     return false;
   Hypothesis* chosen = nullptr;
   for (Hypothesis& each : state.bank) {

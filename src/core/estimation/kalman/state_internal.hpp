@@ -127,7 +127,7 @@ void restore_trusted_biases(const ImuFaultDetector& detector, Filter& filter);
 void level_by_mean_force(const State& state, Filter& filter);
 /// Begins to judge fixes and headings again after a change of the model.
 void forget_judgement(State& state);
-/// Makes a distrustful model the best if it explains the rejected fixes or headings best.
+/// Makes a distrustful model the best if it explains best what is rejected, or fits badly for a while.
 bool switch_to_distrustful_model(State& state);
 void predict_if_silent(State& state, const settings::Settings& settings, TimeNs measured_ns);
 void end_imu_gap(State& state, TimeNs to_ns);

@@ -143,6 +143,40 @@ SCENARIO("an accelerometer whose bias steps costs decimetres at most, and the co
   }
 }
 
+SCENARIO("a gyroscope whose bias steps is followed within seconds, and the status says so") {
+  const std::uint64_t seed = GENERATE(7121U, 7122U, 7123U, 7124U);
+  const std::string motion = GENERATE("walk", "forklift");
+  const double step_radps = GENERATE(0.02, 0.05, 0.1);
+  constexpr double steps_s = 15.0;
+  GIVEN("the scenario " << motion << " whose gyroscope reads " << step_radps
+                        << " rad/s too much from some second on, seed " << seed) {
+    const auto moments = moments_of(motion, seed, [&](sim::Scenario& scenario) {
+      scenario.disturbances.imu_faults = {{.begin_s = steps_s,
+                                           .duration_s = without_end_s,
+                                           .gyro_offset_body_radps = Vector3d::Constant(step_radps)}};
+    });
+    THEN("position and yaw stay near, and are soon as good as before") {
+      CHECK(largest_error_m(moments, 6.0) < 0.5);
+      CHECK(largest_error_m(moments, steps_s + 10.0) < 0.12);
+      for (const Moment& moment : moments) {
+        if (moment.time_s < 6.0) continue;
+        REQUIRE(std::abs(moment.yaw_error_rad) < 12.0 * geometry::radians_per_degree);
+        if (moment.time_s < steps_s + 10.0) continue;
+        REQUIRE(std::abs(moment.yaw_error_rad) < 3.0 * geometry::radians_per_degree);
+      }
+    }
+    THEN("the status says so within five seconds, and not before") {
+      const auto is_doubtful = [](const Moment& moment) {
+        return moment.time_s > 6.0 && moment.pose.status != 0;
+      };
+      const auto found = std::find_if(moments.begin(), moments.end(), is_doubtful);
+      REQUIRE(found != moments.end());
+      CHECK(found->time_s > steps_s);
+      CHECK(found->time_s < steps_s + 5.0);
+    }
+  }
+}
+
 SCENARIO("an accelerometer of another unit is found") {
   GIVEN("a walk with an accelerometer that counts in g") {
     const auto moments = moments_of("walk", 7011, [&](sim::Scenario& scenario) {
