@@ -111,6 +111,7 @@ void choose_model(State& state) {
   constexpr double noisier_score_margin = 1.0;
   constexpr double quieter_score_margin = 3.0;   // too much trust in an IMU costs more than too little
   constexpr double headings_score_margin = 8.0;  // most headings are right
+  constexpr double drift_score_margin = 12.0;    // most biases change slowly
   constexpr double max_score_deficit = 8.0;      // the noise may change at any time
   constexpr int restart_after_misses = 6;
   HypothesisBank& bank = state.bank;
@@ -125,7 +126,7 @@ void choose_model(State& state) {
         (best_is_distrustful || !contradicts_headings(state, each.filter)))
       continue;
     const double score_margin = each.imu == ImuModel::wrong_headings  ? headings_score_margin
-                                : each.imu == ImuModel::drifting_gyro ? min_evidence_margin
+                                : each.imu == ImuModel::drifting_gyro ? drift_score_margin
                                 : each.imu > bank.best().imu          ? noisier_score_margin
                                                                       : quieter_score_margin;
     const bool is_better = best_is_distrustful && !is_distrustful(each.imu)
