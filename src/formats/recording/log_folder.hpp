@@ -60,7 +60,8 @@ ImuLog read_imu_log(const std::filesystem::path& folder, std::optional<BeaconAdd
 
 /// Merges the streams and numbers the events from 1. An IMU sample comes at its stamp, any other at its
 /// receipt; at equal times IMU, fix, heading, velocity. Each stream keeps its order: a row that is earlier
-/// than its predecessor follows directly after it.
+/// than its predecessor follows directly after it. Where the clock of all streams was set back, what came
+/// before the step is merged before the rest.
 ///
 /// Leaves out IMU samples with wrong stamps far in the future, which the estimators would follow, and says so
 /// in the warnings, after `name`. A stamp counts as wrong if it is more than 1 s later than the stamp before

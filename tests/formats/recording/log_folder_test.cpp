@@ -325,6 +325,38 @@ SCENARIO("streams are merged by availability, and no file's order is changed") {
             "I10 F15 F5000000015 I5000000020 I5000000010");
     }
   }
+  GIVEN("a clock that is set back by 100 s, which IMU, fixes and headings show") {
+    constexpr TimeNs ms = 1'000'000;
+    constexpr TimeNs begin_ns = 1'000'000 * ms;
+    std::vector<ImuSample> imu;
+    std::vector<UltrasonicFix> fixes;
+    std::vector<PairHeading> headings;
+    std::string expected;
+    const auto expect = [&expected](char kind, TimeNs time_ns) {
+      if (!expected.empty()) expected += ' ';
+      expected += kind + std::to_string(time_ns);
+    };
+    for (int i = 0; i < 600; ++i) {
+      const TimeNs time_ns = begin_ns + i * 10 * ms - (i < 300 ? 0 : 100'000 * ms);
+      imu.push_back(imu_at(time_ns));
+      expect('I', time_ns);
+      if (i % 10 != 5) continue;
+      fixes.push_back(fix_at(time_ns + ms));
+      headings.push_back(heading_at(time_ns + ms));
+      expect('F', time_ns + ms);
+      expect('H', time_ns + ms);
+    }
+    THEN("each fix and heading stays among the IMU samples of its time") {
+      CHECK(order_of(merged(imu, fixes, headings)) == expected);
+    }
+    THEN("a step of the fixes alone cuts nothing: no sample is lost, and each file keeps its order") {
+      std::vector<ImuSample> steady;
+      for (int i = 0; i < 600; ++i) steady.push_back(imu_at(begin_ns + i * 10 * ms));
+      const std::vector<Event> events = merged(steady, fixes, {});
+      CHECK(events.size() == steady.size() + fixes.size());
+      CHECK(available_at_ns(events.back()) == available_at_ns(steady.back()));
+    }
+  }
   GIVEN("the latest possible time") {
     constexpr TimeNs last = std::numeric_limits<TimeNs>::max();
     THEN("nothing is lost") {

@@ -1,0 +1,41 @@
+#pragma once
+/// \file
+/// Finds where the clock of a log was set back, which all of its files show.
+
+#include <sonopose/samples/samples.hpp>
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+namespace sonopose::recording {
+
+/// A stamp that is earlier than the one before it.
+struct StepBack {
+  std::size_t index = 0;  ///< number of samples before it
+  TimeNs before_ns = 0;
+  TimeNs after_ns = 0;
+};
+
+/// The steps back of one stream.
+class StepsBack {
+public:
+  void add(TimeNs stamp_ns) {
+    if (newest_ns_ && stamp_ns < *newest_ns_) found_.push_back({count_, *newest_ns_, stamp_ns});
+    newest_ns_ = stamp_ns;
+    ++count_;
+  }
+  [[nodiscard]] const std::vector<StepBack>& found() const { return found_; }
+  [[nodiscard]] bool has_samples() const { return count_ > 0; }
+
+private:
+  std::vector<StepBack> found_;
+  std::size_t count_ = 0;
+  std::optional<TimeNs> newest_ns_;
+};
+
+/// For each stream the samples at which it is cut: those after a step back of more than 0.1 s of the first
+/// stream that each stream with samples shows at the same time. Empty lists without other streams.
+std::vector<std::vector<std::size_t>> cuts_at_common_steps(const std::vector<StepsBack>& streams);
+
+}  // namespace sonopose::recording
