@@ -26,6 +26,7 @@ public:
   void on(const FusedPose& pose, TransitionQueue& pending) noexcept {
     if ((pose.status & status_predicted) != 0) return;
     if (!began_ns_) began_ns_ = pose.time_ns;
+    leave_out_step(pose.time_ns);
     if (reset_counter_ && *reset_counter_ != pose.reset_counter) {
       pending.add({.address = address_, .kind = Kind::restarted});
       began_ns_ = pose.time_ns;
@@ -79,6 +80,16 @@ private:
                                             {status_heading_unknown, Kind::heading_unknown, true},
                                             {status_imu_gap, Kind::imu_gap, false}}};
 
+  /// Moves the starts of the states by a step of the clock, which is no duration.
+  void leave_out_step(TimeNs time_ns) noexcept {
+    constexpr TimeNs longest_silence_ns = 3'600'000'000'000;
+    const TimeNs step_ns = saturated_difference(time_ns, last_ns_.value_or(time_ns));
+    last_ns_ = time_ns;
+    if (step_ns >= 0 && step_ns < longest_silence_ns) return;
+    began_ns_ = saturated_sum(*began_ns_, step_ns);
+    for (TimeNs& since_ns : since_ns_) since_ns = saturated_sum(since_ns, step_ns);
+  }
+
   void begin(const FusedPose& pose, TransitionQueue& pending) noexcept {
     pending.add({.address = address_,
                  .kind = Kind::initialised,
@@ -108,6 +119,7 @@ private:
   std::uint32_t status_ = 0;  ///< status of the latest pose
   std::optional<std::uint32_t> reset_counter_;
   std::optional<TimeNs> began_ns_;              ///< time of the first pose, or of the first after a reset
+  std::optional<TimeNs> last_ns_;               ///< time of the latest pose
   std::array<TimeNs, bits.size()> since_ns_{};  ///< start of each state
   std::uint64_t outliers_ = 0;                  ///< consecutive outliers
   TimeNs outliers_since_ns_ = 0;

@@ -42,6 +42,8 @@ public:
     }
   }
 
+  void set_clock(double by_s) { time_ns_ += to_ns(by_s); }
+
   /// Returns the changes since the last call.
   std::vector<Transition> changes() {
     const std::vector<Transition> values(pending_.values().begin(), pending_.values().end());
@@ -93,6 +95,23 @@ SCENARIO("a state is a change when it begins and when it ends, not at each pose"
   REQUIRE(ended.size() == 1);
   CHECK((ended[0].kind == kind && !ended[0].begins));
   CHECK(ended[0].lasted_s == Approx(3.0));
+}
+
+SCENARIO("a step of the clock is not among the durations") {
+  const double step_s = GENERATE(-3600.0, 285e6);
+  Watched beacon;
+  beacon.poses(0.5, status_initialising);
+  beacon.set_clock(step_s);
+  beacon.poses(1.0, status_initialising);
+  beacon.poses(1.0, status_converging);
+  const auto first = beacon.changes();
+  REQUIRE(first.size() == 1);
+  CHECK(first[0].lasted_s == Approx(1.5).margin(0.02));
+  beacon.set_clock(step_s);
+  beacon.poses(1.0, 0);
+  const auto ended = beacon.changes();
+  REQUIRE(ended.size() == 1);
+  CHECK(ended[0].lasted_s == Approx(1.0).margin(0.02));
 }
 
 SCENARIO("poses between samples and late poses are no change") {
