@@ -43,7 +43,7 @@ BeaconAssembler::BeaconAssembler(std::uint8_t address, TimeMapping mapping)
 
 void BeaconAssembler::on(const RawImu& imu, TimeNs arrival_ns, EventSink sink) {
   if (!is_plausible(imu.time)) {
-    ++counters_.samples_rejected;
+    reject(imu.time);
     return;
   }
   imu_generation_.on_packet(rank_of(imu), arrival_ns);
@@ -53,7 +53,7 @@ void BeaconAssembler::on(const RawImu& imu, TimeNs arrival_ns, EventSink sink) {
 
 void BeaconAssembler::on(const Position& position, TimeNs arrival_ns, EventSink sink) {
   if (!is_plausible(position.time)) {
-    ++counters_.samples_rejected;
+    reject(position.time);
     return;
   }
   position_generation_.on_packet(rank_of(position), arrival_ns);
@@ -80,6 +80,11 @@ void BeaconAssembler::observe(const ContentTime& sent, TimeNs arrival_ns) {
   if (clocks_.observe(sent, arrival_ns)) return;
   counters_.samples_rejected += pending_.size();  // stamped before the beacon's restart
   pending_.clear();
+}
+
+void BeaconAssembler::reject(const Stamp& stamp) {
+  ++counters_.samples_rejected;
+  if (stamp.ticks >= 0) ++counters_.stamps_too_late;
 }
 
 void BeaconAssembler::flush(TimeNs now_ns, EventSink sink) {

@@ -22,6 +22,7 @@ struct AssemblerCounters {
   std::uint64_t imu_unavailable = 0;    ///< raw IMU packets without accelerometer or gyro
   std::uint64_t fixes_unavailable = 0;  ///< positions that the beacon flagged "not available"
   std::uint64_t samples_rejected = 0;   ///< implausible values
+  std::uint64_t stamps_too_late = 0;    ///< those among them that are stamped in the year 2100 or later
   std::uint64_t duplicates = 0;         ///< measurements sent again, or in an older kind of packet
   /// Qualities that arrived after their fix had stopped waiting, or whose fix was not made.
   std::uint64_t quality_without_fix = 0;
@@ -63,6 +64,7 @@ public:
 
   BeaconAddress address() const { return address_; }
   const AssemblerCounters& counters() const { return counters_; }
+  ClockSteps clock_steps() const { return clocks_.steps(); }
 
   /// Battery, RSSI, clock and the counters of withheld samples; other fields stay at their defaults.
   BeaconStatus status() const;
@@ -98,6 +100,7 @@ private:
   void make(const Quality& quality, TimeNs arrival_ns, EventSink sink);
   bool is_duplicate(const Position& position, TimeNs emission_ns) const;
   void observe(const ContentTime& sent, TimeNs arrival_ns);
+  void reject(const Stamp& stamp);
 
   BeaconAddress address_;
   ClockSet clocks_;

@@ -105,6 +105,7 @@ void BeaconClock::begin(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs a
 
 void BeaconClock::restart(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs arrival_ns) {
   ++resets_;
+  if (settled_) delay_before_ns_ = line_.newest_offset_ns();
   begin(stamp, send_delay_ns, arrival_ns);
 }
 
@@ -114,8 +115,14 @@ void BeaconClock::advance_to(TimeNs now_ns) {
 }
 
 void BeaconClock::settle() {
-  line_.begin(newest_ns_, newest_ns_ + envelope_.delay_ns(newest_ns_));
+  const std::int64_t delay_ns = envelope_.delay_ns(newest_ns_);
+  line_.begin(newest_ns_, newest_ns_ + delay_ns);
   settled_ = true;
+  const std::int64_t step_ns = delay_before_ns_.value_or(delay_ns) - delay_ns;
+  delay_before_ns_.reset();
+  if (std::abs(step_ns) < overtaken_ns) return;  // only the line became slow or fast
+  ++steps_;
+  newest_step_ns_ = step_ns;
 }
 
 std::optional<TimeNs> BeaconClock::settles_at_ns() const {
@@ -147,10 +154,18 @@ void FixedClock::observe(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs 
     constexpr std::int64_t max_under_way_ns = 2'000'000'000;
     const bool is_under_way = before_step_ns_ && step_ns < 0 && send_delay_ns > 0 &&
                               std::abs(sent_ns - *before_step_ns_) < max_under_way_ns;
-    if (is_under_way) return;
-    if (step_ns > overtaken_ns) before_step_ns_ = newest_ns_;
+    if (is_under_way) {
+      if (!step_counted_) count_step(newest_ns_ - *before_step_ns_);
+      step_counted_ = true;
+      return;
+    }
+    if (step_ns > overtaken_ns) {
+      before_step_ns_ = newest_ns_;
+      step_counted_ = false;
+    }
     if (step_ns < -overtaken_ns || step_ns >= set_ahead_ns) {
       ++resets_;
+      count_step(step_ns);
       begin(stamp, send_delay_ns, saturated_sum(origin_ns_, newest_ns_ - first_ns_));
     }
   }
@@ -158,6 +173,11 @@ void FixedClock::observe(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs 
   if (sent_ns < newest_ns_) return;
   newest_ns_ = sent_ns;
   unwrapper_.set_newest(stamp);
+}
+
+void FixedClock::count_step(std::int64_t step_ns) {
+  ++steps_;
+  newest_step_ns_ = step_ns;
 }
 
 void FixedClock::begin(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs host_ns) {

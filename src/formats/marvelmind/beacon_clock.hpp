@@ -115,6 +115,11 @@ public:
   /// Number of detected restarts of the beacon's clock.
   std::uint64_t resets() const { return resets_; }
 
+  /// Number of steps of the beacon's clock, counted when it has settled after them, and the size of the
+  /// newest one.
+  std::uint64_t steps() const { return steps_; }
+  std::int64_t newest_step_ns() const { return newest_step_ns_; }
+
 private:
   void begin(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs arrival_ns);
   void restart(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs arrival_ns);
@@ -129,6 +134,9 @@ private:
   bool settled_ = false;
   double jitter_s_ = 0;
   std::uint64_t resets_ = 0;
+  std::optional<std::int64_t> delay_before_ns_;  ///< delay before a restart, until the clock has settled
+  std::uint64_t steps_ = 0;
+  std::int64_t newest_step_ns_ = 0;
 };
 
 /// Maps by the beacon's clock alone, for bytes from a file. The first packet was sent at its arrival, and
@@ -157,7 +165,13 @@ public:
   double jitter_s() const { return 0; }
   std::uint64_t resets() const { return resets_; }
 
+  /// Number of steps of the beacon's clock, also of those that the times show as a pause, and the size of the
+  /// newest one. A step ahead is told from a pause by a position that was under way.
+  std::uint64_t steps() const { return steps_; }
+  std::int64_t newest_step_ns() const { return newest_step_ns_; }
+
 private:
+  void count_step(std::int64_t step_ns);
   void begin(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs host_ns);
 
   Unwrapper unwrapper_;
@@ -166,7 +180,10 @@ private:
   std::int64_t newest_ns_ = 0;
   std::optional<std::int64_t> before_step_ns_;  ///< newest time before the latest step ahead
   bool begun_ = false;
+  bool step_counted_ = false;  ///< the latest step ahead is among `steps_`
   std::uint64_t resets_ = 0;
+  std::uint64_t steps_ = 0;
+  std::int64_t newest_step_ns_ = 0;
 };
 
 }  // namespace sonopose::marvelmind

@@ -102,4 +102,18 @@ std::uint64_t ClockSet::resets() const {
   return max_resets;
 }
 
+ClockSteps ClockSet::steps() const {
+  ClockSteps most;
+  for (const auto& track : tracks_) {
+    if (!track) continue;
+    const ClockSteps steps = std::visit(
+        [](const auto& clock) {
+          return ClockSteps{clock.steps(), clock.newest_step_ns()};
+        },
+        track->clock);
+    if (steps.count > most.count) most = steps;
+  }
+  return most;
+}
+
 }  // namespace sonopose::marvelmind

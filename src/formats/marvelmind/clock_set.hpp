@@ -33,6 +33,12 @@ struct ContentTime {
 /// An IMU packet is sent at its stamp, a position after its time passed. Empty for packets without a sample.
 std::optional<ContentTime> content_time(const Packet& packet);
 
+/// The steps of a beacon's clock, which was set or restarted.
+struct ClockSteps {
+  std::uint64_t count = 0;
+  std::int64_t newest_ns = 0;  ///< size of the newest one; negative: back
+};
+
 /// The clock of one time base.
 struct ClockTrack {
   std::variant<BeaconClock, FixedClock> clock;
@@ -66,6 +72,9 @@ public:
 
   /// Number of detected restarts of the clock that has most of them.
   std::uint64_t resets() const;
+
+  /// The steps of the clock that has most of them.
+  ClockSteps steps() const;
 
 private:
   std::optional<ClockTrack>& slot(TimeBase base) { return tracks_[static_cast<std::size_t>(base)]; }

@@ -1,6 +1,7 @@
 #include "bridge/byte_sources.hpp"
 
 #include "bridge/address_owners.hpp"
+#include "bridge/beacon_clock_log.hpp"
 #include "bridge/capture.hpp"
 #include "bridge/line_beacons.hpp"
 #include "bridge/line_watch.hpp"
@@ -119,6 +120,9 @@ public:
       reported = now;
       remove_gone(sink);
       report(assembler_, decoder_.counters(), sink, &clock_);
+      for (const std::string& line : clock_log_.update(assembler_)) {
+        watch_.log().write(logging::Level::warning, line, now);
+      }
       report_line(sink);
       sink.tick();
     }
@@ -231,6 +235,7 @@ private:
   std::optional<Capture> capture_;
   Decoder decoder_;
   Assembler assembler_{marvelmind::TimeMapping::fitted};
+  BeaconClockLog clock_log_{marvelmind::TimeMapping::fitted};
   process::FreeMemory free_memory_;
   StepFreeClock clock_{clocks::host_now(), clocks::steady_now()};
   std::uint64_t bytes_received_ = 0;
@@ -330,7 +335,7 @@ public:
     }
     decoder_.finish(play);
     if (!stopped) assembler_.finish(publish);
-    report(assembler_, decoder_.counters(), sink);
+    report_beacons(sink);
     if (!stopped && !stop.requested()) report_unused();
   }
 
@@ -339,6 +344,10 @@ private:
   void report_unused() const {
     const marvelmind::DecoderCounters& counters = decoder_.counters();
     if (counters.frames == 0) refuse_foreign(options_.file, bytes_read_, counters, begin_);
+    for (const BeaconAddress address : assembler_.addresses()) {
+      const auto text = stamps_too_late_text(*assembler_.beacon(address));
+      if (text) throw files::IoError(fmt::format("{}: {}", options_.file.string(), *text));
+    }
     if (events_ == 0) {
       throw files::IoError(
           fmt::format("{}: {}, but no sample: enable the streams of raw IMU and positions of the beacon",
@@ -367,7 +376,12 @@ private:
 
   void report_sometimes(publication::SampleSink& sink) {
     constexpr std::uint64_t packets = 64;
-    if (++played_ % packets == 0) report(assembler_, decoder_.counters(), sink);
+    if (++played_ % packets == 0) report_beacons(sink);
+  }
+
+  void report_beacons(publication::SampleSink& sink) {
+    report(assembler_, decoder_.counters(), sink);
+    for (const std::string& line : clock_log_.update(assembler_)) logging::warning(line);
   }
 
   StreamOptions options_;
@@ -376,6 +390,7 @@ private:
   Pacer pacer_;
   marvelmind::Decoder decoder_;
   Assembler assembler_{marvelmind::TimeMapping::fixed};
+  BeaconClockLog clock_log_{marvelmind::TimeMapping::fixed};
   std::uint64_t played_ = 0;
   std::vector<std::uint8_t> begin_;  ///< first bytes of the file
   std::string foreign_;              ///< name of what is between valid frames, if known

@@ -5,6 +5,13 @@
 #include "bus_log/sensor_log.hpp"
 #include "clocks/clocks.hpp"
 #include "files/error.hpp"
+#include "logging/log.hpp"
+#include <sonopose/text/duration_text.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
 
 namespace sonopose::bridge {
 namespace {
@@ -24,8 +31,16 @@ public:
     const TimeNs shift_ns =
         restamp_ ? saturated_difference(clocks::host_now(), available_at_ns(log_.events.front())) : 0;
     auto truth = log_.truth.begin();
-    for (const Event& event : log_.events) {
+    for (std::size_t i = 0; i < log_.events.size(); ++i) {
+      const Event& event = log_.events[i];
       const TimeNs time_ns = available_at_ns(event);
+      if (const double step_s = step_back_s(i); step_s > 0.0) {
+        logging::warning(
+            fmt::format("the clock of the log was set back by {}; what follows is played at once "
+                        "after what came before",
+                        text::duration_text(step_s)));
+        pacer_.restart_at(time_ns);
+      }
       if (!pacer_.wait_for(time_ns, sink, stop)) return;
       for (; truth != log_.truth.end() && truth->time_ns <= time_ns; ++truth) {
         sink.on(shifted(*truth, shift_ns));
@@ -35,6 +50,21 @@ public:
   }
 
 private:
+  /// Size of a step back before this event that lasts; zero without one. A single stamp may be wrong.
+  [[nodiscard]] double step_back_s(std::size_t index) const {
+    constexpr double min_step_s = 0.1;
+    constexpr std::size_t events_to_last = 8;
+    if (index == 0) return 0.0;
+    const TimeNs before_ns = available_at_ns(log_.events[index - 1]);
+    const double step_s = seconds_between(available_at_ns(log_.events[index]), before_ns);
+    if (step_s < min_step_s) return 0.0;
+    const std::size_t end = std::min(index + events_to_last, log_.events.size());
+    for (std::size_t i = index + 1; i < end; ++i) {
+      if (available_at_ns(log_.events[i]) >= before_ns) return 0.0;
+    }
+    return step_s;
+  }
+
   Pacer pacer_;
   bool restamp_;
   recording::SensorLog log_;

@@ -20,15 +20,17 @@ Pacer::Pacer(double rate) : rate_(rate) {
   }
 }
 
+void Pacer::restart_at(TimeNs time_ns) {
+  first_ns_ = time_ns;
+  began_ = clocks::steady_now();
+  if (!begun_) ticked_ = began_;
+  begun_ = true;
+}
+
 bool Pacer::wait_for(TimeNs time_ns, publication::SampleSink& sink, const process::StopSignal& stop) {
   constexpr TimeNs tick_period_ns = 100'000'000;
   SteadyTime now = clocks::steady_now();
-  if (!begun_) {
-    begun_ = true;
-    first_ns_ = time_ns;
-    began_ = now;
-    ticked_ = now;
-  }
+  if (!begun_) restart_at(time_ns);
   constexpr double century_ns = 3e18;  // recorded stamps may have any value
   const auto passed_ns = static_cast<double>(saturated_difference(time_ns, first_ns_));
   const SteadyTime due =

@@ -18,6 +18,9 @@ public:
   /// sleeping and ticks it meanwhile. Returns false once the stop is requested.
   bool wait_for(TimeNs time_ns, publication::SampleSink& sink, const process::StopSignal& stop);
 
+  /// Lets `time_ns` be due now, as after a step of the recording's clock.
+  void restart_at(TimeNs time_ns);
+
 private:
   double rate_;
   bool begun_ = false;

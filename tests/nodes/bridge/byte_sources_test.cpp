@@ -265,6 +265,21 @@ SCENARIO("a file of bytes that have no sample is an error that names what they a
     CHECK_THROWS_WITH(make_stream_source({file}), Catch::Contains("frames with a wrong checksum") &&
                                                       Catch::Contains("the file is damaged"));
   }
+  GIVEN("an IMU sample of 2026 and two of 2106") {
+    BeaconFile bytes(file);
+    for (const std::int64_t unix_ms : {1'795'000'000'000, 4'294'967'000'000, 4'294'967'000'010}) {
+      RawImu imu = imu_at(0);
+      imu.time = {TimeBase::unix_ms, unix_ms};
+      bytes << imu;
+    }
+    CollectingSink sink;
+    THEN("the first is published, and the others are counted") {
+      const auto source = make_stream_source({file, 0.0});
+      CHECK_THROWS_WITH(source->run(sink, StopSignal()),
+                        Catch::Contains("bytes.bin: 2 samples of beacon 5 are stamped in the year 2100"));
+      CHECK(sink.of_kind<ImuSample>().size() == 1);
+    }
+  }
   GIVEN("valid frames of telemetry alone") {
     BeaconFile(file) << Telemetry{.battery_mv = 3900, .rssi_dbm = -40, .address = 5};
     CollectingSink sink;

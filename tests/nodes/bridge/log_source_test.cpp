@@ -4,6 +4,7 @@
 #include "bridge/shifted.hpp"
 #include "clocks/clocks.hpp"
 #include "files/error.hpp"
+#include "logging/captured_log.hpp"
 #include "recording/log_folder.hpp"
 #include "recording/log_writer.hpp"
 #include "support/temporary_folder.hpp"
@@ -11,6 +12,7 @@
 #include <catch2/catch.hpp>
 
 #include <limits>
+#include <string>
 
 namespace log_source_test {
 
@@ -106,6 +108,55 @@ SCENARIO("a log folder as a source") {
     make_log_source({.folder = folder / "log", .rate = 1.0})->run(sink, stop);
     THEN("its 100 ms take 100 ms") {
       CHECK(clocks::steady_now() - began >= 99 * ms);
+    }
+  }
+  GIVEN("a clock that was set back by an hour in the middle, at a hundred times real time") {
+    {
+      recording::SensorLogWriter log(folder / "set");
+      for (int i = 0; i < 600; ++i) {
+        const TimeNs set_ns = i < 300 ? 0 : 3'600'000 * ms;
+        ImuSample imu;
+        imu.sensor_time_ns = recorded_ns + i * 10 * ms - set_ns;
+        imu.specific_force_body_mps2 = {0.0, 0.0, 9.81};
+        log.write(imu);
+        UltrasonicFix fix;
+        fix.emission_time_ns = imu.sensor_time_ns;
+        fix.received_time_ns = imu.sensor_time_ns;
+        if (i % 10 == 5) log.write(fix);
+      }
+    }
+    logging::test::CapturedError error;
+    const auto source = make_log_source({.folder = folder / "set", .rate = 100.0});
+    const SteadyTime began = clocks::steady_now();
+    source->run(sink, stop);
+    const SteadyTime ended = clocks::steady_now();
+    error.restore();
+    THEN("its six seconds take 60 ms, and the step is said once") {
+      CHECK(sink.events.size() == 660);
+      CHECK(ended - began >= 59 * ms);
+      const std::string said = error.read();
+      const std::string text = "the clock of the log was set back by 60.0 min";
+      const std::size_t at = said.find(text);
+      REQUIRE(at != std::string::npos);
+      CHECK(said.find(text, at + 1) == std::string::npos);
+    }
+  }
+  GIVEN("one fix with a stamp of an hour ago") {
+    {
+      recording::SensorLogWriter log(folder / "odd");
+      for (int i = 0; i < 30; ++i) {
+        ImuSample imu;
+        imu.sensor_time_ns = recorded_ns + i * 10 * ms;
+        log.write(imu);
+        UltrasonicFix fix;
+        fix.emission_time_ns = imu.sensor_time_ns - (i == 15 ? 3'600'000 * ms : 0);
+        fix.received_time_ns = fix.emission_time_ns;
+        if (i % 5 == 0) log.write(fix);
+      }
+    }
+    THEN("the samples that follow are due as before, not in an hour") {
+      make_log_source({.folder = folder / "odd", .rate = 100.0})->run(sink, stop);
+      CHECK(sink.events.size() == 36);
     }
   }
   GIVEN("a log without a row") {

@@ -35,6 +35,11 @@ SCENARIO("a pacer plays recorded time at its rate") {
       }
       CHECK(clocks::steady_now() - began >= 149 * ms);
     }
+    THEN("after a restart an hour earlier, what follows by 50 ms takes 50 ms") {
+      pacer.restart_at(begin_ns - hour);
+      REQUIRE(pacer.wait_for(begin_ns - hour + 50 * ms, sink, stop));
+      CHECK(clocks::steady_now() - began >= 49 * ms);
+    }
     THEN("times in the past are due at once") {
       REQUIRE(pacer.wait_for(begin_ns - hour, sink, stop));
       CHECK(clocks::steady_now() - began < hour);
