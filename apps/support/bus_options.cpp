@@ -9,6 +9,8 @@
 #include <sonopose/dds/binding/network_interfaces.hpp>
 #include <sonopose/samples/samples.hpp>
 
+#include <fmt/format.h>
+
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -50,6 +52,9 @@ void add_bus_options(CLI::App& app, BusOptions& options) {
   app.add_option("--interface", options.domain.interfaces,
                  "Use this network interface instead, such as wlan0, or lo for this machine; may be repeated")
       ->type_name("NAME")
+      ->check([](const std::string& name) {
+        return name.empty() ? std::string("the name of an interface is empty") : std::string();
+      })
       ->group(bus_group)
       ->allow_extra_args(false);
   app.add_option(
@@ -64,7 +69,8 @@ void add_bus_options(CLI::App& app, BusOptions& options) {
   add_security_options(app, options);
 }
 
-bool wait_for_network(const dds::DomainOptions& domain, const process::StopSignal& stop) {
+bool wait_for_network(const dds::DomainOptions& domain, const process::StopSignal& stop, double duration_s) {
+  const SteadyTime began = clocks::steady_now();
   constexpr TimeNs period_ns = 500'000'000;
   watch_expiry(domain);
   std::string missing;
@@ -78,6 +84,10 @@ bool wait_for_network(const dds::DomainOptions& domain, const process::StopSigna
       logging::warning("waiting for the network: " + choice.text);
     }
     missing = choice.text;
+    if (duration_s > 0.0 && seconds_between(began, clocks::steady_now()) >= duration_s) {
+      throw std::runtime_error(
+          fmt::format("waited for the network for the {} s of --duration: {}", duration_s, missing));
+    }
     if (stop.wait_until(clocks::steady_now() + period_ns)) return false;
   }
   if (!missing.empty()) process::report_status("network: " + choice.text);

@@ -35,7 +35,9 @@ void add_bus_options(CLI::App& app, BusOptions& options);
 /// Waits until the network is there: with `--network lan` any interface besides loopback, with --interface
 /// the named ones. Meanwhile, it reports to the service manager. Logs what is missing, then the interfaces
 /// and why they are used, and the security in use. Returns false if the stop came first.
-bool wait_for_network(const dds::DomainOptions& domain, const process::StopSignal& stop);
+/// Throws std::runtime_error if the network is still missing after `duration_s`; 0: waits without limit.
+bool wait_for_network(const dds::DomainOptions& domain, const process::StopSignal& stop,
+                      double duration_s = 0.0);
 
 /// Adds --max-beacons. `verb` says what the program does with beacons: "Serve".
 void add_max_beacons(CLI::App& app, const std::string& verb, std::size_t& max_beacons);

@@ -4,6 +4,7 @@
 #include "bus_log/recording_files.hpp"
 #include "choice.hpp"
 #include "expanded_option.hpp"
+#include "logging/log.hpp"
 #include "run.hpp"
 #include <sonopose/text/count_text.hpp>
 
@@ -90,8 +91,18 @@ config::FusionConfig configuration(const ReplayOptions& options) {
 }
 
 void require_result(const ReplayOptions& options, const evaluation::RunResult& result) {
-  if (options.run.until_s) return;
   const std::string name = bus_log::name_of(options.logs);
+  if (const auto& height = result.height_problem) {
+    logging::warning(fmt::format("{}: {}: {}", name, height->text, height->remedy));
+  }
+  const auto contradicted = result.warned.find(status_fixes_inconsistent);
+  if (contradicted != result.warned.end() && 2 * contradicted->second > result.judged_poses) {
+    logging::warning(
+        fmt::format("{0}: fixes and IMU contradict each other at most poses: `sonopose-calibrate "
+                    "delay {0}` measures how far their clocks are apart",
+                    name));
+  }
+  if (options.run.until_s) return;
   if (options.engine != ReplayEngine::strapdown && result.counters.fixes_used == 0) {
     if (result.counters.fixes_rejected == 0) throw std::runtime_error(name + ": has no fix");
     const std::string reason = result.refusals.reason();
@@ -99,6 +110,15 @@ void require_result(const ReplayOptions& options, const evaluation::RunResult& r
         fmt::format("{}: no fix was used, {} rejected{}{}", name,
                     text::count_text(result.counters.fixes_rejected, "fix was", "fixes were"),
                     reason.empty() ? "" : ": ", reason));
+  }
+  const std::uint64_t fixes = result.counters.fixes_used + result.counters.fixes_rejected;
+  if (const std::uint64_t refused = result.refusals.count(); 2 * refused > fixes) {
+    throw std::runtime_error(
+        fmt::format("{}: {} of {} were refused: {}{}", name, refused, text::count_text(fixes, "fix", "fixes"),
+                    result.refusals.reason(),
+                    result.refusals.are_of_another_clock()
+                        ? "; `sonopose-calibrate delay " + name + "` measures how far the clocks are apart"
+                        : ""));
   }
   const evaluation::Score& score = result.fused;
   if (!result.has_truth || score.poses > 0 || std::isfinite(score.tilt_rmse_deg)) return;

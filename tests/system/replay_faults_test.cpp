@@ -84,6 +84,47 @@ SCENARIO("a replay that used no fix says why and fails") {
   }
 }
 
+SCENARIO("a replay that refused most fixes says why and fails") {
+  const Recording recording;
+  const auto fixes = std::filesystem::path(recording.log()) / "ultrasonic.csv";
+  std::istringstream rows(read_text(fixes));
+  std::string later;
+  for (std::string row; std::getline(rows, row);) {
+    const bool is_late = later.size() > 2000 && row.starts_with("17");
+    later += (is_late ? "1800" + row.substr(4) : row) + "\n";
+  }
+  write_text(fixes, later);
+  THEN("number, cause and the program that measures the clocks are named") {
+    CHECK_THAT(refusal({recording.log()}), Contains(" fixes were refused: ") &&
+                                               Contains(" newer than the IMU samples") &&
+                                               Contains("`sonopose-calibrate delay "));
+  }
+}
+
+SCENARIO("a log whose clock was set back is replayed to its end") {
+  const Recording recording;
+  for (const char* const name : {"imu.csv", "ultrasonic.csv", "heading.csv"}) {
+    const auto file = std::filesystem::path(recording.log()) / name;
+    std::istringstream rows(read_text(file));
+    std::string text;
+    bool is_set = false;
+    for (std::string row; std::getline(rows, row);) {
+      const auto comma = row.find(',');
+      const bool has_receipt = std::string(name) != "imu.csv";
+      const auto available = row.substr(has_receipt ? comma + 1 : 0, 11);  // in units of 0.1 s
+      is_set = is_set || (row.starts_with("17") && available >= "17000000060");
+      if (is_set) row.replace(0, 8, "16999999");  // 100 s earlier
+      if (is_set && has_receipt) row.replace(comma + 1, 8, "16999999");
+      text += row + "\n";
+    }
+    write_text(file, text);
+  }
+  const json report = report_of({recording.log()});
+  CHECK(report["imu_stamps_back"] == 1);
+  const int fixes = report["fixes_used"].get<int>() + report["fixes_rejected"].get<int>();
+  CHECK(report["fixes_used"].get<int>() > 0.8 * fixes);
+}
+
 SCENARIO("a replay without a score says why and fails") {
   const Recording recording;
   GIVEN("a score that begins after the last pose") {

@@ -1,5 +1,6 @@
 #include "bus_log/copy.hpp"
 
+#include "bus_log/log_times.hpp"
 #include "bus_log/recording_files.hpp"
 #include "files/error.hpp"
 #include "mcap/file_sink.hpp"
@@ -38,6 +39,7 @@ struct Input {
   Input(const Files& files, const CopyRequest& request, mcap::Selection::Order order)
       : reader{files}, messages{reader, request.choice, request.damaged, order} {
     messages.begin_with_latched();
+    if (request.is_one_recording) warn_of_times(reader);
   }
 
   mcap::Reader reader;

@@ -1,5 +1,6 @@
 #include "bus_log/summary.hpp"
 
+#include "bus_log/log_times.hpp"
 #include <sonopose/text/count_text.hpp>
 #include <sonopose/text/escaped.hpp>
 
@@ -64,6 +65,8 @@ std::string summary_text(const mcap::Reader& reader, const std::vector<std::stri
         fmt::format("begins    {}\nends      {}, after {:.3f} s\n", utc_text(statistics.log_times.start_ns),
                     utc_text(statistics.log_times.end_ns), duration_s);
   }
+  if (const auto gap = longest_gap_in(reader)) text += fmt::format("gap       {}\n", *gap);
+  if (const auto step = step_back_in(reader)) text += fmt::format("clock     {}\n", escaped(*step));
   text += fmt::format("messages  {} in {}; {}\n\n", statistics.message_count,
                       text::count_text(statistics.chunk_count, "chunk"),
                       reader.contents().is_indexed ? "with an index" : "without an index");

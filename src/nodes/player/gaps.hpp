@@ -2,11 +2,8 @@
 /// \file
 /// Times of a recording without a message, such as at a step of the host's clock.
 
-#include "mcap/reader.hpp"
-
 #include <cstdint>
 #include <optional>
-#include <string>
 
 namespace sonopose::player {
 
@@ -37,8 +34,5 @@ private:
   double left_out_s_ = 0;
   int logged_ = 0;
 };
-
-/// Describes where the log times of a file go back, since the host's clock was set; empty if they do not.
-std::optional<std::string> step_back_in(const mcap::Reader& reader);
 
 }  // namespace sonopose::player

@@ -2,6 +2,7 @@
 
 #include "bus_log/instance_end.hpp"
 #include "bus_log/latched_start.hpp"
+#include "bus_log/log_times.hpp"
 #include "bus_log/moment.hpp"
 #include "bus_log/recording_files.hpp"
 #include "clocks/clocks.hpp"
@@ -268,7 +269,7 @@ void Play::obey_pause(std::uint64_t log_time_ns) {
 
 PlayerReport play(const PlayerOptions& options, PlayControl& control, const process::StopSignal& stop) {
   const mcap::Reader reader(bus_log::recording_files(options.recording));
-  const auto step = step_back_in(reader);
+  const auto step = bus_log::step_back_in(reader);
   if (options.on_read) options.on_read();
   for (const std::string& damage : reader.damages()) logging::warning(damage);
   if (step) logging::warning(*step + "; messages are played by log time, what came after the step first");

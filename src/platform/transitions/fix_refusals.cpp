@@ -1,5 +1,7 @@
 #include "transitions/fix_refusals.hpp"
 
+#include <sonopose/text/count_text.hpp>
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,57 +10,73 @@
 
 namespace sonopose::transitions {
 
-void FixRefusals::on(const FixReport& report) noexcept {
+bool RefusedFixes::on(const FixReport& report) noexcept {
   const auto cause = refusal_of(report);
-  if (!cause) {
-    refused_ = {};
-    since_.reset();
-    return;
-  }
+  if (!cause) return false;
   Refused& refused = refused_.at(static_cast<std::size_t>(*cause));
   ++refused.fixes;
   refused.age_s = seconds_between(report.emission_time_ns, report.applied_time_ns);
+  return true;
 }
 
-std::uint64_t FixRefusals::count() const {
+std::uint64_t RefusedFixes::count() const {
   std::uint64_t count = 0;
   for (const Refused& refused : refused_) count += refused.fixes;
   return count;
 }
 
-std::optional<std::string> FixRefusals::update(SteadyTime now) {
-  if (!since_) {  // none refused, or one accepted since the last call
-    if (count() > 0) since_ = now;
-    if (!std::exchange(reported_, false)) return std::nullopt;
-    return "fixes are accepted again";
-  }
-  if (reported_ || count() < 2 || now - *since_ < timeout_ns) return std::nullopt;
-  reported_ = true;
-  return fmt::format("all fixes are refused, {} until now: {}", count(), reason());
-}
-
-std::string FixRefusals::reason() const {
-  if (count() == 0) return "";
+FixRefusal RefusedFixes::most_frequent() const {
   const auto most = std::max_element(refused_.begin(), refused_.end(),
                                      [](const Refused& a, const Refused& b) { return a.fixes < b.fixes; });
+  return static_cast<FixRefusal>(most - refused_.begin());
+}
+
+bool RefusedFixes::are_of_another_clock() const {
+  const FixRefusal cause = most_frequent();
+  return count() > 0 && (cause == FixRefusal::too_old || cause == FixRefusal::too_new);
+}
+
+std::string RefusedFixes::reason() const {
+  if (count() == 0) return "";
+  const FixRefusal cause = most_frequent();
+  const Refused& most = refused_.at(static_cast<std::size_t>(cause));
   const std::string share =
-      most->fixes < count() ? fmt::format("{} of them for this reason: ", most->fixes) : "";
-  switch (static_cast<FixRefusal>(most - refused_.begin())) {
+      most.fixes < count() ? fmt::format("{} of them for this reason: ", most.fixes) : "";
+  switch (cause) {
     case FixRefusal::low_quality:
       return share + "their quality is below admission.min_quality_percent";
     case FixRefusal::no_imu:
-      return share + "no IMU sample has arrived";
+      if (imu_refused_ == 0) return share + "no IMU sample has arrived";
+      return fmt::format("{}all {} are refused, above {} ({})", share,
+                         text::count_text(imu_refused_, "IMU sample"), key_, limit_);
     case FixRefusal::too_old:
       return fmt::format(
           "{}the latest is {:.3f} s older than the IMU samples, more than admission.max_fix_age_s", share,
-          most->age_s);
+          most.age_s);
     case FixRefusal::too_new:
       return fmt::format("{}the latest is {:.3f} s newer than the IMU samples: set the clocks", share,
-                         -most->age_s);
+                         -most.age_s);
     case FixRefusal::invalid:
       break;
   }
   return share + "the latest is not newer than the one before, or its position or its times are out of range";
+}
+
+void FixRefusals::on(const FixReport& report) noexcept {
+  if (refused_.on(report)) return;
+  refused_ = {};
+  since_.reset();
+}
+
+std::optional<std::string> FixRefusals::update(SteadyTime now) {
+  if (!since_) {  // none refused, or one accepted since the last call
+    if (refused_.count() > 0) since_ = now;
+    if (!std::exchange(reported_, false)) return std::nullopt;
+    return "fixes are accepted again";
+  }
+  if (reported_ || refused_.count() < 2 || now - *since_ < timeout_ns) return std::nullopt;
+  reported_ = true;
+  return fmt::format("all fixes are refused, {} until now: {}", refused_.count(), refused_.reason());
 }
 
 }  // namespace sonopose::transitions

@@ -13,8 +13,42 @@
 
 namespace sonopose::transitions {
 
-/// Refusals of one beacon. A fix is refused if it is too old, from the future, out of order, out of range or
-/// of low quality. Outliers are judged, not refused. Call `update` about once a second.
+/// Refused fixes by cause. A fix is refused if it is too old, from the future, out of order, out of range or
+/// of low quality. Outliers are judged, not refused.
+class RefusedFixes {
+public:
+  /// Takes a report of the engine; returns false if its fix was not refused. Does not allocate.
+  bool on(const FixReport& report) noexcept;
+
+  /// Takes an IMU sample that exceeds a limit of the settings. `key` must outlive this.
+  void on_excess(const char* key, double limit) noexcept {
+    ++imu_refused_;
+    key_ = key;
+    limit_ = limit;
+  }
+
+  [[nodiscard]] std::uint64_t count() const;
+
+  /// The most frequent cause; empty without a refused fix.
+  [[nodiscard]] std::string reason() const;
+
+  /// True if most were refused for times that do not fit those of the IMU samples.
+  [[nodiscard]] bool are_of_another_clock() const;
+
+private:
+  struct Refused {
+    std::uint64_t fixes = 0;
+    double age_s = 0;  ///< age of the latest one
+  };
+  [[nodiscard]] FixRefusal most_frequent() const;
+
+  std::array<Refused, fix_refusal_count> refused_;
+  std::uint64_t imu_refused_ = 0;
+  const char* key_ = "";  ///< limit that the latest of these exceeds
+  double limit_ = 0;
+};
+
+/// Refusals of one beacon since the last accepted fix. Call `update` about once a second.
 class FixRefusals {
 public:
   static constexpr TimeNs timeout_ns = 1'000'000'000;
@@ -22,22 +56,15 @@ public:
   /// Takes a report of the engine. Does not allocate.
   void on(const FixReport& report) noexcept;
 
+  /// Takes an IMU sample that exceeds a limit (RefusedFixes).
+  void on_excess(const char* key, double limit) noexcept { refused_.on_excess(key, limit); }
+
   /// A message for the user: once when all fixes have been refused for `timeout_ns`, with the most frequent
   /// cause, and once when one is accepted again.
   std::optional<std::string> update(SteadyTime now);
 
-  /// The most frequent cause of the refusals since the last accepted fix; empty without one.
-  [[nodiscard]] std::string reason() const;
-
 private:
-  [[nodiscard]] std::uint64_t count() const;
-
-  /// Fixes refused for one cause since the last accepted fix.
-  struct Refused {
-    std::uint64_t fixes = 0;
-    double age_s = 0;  ///< age of the latest one
-  };
-  std::array<Refused, fix_refusal_count> refused_;  ///< by cause
+  RefusedFixes refused_;
   std::optional<SteadyTime> since_;
   bool reported_ = false;
 };

@@ -1,19 +1,14 @@
 #include "player/gaps.hpp"
 
 #include "logging/captured_log.hpp"
-#include "mcap/encoder.hpp"
-#include "mcap/memory.hpp"
-#include "mcap/writer.hpp"
 
 #include <catch2/catch.hpp>
 
 #include <algorithm>
 #include <initializer_list>
 #include <limits>
-#include <optional>
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 namespace sonopose::player::test::gaps_test {
 
@@ -74,56 +69,6 @@ SCENARIO("times without messages are shortened") {
   }
   CHECK_THROWS_AS(Gaps(-1.0, 1.0, 0), std::invalid_argument);
   CHECK_THROWS_AS(Gaps(std::numeric_limits<double>::quiet_NaN(), 1.0, 0), std::invalid_argument);
-}
-
-/// Describes a recording of one channel with a chunk for each pair of log times.
-std::optional<std::string> step_back_of(
-    std::initializer_list<std::pair<std::uint64_t, std::uint64_t>> chunks_s) {
-  sonopose::test::MemorySink sink;
-  mcap::Writer writer(sink);
-  const auto channel = writer.add_channel(0, "t", "json");
-  for (const auto& [first_s, second_s] : chunks_s) {
-    for (const std::uint64_t time_s : {first_s, second_s}) {
-      writer.write({channel, 1, time_s * second, time_s * second, {}});
-    }
-    writer.end_chunk();
-  }
-  writer.close();
-  return step_back_in(sonopose::test::reader_of(sink.content));
-}
-
-TEST_CASE("A clock that was set back during a recording is found") {
-  CHECK_FALSE(step_back_of({{100, 101}, {101, 102}, {102, 103}}));
-  CHECK_FALSE(step_back_of({{100, 102}, {101, 103}}));  // chunks may overlap
-  CHECK_THAT(step_back_of({{100, 101}, {102, 3}, {4, 5}}).value_or(""),
-             Contains("memory.mcap: the log times go back by 95.0 s"));
-  CHECK_THAT(step_back_of({{100, 3}}).value_or(""), Contains("go back by 97.0 s"));
-}
-
-TEST_CASE("A clock that was set back is found in a file without chunks") {
-  const auto step_back_of_plain = [](std::initializer_list<std::uint64_t> log_times_s) {
-    mcap::Bytes file;
-    mcap::put_bytes(file, std::as_bytes(std::span(mcap::magic)));
-    mcap::put_record(file, mcap::Opcode::header, [&file] {
-      for (int i = 0; i < 2; ++i) mcap::put_text(file, "");  // profile and library
-    });
-    mcap::put_record(file, mcap::Opcode::channel, [&file] {
-      mcap::put(file, std::uint16_t{1});
-      mcap::put(file, std::uint16_t{0});  // no schema
-      for (const char* const text : {"t", "json"}) mcap::put_text(file, text);
-      mcap::put_sized(file, [] {});
-    });
-    for (const std::uint64_t time_s : log_times_s) {
-      mcap::put_record(file, mcap::Opcode::message, [&file, time_s] {
-        mcap::put(file, std::uint16_t{1});
-        mcap::put(file, std::uint32_t{0});
-        for (int i = 0; i < 2; ++i) mcap::put(file, time_s * second);  // log time and publish time
-      });
-    }
-    return step_back_in(sonopose::test::reader_of(file));
-  };
-  CHECK_FALSE(step_back_of_plain({100, 101, 102}));
-  CHECK_THAT(step_back_of_plain({100, 101, 90, 91}).value_or(""), Contains("go back by 11.0 s"));
 }
 
 }  // namespace sonopose::player::test::gaps_test

@@ -86,7 +86,39 @@ SCENARIO("refused fixes are reported once, after a second") {
     THEN("a missing IMU is named") {
       FixReport one = report(fix_invalid, 0.1);
       one.applied_time_ns = 0;
-      CHECK_THAT(reason_of(one), Contains("no IMU sample"));
+      CHECK_THAT(reason_of(one), Contains("no IMU sample has arrived"));
+    }
+    THEN("IMU samples that are all above a limit are named with it") {
+      FixReport one = report(fix_invalid, 0.1);
+      one.applied_time_ns = 0;
+      for (int i = 0; i < 340; ++i) refusals.on_excess("admission.max_angular_rate_radps", 80.0);
+      CHECK_THAT(reason_of(one), Contains("all 340 IMU samples are refused, above "
+                                          "admission.max_angular_rate_radps (80)") &&
+                                     !Contains("arrived"));
+    }
+  }
+}
+
+SCENARIO("refused fixes of a whole run are counted, also after one that was accepted") {
+  transitions::RefusedFixes refused;
+  CHECK(refused.reason().empty());
+  CHECK_FALSE(refused.are_of_another_clock());
+  CHECK(refused.on(report(fix_invalid, -0.7)));
+  CHECK_FALSE(refused.on(report(fix_used, 0.1)));
+  CHECK_FALSE(refused.on(report(fix_outlier, 0.1)));
+  CHECK(refused.on(report(fix_invalid, -0.7)));
+  GIVEN("fixes that are newer than the IMU samples") {
+    THEN("they are of another clock") {
+      CHECK(refused.count() == 2);
+      CHECK_THAT(refused.reason(), Contains("0.700 s newer than the IMU samples"));
+      CHECK(refused.are_of_another_clock());
+    }
+  }
+  GIVEN("more of low quality") {
+    for (int i = 0; i < 3; ++i) refused.on(report(fix_low_quality, 0.1));
+    THEN("their times are not the cause") {
+      CHECK_THAT(refused.reason(), Contains("3 of them") && Contains("quality"));
+      CHECK_FALSE(refused.are_of_another_clock());
     }
   }
 }

@@ -1,15 +1,29 @@
 #include <sonopose/estimation/aiding/admission.hpp>
+#include <sonopose/estimation/aiding/reading_limits.hpp>
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/time_jump.hpp>
 
 #include <cmath>
 
-namespace sonopose::estimation::aiding::admission {
+namespace sonopose::estimation::aiding {
 namespace {
 
 bool within(const Vector3d& value, double limit) {
   return value.allFinite() && value.cwiseAbs().maxCoeff() <= limit;
 }
+
+}  // namespace
+
+std::optional<ExceededLimit> exceeded_limit(const AdmissionSettings& settings, const ImuSample& imu) {
+  if (!within(imu.angular_velocity_body_radps, settings.max_angular_rate_radps))
+    return ExceededLimit{"admission.max_angular_rate_radps", settings.max_angular_rate_radps};
+  if (!within(imu.specific_force_body_mps2, settings.max_specific_force_mps2))
+    return ExceededLimit{"admission.max_specific_force_mps2", settings.max_specific_force_mps2};
+  return std::nullopt;
+}
+
+namespace admission {
+namespace {
 
 /// True if a measurement is neither older than the limit nor from the future. Before the first IMU sample the
 /// state's time is 0 and no measurement is recent.
@@ -37,9 +51,7 @@ bool is_time(TimeNs stamp_ns) {
 bool admits(const AdmissionSettings& settings, TimeNs now_ns, const ImuSample& imu) {
   // No accelerometer reads exactly zero on all axes.
   return is_time(imu.sensor_time_ns) && imu.sensor_time_ns >= now_ns &&
-         !imu.specific_force_body_mps2.isZero(0.0) &&
-         within(imu.angular_velocity_body_radps, settings.max_angular_rate_radps) &&
-         within(imu.specific_force_body_mps2, settings.max_specific_force_mps2);
+         !imu.specific_force_body_mps2.isZero(0.0) && !exceeded_limit(settings, imu);
 }
 
 bool is_time_jump(AdmissionState& state, TimeNs now_ns, const ImuSample& imu) {
@@ -103,4 +115,5 @@ std::uint32_t rejection_flags(const AdmissionSettings& settings, AdmissionState&
   return flags;
 }
 
-}  // namespace sonopose::estimation::aiding::admission
+}  // namespace admission
+}  // namespace sonopose::estimation::aiding

@@ -2,6 +2,7 @@
 
 #include "estimation/digest.hpp"
 #include "evaluation/score/comparison.hpp"
+#include <sonopose/estimation/aiding/reading_limits.hpp>
 #include <sonopose/estimation/input_watch.hpp>
 #include <sonopose/estimation/snapshot_fields.hpp>
 #include <sonopose/samples/outputs.hpp>
@@ -144,10 +145,16 @@ void run_engine(const recording::SensorLog& log, const RunOptions& options, Resu
   estimation::AnyEstimator estimator(options.settings);
   if (options.start) estimator.restore(options.start->snapshot);
   estimation::InputWatch watch(estimator.settings());
+  estimation::aiding::HeightWatch heights;
   const EstimatorCounters before = estimator.counters();
   run_through(log, options, results, [&](const Event& event) {
     results.predict(event, estimator);
     watch.on(event);
+    if (const auto* fix = std::get_if<UltrasonicFix>(&event)) heights.on(estimator.settings().planar, *fix);
+    if (const auto* imu = std::get_if<ImuSample>(&event)) {
+      const auto limit = estimation::aiding::exceeded_limit(estimator.settings().admission, *imu);
+      if (limit) results.result().refusals.on_excess(limit->key, limit->value);
+    }
     auto output = estimation::process(estimator, event);
     if (auto* pose = std::get_if<FusedPose>(&output)) {
       watch.on(*pose);
@@ -158,6 +165,7 @@ void run_engine(const recording::SensorLog& log, const RunOptions& options, Resu
   });
   results.result().end.snapshot = estimator.snapshot();
   results.digest().add(results.result().end.snapshot);
+  results.result().height_problem = heights.problem();
   results.result().counters = estimator.counters() - before;
 }
 

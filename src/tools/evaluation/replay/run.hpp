@@ -9,6 +9,7 @@
 #include "evaluation/score/score.hpp"
 #include "recording/log_folder.hpp"
 #include "transitions/fix_refusals.hpp"
+#include <sonopose/estimation/aiding/height_watch.hpp>
 #include <sonopose/estimation/any_estimator.hpp>
 #include <sonopose/estimation/offline/smoother.hpp>
 #include <sonopose/samples/pose.hpp>
@@ -44,8 +45,9 @@ struct RunOptions {
 };
 
 /// Warnings of the status that a run counts, with their names.
-inline constexpr std::array<std::pair<PoseStatus, std::string_view>, 7> run_warnings{
-    {{status_imu_inconsistent, "IMU inconsistent"},
+inline constexpr std::array<std::pair<PoseStatus, std::string_view>, 8> run_warnings{
+    {{status_initialising, "initialising"},
+     {status_imu_inconsistent, "IMU inconsistent"},
      {status_fixes_inconsistent, "fixes inconsistent"},
      {status_low_trust, "low trust"},
      {status_heading_unknown, "heading unknown"},
@@ -74,8 +76,9 @@ struct RunResult {
   EstimatorCounters counters;
   FixFlagCounts fix_flags;
   FixFlagCounts rejected_fix_flags;  ///< flags of the unused fixes
-  transitions::FixRefusals refusals;
-  std::uint64_t judged_poses = 0;                ///< from RunOptions::after_s on
+  transitions::RefusedFixes refusals;
+  std::optional<estimation::aiding::HeightProblem> height_problem{};  ///< at the end
+  std::uint64_t judged_poses = 0;                                     ///< from RunOptions::after_s on
   std::map<PoseStatus, std::uint64_t> warned{};  ///< numbers of these with a warning, by its bit
   std::uint64_t fixes_down_weighted = 0;         ///< number of used fixes with reduced weight
   bool has_truth = false;

@@ -68,6 +68,18 @@ TEST_CASE("a run whose fixes are all doubted says so, and warnings are in both r
   CHECK(report["warnings"]["imu_gap"] == 0.0);
 }
 
+TEST_CASE("poses before the first used fix are among the warnings") {
+  auto log = sample_log("walk");
+  std::erase_if(log.events, [&](const Event& event) {
+    return std::holds_alternative<UltrasonicFix>(event) &&
+           seconds_between(available_at_ns(log.events.front()), available_at_ns(event)) < 5.0;
+  });
+  const auto result = evaluation::run(log, {});
+  const json report = json::parse(evaluation::report_json(result, {}));
+  CHECK(report["warnings"]["initialising"] == Approx(5.0 / result.duration_s).margin(0.05));
+  CHECK_THAT(evaluation::report_text(result, {}), Contains("% initialising"));
+}
+
 TEST_CASE("the text report contains scores with units, counts and the hash") {
   const auto result = evaluation::run(sample_log("outlier_bursts"), {.after_s = 6.0});
   const std::string text = evaluation::report_text(result, {0.01, 0.03});

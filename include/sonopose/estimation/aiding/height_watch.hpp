@@ -1,0 +1,35 @@
+#pragma once
+/// \file
+/// Compares the height of the fixes with that at which a planar body is held.
+
+#include <sonopose/samples/samples.hpp>
+#include <sonopose/settings/settings.hpp>
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+namespace sonopose::estimation::aiding {
+
+/// A height of the settings that the fixes contradict.
+struct HeightProblem {
+  std::string text;
+  std::string remedy;
+};
+
+/// Mean height of the latest fixes above the plane of the settings. Does not allocate, but for `problem`.
+class HeightWatch {
+public:
+  void on(const settings::PlanarSettings& settings, const UltrasonicFix& fix);
+
+  /// Set if nearly all of the latest fixes are on one side of the plane, and far from it on average.
+  [[nodiscard]] std::optional<HeightProblem> problem() const;
+
+private:
+  settings::PlanarSettings settings_;
+  std::size_t count_ = 0;
+  double mean_m_ = 0;  ///< of the heights above the plane
+  double variance_m2_ = 0;
+};
+
+}  // namespace sonopose::estimation::aiding
