@@ -1,6 +1,7 @@
 #include "fusion/beacon_estimator.hpp"
 
 #include "presence/beacon_admission.hpp"
+#include <sonopose/estimation/aiding/reading_limits.hpp>
 #include <sonopose/estimation/prediction.hpp>
 
 #include <utility>
@@ -66,6 +67,12 @@ EventOutcome BeaconEstimator::process(const collation::CollatedEvent& collated) 
     outcome.settings_changed = true;
     outcome.prediction_period_ns = estimation::prediction_period_ns(estimator_.settings().output);
   }
+  if (const auto* imu = std::get_if<ImuSample>(&event)) {
+    const auto limit = estimation::aiding::exceeded_limit(estimator_.settings().admission, *imu);
+    if (limit) refusals_.on_excess(limit->key, limit->value);
+  }
+  if (const auto* fix = std::get_if<UltrasonicFix>(&event))
+    height_watch_.on(estimator_.settings().planar, *fix);
   outcome.result = estimation::process(estimator_, event);
   const auto* report = std::get_if<FixReport>(&outcome.result);
   if (report != nullptr) {
@@ -81,6 +88,13 @@ EventOutcome BeaconEstimator::process(const collation::CollatedEvent& collated) 
     poses_.add(*pose);
   }
   return outcome;
+}
+
+std::optional<std::string> BeaconEstimator::height_use() {
+  const auto problem = height_watch_.problem();
+  const bool is_known = std::exchange(height_contradicts_, problem.has_value());
+  if (!problem || is_known) return std::nullopt;
+  return problem->text + ": " + problem->remedy;
 }
 
 void BeaconEstimator::on_bridge_lost(std::uint64_t bridge, SteadyTime now) noexcept {

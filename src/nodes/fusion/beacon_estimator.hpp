@@ -11,6 +11,7 @@
 #include "transitions/transition_detector.hpp"
 #include <sonopose/collation/collator.hpp>
 #include <sonopose/collation/lossless_collator.hpp>
+#include <sonopose/estimation/aiding/height_watch.hpp>
 #include <sonopose/estimation/any_estimator.hpp>
 #include <sonopose/estimation/input_watch.hpp>
 #include <sonopose/samples/pose.hpp>
@@ -113,6 +114,9 @@ public:
   /// A message about refused fixes (transitions::FixRefusals), if there is news. Call it once a second.
   std::optional<std::string> fix_refusals(SteadyTime now) { return refusals_.update(now); }
 
+  /// A message about fixes far from the height of a planar body, once until they agree.
+  std::optional<std::string> height_use();
+
   /// A message about velocities, if there is news. Call it about once a second.
   std::optional<std::string> twist_use() {
     return twist_use_.update(estimator_.counters(), estimator_.settings().engine.engine);
@@ -145,6 +149,8 @@ private:
   std::optional<SteadyTime> bridge_lost_at_;
   bool loss_is_counted_ = false;
   transitions::FixRefusals refusals_;
+  estimation::aiding::HeightWatch height_watch_;
+  bool height_contradicts_ = false;
   TwistUse twist_use_;
   std::uint32_t pose_status_ = status_initialising;  ///< status of the latest pose
   estimation::Digest poses_;

@@ -81,7 +81,8 @@ void StatusPublisher::publish_estimate(BeaconAddress address) {
 
 void StatusPublisher::log_input_use(BeaconAddress address) {
   const auto texts = read(address, [](BeaconEstimator& estimator) {
-    return std::array{estimator.fix_refusals(clocks::steady_now()), estimator.twist_use()};
+    return std::array{estimator.fix_refusals(clocks::steady_now()), estimator.height_use(),
+                      estimator.twist_use()};
   });
   if (!texts) return;
   for (const auto& text : *texts) {
