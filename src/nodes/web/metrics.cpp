@@ -121,6 +121,11 @@ void add_bridge(Writer& out) {
   out.add("fix_rate_hz", "gauge", "Fixes of the last second.", of_bridge(&BeaconStatus::fix_rate_hz));
   out.add("heading_rate_hz", "gauge", "Headings of the last second.",
           of_bridge(&BeaconStatus::heading_rate_hz));
+  out.add("bridge_other_bridges", "gauge", "Other bridges that publish this beacon.",
+          [](const BeaconView& view) -> std::optional<double> {
+            if (!view.bridge) return {};
+            return static_cast<double>(view.bridge->other_bridges);
+          });
   out.add("battery_volts", "gauge", "Voltage of the beacon's battery.",
           [](const BeaconView& view) -> std::optional<double> {
             if (!view.bridge) return {};

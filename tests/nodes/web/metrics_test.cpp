@@ -24,6 +24,7 @@ observation::BeaconView view_of(BeaconAddress address) {
   view.pose.time_ns = now_ns - 250'000'000;
   view.pose.status = status_stale;
   view.bridge.emplace().battery_v = 3.75;
+  view.bridge->other_bridges = 1;
   view.fusion.emplace().fixes_used = 3;
   view.fusion->fixes_rejected = 1;
   view.report.emplace().innovation_world_m = {0.3, 0.4, 0.0};
@@ -44,6 +45,7 @@ SCENARIO("each metric has a row for each beacon that knows it") {
   CHECK_THAT(text, Contains("sonopose_fix_innovation_meters{beacon=\"7\"} 0.5\n"));
   CHECK_THAT(text, Contains("sonopose_fixes_used_ratio{beacon=\"7\"} 0.75\n"));
   CHECK_THAT(text, Contains("sonopose_battery_volts{beacon=\"7\"} 3.75\n"));
+  CHECK_THAT(text, Contains("sonopose_bridge_other_bridges{beacon=\"7\"} 1\n"));
   CHECK_THAT(text, Contains("sonopose_fusion_fixes_used_total{beacon=\"7\"} 3\n"));
   CHECK_THAT(text, !Contains("sonopose_pose_age_seconds{beacon=\"9\"}"));
   CHECK_THAT(text, !Contains("enclave"));

@@ -218,6 +218,9 @@ rules::BeaconObservation BeaconProbe::observation(TimeNs now_ns, const settings:
   beacon.fusion_settings = settings;
   beacon.pair_fixes = pair_fixes_;
   beacon.fix_outcomes = fix_outcomes();
+  estimation::aiding::HeightWatch heights;
+  for (const auto& [received_ns, fix] : fixes_.entries()) heights.on(settings.planar, fix);
+  beacon.height_problem = heights.problem();
   beacon.timed_fixes = timed_fixes_;
   beacon.least_fix_delay_s = least_fix_delay_s_.value_or(0.0);
   beacon.imu = imu_.observation(began_ns_, now_ns);

@@ -89,6 +89,10 @@ public:
     }
   }
 
+  void height() const {
+    if (const auto& problem = beacon_.height_problem) add(Severity::warning, problem->text, problem->remedy);
+  }
+
   void refused_fixes() const {
     constexpr double refused_share = 0.5;
     constexpr double min_refused_share = 0.1;
@@ -186,13 +190,15 @@ public:
   }
 
   void numbering() const {
-    if (beacon_.events_missing > 0 && beacon_.bridges.size() < 2) {
+    const bool has_other_bridge = beacon_.status && beacon_.status->other_bridges > 0;
+    if (beacon_.bridges.size() > 1 || has_other_bridge) return;  // the counters below are a consequence
+    if (beacon_.events_missing > 0) {
       add(by_share(beacon_.events_missing, beacon_.events_expected),
           fmt::format("{} of its {} not received", beacon_.events_missing,
                       count_text(beacon_.events_expected, "event was", "events were")),
           "check whether the network loses packets, or this machine is overloaded");
     }
-    if (fusion_lacks_imu_) return;  // the counters below are a consequence
+    if (fusion_lacks_imu_) return;  // so are these
     if (const auto lost = increase_of(&FusionStatus::events_lost); lost > 0) {
       add(by_share(lost, beacon_.imu.samples), fmt::format("its fusion lost {}", count_text(lost, "event")),
           "check whether the network loses packets, or the machine of the fusion is overloaded");
@@ -367,6 +373,7 @@ void check_beacon(const Observations& observations, const BeaconObservation& bea
     check.imu();
     check.fixes();
     check.refused_fixes();
+    check.height();
     check.headings();
     check.poses(!on_topic(observations.writers, "sonopose/pose").empty());
   }

@@ -9,6 +9,7 @@
 #include "observation/pose_writers.hpp"
 #include <sonopose/calibration/model/calibration.hpp>
 #include <sonopose/dds/psm/qos.hpp>
+#include <sonopose/estimation/aiding/height_watch.hpp>
 #include <sonopose/samples/fix_refusal.hpp>
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/samples.hpp>
@@ -145,6 +146,7 @@ struct BeaconObservation {
       ended_fusions;  ///< ended fusions whose poses consumers received: their losses count too
   StatusCounts status_counts;
   FixOutcomes fix_outcomes;
+  std::optional<estimation::aiding::HeightProblem> height_problem;
   std::uint64_t pair_fixes = 0;            ///< fixes that are the centre of a pair
   settings::Settings fusion_settings;      ///< settings of its fusion; the defaults if unknown
   std::uint64_t timed_fixes = 0;           ///< fixes whose delay was measured by the hardware

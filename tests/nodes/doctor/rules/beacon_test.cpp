@@ -139,6 +139,25 @@ TEST_CASE("Two bridges of one beacon are reported, without gaps in their numberi
         Severity::error);
 }
 
+TEST_CASE("Lost events are a consequence of a second bridge, and not reported beside it") {
+  const auto lose_events = [](auto& b) {
+    b.status->other_bridges = 1;
+    b.fusion->events_lost = 300;
+    b.events_missing = 300;
+    b.events_expected = 1000;
+  };
+  CHECK(severity("its bridge detects another bridge", lose_events) == Severity::error);
+  CHECK(severity("its fusion lost", lose_events) == Severity::ok);
+  CHECK(severity("not received", lose_events) == Severity::ok);
+}
+
+TEST_CASE("Fixes far from the height of a planar body are a problem with a remedy") {
+  CHECK(severity("the fixes are 1.50 m above motion.height_m", [](auto& b) {
+          b.height_problem = estimation::aiding::HeightProblem{"the fixes are 1.50 m above motion.height_m",
+                                                               "set motion.height_m=1.50"};
+        }) == Severity::warning);
+}
+
 TEST_CASE("Only increases of counters are reported") {
   CHECK(severity("5 checksum errors and 80 lost bytes", [](auto& b) {
           b.status->crc_errors = 5;
