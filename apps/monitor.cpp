@@ -47,7 +47,7 @@ int main(int argc, char** argv) {
     const logging::Session log(log_level);
     process::StopSignal stop;
     stop.listen_to_signals();
-    if (!apps::wait_for_network(bus.domain, stop)) return 0;
+    if (!apps::wait_for_network(bus.domain, stop, duration_s)) return 0;
     if (!echo.topic.empty()) {
       echo.domain = bus.domain;
       echo.qos_file = bus.qos_file;

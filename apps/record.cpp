@@ -76,7 +76,7 @@ int serve(Options& options, const std::string& command) {
   process::StopSignal stop;
   stop.listen_to_signals();
   std::signal(SIGUSR1, SIG_IGN);  // ignored too early, or without --keep-last
-  if (!apps::wait_for_network(recording.domain, stop)) return 0;
+  if (!apps::wait_for_network(recording.domain, stop, recording.duration_s)) return 0;
   recorder::Recorder recorder(recording);
   std::optional<recorder::SignalTrigger> on_signal;
   if (recording.keep_last_s > 0) on_signal.emplace(SIGUSR1, recorder.trigger());

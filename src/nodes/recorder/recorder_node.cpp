@@ -64,8 +64,7 @@ bool is_numbered(const RecorderOptions& options) {
 
 void check_limits(const RecorderOptions& options) {
   if (options.max_files > 0 && !is_numbered(options)) {
-    throw std::invalid_argument(
-        "--max-files: there is one file without --max-size, --max-duration, --max-total or --keep-last");
+    throw std::invalid_argument("--max-files: needs --max-size, --max-duration, --max-total or --keep-last");
   }
   if (options.includes_earlier && options.max_files == 0 && options.max_total_bytes == 0) {
     throw std::invalid_argument("--include-earlier: needs --max-files or --max-total");
