@@ -79,15 +79,18 @@ std::string truth_curve(std::string_view columns, std::string_view block) {
                      truth_colour);
 }
 
-/// Returns the fixes of the first run. `x` and `y` are columns, and `kinds` is the number of shown classes.
-Elements fixes_by_kind(std::string_view x, std::string_view y, int kinds) {
-  constexpr std::array<std::string_view, 3> titles{"fix used", "outlier", "rejected"};
+/// Returns the fixes of the first run by class, without classes that have none. `x` and `y` are columns.
+Elements fixes_by_kind(const PlotData& data, std::string_view x, std::string_view y) {
+  constexpr std::array<std::string_view, 3> titles{"fix used", "down-weighted", "rejected"};
   constexpr std::array<std::string_view, 3> colours{used_colour, outlier_colour, rejected_colour};
   constexpr std::array<int, 3> shapes{7, 9, 2};  // disc, triangle, cross
   constexpr std::array<double, 3> sizes{0.4, 0.8, 0.8};
   Elements elements;
-  for (int kind = 0; kind < kinds; ++kind) {
-    const auto k = static_cast<std::size_t>(kind);
+  const auto& fixes = data.runs.front().fixes();
+  for (std::size_t k = 0; k < titles.size(); ++k) {
+    const int kind = static_cast<int>(k);
+    const auto is_of_kind = [kind](const FixMark& fix) { return static_cast<int>(fix.verdict) == kind; };
+    if (std::none_of(fixes.begin(), fixes.end(), is_of_kind)) continue;
     elements.push_back(
         fmt::format("$fixes0 using {}:($11=={}?{}:NaN) with points pt {} ps {} lc rgb '{}' title {}", x, kind,
                     y, shapes[k], sizes[k], colours[k], plot_text(titles[k])));
@@ -102,8 +105,15 @@ Elements shades(const PlotData& data, bool with_titles) {
     return fmt::format("{} axes x1y2 with fillsteps fs solid 1 noborder lc rgb '{}' {}", columns, colour,
                        with_titles ? "title " + plot_text(title) : "notitle");
   };
-  Elements elements{shade("$status using 1:3", converging_colour, "converging"),
-                    shade("$status using 1:2", stale_colour, "stale")};
+  const auto& moments = data.runs.front().moments();
+  const auto occurs = [&moments](PoseStatus bit) {
+    return std::any_of(moments.begin(), moments.end(),
+                       [bit](const Moment& moment) { return (moment.status & bit) != 0U; });
+  };
+  Elements elements;
+  if (occurs(status_converging))
+    elements.push_back(shade("$status using 1:3", converging_colour, "converging"));
+  if (occurs(status_stale)) elements.push_back(shade("$status using 1:2", stale_colour, "stale"));
   if (!data.runs.front().silences().empty()) {
     elements.push_back(shade("$silences using 1:2", silent_colour, "IMU silent"));
   }
@@ -136,7 +146,7 @@ void append_path(std::string& script, const PlotData& data) {
       std::back_inserter(script),
       "set size ratio -1\nset xlabel 'x [m]'\nset xrange [{:.3f}:{:.3f}]; set yrange [{:.3f}:{:.3f}]\n",
       box.low.x(), box.high.x(), box.low.y(), box.high.y());
-  Elements elements = fixes_by_kind("2", "$3", 3);
+  Elements elements = fixes_by_kind(data, "2", "$3");
   if (data.has_truth) elements.push_back(truth_curve("3:4", "path"));
   append(elements, curves(data, "path", "1:2", "lines lw 1.6", "fused"));
   if (!compares(data)) {
@@ -191,7 +201,7 @@ void plot_innovations(std::string& script, const PlotData& data, int column) {
       elements.push_back(fmt::format("$fixes0 using 1:({}${}) with lines lw 1 lc rgb '{}' {}", sign,
                                      column + 2, faint_colour, sign.empty() ? "title '±3σ'" : "notitle"));
     }
-    append(elements, fixes_by_kind("1", fmt::format("${}", column), 3));
+    append(elements, fixes_by_kind(data, "1", fmt::format("${}", column)));
   }
   append_plot(script, elements);
 }

@@ -66,6 +66,28 @@ TEST_CASE("any file name and title can be plotted, with and without truth") {
   CHECK(read_text(png).starts_with("\x89PNG"));
 }
 
+TEST_CASE("the legend has only what is drawn, and calls used outliers down-weighted") {
+  if (!gnuplot_is_here()) return;
+  const TemporaryFolder folder;
+  const auto legend_has = [&](const recording::SensorLog& log, const std::string& word,
+                              settings::EngineKind engine) {
+    settings::Settings settings;
+    settings.engine.engine = engine;
+    Plot plot(folder / "legend.svg", "", log);
+    show(log, plot, settings);
+    plot.draw();
+    return read_text(folder / "legend.svg").find(">" + word + "<") != std::string::npos;
+  };
+  const recording::SensorLog clean = sample_log("walk", 10.0);
+  const recording::SensorLog bursts = sample_log("outlier_bursts");
+  using settings::EngineKind;
+  CHECK(legend_has(clean, "fix used", EngineKind::kalman));
+  CHECK_FALSE(legend_has(clean, "stale", EngineKind::kalman));
+  CHECK_FALSE(legend_has(clean, "rejected", EngineKind::kalman));
+  CHECK(legend_has(bursts, "rejected", EngineKind::kalman));
+  CHECK(legend_has(bursts, "down-weighted", EngineKind::documented));
+}
+
 TEST_CASE("a run without poses and a run at a single point can be plotted") {
   if (!gnuplot_is_here()) return;
   const TemporaryFolder folder;
