@@ -2,12 +2,10 @@
 
 #include <sonopose/geometry/rotation.hpp>
 #include <sonopose/statistics/quantile.hpp>
-#include <sonopose/text/number_text.hpp>
 
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <tuple>
@@ -79,40 +77,6 @@ ImuSummary summary_of(std::span<const Reading> imu) {
   summary.fast_rate_radps = statistics::quantile(rates_radps, 0.95);
   std::tie(summary.turned_deviation_mps2, summary.unturned_deviation_mps2) = deviations_mps2(imu);
   return summary;
-}
-
-std::vector<std::string> stuck_axes_of(std::span<const Reading> imu) {
-  constexpr std::size_t min_readings = 100;
-  constexpr double stuck_share = 0.98;   // of the readings; some may be wrong
-  constexpr double varying_share = 0.2;  // noise alone changes nearly every reading
-  struct Sensor {
-    const char* name;
-    const char* unit;
-    Vector3d Reading::*reading;
-  };
-  constexpr std::array<Sensor, 2> sensors{{{"gyroscope", "rad/s", &Reading::rate_body_radps},
-                                           {"accelerometer", "m/s^2", &Reading::force_body_mps2}}};
-  std::vector<std::string> texts;
-  if (imu.size() < min_readings) return texts;
-  for (const Sensor& sensor : sensors) {
-    Vector3d median;
-    Vector3d share;  // of the readings that are the median
-    for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      std::vector<double> values;
-      for (const Reading& reading : imu) values.push_back((reading.*sensor.reading)(axis));
-      median(axis) = statistics::quantile(values, 0.5);
-      share(axis) = static_cast<double>(std::count(values.begin(), values.end(), median(axis))) /
-                    static_cast<double>(values.size());
-    }
-    if (share.minCoeff() > varying_share) continue;
-    for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      if (share(axis) < stuck_share) continue;
-      std::string& finding = texts.emplace_back("axis ");
-      finding.append(1, "xyz"[axis]).append(" of the ").append(sensor.name).append(" is stuck at ");
-      finding.append(text::number_text(median(axis), 2)).append(1, ' ').append(sensor.unit);
-    }
-  }
-  return texts;
 }
 
 ForceUnit force_unit_of(const ImuSummary& imu) {

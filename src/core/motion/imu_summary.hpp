@@ -6,8 +6,6 @@
 
 #include <cstdint>
 #include <span>
-#include <string>
-#include <vector>
 
 namespace sonopose::motion {
 
@@ -34,10 +32,6 @@ struct ImuSummary {
 };
 
 ImuSummary summary_of(std::span<const Reading> imu);
-
-/// The axes that keep one value while another axis of their sensor varies: "axis x of the accelerometer is
-/// stuck at 0 m/s^2".
-std::vector<std::string> stuck_axes_of(std::span<const Reading> imu);
 
 /// The unit that makes the usual force that of a body which stands, drives or flies.
 ForceUnit force_unit_of(const ImuSummary& imu);

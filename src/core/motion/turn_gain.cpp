@@ -1,5 +1,6 @@
 #include "motion/turn_gain.hpp"
 
+#include "motion/imu_summary.hpp"
 #include <sonopose/geometry/rotation.hpp>
 #include <sonopose/statistics/quantile.hpp>
 
@@ -137,6 +138,8 @@ TurnGain turn_gain_of(Window window) {
                         quantile_along(Vector3d::UnitZ(), 0.5));
   Vector3d force_mps2 = Vector3d::Zero();
   for (const Reading& reading : window.imu) force_mps2 += reading.force_body_mps2;
+  const ForceUnit unit = force_unit_of(summary_of(window.imu));
+  if (unit == ForceUnit::no_gravity || unit == ForceUnit::unknown) all.turns = 0;  // no vertical is known
   const Vector3d axis = median.dot(force_mps2) < 0 ? -median.normalized() : median.normalized();
   all.gyro_radps = fastest_second_radps(window.imu, force_mps2.normalized());
   all.gain = quantile_along(axis, 0.5);

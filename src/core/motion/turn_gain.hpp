@@ -12,7 +12,7 @@ namespace sonopose::motion {
 
 /// Turns by the gyroscope over the same turns by heading.
 struct TurnGain {
-  std::size_t turns = 0;  ///< compared turns, of at least 30° in 2 s
+  std::size_t turns = 0;  ///< compared turns, of at least 30° in 2 s; 0 without gravity
   bool is_slow = false;   ///< in 8 s, for want of faster turns: their gain only shows a sign
   /// Median: 1 if the gyroscope is right. Its sign is that of the turn about the mean specific force.
   double gain = 0;

@@ -1,9 +1,8 @@
 #include "recording/input_check.hpp"
 
+#include "motion/imu_faults.hpp"
 #include "motion/imu_summary.hpp"
-#include "motion/turn_gain.hpp"
 #include "recording/truth_check.hpp"
-#include <sonopose/geometry/rotation.hpp>
 #include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
@@ -59,7 +58,6 @@ void InputCheck::add(const UltrasonicFix& fix) {
   fixes_.push_back(fix.emission_time_ns);
   if (fix.position_world_m.allFinite()) window_.fixes.push_back({fix.emission_time_ns, fix.position_world_m});
   fix_ages_ns_.push_back(fix.received_time_ns - fix.emission_time_ns);
-  positions_world_m_.push_back(fix.position_world_m);
   if (fix.quality_percent) qualities_percent_.push_back(*fix.quality_percent);
 }
 
@@ -175,9 +173,9 @@ std::optional<std::string> InputCheck::age(const char* what, const std::vector<T
       what, seconds_text(std::abs(age_s)), age_s < 0 ? "before" : "after");
 }
 
-std::vector<std::string> InputCheck::units_of_readings() const {
+std::vector<std::string> InputCheck::units_of_readings(const motion::TurnGain& turn) const {
   if (window_.imu.empty()) return {};
-  std::vector<std::string> texts = motion::stuck_axes_of(window_.imu);
+  std::vector<std::string> texts = motion::imu_faults_of(window_);
   if (!texts.empty()) return texts;
   const motion::ImuSummary imu = motion::summary_of(window_.imu);
   const std::string force =
@@ -201,7 +199,6 @@ std::vector<std::string> InputCheck::units_of_readings() const {
       texts.push_back(force + " instead of about 9.8");
       break;
   }
-  const motion::TurnGain turn = motion::turn_gain_of(window_);
   const motion::TurnFault fault = motion::turn_fault_of(turn);
   if (fault == motion::TurnFault::wrong_sign || fault == motion::TurnFault::dead ||
       fault == motion::TurnFault::scale) {
@@ -215,15 +212,6 @@ std::vector<std::string> InputCheck::units_of_readings() const {
                                     ? "is its vertical axis dead?"
                                     : "is its scale wrong, or its range too small?"));
   }
-  constexpr double fast_turn_radps = 0.5;
-  constexpr double max_angle_in_radians = 6.3;  // read as degrees
-  if (!window_.headings.empty() && turn.gyro_radps > fast_turn_radps &&
-      std::ranges::all_of(window_.headings, [](const motion::Direction& heading) {
-        return std::abs(heading.heading_world_rad) < max_angle_in_radians * geometry::radians_per_degree;
-      })) {
-    texts.push_back("all headings are below 6.3 deg although the gyroscope turns; are they in rad? " +
-                    how_to_name("rad", Table::positions, {"heading"}));
-  }
   if (motion::has_rates_in_degrees(imu) || fault == motion::TurnFault::degrees) {
     const char* const unit = motion::has_rates_in_millidegrees(imu) ? "mdeg s^-1" : "deg s^-1";
     texts.push_back(
@@ -235,67 +223,22 @@ std::vector<std::string> InputCheck::units_of_readings() const {
   return texts;
 }
 
-/// Suspects another unit if the positions accelerate more than the force on the IMU allows: usually this is
-/// gravity's, so the acceleration is at most twice that. A body at rest may show whole numbers instead.
-std::optional<std::string> InputCheck::unit_of_positions() const {
-  constexpr TimeNs min_span_ns = 500'000'000;
-  constexpr TimeNs max_span_ns = 4 * min_span_ns;
-  constexpr std::size_t min_count = 10;
-  constexpr double max_mps2 = 2.0 * standard_gravity_mps2;
-  constexpr double min_far_m = 100.0;
-  constexpr double spoilt_share = 0.75;  // default positions spoil their neighbours too
-  std::vector<double> accelerations_mps2;
-  std::array<std::size_t, 3> last{};  // fixes by at least a span apart, the latest at the end
-  std::size_t count = 1;
-  double farthest_m = 0;
-  bool are_whole = true;
-  for (std::size_t i = 0; i < fixes_.size(); ++i) {
-    const Vector3d& position_m = positions_world_m_[i];
-    farthest_m = std::max(farthest_m, position_m.cwiseAbs().maxCoeff());
-    are_whole = are_whole && position_m == position_m.array().round().matrix();
-    if (fixes_[i] - fixes_[last[2]] < min_span_ns) continue;
-    last = {last[1], last[2], i};
-    const TimeNs before_ns = fixes_[last[1]] - fixes_[last[0]];
-    const TimeNs after_ns = fixes_[last[2]] - fixes_[last[1]];
-    if (++count < last.size() || std::max(before_ns, after_ns) > max_span_ns) continue;
-    const double before_s = seconds_between(0, before_ns);
-    const double after_s = seconds_between(0, after_ns);
-    const Vector3d before_mps = (positions_world_m_[last[1]] - positions_world_m_[last[0]]) / before_s;
-    const Vector3d after_mps = (positions_world_m_[last[2]] - positions_world_m_[last[1]]) / after_s;
-    const double acceleration_mps2 = 2.0 * (after_mps - before_mps).norm() / (before_s + after_s);
-    if (std::isfinite(acceleration_mps2)) accelerations_mps2.push_back(acceleration_mps2);
+std::string InputCheck::question_about(const motion::FixFault& fault) const {
+  switch (fault.kind) {
+    case motion::FixFaultKind::unit:
+      return fault.text + "; are they in mm, or in cm? " +
+             how_to_name("mm", Table::positions, {"x", "y", "z"});
+    case motion::FixFaultKind::default_position:
+      return fault.text + ": leave them out, they were not measured";
+    case motion::FixFaultKind::headings_in_radians:
+      return fault.text + "; are they in rad? " + how_to_name("rad", Table::positions, {"heading"});
+    case motion::FixFaultKind::repeated:
+    case motion::FixFaultKind::frozen:
+      break;
   }
-  const auto asks = [this] {
-    return "; are they in mm, or in cm? " + how_to_name("mm", Table::positions, {"x", "y", "z"});
-  };
-  if (accelerations_mps2.size() >= min_count) {
-    const double least_mps2 = quantile(accelerations_mps2, 1.0 - spoilt_share);
-    if (least_mps2 > max_mps2) {
-      return fmt::format(
-          "the positions accelerate by more than {:.3g} m/s^2 for most of the time, which the IMU "
-          "does not measure{}",
-          least_mps2, asks());
-    }
-  }
-  if (fixes_.size() < min_count || !are_whole || farthest_m < min_far_m) return std::nullopt;
-  return fmt::format("all positions are whole numbers, up to {:.0f}{}", farthest_m, asks());
-}
-
-/// Suspects a driver that sends its last position again, or beacons that do, while the IMU accelerates. At
-/// rest positions may be equal.
-std::optional<std::string> InputCheck::repetitions() const {
-  constexpr double min_acceleration_mps2 = 0.2;
-  if (window_.imu.empty() || positions_world_m_.empty()) return std::nullopt;
-  if (motion::summary_of(window_.imu).turned_deviation_mps2 < min_acceleration_mps2) return std::nullopt;
-  std::size_t count = 0;
-  for (std::size_t i = 1; i < positions_world_m_.size(); ++i) {
-    if (positions_world_m_[i] == positions_world_m_[i - 1]) ++count;
-  }
-  if (2 * count <= positions_world_m_.size()) return std::nullopt;
-  return fmt::format(
-      "{} of {} fixes repeat the position of the one before, although the IMU moves: are they sent "
-      "again, or are the beacons frozen? A position counts once: leave its repetitions out",
-      count, positions_world_m_.size());
+  return fault.text +
+         ": are they sent again, or are the beacons frozen? A position counts once: leave its repetitions "
+         "out";
 }
 
 /// Suspects a share instead of a percentage.
@@ -323,19 +266,20 @@ std::optional<std::string> InputCheck::unit_of_velocities() const {
   constexpr std::array<std::pair<const char*, double>, 3> units{
       {{"km h^-1", 3.6}, {"cm s^-1", 100}, {"mm s^-1", 1000}}};
   std::vector<double> factors;
+  const std::vector<motion::Position>& fixes = window_.fixes;
   std::size_t last = 0;
   auto next = speeds_mps_.begin();
-  for (std::size_t i = 1; i < fixes_.size(); ++i) {
-    const double span_s = seconds_between(fixes_[last], fixes_[i]);
+  for (std::size_t i = 1; i < fixes.size(); ++i) {
+    const double span_s = seconds_between(fixes[last].time_ns, fixes[i].time_ns);
     if (span_s < min_span_s) continue;
     double sum_mps = 0;
     int count = 0;
-    for (; next != speeds_mps_.end() && next->first < fixes_[i]; ++next) {
-      if (next->first < fixes_[last]) continue;
+    for (; next != speeds_mps_.end() && next->first < fixes[i].time_ns; ++next) {
+      if (next->first < fixes[last].time_ns) continue;
       sum_mps += next->second;
       ++count;
     }
-    const double moved_m = (positions_world_m_[i] - positions_world_m_[last]).norm();
+    const double moved_m = (fixes[i].position_world_m - fixes[last].position_world_m).norm();
     if (span_s < max_span_s && moved_m > min_m && count > 0)
       factors.push_back(sum_mps / count / (moved_m / span_s));
     last = i;
@@ -392,12 +336,18 @@ std::vector<std::string> InputCheck::findings() const {
   add_if(order_finding("fixes", fixes_));
   add_if(order_finding("headings", headings_));
   add_if(order_finding("velocities", twists_));
-  for (std::string& text : units_of_readings()) {
+  const motion::TurnGain turn = motion::turn_gain_of(window_);
+  for (std::string& text : units_of_readings(turn)) {
     texts.push_back(std::move(text));
     references.gyroscope = false;
   }
-  references.fixes &= !add_if(unit_of_positions());
-  if (references.gyroscope) references.fixes &= !add_if(repetitions());  // else rates are no motion
+  for (const motion::FixFault& fault : motion::fix_faults_of(window_, turn)) {
+    const bool are_repeated =
+        fault.kind == motion::FixFaultKind::repeated || fault.kind == motion::FixFaultKind::frozen;
+    if (are_repeated && !references.gyroscope) continue;  // rates and force do not show motion
+    texts.push_back(question_about(fault));
+    references.fixes &= !are_repeated && fault.kind != motion::FixFaultKind::unit;
+  }
   add_if(unit_of_quality());
   add_if(unit_of_velocities());
   for (std::string& text : truth_findings(truths_, window_, references)) texts.push_back(std::move(text));

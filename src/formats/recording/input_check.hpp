@@ -3,6 +3,8 @@
 /// Checks of recorded input, before anything is made of it: stamps, units and what is missing.
 
 #include "files/csv_header.hpp"
+#include "motion/fix_faults.hpp"
+#include "motion/turn_gain.hpp"
 #include "motion/window.hpp"
 #include <sonopose/samples/samples.hpp>
 
@@ -55,9 +57,8 @@ private:
   [[nodiscard]] static std::optional<std::string> shift(const char* what, const Stamps& stamps,
                                                         const Reference& other);
   static std::optional<std::string> age(const char* what, const std::vector<TimeNs>& ages_ns);
-  [[nodiscard]] std::vector<std::string> units_of_readings() const;
-  [[nodiscard]] std::optional<std::string> unit_of_positions() const;
-  [[nodiscard]] std::optional<std::string> repetitions() const;
+  [[nodiscard]] std::vector<std::string> units_of_readings(const motion::TurnGain& turn) const;
+  [[nodiscard]] std::string question_about(const motion::FixFault& fault) const;
   [[nodiscard]] std::optional<std::string> unit_of_quality() const;
   [[nodiscard]] std::optional<std::string> unit_of_velocities() const;
 
@@ -68,7 +69,6 @@ private:
   Stamps twists_;
   std::vector<TruthSample> truths_;
   std::optional<Vector3d> point_body_m_;  ///< place of the first tag, whose fixes are compared
-  std::vector<Vector3d> positions_world_m_;
   std::vector<double> qualities_percent_;
   std::vector<TimeNs> fix_ages_ns_;  ///< durations from emission to reception
   std::vector<TimeNs> heading_ages_ns_;

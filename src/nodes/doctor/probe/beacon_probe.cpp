@@ -2,6 +2,10 @@
 
 #include "doctor/probe/longest_rest.hpp"
 #include "motion/fit/window_fit.hpp"
+#include "motion/fix_faults.hpp"
+#include "motion/imu_faults.hpp"
+#include "motion/imu_summary.hpp"
+#include "motion/turn_gain.hpp"
 #include "observation/beacon_observer.hpp"
 #include "observation/status_words.hpp"
 #include <sonopose/calibration/model/calibration.hpp>
@@ -245,11 +249,12 @@ rules::BeaconObservation BeaconProbe::observation(TimeNs now_ns, const settings:
     beacon.fusion = fusion.latest;
   }
   beacon.status_counts = status_counts_;
-  // The sensor's own axes: a misalignment mixes them.
-  beacon.stuck_axes = motion::stuck_axes_of(corrected_readings({}));
   motion::Window window = motion_window(settings);
   beacon.imu_summary = motion::summary_of(window.imu);
-  beacon.turn_gain = motion::turn_gain_of(std::move(window));
+  beacon.turn_gain = motion::turn_gain_of(window);
+  beacon.fix_faults = motion::fix_faults_of(window, beacon.turn_gain);
+  window.imu = corrected_readings({});  // the sensor's own axes: a misalignment mixes them
+  beacon.imu_faults = motion::imu_faults_of(window);
   beacon.rest = longest_rest(readings_, fixes_, settings.calibration);
   return beacon;
 }

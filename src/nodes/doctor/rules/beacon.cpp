@@ -104,7 +104,7 @@ public:
       return static_cast<double>(part) / static_cast<double>(all);
     };
     if (refused < 2 || share_of(refused, fixes.reports) < min_refused_share) return;
-    if (fusion_lacks_imu_ || !is_imu_right_ || beacon_.imu.samples == 0) return;  // reported already
+    if (fusion_lacks_imu_ || !are_samples_right() || beacon_.imu.samples == 0) return;  // reported already
     std::vector<std::size_t> causes(fixes.refused.size());
     std::iota(causes.begin(), causes.end(), std::size_t{0});
     std::stable_sort(causes.begin(), causes.end(), [&fixes](std::size_t a, std::size_t b) {
@@ -203,7 +203,8 @@ public:
       add(by_share(lost, beacon_.imu.samples), fmt::format("its fusion lost {}", count_text(lost, "event")),
           "check whether the network loses packets, or the machine of the fusion is overloaded");
     }
-    if (const auto invalid = increase_of(&FusionStatus::samples_invalid); invalid > 0 && is_imu_right_) {
+    if (const auto invalid = increase_of(&FusionStatus::samples_invalid);
+        invalid > 0 && are_samples_right()) {
       // A bad line delivers some samples late.
       constexpr std::uint64_t one_in = 20;
       const bool is_frequent = invalid * one_in > beacon_.imu.samples + beacon_.fix.samples;
@@ -273,6 +274,8 @@ private:
   void add(Severity severity, const std::string& what, const std::string& remedy) const {
     findings_.push_back({severity, name_of(beacon_), what, remedy});
   }
+
+  [[nodiscard]] bool are_samples_right() const { return is_imu_right_ && beacon_.fix_faults.empty(); }
 
   /// A cause for which fixes are refused, after their number, and its remedy.
   static std::pair<std::string, std::string> refusal_texts(FixRefusal cause) {

@@ -28,7 +28,8 @@ void check_pose_writers(const Observations& observations, Findings& findings);
 void check_beacon(const Observations& observations, const BeaconObservation& beacon, bool is_imu_right,
                   Findings& findings);
 /// A reported problem that explains others; later values are stronger. Wrong fixes explain doubts about
-/// fixes. A wrong installation, or two bridges, also makes right fixes seem wrong, up to their rejection.
+/// fixes. Wrong values of all fixes, a wrong installation, or two bridges make right fixes seem wrong too, up
+/// to their rejection.
 /// Wrong units or axes of the IMU can keep its fusion from starting.
 enum class Cause : std::uint8_t { none, fixes, installation, imu };
 /// Reports lasting status bits of one beacon's poses, except those that `cause` explains.
@@ -37,6 +38,9 @@ void check_pose(double window_s, const BeaconObservation& beacon, Cause cause, F
 void check_installation(const BeaconObservation& beacon, Findings& findings);
 /// Reports a wrong sign of one beacon's accelerometer axis Z, if it moves. Returns false if it is right.
 bool has_wrong_sign_of_z(const BeaconObservation& beacon, Findings& findings);
+/// Reports fixes and headings in wrong units, default positions and positions that are sent again. Returns
+/// false if it did: then whatever is fitted to them is wrong too.
+bool check_fixes(const BeaconObservation& beacon, Findings& findings);
 /// Reports fixes off the track of one beacon.
 void check_tracks(const BeaconObservation& beacon, bool is_frozen, Findings& findings);
 /// Checks units, mount and calibration of one beacon's IMU. Returns false if units or axes are wrong: then

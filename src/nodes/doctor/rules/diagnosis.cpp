@@ -51,6 +51,7 @@ std::vector<Finding> diagnose(const Observations& observations) {
     const auto cause = [&] {
       if (!is_imu_right) return Cause::imu;  // what is fitted with its readings is wrong too
       if (beacon.bridges.size() > 1) return Cause::installation;  // two bridges mix their samples
+      if (!check_fixes(beacon, findings)) return Cause::installation;
       // Repeated positions do not fit any installation, and all of them are outliers.
       const bool is_frozen = beacon.status_counts.share_of(status_frozen_track) > max_frozen_share;
       if (!is_frozen) check_installation(beacon, findings);

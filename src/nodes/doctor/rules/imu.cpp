@@ -110,11 +110,11 @@ bool check_units(const BeaconObservation& beacon, Findings& findings) {
   return findings.size() == before;
 }
 
-/// Reports axes that do not measure. Returns false if it did.
+/// Reports sensors and axes that do not measure. Returns false if it did.
 bool check_axes(const BeaconObservation& beacon, Findings& findings) {
   const std::string remedy = "check the driver of the IMU, or replace the beacon";
   const std::size_t before = findings.size();
-  for (const std::string& text : beacon.stuck_axes) {
+  for (const std::string& text : beacon.imu_faults) {
     findings.push_back({Severity::error, name_of(beacon), text, remedy});
   }
   if (findings.size() > before) return false;

@@ -4,6 +4,7 @@
 /// threads.
 
 #include "motion/fit/window_fit.hpp"
+#include "motion/fix_faults.hpp"
 #include "motion/imu_summary.hpp"
 #include "motion/turn_gain.hpp"
 #include "observation/pose_writers.hpp"
@@ -154,8 +155,9 @@ struct BeaconObservation {
   std::vector<motion::fit::Piece> pieces;  ///< fits of the installation to IMU and fixes
   motion::ImuSummary imu_summary;          ///< summary with the calibration applied
   motion::TurnGain turn_gain;              ///< gain of the calibrated gyroscope
-  std::vector<std::string> stuck_axes;     ///< one text for each axis of the IMU that keeps one value
-  std::optional<RestObservation> rest;     ///< empty if it does not rest
+  std::vector<std::string> imu_faults;     ///< texts of motion::imu_faults_of
+  std::vector<motion::FixFault> fix_faults;
+  std::optional<RestObservation> rest;  ///< empty if it does not rest
 };
 
 struct Observations {

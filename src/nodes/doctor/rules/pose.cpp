@@ -38,7 +38,7 @@ constexpr std::array lasting_bits{
     LastingBit{status_heading_unknown, 0.5, min_window_share, Cause::fixes, "its heading is unknown",
                "with a pair, check that headings arrive; move a single beacon"},
     LastingBit{
-        status_frozen_track, 0.3, 0.0, Cause::imu,
+        status_frozen_track, 0.3, 0.0, Cause::installation,
         "its fixes repeat one position although the IMU measures motion",
         "check the dashboard of the positioning system: the beacon is frozen there too; if the beacon really "
         "stands still, increase frozen.moved_m"},

@@ -4,6 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <vector>
 
 namespace sonopose::doctor::rules {
 namespace {
@@ -81,7 +84,38 @@ bool check_outliers(const BeaconObservation& beacon, Findings& findings) {
   return true;
 }
 
+struct FixAdvice {
+  Severity severity;
+  const char* remedy;
+};
+
+/// Advice for a fault; empty if the status of the poses tells.
+std::optional<FixAdvice> advice_for(motion::FixFaultKind kind) {
+  switch (kind) {
+    case motion::FixFaultKind::unit:
+      return FixAdvice{Severity::error, "publish the positions in m: they seem to be in mm or cm"};
+    case motion::FixFaultKind::default_position:
+      return FixAdvice{Severity::warning, "let the driver leave out fixes that were not measured"};
+    case motion::FixFaultKind::repeated:
+      return FixAdvice{Severity::warning, "let the driver send each position once"};
+    case motion::FixFaultKind::headings_in_radians:
+      return FixAdvice{Severity::error, "correct the unit in their driver: they seem to be in rad"};
+    case motion::FixFaultKind::frozen:
+      break;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
+
+bool check_fixes(const BeaconObservation& beacon, Findings& findings) {
+  const std::size_t before = findings.size();
+  for (const motion::FixFault& fault : beacon.fix_faults) {
+    const auto advice = advice_for(fault.kind);
+    if (advice) findings.push_back({advice->severity, name_of(beacon), fault.text, advice->remedy});
+  }
+  return findings.size() == before;
+}
 
 void check_tracks(const BeaconObservation& beacon, bool is_frozen, Findings& findings) {
   if (!is_frozen && check_outliers(beacon, findings)) return;

@@ -122,6 +122,41 @@ SCENARIO("an axis of the IMU that does not change is named, and none of its cons
   }
 }
 
+SCENARIO("an IMU that repeats a sample, reads nothing or has a dead gyroscope is named, and no consequence") {
+  const auto in_stretch = [](const std::function<void(ImuSample&, const ImuSample&)>& change) {
+    return [change, begin_ns = TimeNs{0}, frozen = ImuSample()](ImuSample& imu) mutable {
+      if (begin_ns == 0) begin_ns = imu.sensor_time_ns;
+      const double time_s = seconds_between(begin_ns, imu.sensor_time_ns);
+      if (time_s < 10 || time_s > 13) {
+        frozen = imu;
+      } else {
+        change(imu, frozen);
+      }
+    };
+  };
+  for (const char* const scenario : {"walk", "kart", "forklift"}) {
+    GIVEN(std::string("a drive of ") + scenario) {
+      const auto check = [&](const std::string& problems, const char* finding) {
+        CAPTURE(problems);
+        CHECK_THAT(problems, Contains(finding));
+        CHECK(std::count(problems.begin(), problems.end(), '\n') == 1);
+      };
+      check(problems_with(scenario, in_stretch([](ImuSample& imu, const ImuSample& frozen) {
+                            imu.angular_velocity_body_radps = frozen.angular_velocity_body_radps;
+                            imu.specific_force_body_mps2 = frozen.specific_force_body_mps2;
+                          })),
+            "the IMU repeats one sample for 3.0");
+      check(problems_with(scenario, in_stretch([](ImuSample& imu, const ImuSample&) {
+                            imu.angular_velocity_body_radps.setZero();
+                            imu.specific_force_body_mps2.setZero();
+                          })),
+            "the accelerometer reads 0 0 0 for 3.0");
+      check(problems_with(scenario, [](ImuSample& imu) { imu.angular_velocity_body_radps.setZero(); }),
+            "the gyroscope is stuck at 0.00 0.00 0.00 rad/s");
+    }
+  }
+}
+
 SCENARIO("an IMU whose clock is ahead is named, with the correction beyond the range of the setting") {
   for (const char* const scenario : {"walk", "kart", "forklift"}) {
     GIVEN(std::string("a drive of ") + scenario + " whose IMU stamps are 0.4 s ahead") {

@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
+#include <functional>
 #include <random>
 #include <regex>
 
@@ -34,6 +36,37 @@ TEST_CASE("Fixes of a second, wrong track are found, with its place") {
       std::smatch match;
       REQUIRE(std::regex_search(problems, match, std::regex("on a second track, ([0-9.]+) m off")));
       CHECK(std::stod(match[1]) == Approx(1.5).margin(0.15));
+    }
+  }
+}
+
+TEST_CASE("Faults of all fixes are named, and none of their consequences") {
+  struct Fault {
+    const char* finding;
+    std::function<void(UltrasonicFix&, int)> change;
+  };
+  Vector3d last_m = Vector3d::Zero();
+  const std::vector<Fault> faults{
+      {"the positions accelerate by more than", [](UltrasonicFix& fix, int) { fix.position_world_m *= 1e3; }},
+      {"fixes are 0.00 0.00 0.00 m, a default position",
+       [](UltrasonicFix& fix, int i) {
+         if (i % 3 == 0) fix.position_world_m.setZero();
+       }},
+      {"fixes repeat the position of the one before", [&](UltrasonicFix& fix, int i) {
+         if (i % 4 == 0) last_m = fix.position_world_m;
+         fix.position_world_m = last_m;
+       }}};
+  for (const char* const scenario : {"walk", "forklift", "kart"}) {
+    for (const Fault& fault : faults) {
+      auto events = events_of(scenario, 1931, 18.5);
+      int i = 0;
+      for (Event& event : events) {
+        if (auto* fix = std::get_if<UltrasonicFix>(&event)) fault.change(*fix, i++);
+      }
+      const std::string problems = problems_of(observed(events, {}, {10, 8}));
+      CAPTURE(scenario, problems);
+      CHECK_THAT(problems, Contains(fault.finding));
+      CHECK(std::count(problems.begin(), problems.end(), '\n') == 1);
     }
   }
 }

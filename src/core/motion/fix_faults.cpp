@@ -1,0 +1,179 @@
+#include "motion/fix_faults.hpp"
+
+#include "motion/imu_summary.hpp"
+#include <sonopose/geometry/rotation.hpp>
+#include <sonopose/statistics/quantile.hpp>
+#include <sonopose/text/number_text.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <utility>
+
+namespace sonopose::motion {
+namespace {
+
+constexpr std::size_t min_fixes = 10;
+
+/// Suspects another unit if the positions accelerate more than the force on the IMU allows: usually this is
+/// gravity's, so the acceleration is at most twice that. A body at rest may show whole numbers instead.
+std::optional<std::string> wrong_unit_of(const std::vector<Position>& fixes) {
+  constexpr TimeNs min_span_ns = 500'000'000;
+  constexpr TimeNs max_span_ns = 4 * min_span_ns;
+  constexpr std::size_t min_count = 10;
+  constexpr double max_mps2 = 2.0 * standard_gravity_mps2;
+  constexpr double min_far_m = 100.0;
+  constexpr double spoilt_share = 0.75;  // default positions spoil their neighbours too
+  std::vector<double> accelerations_mps2;
+  std::array<std::size_t, 3> last{};  // fixes by at least a span apart, the latest at the end
+  std::size_t count = 1;
+  double farthest_m = 0;
+  bool are_whole = true;
+  for (std::size_t i = 0; i < fixes.size(); ++i) {
+    const Vector3d& position_m = fixes[i].position_world_m;
+    farthest_m = std::max(farthest_m, position_m.cwiseAbs().maxCoeff());
+    are_whole = are_whole && position_m == position_m.array().round().matrix();
+    if (fixes[i].time_ns - fixes[last[2]].time_ns < min_span_ns) continue;
+    last = {last[1], last[2], i};
+    const TimeNs before_ns = fixes[last[1]].time_ns - fixes[last[0]].time_ns;
+    const TimeNs after_ns = fixes[last[2]].time_ns - fixes[last[1]].time_ns;
+    if (++count < last.size() || std::max(before_ns, after_ns) > max_span_ns) continue;
+    const double before_s = seconds_between(0, before_ns);
+    const double after_s = seconds_between(0, after_ns);
+    const Vector3d before_mps =
+        (fixes[last[1]].position_world_m - fixes[last[0]].position_world_m) / before_s;
+    const Vector3d after_mps = (fixes[last[2]].position_world_m - fixes[last[1]].position_world_m) / after_s;
+    const double acceleration_mps2 = 2.0 * (after_mps - before_mps).norm() / (before_s + after_s);
+    if (std::isfinite(acceleration_mps2)) accelerations_mps2.push_back(acceleration_mps2);
+  }
+  if (accelerations_mps2.size() >= min_count) {
+    const double least_mps2 = statistics::quantile(accelerations_mps2, 1.0 - spoilt_share);
+    if (least_mps2 > max_mps2) {
+      return "the positions accelerate by more than " + text::number_text(least_mps2, 0) +
+             " m/s^2 for most of the time, which the IMU does not measure";
+    }
+  }
+  if (fixes.size() < min_fixes || !are_whole || farthest_m < min_far_m) return std::nullopt;
+  return "all positions are whole numbers, up to " + text::number_text(farthest_m, 0);
+}
+
+/// Fixes at one position from which the neighbours in time are far.
+struct Excursions {
+  std::size_t runs = 0;
+  std::size_t fixes = 0;
+  Vector3d first_neighbour_m = Vector3d::Zero();
+  double neighbours_m = 0;  ///< from the first neighbour to the farthest one
+};
+
+struct DefaultPosition {
+  Vector3d position_world_m = Vector3d::Zero();
+  std::string text;
+};
+
+/// Finds a position to which the fixes jump again and again, while those between move.
+std::optional<DefaultPosition> default_position_in(const std::vector<Position>& fixes) {
+  constexpr std::size_t min_default = 4;
+  constexpr std::size_t min_runs = 2;
+  constexpr double far_m = 0.5;
+  constexpr double min_moved_m = 1.0;
+  std::map<std::array<double, 3>, Excursions> excursions_by_place;
+  for (std::size_t begin = 0; begin < fixes.size();) {
+    const Vector3d& at_m = fixes[begin].position_world_m;
+    std::size_t end = begin + 1;
+    while (end < fixes.size() && fixes[end].position_world_m == at_m) ++end;
+    const std::size_t first = std::exchange(begin, end);
+    if (first == 0 || end == fixes.size()) continue;
+    const Vector3d& before_m = fixes[first - 1].position_world_m;
+    const Vector3d& after_m = fixes[end].position_world_m;
+    const double limit_m = 2.0 * (after_m - before_m).norm() + far_m;
+    if ((at_m - before_m).norm() < limit_m || (at_m - after_m).norm() < limit_m) continue;
+    Excursions& all = excursions_by_place[{at_m.x(), at_m.y(), at_m.z()}];
+    if (all.runs++ == 0) all.first_neighbour_m = before_m;
+    all.neighbours_m = std::max(all.neighbours_m, (before_m - all.first_neighbour_m).norm());
+    all.fixes += end - first;
+  }
+  for (const auto& [place_m, all] : excursions_by_place) {
+    // At rest, a reflection may repeat, but not at the origin.
+    const bool is_origin = place_m == std::array<double, 3>{};
+    if (all.fixes < min_default || all.runs < min_runs) continue;
+    if (!is_origin && all.neighbours_m < min_moved_m) continue;
+    std::string found = std::to_string(all.fixes) + " of " + std::to_string(fixes.size()) + " fixes are";
+    for (const double coordinate_m : place_m) found += ' ' + text::number_text(coordinate_m, 2);
+    return DefaultPosition{{place_m[0], place_m[1], place_m[2]}, found + " m, a default position"};
+  }
+  return std::nullopt;
+}
+
+/// Finds a driver that sends its last position again, or beacons that do, while the IMU accelerates. At rest
+/// positions may be equal.
+std::optional<FixFault> repetitions_in(const Window& window) {
+  constexpr double min_acceleration_mps2 = 0.2;
+  const std::vector<Position>& fixes = window.fixes;
+  if (window.imu.empty() || fixes.size() < min_fixes) return std::nullopt;
+  std::size_t count = 0;
+  std::size_t run = 0;
+  std::size_t longest_run = 0;
+  for (std::size_t i = 1; i < fixes.size(); ++i) {
+    const bool is_repeated = fixes[i].position_world_m == fixes[i - 1].position_world_m;
+    if (is_repeated) ++count;
+    run = is_repeated ? run + 1 : 0;
+    longest_run = std::max(longest_run, run);
+  }
+  if (2 * count <= fixes.size()) return std::nullopt;
+  if (summary_of(window.imu).turned_deviation_mps2 < min_acceleration_mps2) return std::nullopt;
+  constexpr std::size_t longest_share = 4;  // of the window, of which each position is a small part
+  return FixFault{longest_share * longest_run > fixes.size() ? FixFaultKind::frozen : FixFaultKind::repeated,
+                  std::to_string(count) + " of " + std::to_string(fixes.size()) +
+                      " fixes repeat the position of the one before, although the IMU moves"};
+}
+
+bool are_in_radians(const std::vector<Direction>& headings, const TurnGain& turn) {
+  constexpr double fast_turn_radps = 0.5;
+  constexpr double max_angle_in_radians = 6.3;  // read as degrees
+  return headings.size() >= min_fixes && turn.gyro_radps > fast_turn_radps &&
+         std::all_of(headings.begin(), headings.end(), [](const Direction& heading) {
+           return std::abs(heading.heading_world_rad) < max_angle_in_radians * geometry::radians_per_degree;
+         });
+}
+
+}  // namespace
+
+std::vector<FixFault> fix_faults_of(const Window& window, const TurnGain& turn) {
+  std::vector<FixFault> faults;
+  std::vector<Position> fixes = window.fixes;
+  if (auto found = default_position_in(fixes)) {
+    // Jumps to it look like another unit.
+    const auto is_default = [&](const Position& fix) {
+      return fix.position_world_m == found->position_world_m;
+    };
+    fixes.erase(std::remove_if(fixes.begin(), fixes.end(), is_default), fixes.end());
+    faults.push_back({FixFaultKind::default_position, std::move(found->text)});
+  }
+  if (auto found = wrong_unit_of(fixes)) faults.push_back({FixFaultKind::unit, *std::move(found)});
+  if (auto found = repetitions_in(window)) faults.push_back(*std::move(found));
+  if (are_in_radians(window.headings, turn)) {
+    faults.push_back(
+        {FixFaultKind::headings_in_radians, "all headings are below 6.3 deg although the gyroscope turns"});
+  }
+  return faults;
+}
+
+bool are_moving(const std::vector<Position>& fixes) {
+  constexpr double spoilt_share = 0.1;  // at either end, by outliers
+  constexpr double min_moved_m = 1.0;
+  if (fixes.empty()) return false;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    std::vector<double> values_m;
+    for (const Position& fix : fixes) values_m.push_back(fix.position_world_m(axis));
+    if (statistics::quantile(values_m, 1.0 - spoilt_share) - statistics::quantile(values_m, spoilt_share) >
+        min_moved_m) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace sonopose::motion

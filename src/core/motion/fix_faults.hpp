@@ -1,0 +1,33 @@
+#pragma once
+/// \file
+/// Faults of fixes and headings that need no fit of the motion.
+
+#include "motion/turn_gain.hpp"
+#include "motion/window.hpp"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace sonopose::motion {
+
+enum class FixFaultKind : std::uint8_t {
+  unit,                 ///< positions are not in metres
+  default_position,     ///< some fixes are a value instead of a position
+  repeated,             ///< the source sends each position several times
+  frozen,               ///< a long run of one position, or all
+  headings_in_radians,  ///< read as degrees
+};
+
+struct FixFault {
+  FixFaultKind kind = FixFaultKind::unit;
+  std::string text;
+};
+
+/// The faults of a window with right readings, whose turns are these. Its streams are in order of time.
+std::vector<FixFault> fix_faults_of(const Window& window, const TurnGain& turn);
+
+/// True if most fixes extend over more than a metre.
+bool are_moving(const std::vector<Position>& fixes);
+
+}  // namespace sonopose::motion

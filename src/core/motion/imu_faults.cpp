@@ -1,0 +1,159 @@
+#include "motion/imu_faults.hpp"
+
+#include "motion/fix_faults.hpp"
+#include <sonopose/statistics/quantile.hpp>
+#include <sonopose/text/number_text.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+namespace sonopose::motion {
+namespace {
+
+constexpr std::size_t min_readings = 100;
+constexpr double varying_share = 0.2;  // noise alone changes nearly every reading
+
+/// Readings in a row, from the first to before the end.
+struct Row {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+};
+
+/// Rows in which each reading continues the one before, of at least a quarter of a second: no noise does.
+template <class Continues>
+std::vector<Row> long_rows(const std::vector<Reading>& imu, const Continues& continues) {
+  constexpr double min_s = 0.25;
+  constexpr std::size_t min_count = 10;
+  std::vector<Row> rows;
+  for (std::size_t begin = 0; begin < imu.size();) {
+    std::size_t end = begin + 1;
+    while (end < imu.size() && continues(imu[end - 1], imu[end])) ++end;
+    const double length_s = seconds_between(imu[begin].time_ns, imu[end - 1].time_ns);
+    if (end - begin >= min_count && length_s >= min_s) rows.push_back({begin, end});
+    begin = end;
+  }
+  return rows;
+}
+
+std::string seconds_text(double duration_s) {
+  return text::number_text(duration_s, 2) + " s";
+}
+
+/// "for 3.00 s", or with the sum of several rows.
+std::string duration_text_of(const std::vector<Row>& rows, const std::vector<Reading>& imu) {
+  double sum_s = 0;
+  double longest_s = 0;
+  for (const Row& row : rows) {
+    const double length_s = seconds_between(imu[row.begin].time_ns, imu[row.end - 1].time_ns);
+    sum_s += length_s;
+    longest_s = std::max(longest_s, length_s);
+  }
+  if (rows.size() == 1) return "for " + seconds_text(sum_s);
+  return "for up to " + seconds_text(longest_s) + ", " + seconds_text(sum_s) + " in total";
+}
+
+std::vector<Row> zero_rows(const std::vector<Reading>& imu) {
+  return long_rows(imu, [](const Reading& before, const Reading& reading) {
+    return before.force_body_mps2.isZero(0.0) && reading.force_body_mps2.isZero(0.0);
+  });
+}
+
+bool is_repeated(const Reading& before, const Reading& reading) {
+  return before.force_body_mps2 == reading.force_body_mps2 &&
+         before.rate_body_radps == reading.rate_body_radps;
+}
+
+/// True if the fixes move from the begin of a row to its end by more than their noise.
+bool moves_in(const Row& row, const Window& window) {
+  constexpr double min_m = 0.3;
+  const auto is_before = [](const Position& fix, TimeNs time_ns) { return fix.time_ns < time_ns; };
+  const auto find = [&](std::size_t reading) {
+    return std::lower_bound(window.fixes.begin(), window.fixes.end(), window.imu[reading].time_ns, is_before);
+  };
+  const auto from = find(row.begin);
+  const auto to = find(row.end - 1);
+  if (from == to || from == window.fixes.end()) return false;
+  const Position& last = to == window.fixes.end() ? window.fixes.back() : *to;
+  return (last.position_world_m - from->position_world_m).norm() > min_m;
+}
+
+/// Rows of one sample. A simulation without noise may repeat it at rest, and whenever nothing changes.
+std::vector<Row> repeated_rows(const Window& window) {
+  const std::vector<Reading>& imu = window.imu;
+  std::vector<Row> rows = long_rows(imu, is_repeated);
+  if (rows.empty()) return rows;
+  if (std::none_of(rows.begin(), rows.end(), [&](const Row& row) { return moves_in(row, window); }))
+    return {};
+  std::size_t others = imu.size() - 1;
+  std::size_t equal = 0;
+  for (std::size_t i = 1; i < imu.size(); ++i) {
+    if (is_repeated(imu[i - 1], imu[i])) ++equal;
+  }
+  for (const Row& row : rows) {
+    others -= row.end - row.begin - 1;
+    equal -= row.end - row.begin - 1;
+  }
+  if (static_cast<double>(equal) > varying_share * static_cast<double>(others)) return {};
+  return rows;
+}
+
+/// A sensor's axes: their medians, and the shares of the readings that are the median.
+struct Sensor {
+  const char* name;
+  const char* unit;
+  Vector3d Reading::*reading;
+  Vector3d median = Vector3d::Zero();
+  Vector3d share = Vector3d::Zero();
+};
+
+void add_stuck(const Sensor& sensor, const Sensor& other, bool is_moving, std::vector<std::string>& texts) {
+  constexpr double stuck_share = 0.98;  // of the readings; some may be wrong
+  if (sensor.share.minCoeff() > varying_share) {
+    // At rest, a gyroscope may suppress its noise.
+    const bool is_other_varying = other.share.minCoeff() <= varying_share;
+    if (!is_moving || !is_other_varying || sensor.share.minCoeff() < stuck_share) return;
+    texts.push_back(std::string("the ") + sensor.name + " is stuck at " +
+                    text::number_text(sensor.median.x(), 2) + ' ' + text::number_text(sensor.median.y(), 2) +
+                    ' ' + text::number_text(sensor.median.z(), 2) + ' ' + sensor.unit);
+    return;
+  }
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    if (sensor.share(axis) < stuck_share) continue;
+    std::string& finding = texts.emplace_back("axis ");
+    finding.append(1, "xyz"[axis]).append(" of the ").append(sensor.name).append(" is stuck at ");
+    finding.append(text::number_text(sensor.median(axis), 2)).append(1, ' ').append(sensor.unit);
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> imu_faults_of(const Window& window) {
+  const std::vector<Reading>& imu = window.imu;
+  if (imu.size() < min_readings) return {};
+  if (const auto zeros = zero_rows(imu); !zeros.empty()) {
+    return {"the accelerometer reads 0 0 0 " + duration_text_of(zeros, imu)};
+  }
+  if (const auto repeated = repeated_rows(window); !repeated.empty()) {
+    return {"the IMU repeats one sample " + duration_text_of(repeated, imu)};
+  }
+  std::array<Sensor, 2> sensors{{{"gyroscope", "rad/s", &Reading::rate_body_radps},
+                                 {"accelerometer", "m/s^2", &Reading::force_body_mps2}}};
+  for (Sensor& sensor : sensors) {
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      std::vector<double> values;
+      for (const Reading& reading : imu) values.push_back((reading.*sensor.reading)(axis));
+      sensor.median(axis) = statistics::quantile(values, 0.5);
+      sensor.share(axis) =
+          static_cast<double>(std::count(values.begin(), values.end(), sensor.median(axis))) /
+          static_cast<double>(values.size());
+    }
+  }
+  std::vector<std::string> texts;
+  const bool is_moving = are_moving(window.fixes);
+  add_stuck(sensors[0], sensors[1], is_moving, texts);
+  add_stuck(sensors[1], sensors[0], is_moving, texts);
+  return texts;
+}
+
+}  // namespace sonopose::motion
