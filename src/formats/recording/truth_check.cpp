@@ -62,14 +62,14 @@ std::optional<std::string> of_positions(const std::vector<TruthSample>& truth, c
   return text + "?";
 }
 
-/// Compares the turns between true poses with those of the gyroscope.
-std::optional<std::string> of_orientations(const std::vector<TruthSample>& truth,
-                                           const motion::Window& window) {
+/// Median difference between the turns of true poses and of a gyroscope whose stamps are moved by `shift_ns`,
+/// as a share of the turn; above 1 for turns about other axes. Empty with few turns.
+std::optional<double> turn_error(const std::vector<TruthSample>& truth, const motion::Window& window,
+                                 TimeNs shift_ns) {
   constexpr double span_s = 0.5;
   constexpr double max_span_s = 1.0;
   constexpr double max_step_s = 0.1;
   constexpr double min_turn_rad = 15.0 * geometry::radians_per_degree;
-  constexpr double max_error = 0.6;  // as a share of the turn; above 1 for a turn about another axis
   const auto is_known = [](const TruthSample& pose) { return pose.q_body_to_world.coeffs().allFinite(); };
   std::vector<double> errors;
   auto imu = window.imu.begin();
@@ -81,23 +81,49 @@ std::optional<std::string> of_orientations(const std::vector<TruthSample>& truth
     const TruthSample& to = truth[end];
     if (!is_known(from) || !is_known(to) || seconds_between(from.time_ns, to.time_ns) > max_span_s) continue;
     Quaterniond turn = Quaterniond::Identity();
-    TimeNs at_ns = from.time_ns;
+    TimeNs at_ns = from.time_ns - shift_ns;
+    const TimeNs end_ns = to.time_ns - shift_ns;
     bool is_whole = true;
-    while (imu != window.imu.end() && imu->time_ns <= from.time_ns) ++imu;
-    for (; imu != window.imu.end() && imu->time_ns <= to.time_ns; ++imu) {
+    while (imu != window.imu.end() && imu->time_ns <= at_ns) ++imu;
+    for (; imu != window.imu.end() && imu->time_ns <= end_ns; ++imu) {
       const double step_s = seconds_between(at_ns, imu->time_ns);
       is_whole = is_whole && step_s <= max_step_s;
       turn = (turn * geometry::rotation_by((step_s * imu->rate_body_radps).eval())).normalized();
       at_ns = imu->time_ns;
     }
-    if (!is_whole || seconds_between(at_ns, to.time_ns) > max_step_s) continue;
+    if (!is_whole || seconds_between(at_ns, end_ns) > max_step_s) continue;
     const Quaterniond true_turn =
         from.q_body_to_world.normalized().conjugate() * to.q_body_to_world.normalized();
     const double largest_rad = std::max(turn.angularDistance(Quaterniond::Identity()),
                                         true_turn.angularDistance(Quaterniond::Identity()));
     if (largest_rad >= min_turn_rad) errors.push_back(turn.angularDistance(true_turn) / largest_rad);
   }
-  if (errors.size() < min_count || median(errors) <= max_error) return std::nullopt;
+  if (errors.size() < min_count) return std::nullopt;
+  return median(std::move(errors));
+}
+
+/// Compares the turns between true poses with those of the gyroscope, also of another clock.
+std::optional<std::string> of_orientations(const std::vector<TruthSample>& truth,
+                                           const motion::Window& window) {
+  constexpr double max_error = 0.6;
+  constexpr double same_error = 0.5 * max_error;
+  constexpr TimeNs step_ns = 100'000'000;
+  constexpr int max_steps = 30;
+  if (turn_error(truth, window, 0).value_or(0.0) <= max_error) return std::nullopt;
+  double least_error = same_error;
+  TimeNs shift_ns = 0;
+  for (int step = -max_steps; step <= max_steps; ++step) {
+    const auto error = turn_error(truth, window, step * step_ns);
+    if (!error || *error >= least_error) continue;
+    least_error = *error;
+    shift_ns = step * step_ns;
+  }
+  if (shift_ns != 0) {
+    return fmt::format(
+        "the true orientations turn as the gyroscope does about {:.1f} s {}: are the stamps of "
+        "one clock?",
+        std::abs(seconds_between(0, shift_ns)), shift_ns < 0 ? "later" : "before");
+  }
   return "the true orientations turn otherwise than the gyroscope: is the order of the quaternion as the "
          "header says, is it that of the IMU's axes, and does it turn the body to the world?";
 }

@@ -35,6 +35,38 @@ SCENARIO("a truth in another unit of time, or of another clock, is found") {
   CHECK_THAT(findings[0], Contains("most true poses are before the IMU samples"));
 }
 
+SCENARIO("a gyroscope of another clock than the truth is told from another order of the quaternion") {
+  std::vector<Event> events = standing();
+  const auto yaw_rad = [](TimeNs time_ns) {
+    const double time_s = seconds_between(start_ns, time_ns);
+    return 1.5 * std::sin(time_s) + 0.8 * std::sin(2.3 * time_s);
+  };
+  const auto rate_radps = [](TimeNs time_ns) {
+    const double time_s = seconds_between(start_ns, time_ns);
+    return 1.5 * std::cos(time_s) + 1.84 * std::cos(2.3 * time_s);
+  };
+  const double ahead_s = GENERATE(0.0, 0.8, 2.5, -1.2);
+  for (Event& event : events) {
+    auto* imu = std::get_if<ImuSample>(&event);
+    if (imu != nullptr) {
+      imu->angular_velocity_body_radps.z() += rate_radps(imu->sensor_time_ns - to_ns(ahead_s));
+    }
+  }
+  std::vector<TruthSample> truths(500);
+  for (std::size_t i = 0; i < truths.size(); ++i) {
+    truths[i].time_ns = start_ns + 20'000'000 * static_cast<TimeNs>(i);
+    truths[i].q_body_to_world = geometry::rotation_about_z(yaw_rad(truths[i].time_ns));
+  }
+  std::string all;
+  for (const std::string& text : input_findings("log", events, nullptr, truths)) all += text;
+  CAPTURE(ahead_s, all);
+  if (ahead_s == 0.0) CHECK(all.empty());
+  if (ahead_s == 0.8) CHECK_THAT(all, Contains("as the gyroscope does about 0.8 s later"));
+  if (ahead_s == 2.5) CHECK_THAT(all, Contains("as the gyroscope does about 2.5 s later"));
+  if (ahead_s == -1.2) CHECK_THAT(all, Contains("as the gyroscope does about 1.2 s before"));
+  CHECK_THAT(all, !Contains("quaternion"));
+}
+
 SCENARIO("a truth of another frame, unit or order of the quaternion is found") {
   GIVEN("a circle of 2 m at 1 rad/s, and its truth at 50 Hz") {
     const auto at_m = [](TimeNs time_ns) {
@@ -43,7 +75,7 @@ SCENARIO("a truth of another frame, unit or order of the quaternion is found") {
     };
     std::vector<Event> events = standing();
     for (Event& event : events) {
-      if (auto* imu = std::get_if<ImuSample>(&event)) imu->angular_velocity_body_radps.z() = 1.0;
+      if (auto* imu = std::get_if<ImuSample>(&event)) imu->angular_velocity_body_radps.z() += 1.0;
       if (auto* fix = std::get_if<UltrasonicFix>(&event)) fix->position_world_m = at_m(fix->emission_time_ns);
     }
     const auto finding_of = [&](const std::function<void(TruthSample&)>& change) {
