@@ -64,7 +64,8 @@ bool is_repeated(const Reading& before, const Reading& reading) {
          before.rate_body_radps == reading.rate_body_radps;
 }
 
-/// True if the fixes move from the begin of a row to its end by more than their noise.
+/// True if the fixes are away from their place at the begin of a row by more than their noise: at its end, or
+/// most of the time, as on a way that returns.
 bool moves_in(const Row& row, const Window& window) {
   constexpr double min_m = 0.3;
   const auto is_before = [](const Position& fix, TimeNs time_ns) { return fix.time_ns < time_ns; };
@@ -73,9 +74,12 @@ bool moves_in(const Row& row, const Window& window) {
   };
   const auto from = find(row.begin);
   const auto to = find(row.end - 1);
-  if (from == to || from == window.fixes.end()) return false;
-  const Position& last = to == window.fixes.end() ? window.fixes.back() : *to;
-  return (last.position_world_m - from->position_world_m).norm() > min_m;
+  if (to <= from) return false;
+  const auto is_away = [&](const Position& fix) {
+    return (fix.position_world_m - from->position_world_m).norm() > min_m;
+  };
+  return is_away(to == window.fixes.end() ? window.fixes.back() : *to) ||
+         2 * std::count_if(from, to, is_away) > to - from;
 }
 
 /// Rows of one sample. A simulation without noise may repeat it at rest, and whenever nothing changes.

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <random>
 #include <string>
 
@@ -72,6 +73,9 @@ SCENARIO("an IMU that repeats one sample is found while the body moves") {
   };
   CHECK(faults_of(1.0, freezes(5, 8)) == "the IMU repeats one sample for 3.00 s; ");
   CHECK_THAT(faults_of(1.0, freezes(0.005, 20)), Contains("the IMU repeats one sample for 19.99 s"));
+  // A full circle, back to where it began.
+  CHECK_THAT(faults_of(2.0 * std::numbers::pi * 3.0 / 10.0, freezes(5, 15)),
+             Contains("the IMU repeats one sample for 10.00 s"));
   CHECK(faults_of(1.0, freezes(5, 5.2)).empty());  // a lost packet or two
   // A simulation without noise may do so at rest.
   CHECK(faults_of(0.0, freezes(5, 8)).empty());
