@@ -176,48 +176,18 @@ private:
   std::size_t next_ = 0;
 };
 
-template <class Stream>
-StepsBack steps_back_of(Stream stream) {
-  StepsBack steps;
-  for (; stream.current() != nullptr; stream.step()) steps.add(available_at_ns(*stream.current()));
-  return steps;
-}
-
-/// A stream that ends at each cut, until the next piece begins.
-template <class Stream>
-class Pieces {
-public:
-  Pieces(Stream stream, std::vector<std::size_t> cuts) : stream_(std::move(stream)), cuts_(std::move(cuts)) {}
-
-  [[nodiscard]] const auto* current() const {
-    const bool is_at_cut = piece_ < cuts_.size() && passed_ == cuts_[piece_];
-    return is_at_cut ? nullptr : stream_.current();
-  }
-  void step() {
-    ++passed_;
-    stream_.step();
-  }
-  void begin_next() { ++piece_; }
-  [[nodiscard]] const Stream& stream() const { return stream_; }
-
-private:
-  Stream stream_;
-  std::vector<std::size_t> cuts_;
-  std::size_t passed_ = 0;
-  std::size_t piece_ = 0;
-};
-
-/// merge_by_availability. `open_imu()` returns the IMU samples from their begin.
-template <class OpenImu>
-SensorLog merged(const std::string& name, const OpenImu& open_imu, Samples<UltrasonicFix> all_fixes,
-                 Samples<PairHeading> all_headings, Samples<TwistSample> all_twists) {
+/// merge_by_availability with IMU samples from any source; `open_imu()` returns them once more.
+template <class ImuSamples, class OpenImu>
+SensorLog merged(const std::string& name, ImuSamples imu_samples, const OpenImu& open_imu,
+                 Samples<UltrasonicFix> all_fixes, Samples<PairHeading> all_headings,
+                 Samples<TwistSample> all_twists) {
   std::vector<StepsBack> steps{
       {}, steps_back_of(all_fixes), steps_back_of(all_headings), steps_back_of(all_twists)};
   // Reads the IMU samples twice only for a log whose clock may have been set back.
   const bool may_be_cut = std::ranges::any_of(steps, [](const auto& of) { return !of.found().empty(); });
   if (may_be_cut) steps.front() = steps_back_of(LookAhead{open_imu()});
   const auto cuts = cuts_at_common_steps(steps);
-  Pieces imu{LookAhead{open_imu()}, cuts[0]};
+  Pieces imu{LookAhead(std::move(imu_samples)), cuts[0]};
   Pieces fixes(all_fixes, cuts[1]);
   Pieces headings(all_headings, cuts[2]);
   Pieces twists(all_twists, cuts[3]);
@@ -298,13 +268,15 @@ SensorLog read_sensor_log(const std::filesystem::path& folder, std::optional<Bea
   const BeaconAddress own_address = *meta.beacon_address;
   // Most events are IMU samples: merge each as soon as it is read instead of storing it twice.
   const auto open_imu = [&] { return ImuRows(folder / imu_file, own_address, meta.imu_meaning); };
+  ImuRows imu = open_imu();
   const auto fixes = read_ultrasonic_csv(folder / ultrasonic_file, own_address);
   std::vector<PairHeading> headings;
   if (files::is_present(folder / heading_file))
     headings = read_heading_csv(folder / heading_file, own_address);
   std::vector<TwistSample> twists;
   if (files::is_present(folder / twist_file)) twists = read_twist_csv(folder / twist_file, own_address);
-  SensorLog log = merged(folder.string(), open_imu, Samples(fixes), Samples(headings), Samples(twists));
+  SensorLog log =
+      merged(folder.string(), std::move(imu), open_imu, Samples(fixes), Samples(headings), Samples(twists));
   log.address = own_address;
   if (files::is_present(folder / truth_file)) {
     log.truth = read_truth_csv(folder / truth_file, log.address);
@@ -355,7 +327,7 @@ SensorLog merge_by_availability(const std::string& name, const std::vector<ImuSa
                                 const std::vector<PairHeading>& headings,
                                 const std::vector<TwistSample>& twists) {
   const auto open_imu = [&imu] { return Samples(imu); };
-  return merged(name, open_imu, Samples(fixes), Samples(headings), Samples(twists));
+  return merged(name, open_imu(), open_imu, Samples(fixes), Samples(headings), Samples(twists));
 }
 
 std::vector<ImuSample> read_imu_csv(const std::filesystem::path& file, BeaconAddress address) {

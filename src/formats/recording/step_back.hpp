@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace sonopose::recording {
@@ -37,5 +38,37 @@ private:
 /// For each stream the samples at which it is cut: those after a step back of more than 0.1 s of the first
 /// stream that each stream with samples shows at the same time. Empty lists without other streams.
 std::vector<std::vector<std::size_t>> cuts_at_common_steps(const std::vector<StepsBack>& streams);
+
+/// The steps back of a stream of samples, in the order in which they are available.
+template <class Stream>
+StepsBack steps_back_of(Stream stream) {
+  StepsBack steps;
+  for (; stream.current() != nullptr; stream.step()) steps.add(available_at_ns(*stream.current()));
+  return steps;
+}
+
+/// A stream that ends at each cut, until the next piece begins.
+template <class Stream>
+class Pieces {
+public:
+  Pieces(Stream stream, std::vector<std::size_t> cuts) : stream_(std::move(stream)), cuts_(std::move(cuts)) {}
+
+  [[nodiscard]] const auto* current() const {
+    const bool is_at_cut = piece_ < cuts_.size() && passed_ == cuts_[piece_];
+    return is_at_cut ? nullptr : stream_.current();
+  }
+  void step() {
+    ++passed_;
+    stream_.step();
+  }
+  void begin_next() { ++piece_; }
+  [[nodiscard]] const Stream& stream() const { return stream_; }
+
+private:
+  Stream stream_;
+  std::vector<std::size_t> cuts_;
+  std::size_t passed_ = 0;
+  std::size_t piece_ = 0;
+};
 
 }  // namespace sonopose::recording
