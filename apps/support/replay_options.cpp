@@ -113,12 +113,16 @@ void require_result(const ReplayOptions& options, const evaluation::RunResult& r
   }
   const std::uint64_t fixes = result.counters.fixes_used + result.counters.fixes_rejected;
   if (const std::uint64_t refused = result.refusals.count(); 2 * refused > fixes) {
-    throw std::runtime_error(
-        fmt::format("{}: {} of {} were refused: {}{}", name, refused, text::count_text(fixes, "fix", "fixes"),
-                    result.refusals.reason(),
-                    result.refusals.are_of_another_clock()
-                        ? "; `sonopose-calibrate delay " + name + "` measures how far the clocks are apart"
-                        : ""));
+    const bool is_other_clock = result.refusals.are_of_another_clock();
+    const std::string text = fmt::format(
+        "{}: {} of {} were refused: {}{}", name, refused, text::count_text(fixes, "fix", "fixes"),
+        result.refusals.reason(),
+        is_other_clock ? "; `sonopose-calibrate delay " + name + "` measures how far the clocks are apart"
+                       : "");
+    // Some are refused as the user wants it.
+    constexpr std::uint64_t min_use = 10;
+    if (is_other_clock || min_use * result.counters.fixes_used < fixes) throw std::runtime_error(text);
+    logging::warning(text);
   }
   const evaluation::Score& score = result.fused;
   if (!result.has_truth || score.poses > 0 || std::isfinite(score.tilt_rmse_deg)) return;

@@ -37,14 +37,14 @@ std::uint64_t step_back_within(const mcap::RecordFile& file, const mcap::Block& 
   return step_ns;
 }
 
-/// Appends the times of a block, or of its messages if it is so long that it may have a gap.
+/// Returns true if a block is so long that it may have a gap.
+bool may_have_gap(const mcap::Block& block) {
+  return !block.log_times.is_empty() && block.log_times.end_ns - block.log_times.start_ns >= min_gap_ns;
+}
+
+/// Appends the times of the messages of a block.
 void append_times(const mcap::RecordFile& file, const mcap::Block& block,
                   std::vector<mcap::TimeSpan>& times) {
-  if (block.log_times.is_empty()) return;
-  if (block.log_times.end_ns - block.log_times.start_ns < min_gap_ns) {
-    times.push_back(block.log_times);
-    return;
-  }
   try {
     for (const mcap::LoadedBlock::Item& item : file.load(block).messages) {
       times.push_back({item.log_time_ns, item.log_time_ns});
@@ -82,8 +82,16 @@ std::optional<std::string> step_back_in(const mcap::Reader& reader) {
 
 std::optional<std::string> longest_gap_in(const mcap::Reader& reader) {
   std::vector<mcap::TimeSpan> times;
-  for (const mcap::Block& block : reader.contents().blocks) {
-    append_times(reader.file(block.file), block, times);
+  const std::vector<mcap::Block>& blocks = reader.contents().blocks;
+  // Of a large recording of few bytes a second nearly every block would be read.
+  constexpr std::ptrdiff_t max_read = 64;
+  const bool reads_blocks = std::ranges::count_if(blocks, may_have_gap) <= max_read;
+  for (const mcap::Block& block : blocks) {
+    if (reads_blocks && may_have_gap(block)) {
+      append_times(reader.file(block.file), block, times);
+    } else if (!block.log_times.is_empty()) {
+      times.push_back(block.log_times);
+    }
   }
   std::ranges::sort(times, {}, &mcap::TimeSpan::start_ns);
   std::uint64_t longest_ns = 0;

@@ -155,8 +155,11 @@ void FixedClock::observe(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs 
     const bool is_under_way = before_step_ns_ && step_ns < 0 && send_delay_ns > 0 &&
                               std::abs(sent_ns - *before_step_ns_) < max_under_way_ns;
     if (is_under_way) {
-      if (!step_counted_) count_step(newest_ns_ - *before_step_ns_);
-      step_counted_ = true;
+      // After a pause, a position is overtaken by a little only.
+      if (!step_counted_ && step_ns < -overtaken_ns) {
+        count_step(newest_ns_ - *before_step_ns_);
+        step_counted_ = true;
+      }
       return;
     }
     if (step_ns > overtaken_ns) {

@@ -7,7 +7,12 @@ namespace sonopose::recording {
 namespace {
 
 constexpr double min_step_s = 0.1;
-constexpr double max_apart_s = 1.0;  // streams have samples several times a second
+constexpr double max_apart_s = 1.0;   // streams have samples several times a second
+constexpr std::size_t min_older = 4;  // a single stamp may be wrong
+
+bool is_large(const StepBack& step) {
+  return seconds_between(step.after_ns, step.before_ns) >= min_step_s;
+}
 
 bool is_near(TimeNs a_ns, TimeNs b_ns) {
   const double apart_s = seconds_between(a_ns, b_ns);
@@ -23,14 +28,15 @@ std::vector<std::vector<std::size_t>> cuts_at_common_steps(const std::vector<Ste
                                     [](const StepsBack& stream) { return stream.has_samples(); });
   if (others == 0) return cuts;
   for (const StepBack& step : streams.front().found()) {
-    if (seconds_between(step.after_ns, step.before_ns) < min_step_s) continue;
+    if (!is_large(step) || step.older < min_older) continue;
     std::vector<std::size_t> found = next;
     const auto shows_step = [&](std::size_t i) {
       const std::vector<StepBack>& steps = streams[i].found();
-      const auto same = std::find_if(
-          steps.begin() + static_cast<std::ptrdiff_t>(next[i]), steps.end(), [&step](const StepBack& other) {
-            return is_near(other.before_ns, step.before_ns) && is_near(other.after_ns, step.after_ns);
-          });
+      const auto same = std::find_if(steps.begin() + static_cast<std::ptrdiff_t>(next[i]), steps.end(),
+                                     [&step](const StepBack& other) {
+                                       return is_large(other) && is_near(other.before_ns, step.before_ns) &&
+                                              is_near(other.after_ns, step.after_ns);
+                                     });
       found[i] = static_cast<std::size_t>(same - steps.begin()) + 1;
       return same != steps.end();
     };

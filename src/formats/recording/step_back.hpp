@@ -16,13 +16,15 @@ struct StepBack {
   std::size_t index = 0;  ///< number of samples before it
   TimeNs before_ns = 0;
   TimeNs after_ns = 0;
+  std::size_t older = 0;  ///< later samples whose stamps are before the step
 };
 
 /// The steps back of one stream.
 class StepsBack {
 public:
   void add(TimeNs stamp_ns) {
-    if (newest_ns_ && stamp_ns < *newest_ns_) found_.push_back({count_, *newest_ns_, stamp_ns});
+    if (newest_ns_ && stamp_ns < *newest_ns_) found_.push_back({count_, *newest_ns_, stamp_ns, 0});
+    if (!found_.empty() && stamp_ns < found_.back().before_ns) ++found_.back().older;
     newest_ns_ = stamp_ns;
     ++count_;
   }
@@ -35,8 +37,9 @@ private:
   std::optional<TimeNs> newest_ns_;
 };
 
-/// For each stream the samples at which it is cut: those after a step back of more than 0.1 s of the first
-/// stream that each stream with samples shows at the same time. Empty lists without other streams.
+/// For each stream the samples at which it is cut: those after a step back of more than 0.1 s that each
+/// stream with samples shows at the same time, and that lasts in the first one. Empty lists without other
+/// streams.
 std::vector<std::vector<std::size_t>> cuts_at_common_steps(const std::vector<StepsBack>& streams);
 
 /// The steps back of a stream of samples, in the order in which they are available.

@@ -340,13 +340,18 @@ public:
   }
 
 private:
-  /// Reports what was not played. Throws if that is everything.
+  /// Reports what was not played. Throws if that is everything, or much.
   void report_unused() const {
     const marvelmind::DecoderCounters& counters = decoder_.counters();
     if (counters.frames == 0) refuse_foreign(options_.file, bytes_read_, counters, begin_);
     for (const BeaconAddress address : assembler_.addresses()) {
-      const auto text = stamps_too_late_text(*assembler_.beacon(address));
-      if (text) throw files::IoError(fmt::format("{}: {}", options_.file.string(), *text));
+      const marvelmind::BeaconAssembler& beacon = *assembler_.beacon(address);
+      const auto text = stamps_too_late_text(beacon);
+      if (!text) continue;
+      const std::string line = fmt::format("{}: {}", options_.file.string(), *text);
+      constexpr std::uint64_t max_share = 10;  // a tenth; a few may be damaged
+      if (max_share * beacon.counters().stamps_too_late > events_) throw files::IoError(line);
+      logging::warning(line);
     }
     if (events_ == 0) {
       throw files::IoError(

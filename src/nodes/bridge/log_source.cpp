@@ -10,8 +10,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstddef>
+#include <variant>
 
 namespace sonopose::bridge {
 namespace {
@@ -50,7 +50,8 @@ public:
   }
 
 private:
-  /// Size of a step back before this event that lasts; zero without one. A single stamp may be wrong.
+  /// Size of a step back before this event that lasts, and that the IMU shows too; zero without one. A single
+  /// stamp may be wrong, and other sensors may have another clock.
   [[nodiscard]] double step_back_s(std::size_t index) const {
     constexpr double min_step_s = 0.1;
     constexpr std::size_t events_to_last = 8;
@@ -58,11 +59,14 @@ private:
     const TimeNs before_ns = available_at_ns(log_.events[index - 1]);
     const double step_s = seconds_between(available_at_ns(log_.events[index]), before_ns);
     if (step_s < min_step_s) return 0.0;
-    const std::size_t end = std::min(index + events_to_last, log_.events.size());
-    for (std::size_t i = index + 1; i < end; ++i) {
-      if (available_at_ns(log_.events[i]) >= before_ns) return 0.0;
+    std::size_t older = 0;
+    bool has_imu = false;
+    for (std::size_t i = index; i < log_.events.size() && (older < events_to_last || !has_imu); ++i) {
+      if (available_at_ns(log_.events[i]) >= before_ns) break;
+      ++older;
+      has_imu = has_imu || std::holds_alternative<ImuSample>(log_.events[i]);
     }
-    return step_s;
+    return has_imu && older >= events_to_last ? step_s : 0.0;
   }
 
   Pacer pacer_;

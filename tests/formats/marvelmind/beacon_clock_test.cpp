@@ -334,6 +334,19 @@ TEST_CASE("A file whose clock is set ahead by less than a day has a gap of that 
   CHECK(clock.resets() == 0);
 }
 
+TEST_CASE("A pause of a file is no step, although a position overtakes an IMU sample after it") {
+  FixedClock clock;
+  constexpr std::int64_t now_ms = 1'795'000'000'000;
+  const auto observe = [&clock](std::int64_t unix_ms, std::int64_t ahead_ms = 0) {
+    clock.observe({TimeBase::unix_ms, unix_ms}, ahead_ms * 1'000'000, host_start_ns);
+  };
+  observe(now_ms);
+  observe(now_ms + 1000);
+  observe(now_ms + 930, 60);
+  observe(now_ms + 1010);
+  CHECK(clock.steps() == 0);
+}
+
 TEST_CASE("A position that is under way while the clock of a live beacon is set maps no later stamp") {
   BeaconClock clock;
   constexpr std::int64_t set_ms = 1'795'000'000'000;

@@ -349,6 +349,23 @@ SCENARIO("streams are merged by availability, and no file's order is changed") {
     THEN("each fix and heading stays among the IMU samples of its time") {
       CHECK(order_of(merged(imu, fixes, headings)) == expected);
     }
+    THEN("a late row of the IMU, and fixes that are a little out of order, cut nothing") {
+      std::vector<ImuSample> steady;
+      for (int i = 0; i < 600; ++i)
+        steady.push_back(imu_at(begin_ns + i * 10 * ms - (i == 300 ? 120 * ms : 0)));
+      std::vector<UltrasonicFix> nearly;
+      for (int i = 0; i < 60; ++i) nearly.push_back(fix_at(begin_ns + i * 100 * ms));
+      std::swap(nearly[37], nearly[38]);
+      nearly[37].received_time_ns = nearly[38].received_time_ns + ms;
+      TimeNs newest_imu_ns = 0;
+      for (const Event& event : merged(steady, nearly, {})) {
+        if (std::holds_alternative<ImuSample>(event)) {
+          newest_imu_ns = std::max(newest_imu_ns, available_at_ns(event));
+        } else {
+          CHECK(available_at_ns(event) < newest_imu_ns + 200 * ms);
+        }
+      }
+    }
     THEN("a step of the fixes alone cuts nothing: no sample is lost, and each file keeps its order") {
       std::vector<ImuSample> steady;
       for (int i = 0; i < 600; ++i) steady.push_back(imu_at(begin_ns + i * 10 * ms));

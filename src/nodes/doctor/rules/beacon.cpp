@@ -275,7 +275,13 @@ private:
     findings_.push_back({severity, name_of(beacon_), what, remedy});
   }
 
-  [[nodiscard]] bool are_samples_right() const { return is_imu_right_ && beacon_.fix_faults.empty(); }
+  /// False if wrong readings, or positions in another unit, explain what is refused.
+  [[nodiscard]] bool are_samples_right() const {
+    const auto is_unit = [](const motion::FixFault& fault) {
+      return fault.kind == motion::FixFaultKind::unit;
+    };
+    return is_imu_right_ && std::none_of(beacon_.fix_faults.begin(), beacon_.fix_faults.end(), is_unit);
+  }
 
   /// A cause for which fixes are refused, after their number, and its remedy.
   static std::pair<std::string, std::string> refusal_texts(FixRefusal cause) {
