@@ -18,7 +18,7 @@ namespace sonopose::bridge {
 /// there is none.
 std::optional<std::string> stamps_too_late_text(const marvelmind::BeaconAssembler& beacon);
 
-/// What is new about the clocks of the beacons.
+/// Reports what is new about the clocks of the beacons.
 class BeaconClockLog {
 public:
   explicit BeaconClockLog(marvelmind::TimeMapping mapping) : mapping_(mapping) {}

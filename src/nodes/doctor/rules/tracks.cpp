@@ -89,7 +89,7 @@ struct FixAdvice {
   const char* remedy;
 };
 
-/// Advice for a fault; empty if the status of the poses tells.
+/// Advice for a fault; empty for one that the status of the poses names.
 std::optional<FixAdvice> advice_for(motion::FixFaultKind kind) {
   switch (kind) {
     case motion::FixFaultKind::unit:
