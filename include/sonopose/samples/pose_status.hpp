@@ -16,7 +16,7 @@ enum PoseStatus : std::uint32_t {
   status_heading_unknown = 1U << 4U,  ///< yaw not known to 5° (documented engine: no heading for 0.5 s)
   status_frozen_track = 1U << 5U,     ///< the fixes repeat one position while the IMU moves
   status_predicted = 1U << 6U,        ///< the pose is between or beyond IMU samples, not at one
-  status_imu_gap = 1U << 7U,          ///< the IMU was silent just before this pose
+  status_imu_gap = 1U << 7U,          ///< the IMU was silent just before this pose, or repeats a sample
   status_low_trust = 1U << 8U,        ///< many of the last fixes were not used
   status_rotating_fast = 1U << 9U,    ///< documented engine: settings 35–37 suppress acceleration
   status_late = 1U << 10U,            ///< the IMU sample is old

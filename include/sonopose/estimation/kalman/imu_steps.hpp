@@ -64,6 +64,22 @@ struct ClipDetector {
   bool operator==(const ClipDetector&) const = default;
 };
 
+/// Detects an IMU that repeats its last sample, as some drivers do while they get none. Only noise on all
+/// axes shows it: a simulation without noise, or a coarse sensor at rest, has equal samples too.
+struct RepeatDetector {
+  static constexpr int min_repeats = 3;  ///< a lost packet or two may be sent again too
+
+  int repeats = 0;                           ///< equal samples in a row
+  Vector3d equal_rates = Vector3d::Ones();   ///< share of rates equal to the one before, per axis
+  Vector3d equal_forces = Vector3d::Ones();  ///< the same of the specific force
+
+  /// True if this sample is a repetition of `last`, and not of a sensor that has equal samples.
+  [[nodiscard]] bool repeats_with(const ImuMeasurement& last, const ImuMeasurement& sample) const;
+  /// Adds a sample.
+  void add(const ImuMeasurement& last, const ImuMeasurement& sample);
+  bool operator==(const RepeatDetector&) const = default;
+};
+
 /// Updates the usual interval between samples with another one.
 [[nodiscard]] double nominal_imu_period_s(double before_s, double step_s);
 
@@ -108,6 +124,12 @@ void for_each_field(IsFieldsOf<ShockDetector> auto& shocks, const auto& visit) {
   visit("open_integral_body", shocks.open_integral_body);
   visit("reading_before_body", shocks.reading_body[0]);
   visit("reading_last_body", shocks.reading_body[1]);
+}
+
+void for_each_field(IsFieldsOf<RepeatDetector> auto& repeats, const auto& visit) {
+  visit("repeats", repeats.repeats);
+  visit("equal_rates", repeats.equal_rates);
+  visit("equal_forces", repeats.equal_forces);
 }
 
 void for_each_field(IsFieldsOf<ClipDetector> auto& clip, const auto& visit) {

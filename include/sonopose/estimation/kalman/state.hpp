@@ -50,12 +50,16 @@ struct ImuInput {
   Vector3d mean_force_body_mps2 = Vector3d::Zero();  ///< mean of the last seconds, turned with the body
   double nominal_imu_period_s = 0;                   ///< usual interval between samples; 0: unknown
   bool in_gap = false;                               ///< true if the sample ended a silence
+  RepeatDetector repeats;                            ///< repeated samples, which are a silence too
   ShockDetector shocks;                              ///< shocks of the accelerometer
   ShockDetector turn_shocks;                         ///< shocks of the gyroscope
   ClipDetector gyro_clip;                            ///< end of the gyroscope's range
   ImuPreintegrator pending_steps;  ///< steps not yet applied to the filters; none in a checkpoint
 
   bool operator==(const ImuInput&) const = default;
+  [[nodiscard]] ImuMeasurement latest() const {
+    return {.time_ns = time_ns, .rate_body_radps = rate_body_radps, .force_body_mps2 = force_body_mps2};
+  }
 };
 
 /// Recent fixes, as judged by the followed track.
@@ -131,6 +135,8 @@ struct State {
   /// Applies the pending steps and propagates the covariance of every filter to the time of the latest
   /// sample.
   void propagate();
+  /// True if this sample is the latest one again and the body moves: no motion may be integrated from it.
+  [[nodiscard]] bool is_repetition(const ImuMeasurement& sample) const;
   /// True if no fix or heading has required a propagation for a while.
   [[nodiscard]] bool covariance_is_old() const;
 };
@@ -148,6 +154,7 @@ void for_each_field(IsFieldsOf<ImuInput> auto& imu, const auto& visit) {
   visit("mean_force_body_mps2", imu.mean_force_body_mps2);
   visit("nominal_imu_period_s", imu.nominal_imu_period_s);
   visit("in_gap", imu.in_gap);
+  visit("repeats", imu.repeats);
   visit("shocks", imu.shocks);
   visit("turn_shocks", imu.turn_shocks);
   visit("gyro_clip", imu.gyro_clip);

@@ -135,15 +135,13 @@ std::optional<FusedPose> Engine::predict(const ImuSample& raw) noexcept {
 /// True if the pose needs only the nominal state.
 bool Engine::is_step(const ImuMeasurement& imu) const {
   const double dt_s = seconds_between(state().imu.time_ns, imu.time_ns);
-  return state().phase != Phase::waiting && dt_s > 0.0 && dt_s <= settings_.outage.imu_gap_s;
+  return state().phase != Phase::waiting && dt_s > 0.0 && dt_s <= settings_.outage.imu_gap_s &&
+         !state().is_repetition(imu);
 }
 
 FusedPose Engine::pose_after_step(const ImuSample& imu, const ImuMeasurement& measured) const {
   const State& before = state();
-  const ImuStep step = step_between({.time_ns = before.imu.time_ns,
-                                     .rate_body_radps = before.imu.rate_body_radps,
-                                     .force_body_mps2 = before.imu.force_body_mps2},
-                                    measured, before.imu.nominal_imu_period_s);
+  const ImuStep step = step_between(before.imu.latest(), measured, before.imu.nominal_imu_period_s);
   return pose_at(imu, before.nominal_after(step));
 }
 
@@ -152,7 +150,8 @@ FusedPose Engine::whole_pose(const ImuSample& imu) {
   finish_pending_work();
   FusedPose pose = pose_at(imu, state().nominal());
   if (state().imu.in_gap) {
-    ++counters_.imu_gaps;
+    if (state().imu.repeats.repeats <= RepeatDetector::min_repeats + 1)
+      ++counters_.imu_gaps;  // not each repetition
     if (state().phase != Phase::waiting) pose.status |= status_imu_gap;
   }
   return pose;

@@ -4,6 +4,13 @@
 #include <cmath>
 
 namespace sonopose::estimation::kalman {
+namespace {
+
+bool is_equal(const ImuMeasurement& last, const ImuMeasurement& sample) {
+  return last.rate_body_radps == sample.rate_body_radps && last.force_body_mps2 == sample.force_body_mps2;
+}
+
+}  // namespace
 
 double nominal_imu_period_s(double before_s, double step_s) {
   constexpr double smoothing_factor = 1.0 / 32.0;
@@ -55,6 +62,25 @@ Vector3d ClipDetector::add(const Vector3d& reading_body_radps) {
     if (repeats[i] >= min_repeats && magnitude > min_range_radps) missed_radps[i] = missed_share * magnitude;
   }
   return missed_radps;
+}
+
+bool RepeatDetector::repeats_with(const ImuMeasurement& last, const ImuMeasurement& sample) const {
+  constexpr double max_share = 0.5;
+  return repeats >= min_repeats && is_equal(last, sample) &&
+         std::max(equal_rates.maxCoeff(), equal_forces.maxCoeff()) < max_share;
+}
+
+void RepeatDetector::add(const ImuMeasurement& last, const ImuMeasurement& sample) {
+  static constexpr double smoothing_factor = 0.01;
+  constexpr int max_repeats = 1000;
+  const bool is_repetition = repeats_with(last, sample);
+  repeats = is_equal(last, sample) ? std::min(repeats + 1, max_repeats) : 0;
+  if (is_repetition) return;  // it says nothing of the noise
+  const auto update = [](Vector3d& shares, const Vector3d& before, const Vector3d& now) {
+    shares += smoothing_factor * ((before.array() == now.array()).cast<double>().matrix() - shares);
+  };
+  update(equal_rates, last.rate_body_radps, sample.rate_body_radps);
+  update(equal_forces, last.force_body_mps2, sample.force_body_mps2);
 }
 
 ImuStep step_between(const ImuMeasurement& last, const ImuMeasurement& next, double usual_s) {

@@ -182,16 +182,14 @@ void add_missed_motion(Filter& filter, const ImuStep& step) {
 ImuOutcome State::on_imu(const settings::Settings& settings, const ImuMeasurement& sample) {
   const bool is_first = imu.time_ns == 0;
   const double dt_s = is_first ? 0.0 : seconds_between(imu.time_ns, sample.time_ns);
-  imu.in_gap = dt_s > settings.outage.imu_gap_s;
+  imu.in_gap = dt_s > settings.outage.imu_gap_s || is_repetition(sample);
+  if (!is_first) imu.repeats.add(imu.latest(), sample);
   if (imu.in_gap) headings.is_current = false;  // no rate shows how the body turned meanwhile
   update_mean_force(*this, sample, dt_s);
   if (phase != Phase::waiting && imu.in_gap) {
     end_imu_gap(*this, sample.time_ns);
   } else if (phase != Phase::waiting && dt_s > 0.0) {
-    ImuStep step = step_between({.time_ns = imu.time_ns,
-                                 .rate_body_radps = imu.rate_body_radps,
-                                 .force_body_mps2 = imu.force_body_mps2},
-                                sample, imu.nominal_imu_period_s);
+    ImuStep step = step_between(imu.latest(), sample, imu.nominal_imu_period_s);
     constexpr double smooth_mps2 = 2.5;
     constexpr double smooth_radps = 1.0;
     step.shock_variance_m2ps2 = imu.shocks.add(sample.force_body_mps2, dt_s, smooth_mps2);
@@ -239,6 +237,18 @@ void State::apply_pending_steps() {
 void State::propagate() {
   apply_pending_steps();
   for (Hypothesis& each : bank) each.filter.propagate(process_noise(imu, each.imu));
+}
+
+bool State::is_repetition(const ImuMeasurement& sample) const {
+  constexpr double min_rate_radps = 0.05;
+  constexpr double min_force_error_mps2 = 0.3;
+  constexpr double min_speed_mps = 0.3;
+  if (phase == Phase::waiting || !imu.repeats.repeats_with(imu.latest(), sample)) return false;
+  // A sensor of a body that stands may have no noise, and repeating it is right.
+  const double force_error_mps2 = sample.force_body_mps2.norm() - gravity_world_mps2.norm();
+  return (sample.rate_body_radps - filter().gyro_bias_body_radps).norm() > min_rate_radps ||
+         std::abs(force_error_mps2) > min_force_error_mps2 ||
+         filter().velocity_world_mps.norm() > min_speed_mps;
 }
 
 bool State::covariance_is_old() const {

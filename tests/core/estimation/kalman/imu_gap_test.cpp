@@ -91,6 +91,41 @@ SCENARIO("fixes during a silence of the IMU show where the body is after it") {
   }
 }
 
+SCENARIO("an IMU that repeats its last sample is as good as a silent one") {
+  const std::uint64_t seed = GENERATE(range(81U, 84U));
+  for (const char* const name : {"walk", "kart", "drone"}) {
+    CAPTURE(name, seed);
+    const sim::Recording recording =
+        sim::record(sim::find_scenario(name), {.seed = seed, .duration_s = 20.0});
+    const TimeNs start_ns = recording.truth.front().time_ns;
+    kalman::Engine engine{settings::Settings{}};
+    ImuSample last;
+    std::size_t truth = 0;
+    double worst_m = 0;
+    for (Event event : recording.events) {
+      auto* imu = std::get_if<ImuSample>(&event);
+      if (imu != nullptr) {
+        const double time_s = seconds_between(start_ns, imu->sensor_time_ns);
+        if (time_s > 10.0 && time_s < 11.0) {
+          imu->angular_velocity_body_radps = last.angular_velocity_body_radps;
+          imu->specific_force_body_mps2 = last.specific_force_body_mps2;
+        }
+        last = *imu;
+      }
+      const EventResult result = process(engine, event);
+      const auto* pose = std::get_if<FusedPose>(&result);
+      if (pose == nullptr) continue;
+      while (recording.truth[truth].time_ns < pose->time_ns) ++truth;
+      if (seconds_between(start_ns, pose->time_ns) < 9.0) continue;
+      worst_m = std::max(worst_m, (pose->position_world_m - recording.truth[truth].position_world_m).norm());
+      const double time_s = seconds_between(start_ns, pose->time_ns);
+      if (time_s > 10.1 && time_s < 11.0) CHECK((pose->status & status_imu_gap) != 0);
+    }
+    CHECK(worst_m < 0.3);  // as far as the body goes, unseen, in two intervals of the fixes
+    CHECK(engine.counters().imu_gaps == 1);
+  }
+}
+
 SCENARIO("the order of arrival during a silence of the IMU does not matter") {
   GIVEN("two engines before a silence") {
     const GapRun run(71);

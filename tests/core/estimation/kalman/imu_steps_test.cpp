@@ -143,6 +143,58 @@ SCENARIO("a gyroscope at the end of its range misses a part of the rate") {
   }
 }
 
+SCENARIO("a sample that comes again and again is a repetition only from a sensor with noise") {
+  std::mt19937 random{5};  // NOLINT(cert-msc32-c,cert-msc51-cpp): the same numbers in every run
+  std::normal_distribution<double> noise(0.0, 0.01);
+  const auto noise3 = [&] { return Vector3d(noise(random), noise(random), noise(random)); };
+  RepeatDetector repeats;
+  ImuMeasurement last;
+  /// Number of repetitions among samples of which each comes `copies` times.
+  const auto repetitions_in = [&](int samples, int copies, double gyro_step_radps) {
+    int count = 0;
+    for (int i = 0; i < samples; ++i) {
+      ImuMeasurement sample = last;
+      if (i % copies == 0) {
+        sample.rate_body_radps = Vector3d(0.1, 0.2, 0.3) + noise3();
+        if (gyro_step_radps > 0.0) {
+          sample.rate_body_radps =
+              (sample.rate_body_radps / gyro_step_radps).array().round() * gyro_step_radps;
+        }
+        sample.force_body_mps2 = Vector3d(1.0, 2.0, 9.0) + noise3();
+      }
+      if (repeats.repeats_with(last, sample)) ++count;
+      repeats.add(last, sample);
+      last = sample;
+    }
+    return count;
+  };
+  GIVEN("an IMU with noise") {
+    CHECK(repetitions_in(200, 1, 0.0) == 0);
+    WHEN("it sends one sample ten times, and then goes on") {
+      THEN("the last six copies are repetitions") {
+        CHECK(repetitions_in(10, 10, 0.0) == 6);
+        CHECK(repetitions_in(200, 1, 0.0) == 0);
+      }
+    }
+    WHEN("it sends each sample twice") {
+      THEN("there is no repetition") {
+        CHECK(repetitions_in(400, 2, 0.0) == 0);
+      }
+    }
+  }
+  GIVEN("an IMU that is read eight times as often as it measures") {
+    THEN("its equal samples are usual") {
+      CHECK(repetitions_in(1600, 8, 0.0) == 0);
+    }
+  }
+  GIVEN("a gyroscope with steps far above its noise") {
+    CHECK(repetitions_in(400, 1, 0.1) == 0);
+    THEN("equal samples show nothing") {
+      CHECK(repetitions_in(10, 10, 0.1) == 0);
+    }
+  }
+}
+
 SCENARIO("the roughness of the readings gives the density of their noise") {
   const double rate_hz = GENERATE(100.0, 1000.0);
   GIVEN("white noise of 3 m/s² at " + std::to_string(rate_hz) + " Hz") {
