@@ -91,7 +91,7 @@ EventOutcome BeaconEstimator::process(const collation::CollatedEvent& collated) 
 }
 
 std::optional<std::string> BeaconEstimator::height_use() {
-  const auto problem = height_watch_.problem();
+  const auto problem = height_watch_.problem(height_contradicts_);
   const bool is_known = std::exchange(height_contradicts_, problem.has_value());
   if (!problem || is_known) return std::nullopt;
   return problem->text + ": " + problem->remedy;

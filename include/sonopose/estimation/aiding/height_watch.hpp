@@ -22,8 +22,9 @@ class HeightWatch {
 public:
   void on(const settings::PlanarSettings& settings, const UltrasonicFix& fix);
 
-  /// Set if nearly all of the latest fixes are on one side of the plane, and far from it on average.
-  [[nodiscard]] std::optional<HeightProblem> problem() const;
+  /// Set if nearly all of the latest fixes are on one side of the plane, and far from it on average. One that
+  /// is known lasts until they are clearly nearer.
+  [[nodiscard]] std::optional<HeightProblem> problem(bool is_known = false) const;
 
 private:
   settings::PlanarSettings settings_;

@@ -23,10 +23,11 @@ void HeightWatch::on(const settings::PlanarSettings& settings, const UltrasonicF
   variance_m2_ = (1.0 - share) * (variance_m2_ + share * deviation_m * deviation_m);
 }
 
-std::optional<HeightProblem> HeightWatch::problem() const {
+std::optional<HeightProblem> HeightWatch::problem(bool is_known) const {
   constexpr std::size_t min_count = 20;
-  constexpr double min_mean_m = 0.3;  // above what beacons at one height leave open
-  constexpr double min_ratio = 2.0;
+  const double hysteresis = is_known ? 0.7 : 1.0;
+  const double min_mean_m = hysteresis * 0.3;  // above what beacons at one height leave open
+  const double min_ratio = hysteresis * 2.0;
   const double size_m = std::abs(mean_m_);
   if (count_ < min_count || size_m < min_mean_m || size_m < min_ratio * std::sqrt(variance_m2_))
     return std::nullopt;

@@ -235,6 +235,15 @@ SCENARIO("fixes far from the height of a planar body are named with the height t
     feed(0.95);
     CHECK_FALSE(watch.problem());
   }
+  GIVEN("fixes a little nearer than the limit") {
+    feed(1.02);
+    THEN("a problem that was known lasts until they are clearly nearer") {
+      CHECK_FALSE(watch.problem());
+      CHECK(watch.problem(true));
+      feed(0.9);
+      CHECK_FALSE(watch.problem(true));
+    }
+  }
 }
 
 }  // namespace planar_test
