@@ -47,8 +47,8 @@ std::string RefusedFixes::reason() const {
       return share + "their quality is below admission.min_quality_percent";
     case FixRefusal::no_imu:
       if (imu_refused_ == 0) return share + "no IMU sample has arrived";
-      return fmt::format("{}all {} are refused, above {} ({})", share,
-                         text::count_text(imu_refused_, "IMU sample"), key_, limit_);
+      return fmt::format("{}{} refused, above {} ({})", share,
+                         text::count_text(imu_refused_, "IMU sample was", "IMU samples were"), key_, limit_);
     case FixRefusal::too_old:
       return fmt::format(
           "{}the latest is {:.3f} s older than the IMU samples, more than admission.max_fix_age_s", share,

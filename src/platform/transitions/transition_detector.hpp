@@ -26,7 +26,7 @@ public:
   void on(const FusedPose& pose, TransitionQueue& pending) noexcept {
     if ((pose.status & status_predicted) != 0) return;
     if (!began_ns_) began_ns_ = pose.time_ns;
-    leave_out_step(pose.time_ns);
+    follow_step(pose.time_ns);
     if (reset_counter_ && *reset_counter_ != pose.reset_counter) {
       pending.add({.address = address_, .kind = Kind::restarted});
       began_ns_ = pose.time_ns;
@@ -81,12 +81,13 @@ private:
                                             {status_imu_gap, Kind::imu_gap, false}}};
 
   /// Moves the starts of the states by a step of the clock, which is no duration.
-  void leave_out_step(TimeNs time_ns) noexcept {
+  void follow_step(TimeNs time_ns) noexcept {
     constexpr TimeNs longest_silence_ns = 3'600'000'000'000;
     const TimeNs step_ns = saturated_difference(time_ns, last_ns_.value_or(time_ns));
     last_ns_ = time_ns;
     if (step_ns >= 0 && step_ns < longest_silence_ns) return;
     began_ns_ = saturated_sum(*began_ns_, step_ns);
+    outliers_since_ns_ = saturated_sum(outliers_since_ns_, step_ns);
     for (TimeNs& since_ns : since_ns_) since_ns = saturated_sum(since_ns, step_ns);
   }
 

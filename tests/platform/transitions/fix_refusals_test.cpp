@@ -92,7 +92,7 @@ SCENARIO("refused fixes are reported once, after a second") {
       FixReport one = report(fix_invalid, 0.1);
       one.applied_time_ns = 0;
       for (int i = 0; i < 340; ++i) refusals.on_excess("admission.max_angular_rate_radps", 80.0);
-      CHECK_THAT(reason_of(one), Contains("all 340 IMU samples are refused, above "
+      CHECK_THAT(reason_of(one), Contains("340 IMU samples were refused, above "
                                           "admission.max_angular_rate_radps (80)") &&
                                      !Contains("arrived"));
     }
