@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <span>
 #include <utility>
 
 namespace sonopose::motion {
@@ -107,54 +108,76 @@ std::optional<DefaultPosition> default_position_in(const std::vector<Position>& 
   return std::nullopt;
 }
 
+/// True if the IMU accelerates between two times.
+bool accelerates(std::span<const Reading> imu, TimeNs from_ns, TimeNs to_ns) {
+  constexpr double min_acceleration_mps2 = 0.2;
+  const auto is_before = [](const Reading& reading, TimeNs time_ns) { return reading.time_ns < time_ns; };
+  const auto from = std::lower_bound(imu.begin(), imu.end(), from_ns, is_before);
+  const auto to = std::lower_bound(from, imu.end(), to_ns, is_before);
+  return summary_of({from, to}).turned_deviation_mps2 >= min_acceleration_mps2;
+}
+
 /// Finds a driver that sends its last position again, or beacons that do, while the IMU accelerates. At rest
 /// positions may be equal.
 std::optional<FixFault> repetitions_in(const Window& window) {
-  constexpr double min_acceleration_mps2 = 0.2;
+  constexpr TimeNs min_rest_ns = 1'000'000'000;
+  constexpr TimeNs margin_ns = 200'000'000;  // the fixes may be late by this
   const std::vector<Position>& fixes = window.fixes;
-  if (window.imu.empty() || fixes.size() < min_fixes) return std::nullopt;
-  std::size_t count = 0;
-  std::size_t run = 0;
+  std::size_t judged = 0;
+  std::size_t repeated = 0;
   std::size_t longest_run = 0;
-  for (std::size_t i = 1; i < fixes.size(); ++i) {
-    const bool is_repeated = fixes[i].position_world_m == fixes[i - 1].position_world_m;
-    if (is_repeated) ++count;
-    run = is_repeated ? run + 1 : 0;
+  for (std::size_t begin = 0; begin < fixes.size();) {
+    std::size_t end = begin + 1;
+    while (end < fixes.size() && fixes[end].position_world_m == fixes[begin].position_world_m) ++end;
+    const TimeNs from_ns = fixes[begin].time_ns;
+    const TimeNs to_ns = fixes[end - 1].time_ns;
+    const std::size_t run = end - std::exchange(begin, end);
+    if (to_ns - from_ns >= min_rest_ns && !accelerates(window.imu, from_ns + margin_ns, to_ns - margin_ns)) {
+      continue;
+    }
+    judged += run;
+    repeated += run - 1;
     longest_run = std::max(longest_run, run);
   }
-  if (2 * count <= fixes.size()) return std::nullopt;
-  if (summary_of(window.imu).turned_deviation_mps2 < min_acceleration_mps2) return std::nullopt;
+  if (window.imu.empty() || judged < min_fixes || 2 * repeated <= judged) return std::nullopt;
+  if (!accelerates(window.imu, window.imu.front().time_ns, window.imu.back().time_ns)) return std::nullopt;
   constexpr std::size_t longest_share = 4;  // of the window, of which each position is a small part
-  return FixFault{longest_share * longest_run > fixes.size() ? FixFaultKind::frozen : FixFaultKind::repeated,
-                  std::to_string(count) + " of " + std::to_string(fixes.size()) +
+  return FixFault{longest_share * longest_run > judged ? FixFaultKind::frozen : FixFaultKind::repeated,
+                  std::to_string(repeated) + " of " + std::to_string(fixes.size()) +
                       " fixes repeat the position of the one before, although the IMU moves"};
 }
 
-bool are_in_radians(const std::vector<Direction>& headings, const TurnGain& turn) {
+bool are_in_radians(const Window& window, const TurnGain& turn) {
   constexpr double fast_turn_radps = 0.5;
   constexpr double max_angle_in_radians = 6.3;  // read as degrees
-  return headings.size() >= min_fixes && turn.gyro_radps > fast_turn_radps &&
-         std::all_of(headings.begin(), headings.end(), [](const Direction& heading) {
-           return std::abs(heading.heading_world_rad) < max_angle_in_radians * geometry::radians_per_degree;
-         });
+  const std::vector<Direction>& headings = window.headings;
+  if (headings.size() < min_fixes || turn.gyro_radps <= fast_turn_radps) return false;
+  // Headings of a small part of the window need not be those of the turn.
+  const TimeNs imu_ns = window.imu.back().time_ns - window.imu.front().time_ns;
+  if (headings.back().time_ns - headings.front().time_ns < imu_ns / 2) return false;
+  return std::all_of(headings.begin(), headings.end(), [](const Direction& heading) {
+    return std::abs(heading.heading_world_rad) < max_angle_in_radians * geometry::radians_per_degree;
+  });
 }
 
 }  // namespace
 
+std::optional<std::string> remove_default_position(std::vector<Position>& fixes) {
+  auto found = default_position_in(fixes);
+  if (!found) return std::nullopt;
+  std::erase_if(fixes, [&](const Position& fix) { return fix.position_world_m == found->position_world_m; });
+  return std::move(found->text);
+}
+
 std::vector<FixFault> fix_faults_of(const Window& window, const TurnGain& turn) {
   std::vector<FixFault> faults;
-  std::vector<Position> fixes = window.fixes;
-  if (auto found = default_position_in(fixes)) {
-    // Jumps to it look like another unit.
-    const auto is_default = [&](const Position& fix) {
-      return fix.position_world_m == found->position_world_m;
-    };
-    fixes.erase(std::remove_if(fixes.begin(), fixes.end(), is_default), fixes.end());
-    faults.push_back({FixFaultKind::default_position, std::move(found->text)});
+  std::vector<Position> fixes = window.fixes;  // jumps to a default position look like another unit
+  if (auto text = remove_default_position(fixes)) {
+    faults.push_back({FixFaultKind::default_position, *std::move(text)});
   }
   if (auto found = wrong_unit_of(fixes)) faults.push_back({FixFaultKind::unit, *std::move(found)});
   if (auto found = repetitions_in(window)) faults.push_back(*std::move(found));
-  if (are_in_radians(window.headings, turn)) {
+  if (are_in_radians(window, turn)) {
     faults.push_back(
         {FixFaultKind::headings_in_radians, "all headings are below 6.3 deg although the gyroscope turns"});
   }

@@ -6,6 +6,7 @@
 #include "motion/window.hpp"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,10 @@ struct FixFault {
   FixFaultKind kind = FixFaultKind::unit;
   std::string text;
 };
+
+/// Removes the fixes that are a value instead of a position, to which the others jump again and again.
+/// Returns how many of how many they are; empty without any.
+std::optional<std::string> remove_default_position(std::vector<Position>& fixes);
 
 /// The faults of a window with right readings, whose turns are these. Its streams are in order of time.
 std::vector<FixFault> fix_faults_of(const Window& window, const TurnGain& turn);

@@ -82,23 +82,32 @@ bool moves_in(const Row& row, const Window& window) {
          2 * std::count_if(from, to, is_away) > to - from;
 }
 
-/// Rows of one sample. A simulation without noise may repeat it at rest, and whenever nothing changes.
+/// Rows of one sample while the body moves. A simulation without noise may have them in steady motion:
+/// between them some axis, such as that of gravity, is constant too, or most samples are equal.
 std::vector<Row> repeated_rows(const Window& window) {
+  constexpr double constant_share = 0.9;
   const std::vector<Reading>& imu = window.imu;
   std::vector<Row> rows = long_rows(imu, is_repeated);
-  if (rows.empty()) return rows;
   if (std::none_of(rows.begin(), rows.end(), [&](const Row& row) { return moves_in(row, window); }))
     return {};
-  std::size_t others = imu.size() - 1;
-  std::size_t equal = 0;
+  double others = 0;
+  double equal = 0;
+  Vector3d equal_rates = Vector3d::Zero();
+  Vector3d equal_forces = Vector3d::Zero();
+  auto row = rows.begin();
   for (std::size_t i = 1; i < imu.size(); ++i) {
-    if (is_repeated(imu[i - 1], imu[i])) ++equal;
+    if (row != rows.end() && i >= row->end) ++row;
+    if (row != rows.end() && i > row->begin) continue;
+    const Reading& before = imu[i - 1];
+    ++others;
+    equal += is_repeated(before, imu[i]) ? 1.0 : 0.0;
+    equal_rates += (before.rate_body_radps.array() == imu[i].rate_body_radps.array()).cast<double>().matrix();
+    equal_forces +=
+        (before.force_body_mps2.array() == imu[i].force_body_mps2.array()).cast<double>().matrix();
   }
-  for (const Row& row : rows) {
-    others -= row.end - row.begin - 1;
-    equal -= row.end - row.begin - 1;
-  }
-  if (static_cast<double>(equal) > varying_share * static_cast<double>(others)) return {};
+  const bool has_no_noise =
+      std::max(equal_rates.maxCoeff(), equal_forces.maxCoeff()) > constant_share * others;
+  if (has_no_noise || equal > varying_share * others) return {};
   return rows;
 }
 

@@ -99,6 +99,28 @@ SCENARIO("positions that are sent again are told from frozen ones") {
   CHECK(frozen[0].kind == FixFaultKind::frozen);
 }
 
+SCENARIO("a vehicle that stops and goes repeats no positions") {
+  // Positions are equal while it stands. It stands for nine seconds of each twelve.
+  Window window = circling([](Position&, int) {});
+  const auto is_standing = [](TimeNs time_ns) { return time_ns % 12'000'000'000 > 3'000'000'000; };
+  Vector3d last_m = Vector3d::Zero();
+  for (Reading& reading : window.imu) {
+    if (is_standing(reading.time_ns)) reading = {reading.time_ns, {0, 0, 0}, {0, 0, standard_gravity_mps2}};
+  }
+  for (Position& fix : window.fixes) {
+    if (is_standing(fix.time_ns)) fix.position_world_m = last_m;
+    last_m = fix.position_world_m;
+  }
+  CHECK(faults_of(window).empty());
+}
+
+SCENARIO("headings before a turn are right though they are small") {
+  Window window = circling([](Position&, int) {});
+  std::erase_if(window.headings, [](const Direction& heading) { return heading.time_ns > 3'000'000'000; });
+  for (Direction& heading : window.headings) heading.heading_world_rad = 0.01;
+  CHECK(faults_of(window).empty());
+}
+
 SCENARIO("headings in radians that are read as degrees are found") {
   Window window = circling([](Position&, int) {});
   for (Direction& heading : window.headings) heading.heading_world_rad *= geometry::radians_per_degree;

@@ -88,6 +88,15 @@ SCENARIO("an IMU that repeats one sample is found while the body moves") {
         }) == "the IMU repeats one sample for up to 3.00 s, 4.00 s in total; ");
 }
 
+SCENARIO("steady motion in a simulation without noise repeats samples, but is no fault") {
+  Window window = circling(1.0, [](Reading& reading, double time_s) {
+    const double rate_radps = time_s < 8 ? 0.0 : 0.1 * (time_s - 8);
+    reading.rate_body_radps = {0, 0, rate_radps};
+    reading.force_body_mps2 = {0, rate_radps, standard_gravity_mps2};
+  });
+  for (const std::string& fault : imu_faults_of(window)) CHECK_THAT(fault, !Contains("repeats"));
+}
+
 SCENARIO("an accelerometer that reads nothing is found, moving or not") {
   for (const double speed_mps : {0.0, 1.0}) {
     CHECK(faults_of(speed_mps, [](Reading& reading, double time_s) {

@@ -261,7 +261,9 @@ rules::BeaconObservation BeaconProbe::observation(TimeNs now_ns, const settings:
 
 std::vector<motion::fit::Piece> BeaconProbe::pieces(const settings::Settings& settings,
                                                     const std::function<bool()>& is_stopped) const {
-  return motion::fit::pieces_of(motion_window(settings), is_stopped);
+  motion::Window window = motion_window(settings);
+  motion::remove_default_position(window.fixes);
+  return motion::fit::pieces_of(std::move(window), is_stopped);
 }
 
 /// The finite readings with the calibration applied.

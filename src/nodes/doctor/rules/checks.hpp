@@ -39,7 +39,7 @@ void check_installation(const BeaconObservation& beacon, Findings& findings);
 /// Reports a wrong sign of one beacon's accelerometer axis Z, if it moves. Returns false if it is right.
 bool has_wrong_sign_of_z(const BeaconObservation& beacon, Findings& findings);
 /// Reports fixes and headings in wrong units, default positions and positions that are sent again. Returns
-/// false if it did: then whatever is fitted to them is wrong too.
+/// false if whatever is fitted to them is wrong too; default positions are left out of the fit.
 bool check_fixes(const BeaconObservation& beacon, Findings& findings);
 /// Reports fixes off the track of one beacon.
 void check_tracks(const BeaconObservation& beacon, bool is_frozen, Findings& findings);

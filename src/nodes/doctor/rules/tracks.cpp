@@ -109,12 +109,14 @@ std::optional<FixAdvice> advice_for(motion::FixFaultKind kind) {
 }  // namespace
 
 bool check_fixes(const BeaconObservation& beacon, Findings& findings) {
-  const std::size_t before = findings.size();
+  bool are_usable = true;
   for (const motion::FixFault& fault : beacon.fix_faults) {
     const auto advice = advice_for(fault.kind);
-    if (advice) findings.push_back({advice->severity, name_of(beacon), fault.text, advice->remedy});
+    if (!advice) continue;
+    findings.push_back({advice->severity, name_of(beacon), fault.text, advice->remedy});
+    are_usable = are_usable && fault.kind == motion::FixFaultKind::default_position;
   }
-  return findings.size() == before;
+  return are_usable;
 }
 
 void check_tracks(const BeaconObservation& beacon, bool is_frozen, Findings& findings) {
