@@ -18,6 +18,18 @@ void sort_by_time(std::vector<Measurement>& all) {
   all.erase(std::unique(all.begin(), all.end(), repeated), all.end());
 }
 
+/// Removes what a sensor with noise repeats: a silence is left.
+void remove_repetitions(std::vector<ImuMeasurement>& imu) {
+  estimation::kalman::RepeatDetector repeats;
+  ImuMeasurement last;
+  std::erase_if(imu, [&](const ImuMeasurement& sample) {
+    const bool is_repetition = repeats.repeats_with(last, sample);
+    repeats.add(last, sample);
+    last = sample;
+    return is_repetition;
+  });
+}
+
 }  // namespace
 
 Measurements measurements_of(std::span<const Event> events, const settings::Settings& settings) {
@@ -40,6 +52,7 @@ Measurements measurements_of(std::span<const Event> events, const settings::Sett
   sort_by_time(log.imu);
   sort_by_time(log.fixes);
   sort_by_time(log.headings);
+  remove_repetitions(log.imu);
   return log;
 }
 

@@ -114,6 +114,26 @@ SCENARIO("a silent IMU does not make the delay wrong, with a pair or a single be
   }
 }
 
+SCENARIO("an IMU that repeats its last sample is cut out like a silence") {
+  Events events = drive_of("forklift", 3102, true, 40.0);
+  const TimeNs begin_ns = start_of(events) + to_ns(15.0);
+  ImuSample last;
+  for (Event& event : events) {
+    auto* imu = std::get_if<ImuSample>(&event);
+    if (imu == nullptr) continue;
+    if (imu->sensor_time_ns >= begin_ns && imu->sensor_time_ns < begin_ns + to_ns(3.0)) {
+      imu->angular_velocity_body_radps = last.angular_velocity_body_radps;
+      imu->specific_force_body_mps2 = last.specific_force_body_mps2;
+    }
+    last = *imu;
+  }
+  const DriveFit fit = calibrated(events);
+  CHECK(fit.imu_silences == 1);
+  const Value& delay = fit[Quantity::delay];
+  REQUIRE(delay.is_known());
+  CHECK((delay.low <= 0.0 && delay.high >= 0.0));
+}
+
 SCENARIO("a drive whose IMU falls silent every few seconds is refused, with the reason") {
   Events events = drive_of("forklift", 3100, true);
   for (double from_s = 2.0; from_s < 30.0; from_s += 5.0) silence(events, from_s, 1.0);
