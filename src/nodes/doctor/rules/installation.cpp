@@ -48,6 +48,12 @@ constexpr double max_outliers = 0.2;
 /// Range of the estimate of `kalman.delay.estimate`.
 constexpr double estimated_delay_s = 0.06;
 
+/// An angle in whole degrees, from -179 to 180.
+double whole_degrees(double angle_rad) {
+  const double angle_deg = std::round(geometry::wrap_angle(angle_rad) * degrees);
+  return angle_deg > -180.0 ? angle_deg : 180.0;
+}
+
 bool is_usable(const Piece& piece) {
   return piece.residual_m < max_residual_m && piece.span_m > min_span_m &&
          are_few(piece.outliers_m.size(), piece, max_outliers);
@@ -251,11 +257,11 @@ private:
          fmt::format(
              "its mount offset is wrong by about {:.0f}° (±{:.0f}°): the IMU, the fixes and the heading "
              "of the pair do not agree",
-             error.value * degrees, error.std * degrees),
+             whole_degrees(error.value), error.std * degrees),
          fmt::format(
              "try heading.mount_offset_deg={}{}; sonopose-calibrate mount finds it exactly "
              "(docs/calibration.md)",
-             text::number_text(geometry::wrap_angle(configured_mount_rad() + error.value) * degrees, 0),
+             text::number_text(whole_degrees(configured_mount_rad() + error.value), 0),
              axes_advice(error.value))});
   }
 

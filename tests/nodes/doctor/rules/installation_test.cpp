@@ -41,6 +41,7 @@ TEST_CASE("A wrong mount offset is found, with the offset to try") {
       CAPTURE(problems);
       CHECK_THAT(problems, Contains("its mount offset is wrong by about"));
       CHECK(difference_deg(value_of(problems, "heading.mount_offset_deg"), mount_deg) < 10);
+      CHECK_THAT(problems, !Contains("-180"));
       CHECK_THAT(problems, !Contains("track"));  // consequences are not reported
     }
   }
