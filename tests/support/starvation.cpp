@@ -10,7 +10,9 @@
 #include <cstdint>
 #include <iostream>
 #include <optional>
+#include <string>
 #include <thread>
+#include <time.h>
 
 namespace sonopose::test::starvation {
 namespace {
@@ -48,6 +50,22 @@ private:
   std::jthread thread_ = start();
 };
 
+/// Time that passes while this thread computes for 0.1 s, per time that it computes: about 1 if a core is
+/// free.
+double slowdown() {
+  const auto computed = [] {
+    timespec time{};
+    ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
+  };
+  constexpr std::chrono::duration<double> wanted{0.1};
+  const auto began = std::chrono::steady_clock::now();
+  const auto before = computed();
+  while (computed() - before < wanted) {
+  }
+  return (std::chrono::steady_clock::now() - began) / wanted;
+}
+
 struct Listener : Catch::TestEventListenerBase {
   using TestEventListenerBase::TestEventListenerBase;
 
@@ -57,9 +75,16 @@ struct Listener : Catch::TestEventListenerBase {
     constexpr milliseconds limit{250};  // a quarter of a fusion's lease
     const milliseconds longest = delay_->longest();
     delay_.reset();
-    if (stats.totals.assertions.failed == 0 || longest < limit) return;
-    std::cout << "skipped: it failed, but the machine left a waiting thread of the test alone for "
-              << longest.count() << " ms: run it with less other work\n";
+    if (stats.totals.assertions.failed == 0) return;
+    std::string why;
+    if (longest >= limit) {
+      why = "left a waiting thread of the test alone for " + std::to_string(longest.count()) + " ms";
+    } else if (const double share = slowdown(); share >= 2) {
+      why = "ran a computing thread of the test " + std::to_string(share) + " times slower";
+    } else {
+      return;
+    }
+    std::cout << "skipped: it failed, but the machine " << why << ": run it with less other work\n";
   }
 
 private:
