@@ -10,6 +10,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <cstdlib>
@@ -50,6 +51,10 @@ public:
   /// Runs sonopose-settings until it exits.
   Result settings(Arguments arguments) const {
     arguments.insert(arguments.end(), {"--domain", std::to_string(domain_.id())});
+    // The default is too short for a busy machine.
+    if (std::find(arguments.begin(), arguments.end(), "--timeout") == arguments.end()) {
+      arguments.insert(arguments.end(), {"--timeout", "120"});
+    }
     return run(SONOPOSE_TEST_SETTINGS, arguments);
   }
   /// Runs until it receives a signal.

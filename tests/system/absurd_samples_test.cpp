@@ -4,6 +4,7 @@
 #include "clocks/clocks.hpp"
 #include "support/bus.hpp"
 #include "support/pose_tap.hpp"
+#include "system/doctor_run.hpp"
 
 #include <array>
 #include <csignal>
@@ -154,8 +155,7 @@ SCENARIO("samples with absurd times, numbers and counters end no process and dis
         if (i % 10 == 9) REQUIRE(tap.wait_for(is_healthy, tap.count()));
       }
       THEN("the poses of the beacon go on, a doctor reports, and every process ends as asked") {
-        const Result doctor =
-            run(SONOPOSE_TEST_DOCTOR, {"--domain", std::to_string(bus.domain_id()), "--duration", "0.5"});
+        const Result doctor = look_for("beacon 7: ", bus.domain_id(), {"--duration", "0.5"});
         CHECK_THAT(doctor.output, Catch::Contains("beacon 7: "));
         const auto pose = tap.wait_for(is_healthy, tap.count());
         REQUIRE(pose);

@@ -23,16 +23,6 @@ using recorder::test::OwnedMessage;
 namespace topics = dds::topics;
 namespace fs = std::filesystem;
 
-/// Records a fusion with two beacons of the simulator.
-void record_run(const fs::path& file, const std::string& names) {
-  const Bus bus;
-  const auto record = start_recording(bus, file, {"--topics", names});
-  const auto fusion = bus.fusion();
-  REQUIRE(bus.bridge({"--duration", "4", "--rate", "4", "--beacons", "2"})->wait_for_exit() == 0);
-  REQUIRE(fusion->end_by(SIGTERM).code == 0);
-  REQUIRE(record->end_by(SIGINT).code == 0);
-}
-
 /// Time at which the event of that number was available.
 TimeNs bridge_time_of(const std::vector<Event>& events, std::uint64_t sequence) {
   const auto found = std::find_if(events.begin(), events.end(),
@@ -59,6 +49,22 @@ Kept kept_of(const std::vector<OwnedMessage>& messages) {
                                                                                     message.data);
   }
   return kept;
+}
+
+/// Topics of a beacon in a recorded run: six of each of two beacons, and the settings of both and of all.
+constexpr std::size_t recorded_streams = 2 * 6 + 3;
+
+/// Records a fusion with two beacons of the simulator until there are messages of all topics.
+void record_run(const fs::path& file, const std::string& names) {
+  const Bus bus;
+  const auto record = start_recording(bus, file, {"--topics", names});
+  const auto fusion = bus.fusion();
+  const auto bridge = bus.bridge({"--rate", "4", "--beacons", "2"});
+  REQUIRE(
+      wait_for_part(file, [](const auto& messages) { return kept_of(messages).size() == recorded_streams; }));
+  REQUIRE(bridge->end_by(SIGINT).code == 0);
+  REQUIRE(fusion->end_by(SIGTERM).code == 0);
+  REQUIRE(record->end_by(SIGINT).code == 0);
 }
 
 /// Ended instances, by topic and beacon: true if disposed. Instances that were disposed may also have lost
@@ -92,7 +98,7 @@ SCENARIO("what is played is what was recorded") {
       const auto again = messages_of(folder / "second.mcap");
       THEN("it has the same messages with the same stamps, and the same instances end") {
         CHECK(has_all);
-        CHECK(kept_of(recorded).size() == 12 + 3);  // includes the settings of both beacons and of all
+        CHECK(kept_of(recorded).size() == recorded_streams);
         CHECK((kept_of(again) == kept_of(recorded)));
         CHECK((ends_of(again) == ends_of(recorded)));
         CHECK_THAT(play->text(Stream::output),

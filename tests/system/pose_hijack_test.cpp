@@ -3,6 +3,7 @@
 #include "clocks/clocks.hpp"
 #include "support/bus.hpp"
 #include "support/wait_until.hpp"
+#include "system/doctor_run.hpp"
 
 #include <fmt/format.h>
 
@@ -23,12 +24,10 @@ SCENARIO("a foreign process that writes poses is named, standby fusions are not"
     const auto weak = standby("100");
     const auto monitor = bus.monitor({"--json"});
     REQUIRE(monitor->wait_for_lines(Stream::output, 3));
-    const auto doctor = [&bus] {
-      return run(SONOPOSE_TEST_DOCTOR, {"--duration", "1", "--domain", std::to_string(bus.domain_id())});
-    };
     THEN("nothing is reported") {
       CHECK_THAT(monitor->text(Stream::error), !Contains("writes poses") && !Contains("write poses"));
-      CHECK_THAT(doctor().output, !Contains("writes poses") && !Contains("write poses"));
+      CHECK_THAT(look(bus.domain_id(), {"--duration", "1"}).output,
+                 !Contains("writes poses") && !Contains("write poses"));
       AND_WHEN("a stronger pose writer appears that belongs to no fusion") {
         const auto own = fmt::format("(process {} on ", ::getpid());
         const auto participant = dds::ext::participant({.domain_id = bus.domain_id()});
@@ -40,11 +39,11 @@ SCENARIO("a foreign process that writes poses is named, standby fusions are not"
           fmt::print("named after {:.1f} s\n", seconds_between(appeared, clocks::steady_now()));
           CHECK_THAT(monitor->text(Stream::error), Contains("writes poses with strength"));
           CHECK(monitor->wait_for_line(Stream::output, "writes poses with strength"));
-          const Result result = doctor();
+          const std::string finding = "writes poses with strength 1000 and is no fusion";
+          const Result result = look_for(finding, bus.domain_id(), {"--duration", "1"});
           CAPTURE(result.output);
           CHECK(result.code == 1);
-          CHECK_THAT(result.output,
-                     Contains(own) && Contains("writes poses with strength 1000 and is no fusion"));
+          CHECK_THAT(result.output, Contains(own) && Contains(finding));
           AND_WHEN("it ends, and a third fusion has the strength of another") {
             writer.close();
             const bool is_over = wait_until([&monitor] {

@@ -315,14 +315,15 @@ SCENARIO("two fusions do not look like losses") {
     const auto record = start_recording(bus, file);
     const auto fusion = bus.fusion({"--standby-strength", "100"});
     const auto standby = bus.fusion({"--standby-strength", "50"});
-    WHEN("a bridge publishes for two seconds") {
-      REQUIRE(bus.bridge({"--duration", "2"})->wait_for_exit() == 0);
+    WHEN("a bridge publishes") {
+      const auto bridge = bus.bridge({});
+      REQUIRE(wait_for_part(file, {"sonopose/pose"}, 101));
+      REQUIRE(bridge->end_by(SIGINT).code == 0);
       REQUIRE(record->end_by(SIGINT).code == 0);
       THEN("the poses of the weaker one do not count as lost") {
         const auto messages = messages_of(file);
         const auto end = metadata_of(file, "sonopose.recording_end");
         const auto poses = event_numbers(of_topic(messages, "sonopose/pose"))[7].size();
-        CHECK(poses > 100);
         // A stalled machine may lose some. The weaker fusion's poses are as many as the recorded ones.
         CHECK(std::stoull(end.at("lost_dds")) < poses / 2);
         CHECK(end.at("events_missing") == std::to_string(missing_numbers(messages)));

@@ -3,6 +3,7 @@
 #include "clocks/clocks.hpp"
 #include "support/ros2.hpp"
 #include "support/wait_until.hpp"
+#include "system/doctor_run.hpp"
 
 #include <chrono>
 #include <cmath>
@@ -216,8 +217,7 @@ SCENARIO("fixes of another clock than the IMU's are refused with the reason") {
     const LiveDrivers drivers(bus, {.fix_age_ns = 3'600'000'000'000});
     THEN("the fusion reports it, and the doctor too") {
       REQUIRE(fusion->wait_for_line(Stream::error, "beacon 42: all fixes are refused"));
-      const Result doctor =
-          run(SONOPOSE_TEST_DOCTOR, {"--domain", std::to_string(bus.domain_id()), "--duration", "2.5"});
+      const Result doctor = look_for("its fusion refuses ", bus.domain_id(), {"--duration", "2.5"});
       CHECK_THAT(doctor.output,
                  Contains("its fusion refuses ") && Contains(" too old (admission.max_fix_age_s)"));
     }

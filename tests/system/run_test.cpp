@@ -45,11 +45,12 @@ SCENARIO("one command runs bridge, fusion and monitor") {
   GIVEN("a scenario, a file of settings and a recording") {
     write_text(folder / "f.toml", "[heading]\nmount_offset_deg = 12.5\n");
     Consumer<sonopose_EffectiveSettings> settings(bus, topics::settings);
-    const auto all = start(bus, {"--source", "sim", "--scenario", "kart", "--seed", "4", "--config",
-                                 (folder / "f.toml").string(), "--record", (folder / "log").string()});
+    const auto all =
+        start(bus, {"--source", "sim", "--scenario", "kart", "--seed", "4", "--config",
+                    (folder / "f.toml").string(), "--record", (folder / "log").string(), "--json"});
     REQUIRE(all->wait_for_line(Stream::error, "sonopose-bridge: publishing from sim"));
     REQUIRE(settings.wait_for([](const EffectiveSettings& each) { return each.address == 7; }));
-    REQUIRE(all->wait_for_line(Stream::output, " 7 "));
+    REQUIRE(all->wait_for_line(Stream::output, "\"address\":7"));
     const std::array<int, 3> pids{child_named(all->pid(), "sonopose-bridge"),
                                   child_named(all->pid(), "sonopose-fusion"),
                                   child_named(all->pid(), "sonopose-monitor")};
@@ -120,10 +121,9 @@ SCENARIO("an error of one program is the error of all") {
     }
   }
   WHEN("a short simulation ends by itself") {
-    const auto all = start(bus, {"--duration", "5", "--json"});
-    THEN("all end without an error, and the monitor printed JSON") {
+    const auto all = start(bus, {"--duration", "1"});
+    THEN("all end without an error") {
       CHECK(all->wait_for_exit() == 0);
-      CHECK_THAT(all->text(Stream::output), Contains("{\""));
     }
   }
   WHEN("an option is misspelt") {

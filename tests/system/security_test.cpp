@@ -1,5 +1,6 @@
 /// A bus with DDS Security: members work, everybody else is refused, and the pose is not disturbed.
 
+#include "doctor_run.hpp"
 #include "secured_chain.hpp"
 #include "security/authority.hpp"
 #include "security/signed_document.hpp"
@@ -30,11 +31,11 @@ SCENARIO("a secured chain serves its members alone") {
         run(SONOPOSE_TEST_MONITOR, chain.in_domain({"--duration", "3", "--json"}), unsecured);
     CHECK(stranger.code == 1);
     CHECK_THAT(stranger.output, !Contains("\"address\":7"));
-    const Result doctor = run(SONOPOSE_TEST_DOCTOR, chain.in_domain({"--duration", "3"}));
+    const std::string stranger_name = fmt::format("process {} on ", usurper.pid());
+    const Result doctor = look_for(stranger_name, chain.bus.domain_id(), {"--duration", "3"});
     CAPTURE(doctor.output, doctor.error);
     CHECK(doctor.code == 1);
-    CHECK_THAT(doctor.output, Contains(fmt::format("process {} on ", usurper.pid())) &&
-                                  Contains("it has no certificate of this key store"));
+    CHECK_THAT(doctor.output, Contains(stranger_name) && Contains("it has no certificate of this key store"));
     CHECK_THAT(doctor.output,
                !Contains(fmt::format("refused sonopose-fusion (process {} on ", chain.fusion->pid())));
     chain.check_undisturbed(before);

@@ -5,6 +5,7 @@
 #include "support/bus.hpp"
 #include "support/pseudo_terminal.hpp"
 #include "support/temporary_folder.hpp"
+#include "system/doctor_run.hpp"
 
 #include <algorithm>
 #include <csignal>
@@ -141,10 +142,10 @@ SCENARIO("a serial line is visible on the bus before any beacon address is known
           CHECK(bridge->wait_for_line(Stream::error, device.string() + ": 1000 bytes without a valid frame"));
           CHECK(
               monitor->wait_for_line(Stream::output, device.string() + ": 1000 bytes without a valid frame"));
-          const Result doctor =
-              run(SONOPOSE_TEST_DOCTOR, {"--domain", std::to_string(bus.domain_id()), "--duration", "0.5"});
+          const std::string finding = "line " + device.string() + ": 1000 bytes without";
+          const Result doctor = look_for(finding, bus.domain_id(), {"--duration", "0.5"});
           CHECK(doctor.code == 1);
-          CHECK_THAT(doctor.output, Catch::Contains("line " + device.string() + ": 1000 bytes without"));
+          CHECK_THAT(doctor.output, Catch::Contains(finding));
         }
       }
     }
