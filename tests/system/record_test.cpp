@@ -262,6 +262,7 @@ SCENARIO("the topics of ROS 2 have a file of their own") {
     }
     THEN("the other file has the native topics alone") {
       const mcap::Reader reader(run.folder / "run.mcap");
+      CHECK_FALSE(reader.channels().empty());
       for (const auto& [id, channel] : reader.channels()) {
         CHECK(channel.topic.starts_with("sonopose/"));
       }

@@ -55,9 +55,10 @@ struct SecuredChain {
 
   /// Checks that the poses go on and are all of the fusion.
   void check_undisturbed(std::size_t since) const {
-    for (const TappedPose& each : tap.wait_for_count(since, tap.count() - since + 400)) {
-      REQUIRE(owners.contains(each.writer));
-    }
+    const std::size_t wanted = tap.count() - since + 400;
+    const auto poses = tap.wait_for_count(since, wanted);
+    REQUIRE(poses.size() >= wanted);
+    for (const TappedPose& each : poses) REQUIRE(owners.contains(each.writer));
     CHECK(tap.writers() == owners);
   }
 };

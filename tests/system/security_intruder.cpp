@@ -1,11 +1,13 @@
 // A process that joins a secured bus with the files of a folder, which it does not check as our programs do:
-// security_intruder DOMAIN FOLDER writes poses as the strongest of all, or with a third argument reads them.
+// security_intruder DOMAIN FOLDER writes poses as the strongest of all, or reads them if a third argument
+// says when its certificate expires, in seconds since 1970.
 
 #include <sonopose/dds/topics/topics.hpp>
 
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <exception>
 #include <thread>
 
@@ -38,7 +40,7 @@ void pause() {
 }
 
 /// Cyclone DDS gives no status when the own certificate expires: only the poses end.
-[[noreturn]] void read_poses(const dds::domain::DomainParticipant& participant) {
+[[noreturn]] void read_poses(const dds::domain::DomainParticipant& participant, std::time_t expires_s) {
   auto reader = dds::topics::make_reader(participant, dds::qos::Provider(), dds::topics::pose);
   const auto has_poses = [&reader] {
     std::size_t count = 0;
@@ -50,7 +52,7 @@ void pause() {
   while (!has_poses()) pause();
   print("receives poses");
   for (auto last = now(); now() - last < std::chrono::seconds(2); pause()) {
-    if (has_poses()) last = now();
+    if (has_poses() || std::time(nullptr) <= expires_s) last = now();
   }
   print("receives no poses");
   for (;;) pause();
@@ -64,7 +66,7 @@ int main(int argc, char** argv) try {
   const auto participant =
       dds::ext::participant({.domain_id = static_cast<std::uint32_t>(std::strtoul(argv[1], nullptr, 10)),
                              .enclave_folder = argv[2]});
-  if (argc > 3) read_poses(participant);
+  if (argc > 3) read_poses(participant, std::strtoll(argv[3], nullptr, 10));
   write_poses(participant);
 } catch (const std::exception& error) {
   std::printf("refused: %s\n", error.what());

@@ -185,6 +185,7 @@ SCENARIO("the simulator as a source of several beacons") {
     options.beacons = 3;
     make_simulator_source(options)->run(sink, stop);
     THEN("the events of each beacon keep their order of arrival") {
+      REQUIRE(sink.events.size() > 5'000);
       std::vector<std::uint64_t> next(16, 1);
       for (const Event& event : sink.events) REQUIRE(sequence_of(event) == next.at(address_of(event))++);
     }

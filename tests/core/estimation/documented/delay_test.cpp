@@ -111,6 +111,7 @@ TEST_CASE("item 6: at constant speed the output does not lag and does not step b
       }
     }
     THEN("no fix makes a step back") {
+      REQUIRE(seconds_between(epoch_ns, driver.reports.back().applied_time_ns) > steady_s + 4.0);
       for (const FixReport& report : driver.reports) {
         if (seconds_between(epoch_ns, report.applied_time_ns) > steady_s) {
           REQUIRE(report.jump_world_m.x() > -0.002);
