@@ -1,7 +1,9 @@
 /// A program with Fast DDS on a secured bus, with the files of our key store.
 
 #include "support/secured_bus.hpp"
+#include "support/wait_until.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <string>
@@ -31,15 +33,24 @@ struct SecuredPeers {
     return std::make_unique<Process>(SONOPOSE_TEST_FASTDDS_PEER, arguments, variables);
   }
 
-  /// Returns true if a process ends well while one of some peers runs, which may be itself. Fast DDS 2.9 can
-  /// miss the last message of a handshake, which neither side repeats or reports.
+  /// Returns true if a process ends well beside some peers, which may be one of them. Fast DDS 2.9 can miss
+  /// the last message of a handshake, which neither side repeats or reports, so a further peer starts then.
   [[nodiscard]] bool serves_one(const Arguments& arguments, Process* process = nullptr) const {
-    constexpr int peers = 12;
-    for (int i = 0; i < peers; ++i) {
-      const auto one = peer("panel", arguments);
-      if ((process == nullptr ? *one : *process).wait_for_exit(std::chrono::seconds(10)) == 0) return true;
-    }
-    return false;
+    constexpr std::size_t max_peers = 12;
+    constexpr std::chrono::seconds period(3);
+    std::vector<std::unique_ptr<Process>> all;
+    auto due = std::chrono::steady_clock::now();
+    const auto has_ended_well = [](Process& one) {
+      return one.wait_for_exit(std::chrono::milliseconds(0)) == 0;
+    };
+    return wait_until([&] {
+      if (all.size() < max_peers && std::chrono::steady_clock::now() >= due) {
+        all.push_back(peer("panel", arguments));
+        due += period;
+      }
+      if (process != nullptr) return has_ended_well(*process);
+      return std::any_of(all.begin(), all.end(), [&](const auto& one) { return has_ended_well(*one); });
+    });
   }
 
   KeyStoreOfRoles keys;

@@ -60,10 +60,12 @@ SCENARIO("poses are predicted between IMU samples, and only until the IMU's dead
   }
 }
 
-/// Next report of the monitor, from line `from`, that fulfils `predicate`; empty after the timeout.
+/// Next report of the monitor, from line `from`, that fulfils `predicate`; empty after the timeout or 180
+/// others.
 template <class Predicate>
 nlohmann::json wait_for_report(Process& monitor, const Predicate& predicate, std::size_t from = 0) {
-  for (; monitor.wait_for_lines(Stream::output, from + 1); ++from) {
+  const std::size_t end = from + 180;
+  for (; from < end && monitor.wait_for_lines(Stream::output, from + 1); ++from) {
     auto report = nlohmann::json::parse(monitor.lines(Stream::output)[from]);
     if (predicate(report["beacons"])) return report;
   }

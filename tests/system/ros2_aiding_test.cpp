@@ -68,6 +68,7 @@ SCENARIO("headings and set poses of ROS 2 reach the fusion") {
              std::abs(error_rad) < 5 * geometry::radians_per_degree;
     };
     REQUIRE(poses.wait_until([&] {
+      native.take();
       compass.write({.data = 60});
       return faces(60);
     }));
@@ -110,6 +111,7 @@ SCENARIO("headings and set poses of ROS 2 reach the fusion") {
     WHEN("the compass falls silent and the user sets another yaw") {
       THEN("the robot faces there, at the height that it had, without a reset") {
         REQUIRE(poses.wait_until([&] {
+          native.take();
           if (!faces(90)) screen.write(message);  // best effort
           return faces(90);
         }));

@@ -5,6 +5,7 @@
 #include "support/bus.hpp"
 #include "support/pseudo_terminal.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/wait_until.hpp"
 #include "system/doctor_run.hpp"
 
 #include <algorithm>
@@ -80,17 +81,22 @@ SCENARIO("a beacon on a serial line is unplugged and plugged in again, and poses
         REQUIRE(poses.wait_for(is_right));
         REQUIRE(status.wait_for([&first](const BeaconStatus& now) { return now.frames == first.size(); }));
         AND_WHEN("it is unplugged, reappears under another device name, and continues") {
-          const std::size_t logged = bridge->lines(Stream::error).size();
+          const auto logs_twice = [&bridge](const std::string& text) {
+            return wait_until([&] {
+              const auto logged = bridge->lines(Stream::error);
+              return std::count_if(logged.begin(), logged.end(), [&text](const std::string& each) {
+                       return each.find(text) != std::string::npos;
+                     }) == 2;
+            });
+          };
           line.reset();
           std::filesystem::remove(device);
-          REQUIRE(bridge->wait_for_lines(Stream::error, logged + 1));
-          CHECK_THAT(bridge->lines(Stream::error).back(), Catch::Contains("waiting for"));
+          REQUIRE(logs_twice("waiting for " + device.string()));
           poses.take();
           const std::size_t since = poses.samples.size();
           line.emplace();
           std::filesystem::create_symlink(line->device(), device);
-          REQUIRE(bridge->wait_for_lines(Stream::error, logged + 2));
-          CHECK_THAT(bridge->lines(Stream::error).back(), Catch::Contains("reading"));
+          REQUIRE(logs_twice("reading " + device.string()));
           send(between(frames, 2.0, 3.0), *line);
           THEN("poses arrive again, and the capture contains every byte of both connections") {
             CHECK(poses.wait_for(is_right, since));

@@ -5,6 +5,7 @@
 #include "clocks/clocks.hpp"
 #include "files/error.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/wait_until.hpp"
 #include "transport/device_access.hpp"
 
 #include <catch2/catch.hpp>
@@ -83,7 +84,7 @@ struct Host {
 
   /// Reads until the result is not a timeout.
   ReadResult next() {
-    for (int i = 0; i < 100; ++i) {
+    for (int i = 0; i < 1800; ++i) {
       const ReadResult result = port.read(buffer, 100ms);
       if (result.status != ReadStatus::timeout) return result;
     }
@@ -322,11 +323,13 @@ SCENARIO("a line sends while it reads") {
       std::thread sender([&] { host.port.send(message); });
       sender.join();
       std::string got;
-      for (int i = 0; i < 100 && got.size() < text.size(); ++i) {
+      const bool is_complete = sonopose::test::wait_until([&] {
         host.port.read(host.buffer, 10ms);
         got += autopilot.received();
-      }
+        return got.size() >= text.size();
+      });
       THEN("the bytes arrive unchanged") {
+        CHECK(is_complete);
         CHECK(got == text);
         CHECK(host.port.unsent() == 0);
       }
