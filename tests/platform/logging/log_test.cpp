@@ -90,11 +90,10 @@ SCENARIO("no thread waits for a reader that has stopped, and the dropped lines a
   const std::size_t dropped = session->dropped();
   CHECK(dropped <= lines - capacity);
   WHEN("it reads again") {
-    std::string text;
-    std::thread reader([&] { text = error.read(); });
+    std::string text = error.read(1);  // what filled the pipe; the rest fits into it
     session.reset();
     error.restore();
-    reader.join();
+    text += error.read();
     THEN("the newest lines arrive, and how many are missing") {
       CHECK(text.find("line 99\n") != std::string::npos);
       CHECK(text.find("line 50\n") == std::string::npos);

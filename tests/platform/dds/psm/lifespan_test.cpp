@@ -52,17 +52,21 @@ TEST_CASE("A busy writer does not keep the samples of beacons that are gone") {
   const double before_mb = allocated_mb();
   double with_beacons_mb =
       0;  // maximum, since on a busy machine the first samples may expire before the last
-  for (std::uint16_t address = first_gone; address < first_gone + gone_beacons; ++address) {
-    for (int i = 0; i < 64; ++i) writer.write(pose_of(address));
-    writer.unregister_instance(pose_of(address));
-    stay_busy();
-    with_beacons_mb = std::max(with_beacons_mb, allocated_mb() - before_mb);
+  constexpr double unacknowledged_mb = 0.3;
+  // Again if a pause by a busy machine had them acknowledged.
+  for (int i = 0; i < 10 && with_beacons_mb <= unacknowledged_mb; ++i) {
+    for (std::uint16_t address = first_gone; address < first_gone + gone_beacons; ++address) {
+      for (int k = 0; k < 64; ++k) writer.write(pose_of(address));
+      writer.unregister_instance(pose_of(address));
+      stay_busy();
+      with_beacons_mb = std::max(with_beacons_mb, allocated_mb() - before_mb);
+    }
   }
   if (with_beacons_mb == 0) {
     WARN("skipped: the sanitizer's memory is not measured");
     return;
   }
-  REQUIRE(with_beacons_mb > 0.3);  // nothing was acknowledged without a pause
+  REQUIRE(with_beacons_mb > unacknowledged_mb);  // nothing was acknowledged without a pause
   const auto give_up = std::chrono::steady_clock::now() + test_timeout;
   while (allocated_mb() - before_mb > 0.25 * with_beacons_mb && std::chrono::steady_clock::now() < give_up) {
     stay_busy();
