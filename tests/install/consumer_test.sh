@@ -63,6 +63,7 @@ project(pages LANGUAGES C CXX)
 find_package(sonopose REQUIRED)
 file(GLOB pages *.cpp)
 add_library(pages OBJECT ${pages})
+target_compile_options(pages PRIVATE -fsyntax-only)
 target_link_libraries(pages PRIVATE sonopose::dds sonopose::estimation)
 END
 

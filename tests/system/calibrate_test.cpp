@@ -123,7 +123,7 @@ SCENARIO("a drive calibrates the installation, as a file of settings, as JSON an
 
 SCENARIO("a drive that shows nothing of what was asked for is an error") {
   const TemporaryFolder folder;
-  const std::string log = write_drive(folder / "rest", "rest", 60.0);
+  const std::string log = write_drive(folder / "rest", "rest", 20.0);
   const auto settings = folder / "fusion.toml";
   const std::string before = "[outage]\nstale_after_s = 2.5\n";
   write_text(settings, before);

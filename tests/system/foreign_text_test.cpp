@@ -96,6 +96,8 @@ private:
   dds::pub::DataWriter<sonopose_BeaconStatus> bridge_ =
       topics::make_writer(participant_, qos_, topics::beacon_status);
   dds::pub::DataWriter<sonopose_FusedPose> pose_ = topics::make_writer(participant_, qos_, topics::pose);
+  /// Without one the doctor searches other domains.
+  dds::pub::DataWriter<sonopose_ImuSample> imu_ = topics::make_writer(participant_, qos_, topics::imu);
 };
 
 SCENARIO("no text of a stranger on the bus is a command for a terminal, or a line of its own") {

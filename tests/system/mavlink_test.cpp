@@ -127,52 +127,52 @@ SCENARIO("an autopilot gets the poses of a drone over MAVLink") {
       CHECK(px4.wait_for(0, 2));
       CHECK(mavlink->wait_for_line(Stream::error, "no heartbeats of an autopilot arrive"));
       CHECK(px4.count(odometry_id) == 0);
-    }
-    WHEN("it comes to life") {
-      px4.live(true);
-      REQUIRE(px4.wait_for(odometry_id, 50));
-      const auto frame = px4.frames(odometry_id).back();
-      THEN("it gets poses of its vehicle, in its axes and with the host's time") {
-        CHECK(frame.sender == mavlink::Identity{5, mavlink::own_component});
-        CHECK(int{frame.payload[228]} == 1);  // MAV_FRAME_LOCAL_NED
-        CHECK(int{frame.payload[229]} == 12);
-        CHECK(std::llabs(static_cast<TimeNs>(at<std::uint64_t>(frame, 0)) * 1000 - clocks::host_now()) <
-              60'000'000'000);
-        CHECK(std::isfinite(at<float>(frame, 8)));
-        CHECK(at<float>(frame, 60) > 0);
-        std::uint64_t last_us = 0;
-        for (const auto& each : px4.frames(odometry_id)) {
-          CHECK(at<std::uint64_t>(each, 0) > last_us);
-          last_us = at<std::uint64_t>(each, 0);
-        }
-      }
-      THEN("its requests for the time are answered") {
-        REQUIRE(px4.wait_for(timesync_id, 1));
-        const auto answer = px4.frames(timesync_id).back();
-        CHECK(at<std::int64_t>(answer, 8) == Autopilot::own_clock_ns);
-        CHECK(std::llabs(at<std::int64_t>(answer, 0) - clocks::host_now()) < 60'000'000'000);
-        CHECK(int{answer.payload[16]} == 5);
-      }
-      AND_WHEN("the engine is started again") {
-        const int before = frame.payload[230];
-        REQUIRE(bus.settings({"reset", "--beacon", "7"}).code == 0);
-        REQUIRE(px4.wait_for(odometry_id, 100));
-        THEN("the reset counter has risen by one") {
-          CHECK(int{px4.frames(odometry_id).back().payload[230]} == before + 1);
-        }
-      }
-      AND_WHEN("it dies") {
-        REQUIRE(mavlink->wait_for_line(Stream::error, "the poses of beacon 7 are sent"));
-        const auto ends = [&] {
-          const auto lines = mavlink->lines(Stream::error);
-          return std::count_if(lines.begin(), lines.end(), [](const std::string& line) {
-            return line.find("no heartbeats of an autopilot") != std::string::npos;
-          });
-        };
-        const auto before = ends();
-        px4.live(false);
-        THEN("the poses end, and the log says so") {
-          CHECK(wait_until([&] { return ends() > before; }));
+      AND_WHEN("it comes to life") {
+        px4.live(true);
+        REQUIRE(px4.wait_for(odometry_id, 50));
+        const auto frame = px4.frames(odometry_id).back();
+        THEN(
+            "it gets poses of its vehicle, in its axes and with the host's time, and answers about the "
+            "time") {
+          CHECK(frame.sender == mavlink::Identity{5, mavlink::own_component});
+          CHECK(int{frame.payload[228]} == 1);  // MAV_FRAME_LOCAL_NED
+          CHECK(int{frame.payload[229]} == 12);
+          CHECK(std::llabs(static_cast<TimeNs>(at<std::uint64_t>(frame, 0)) * 1000 - clocks::host_now()) <
+                60'000'000'000);
+          CHECK(std::isfinite(at<float>(frame, 8)));
+          CHECK(at<float>(frame, 60) > 0);
+          std::uint64_t last_us = 0;
+          for (const auto& each : px4.frames(odometry_id)) {
+            CHECK(at<std::uint64_t>(each, 0) > last_us);
+            last_us = at<std::uint64_t>(each, 0);
+          }
+          REQUIRE(px4.wait_for(timesync_id, 1));
+          const auto answer = px4.frames(timesync_id).back();
+          CHECK(at<std::int64_t>(answer, 8) == Autopilot::own_clock_ns);
+          CHECK(std::llabs(at<std::int64_t>(answer, 0) - clocks::host_now()) < 60'000'000'000);
+          CHECK(int{answer.payload[16]} == 5);
+          AND_WHEN("the engine is started again") {
+            const int before = px4.frames(odometry_id).back().payload[230];
+            REQUIRE(bus.settings({"reset", "--beacon", "7"}).code == 0);
+            REQUIRE(px4.wait_for(odometry_id, 100));
+            THEN("the reset counter has risen by one") {
+              CHECK(int{px4.frames(odometry_id).back().payload[230]} == before + 1);
+              AND_WHEN("it dies") {
+                REQUIRE(mavlink->wait_for_line(Stream::error, "the poses of beacon 7 are sent"));
+                const auto ends = [&] {
+                  const auto lines = mavlink->lines(Stream::error);
+                  return std::count_if(lines.begin(), lines.end(), [](const std::string& line) {
+                    return line.find("no heartbeats of an autopilot") != std::string::npos;
+                  });
+                };
+                const auto before_death = ends();
+                px4.live(false);
+                THEN("the poses end, and the log says so") {
+                  CHECK(wait_until([&] { return ends() > before_death; }));
+                }
+              }
+            }
+          }
         }
       }
     }

@@ -28,7 +28,8 @@ const std::string add_docker0 =
     "ip addr add 172.17.0.1/16 dev docker0; ip link set docker0 up; ";
 
 bool has_namespaces() {
-  if (in_namespace(add_wlan0 + add_docker0).code == 0) return true;
+  static const bool are_made = in_namespace(add_wlan0 + add_docker0).code == 0;
+  if (are_made) return true;
   WARN(
       "skipped: no network namespace with veth and bridge can be made; allow user namespaces "
       "(sysctl kernel.unprivileged_userns_clone=1) and install iproute2");

@@ -18,7 +18,7 @@ SCENARIO("a foreign process that writes poses is named, standby fusions are not"
     const Bus bus;
     const auto bridge = bus.bridge({"--scenario", "rest"});
     const auto standby = [&bus](const char* strength) {
-      return bus.fusion({"--standby-strength", strength, "--warm-up", "2"});
+      return bus.fusion({"--standby-strength", strength, "--warm-up", "0.2"});
     };
     const auto strong = standby("200");
     const auto weak = standby("100");

@@ -166,7 +166,7 @@ SCENARIO("a fusion begins with what the one before has learned of the sensors") 
     const std::filesystem::path file = folder / "learned.toml";
     const Bus bus;
     auto fusion = bus.fusion({"--learned", file.string()});
-    const auto bridge = bus.bridge({});
+    const auto bridge = bus.bridge({"--rate", "5"});
     Consumer<sonopose_Estimate> consumer(bus, dds::topics::estimate);
     REQUIRE(consumer.wait_for(estimation::aiding::is_learned));
     WHEN("it ends, and another begins") {

@@ -1,6 +1,7 @@
 /// Units and axes of an IMU in motion.
 
 #include "doctor/replayed.hpp"
+#include "support/seeds.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
 #include <catch2/catch.hpp>
@@ -122,7 +123,8 @@ SCENARIO("an axis of the IMU that does not change is named, and none of its cons
   }
 }
 
-SCENARIO("an IMU that repeats a sample, reads nothing or has a dead gyroscope is named, and no consequence") {
+SCENARIO("an IMU that repeats a sample, reads nothing or has a dead gyroscope is named, and no consequence",
+         "[accuracy]") {
   const auto in_stretch = [](const std::function<void(ImuSample&, const ImuSample&)>& change) {
     return [change, begin_ns = TimeNs{0}, frozen = ImuSample()](ImuSample& imu) mutable {
       if (begin_ns == 0) begin_ns = imu.sensor_time_ns;
@@ -134,24 +136,30 @@ SCENARIO("an IMU that repeats a sample, reads nothing or has a dead gyroscope is
       }
     };
   };
+  const bool all = sonopose::test::seeds(1, 2) == 2;  // otherwise each fault in one scenario
+  int scenarios = 0;
   for (const char* const scenario : {"walk", "kart", "forklift"}) {
+    const int number = scenarios++;
     GIVEN(std::string("a drive of ") + scenario) {
-      const auto check = [&](const std::string& problems, const char* finding) {
+      int faults = 0;
+      const auto check = [&](const auto& change, const char* finding) {
+        if (faults++ != number && !all) return;
+        const std::string problems = problems_with(scenario, change);
         CAPTURE(problems);
         CHECK_THAT(problems, Contains(finding));
         CHECK(std::count(problems.begin(), problems.end(), '\n') == 1);
       };
-      check(problems_with(scenario, in_stretch([](ImuSample& imu, const ImuSample& frozen) {
-                            imu.angular_velocity_body_radps = frozen.angular_velocity_body_radps;
-                            imu.specific_force_body_mps2 = frozen.specific_force_body_mps2;
-                          })),
+      check(in_stretch([](ImuSample& imu, const ImuSample& frozen) {
+              imu.angular_velocity_body_radps = frozen.angular_velocity_body_radps;
+              imu.specific_force_body_mps2 = frozen.specific_force_body_mps2;
+            }),
             "the IMU repeats one sample for 3.0");
-      check(problems_with(scenario, in_stretch([](ImuSample& imu, const ImuSample&) {
-                            imu.angular_velocity_body_radps.setZero();
-                            imu.specific_force_body_mps2.setZero();
-                          })),
+      check(in_stretch([](ImuSample& imu, const ImuSample&) {
+              imu.angular_velocity_body_radps.setZero();
+              imu.specific_force_body_mps2.setZero();
+            }),
             "the accelerometer reads 0 0 0 for 3.0");
-      check(problems_with(scenario, [](ImuSample& imu) { imu.angular_velocity_body_radps.setZero(); }),
+      check([](ImuSample& imu) { imu.angular_velocity_body_radps.setZero(); },
             "the gyroscope is stuck at 0.00 0.00 0.00 rad/s");
     }
   }

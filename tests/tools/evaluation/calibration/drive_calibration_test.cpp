@@ -173,7 +173,7 @@ SCENARIO("values of a single beacon that override the calibrated ones are found"
 SCENARIO("logs that show nothing of what is wanted are an error that names them") {
   const TemporaryFolder folder;
   recording::SensorLogWriter writer(folder / "rest");
-  for (const Event& event : sim::record(sim::find_scenario("rest"), {.duration_s = 30.0}).events)
+  for (const Event& event : sim::record(sim::find_scenario("rest"), {.duration_s = 15.0}).events)
     writer.write(event);
   writer.flush();
   evaluation::DriveRequest request;
