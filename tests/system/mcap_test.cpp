@@ -42,9 +42,10 @@ Result mcap(const std::vector<std::string>& arguments) {
 }
 
 SCENARIO("a recording of the bus is shown, selected and exported") {
+  static const TemporaryFolder recorded;
+  const std::string file = recorded / "run.mcap";
+  if (!std::filesystem::exists(file)) record_walks(file, {7, 12});
   const TemporaryFolder folder;
-  const std::string file = folder / "run.mcap";
-  record_walks(file, {7, 12});
   GIVEN("sonopose-mcap info") {
     const Result result = mcap({"info", file});
     THEN("it lists the topics") {

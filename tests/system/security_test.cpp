@@ -25,46 +25,51 @@ SCENARIO("a secured chain serves its members alone") {
   SecuredChain chain;
   const std::size_t before = chain.tap.count();
   THEN("a process without a certificate sees and disturbs nothing, and the doctor names it") {
-    Process usurper(SONOPOSE_TEST_FUSION, chain.usurping({}), unsecured);
-    REQUIRE(usurper.wait_for_line(Stream::error, "serving"));
-    const Result stranger =
-        run(SONOPOSE_TEST_MONITOR, chain.in_domain({"--duration", "3", "--json"}), unsecured);
-    CHECK(stranger.code == 1);
-    CHECK_THAT(stranger.output, !Contains("\"address\":7"));
-    const std::string stranger_name = fmt::format("process {} on ", usurper.pid());
-    const Result doctor = look_for(stranger_name, chain.bus.domain_id(), {"--duration", "3"});
-    CAPTURE(doctor.output, doctor.error);
-    CHECK(doctor.code == 1);
-    CHECK_THAT(doctor.output, Contains(stranger_name) && Contains("it has no certificate of this key store"));
-    CHECK_THAT(doctor.output,
-               !Contains(fmt::format("refused sonopose-fusion (process {} on ", chain.fusion->pid())));
-    chain.check_undisturbed(before);
-  }
-  THEN("members of another key store are refused, with the reason in the log of one side") {
-    const KeyStoreOfRoles foreign;
-    Process usurper(SONOPOSE_TEST_FUSION, chain.usurping(foreign.arguments("fusion")));
-    const std::string reason = "its certificate is of another key store";
-    CHECK(wait_until([&] {
-      const std::string logs =
-          usurper.text(Stream::error) + chain.bridge->text(Stream::error) + chain.fusion->text(Stream::error);
-      return logs.find(reason) != std::string::npos;
-    }));
-    chain.check_undisturbed(before);
-  }
-  THEN("a consumer can neither write poses nor change settings, an operator can") {
-    const Result usurper = run(SONOPOSE_TEST_FUSION, chain.usurping({"--enclave", "consumer"}));
-    CHECK(usurper.code == 1);
-    CHECK_THAT(usurper.error, Contains("sonopose/") && Contains("Not Allowed By Security"));
-    const Arguments change{"set", "admission.min_quality_percent=61"};
-    Arguments as_consumer = change;
-    as_consumer.insert(as_consumer.end(), {"--enclave", "consumer"});
-    const Result refused = chain.bus.settings(as_consumer);
-    CHECK(refused.code == 1);
-    CHECK_THAT(refused.error, Contains("Not Allowed By Security"));
-    const Result accepted = chain.bus.settings(change);
-    CAPTURE(accepted.error);
-    CHECK(accepted.code == 0);
-    chain.check_undisturbed(before);
+    {
+      Process usurper(SONOPOSE_TEST_FUSION, chain.usurping({}), unsecured);
+      REQUIRE(usurper.wait_for_line(Stream::error, "serving"));
+      const Result stranger =
+          run(SONOPOSE_TEST_MONITOR, chain.in_domain({"--duration", "1", "--json"}), unsecured);
+      CHECK(stranger.code == 1);
+      CHECK_THAT(stranger.output, !Contains("\"address\":7"));
+      const std::string stranger_name = fmt::format("process {} on ", usurper.pid());
+      const Result doctor = look_for(stranger_name, chain.bus.domain_id(), {"--duration", "3"});
+      CAPTURE(doctor.output, doctor.error);
+      CHECK(doctor.code == 1);
+      CHECK_THAT(doctor.output,
+                 Contains(stranger_name) && Contains("it has no certificate of this key store"));
+      CHECK_THAT(doctor.output,
+                 !Contains(fmt::format("refused sonopose-fusion (process {} on ", chain.fusion->pid())));
+      chain.check_undisturbed(before);
+    }
+    AND_THEN("members of another key store are refused, with the reason in the log of one side") {
+      {
+        const KeyStoreOfRoles foreign;
+        Process usurper(SONOPOSE_TEST_FUSION, chain.usurping(foreign.arguments("fusion")));
+        const std::string reason = "its certificate is of another key store";
+        CHECK(wait_until([&] {
+          const std::string logs = usurper.text(Stream::error) + chain.bridge->text(Stream::error) +
+                                   chain.fusion->text(Stream::error);
+          return logs.find(reason) != std::string::npos;
+        }));
+        chain.check_undisturbed(before);
+      }
+      AND_THEN("a consumer can neither write poses nor change settings, an operator can") {
+        const Result usurper = run(SONOPOSE_TEST_FUSION, chain.usurping({"--enclave", "consumer"}));
+        CHECK(usurper.code == 1);
+        CHECK_THAT(usurper.error, Contains("sonopose/") && Contains("Not Allowed By Security"));
+        const Arguments change{"set", "admission.min_quality_percent=61"};
+        Arguments as_consumer = change;
+        as_consumer.insert(as_consumer.end(), {"--enclave", "consumer"});
+        const Result refused = chain.bus.settings(as_consumer);
+        CHECK(refused.code == 1);
+        CHECK_THAT(refused.error, Contains("Not Allowed By Security"));
+        const Result accepted = chain.bus.settings(change);
+        CAPTURE(accepted.error);
+        CHECK(accepted.code == 0);
+        chain.check_undisturbed(before);
+      }
+    }
   }
 }
 
@@ -79,8 +84,8 @@ SCENARIO("a sender to an autopilot joins a secured bus with its own role") {
 }
 
 /// Copies the enclave of a consumer, to be forged.
-fs::path copied_consumer(const KeyStoreOfRoles& keys) {
-  const fs::path forged = keys.store.enclave_folder("forged");
+fs::path copied_consumer(const KeyStoreOfRoles& keys, const std::string& name) {
+  const fs::path forged = keys.store.enclave_folder(name);
   fs::copy(keys.store.enclave_folder("consumer"), forged);
   return forged;
 }
@@ -101,40 +106,39 @@ std::string intrude(const SecuredChain& chain, const fs::path& enclave, const st
 
 SCENARIO("stolen and forged permissions are refused") {
   SecuredChain chain;
-  const fs::path forged = copied_consumer(chain.keys);
   WHEN("a consumer has the permissions of a fusion") {
+    const fs::path forged = copied_consumer(chain.keys, "stolen");
     fs::copy(chain.keys.store.enclave_folder("fusion") / "permissions.p7s", forged / "permissions.p7s",
              fs::copy_options::overwrite_existing);
     CHECK_THAT(intrude(chain, forged), Contains("refused: ") && Contains("Subject name is invalid"));
-  }
-  WHEN("it has an authority of its own for its permissions and governance") {
-    const security::KeyPair own = security::make_permissions_authority("own", valid_for(1000));
-    security::Grant grant{.subject = "CN=/consumer",
-                          .validity = valid_for(1000),
-                          .access = {.writes = {"*"}, .reads = {"*"}},
-                          .partitions = {}};
-    const std::map<std::string, std::string> files{
-        {"permissions_ca.cert.pem", own.certificate_pem},
-        {"permissions.p7s", security::signed_document(security::permissions_xml(grant), own)},
-        {"governance.p7s",
-         security::signed_document(security::governance_xml(security::Protection::sign), own)}};
-    for (const auto& [name, text] : files) {
-      fs::remove(forged / name);
-      write_text(forged / name, text);
+    AND_WHEN("it has an authority of its own for its permissions and governance") {
+      const fs::path of_its_own = copied_consumer(chain.keys, "of_its_own");
+      const security::KeyPair own = security::make_permissions_authority("own", valid_for(1000));
+      const security::Grant grant{.subject = "CN=/consumer",
+                                  .validity = valid_for(1000),
+                                  .access = {.writes = {"*"}, .reads = {"*"}},
+                                  .partitions = {}};
+      const std::map<std::string, std::string> files{
+          {"permissions_ca.cert.pem", own.certificate_pem},
+          {"permissions.p7s", security::signed_document(security::permissions_xml(grant), own)},
+          {"governance.p7s",
+           security::signed_document(security::governance_xml(security::Protection::sign), own)}};
+      for (const auto& [name, text] : files) {
+        fs::remove(of_its_own / name);
+        write_text(of_its_own / name, text);
+      }
+      CHECK_THAT(intrude(chain, of_its_own, "not signed by our permissions authority"), Contains("writing"));
+      AND_WHEN("a leaf under the permissions authority signs its permissions (CVE-2023-24011)") {
+        const fs::path root = chain.keys.store.folder();
+        const security::KeyPair authority{read_text(root / "public/permissions_ca.cert.pem"),
+                                          read_text(root / "private/permissions_ca.key.pem")};
+        const security::KeyPair leaf = security::issue(authority, "/consumer", valid_for(1000));
+        const fs::path of_leaf = copied_consumer(chain.keys, "of_leaf");
+        write_text(of_leaf / "permissions.p7s",
+                   security::signed_document(security::permissions_xml(grant), leaf));
+        CHECK_THAT(intrude(chain, of_leaf), Contains("refused: "));
+      }
     }
-    CHECK_THAT(intrude(chain, forged, "not signed by our permissions authority"), Contains("writing"));
-  }
-  WHEN("a leaf under the permissions authority signs its permissions (CVE-2023-24011)") {
-    const fs::path root = chain.keys.store.folder();
-    const security::KeyPair authority{read_text(root / "public/permissions_ca.cert.pem"),
-                                      read_text(root / "private/permissions_ca.key.pem")};
-    const security::KeyPair leaf = security::issue(authority, "/consumer", valid_for(1000));
-    const security::Grant grant{.subject = "CN=/consumer",
-                                .validity = valid_for(1000),
-                                .access = {.writes = {"*"}, .reads = {"*"}},
-                                .partitions = {}};
-    write_text(forged / "permissions.p7s", security::signed_document(security::permissions_xml(grant), leaf));
-    CHECK_THAT(intrude(chain, forged), Contains("refused: "));
   }
 }
 
