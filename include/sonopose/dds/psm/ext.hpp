@@ -46,6 +46,13 @@ inline dds_topic_descriptor_t renamed(const dds_topic_descriptor_t& descriptor, 
           .restrict_data_representation = descriptor.restrict_data_representation};
 }
 
+/// Makes a struct of idlc the type of a topic (TopicTraits). Use it outside of namespaces.
+#define SONOPOSE_TOPIC_TYPE(type)                                             \
+  template <>                                                                 \
+  struct sonopose::dds::TopicTraits<type> {                                   \
+    static const dds_topic_descriptor_t& descriptor() { return type##_desc; } \
+  };
+
 namespace ext {
 
 /// The handle of an entity or condition in C, for calls that the PSM lacks. Loans by it may have at most 256

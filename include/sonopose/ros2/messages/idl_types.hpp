@@ -47,103 +47,26 @@ using HumbleParticipantEntitiesInfo = rmw_dds_common_humble_msg_dds__Participant
 
 }  // namespace sonopose::ros2
 
+SONOPOSE_TOPIC_TYPE(rosgraph_msgs_msg_dds__Clock_)
+SONOPOSE_TOPIC_TYPE(geometry_msgs_msg_dds__PointStamped_)
+SONOPOSE_TOPIC_TYPE(geometry_msgs_msg_dds__PoseWithCovarianceStamped_)
+SONOPOSE_TOPIC_TYPE(geometry_msgs_msg_dds__TwistStamped_)
+SONOPOSE_TOPIC_TYPE(geometry_msgs_msg_dds__TwistWithCovarianceStamped_)
+SONOPOSE_TOPIC_TYPE(sensor_msgs_msg_dds__Imu_)
+SONOPOSE_TOPIC_TYPE(sensor_msgs_msg_dds__MagneticField_)
+SONOPOSE_TOPIC_TYPE(std_msgs_msg_dds__Float64_)
+SONOPOSE_TOPIC_TYPE(sensor_msgs_msg_dds__JointState_)
+SONOPOSE_TOPIC_TYPE(geometry_msgs_msg_dds__PoseStamped_)
+SONOPOSE_TOPIC_TYPE(nav_msgs_msg_dds__Odometry_)
+SONOPOSE_TOPIC_TYPE(nav_msgs_msg_dds__Path_)
+SONOPOSE_TOPIC_TYPE(tf2_msgs_msg_dds__TFMessage_)
+SONOPOSE_TOPIC_TYPE(diagnostic_msgs_msg_dds__DiagnosticArray_)
+SONOPOSE_TOPIC_TYPE(px4_msgs_msg_dds__VehicleOdometry_)
+SONOPOSE_TOPIC_TYPE(px4_msgs_msg_dds__TimesyncStatus_)
+SONOPOSE_TOPIC_TYPE(px4_msgs_msg_dds__SensorCombined_)
+SONOPOSE_TOPIC_TYPE(rmw_dds_common_msg_dds__ParticipantEntitiesInfo_)
+
 namespace sonopose::dds {
-
-template <>
-struct TopicTraits<ros2::Clock> {
-  static const dds_topic_descriptor_t& descriptor() { return rosgraph_msgs_msg_dds__Clock__desc; }
-};
-
-template <>
-struct TopicTraits<ros2::PointStamped> {
-  static const dds_topic_descriptor_t& descriptor() { return geometry_msgs_msg_dds__PointStamped__desc; }
-};
-
-template <>
-struct TopicTraits<ros2::PoseWithCovarianceStamped> {
-  static const dds_topic_descriptor_t& descriptor() {
-    return geometry_msgs_msg_dds__PoseWithCovarianceStamped__desc;
-  }
-};
-
-template <>
-struct TopicTraits<ros2::TwistStamped> {
-  static const dds_topic_descriptor_t& descriptor() { return geometry_msgs_msg_dds__TwistStamped__desc; }
-};
-
-template <>
-struct TopicTraits<ros2::TwistWithCovarianceStamped> {
-  static const dds_topic_descriptor_t& descriptor() {
-    return geometry_msgs_msg_dds__TwistWithCovarianceStamped__desc;
-  }
-};
-
-template <>
-struct TopicTraits<ros2::Imu> {
-  static const dds_topic_descriptor_t& descriptor() { return sensor_msgs_msg_dds__Imu__desc; }
-};
-
-template <>
-struct TopicTraits<ros2::MagneticField> {
-  static const dds_topic_descriptor_t& descriptor() { return sensor_msgs_msg_dds__MagneticField__desc; }
-};
-
-template <>
-struct TopicTraits<ros2::Float64> {
-  static const dds_topic_descriptor_t& descriptor() { return std_msgs_msg_dds__Float64__desc; }
-};
-
-template <>
-struct TopicTraits<ros2::JointState> {
-  static const dds_topic_descriptor_t& descriptor() { return sensor_msgs_msg_dds__JointState__desc; }
-};
-
-template <>
-struct TopicTraits<ros2::PoseStamped> {
-  static const dds_topic_descriptor_t& descriptor() { return geometry_msgs_msg_dds__PoseStamped__desc; }
-};
-
-template <>
-struct TopicTraits<ros2::Odometry> {
-  static const dds_topic_descriptor_t& descriptor() { return nav_msgs_msg_dds__Odometry__desc; }
-};
-
-template <>
-struct TopicTraits<ros2::Path> {
-  static const dds_topic_descriptor_t& descriptor() { return nav_msgs_msg_dds__Path__desc; }
-};
-
-template <>
-struct TopicTraits<ros2::TFMessage> {
-  static const dds_topic_descriptor_t& descriptor() { return tf2_msgs_msg_dds__TFMessage__desc; }
-};
-
-template <>
-struct TopicTraits<ros2::DiagnosticArray> {
-  static const dds_topic_descriptor_t& descriptor() { return diagnostic_msgs_msg_dds__DiagnosticArray__desc; }
-};
-
-template <>
-struct TopicTraits<ros2::VehicleOdometry> {
-  static const dds_topic_descriptor_t& descriptor() { return px4_msgs_msg_dds__VehicleOdometry__desc; }
-};
-
-template <>
-struct TopicTraits<ros2::TimesyncStatus> {
-  static const dds_topic_descriptor_t& descriptor() { return px4_msgs_msg_dds__TimesyncStatus__desc; }
-};
-
-template <>
-struct TopicTraits<ros2::SensorCombined> {
-  static const dds_topic_descriptor_t& descriptor() { return px4_msgs_msg_dds__SensorCombined__desc; }
-};
-
-template <>
-struct TopicTraits<ros2::ParticipantEntitiesInfo> {
-  static const dds_topic_descriptor_t& descriptor() {
-    return rmw_dds_common_msg_dds__ParticipantEntitiesInfo__desc;
-  }
-};
 
 /// Both layouts have the same name on the wire.
 template <>

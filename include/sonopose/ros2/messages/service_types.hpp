@@ -55,124 +55,21 @@ struct SetPose {
 
 }  // namespace sonopose::ros2
 
-namespace sonopose::dds {
-
-template <>
-struct TopicTraits<ros2::ParameterEvent> {
-  static const dds_topic_descriptor_t& descriptor() { return rcl_interfaces_msg_dds__ParameterEvent__desc; }
-};
-
-template <>
-struct TopicTraits<ros2::LogMessage> {
-  static const dds_topic_descriptor_t& descriptor() { return rcl_interfaces_msg_dds__Log__desc; }
-};
-
-template <>
-struct TopicTraits<ros2::ListParameters::Request> {
-  static const dds_topic_descriptor_t& descriptor() {
-    return rcl_interfaces_srv_dds__ListParameters_Request__desc;
-  }
-};
-
-template <>
-struct TopicTraits<ros2::ListParameters::Response> {
-  static const dds_topic_descriptor_t& descriptor() {
-    return rcl_interfaces_srv_dds__ListParameters_Response__desc;
-  }
-};
-
-template <>
-struct TopicTraits<ros2::GetParameters::Request> {
-  static const dds_topic_descriptor_t& descriptor() {
-    return rcl_interfaces_srv_dds__GetParameters_Request__desc;
-  }
-};
-
-template <>
-struct TopicTraits<ros2::GetParameters::Response> {
-  static const dds_topic_descriptor_t& descriptor() {
-    return rcl_interfaces_srv_dds__GetParameters_Response__desc;
-  }
-};
-
-template <>
-struct TopicTraits<ros2::GetParameterTypes::Request> {
-  static const dds_topic_descriptor_t& descriptor() {
-    return rcl_interfaces_srv_dds__GetParameterTypes_Request__desc;
-  }
-};
-
-template <>
-struct TopicTraits<ros2::GetParameterTypes::Response> {
-  static const dds_topic_descriptor_t& descriptor() {
-    return rcl_interfaces_srv_dds__GetParameterTypes_Response__desc;
-  }
-};
-
-template <>
-struct TopicTraits<ros2::DescribeParameters::Request> {
-  static const dds_topic_descriptor_t& descriptor() {
-    return rcl_interfaces_srv_dds__DescribeParameters_Request__desc;
-  }
-};
-
-template <>
-struct TopicTraits<ros2::DescribeParameters::Response> {
-  static const dds_topic_descriptor_t& descriptor() {
-    return rcl_interfaces_srv_dds__DescribeParameters_Response__desc;
-  }
-};
-
-template <>
-struct TopicTraits<ros2::SetParameters::Request> {
-  static const dds_topic_descriptor_t& descriptor() {
-    return rcl_interfaces_srv_dds__SetParameters_Request__desc;
-  }
-};
-
-template <>
-struct TopicTraits<ros2::SetParameters::Response> {
-  static const dds_topic_descriptor_t& descriptor() {
-    return rcl_interfaces_srv_dds__SetParameters_Response__desc;
-  }
-};
-
-template <>
-struct TopicTraits<ros2::SetParametersAtomically::Request> {
-  static const dds_topic_descriptor_t& descriptor() {
-    return rcl_interfaces_srv_dds__SetParametersAtomically_Request__desc;
-  }
-};
-
-template <>
-struct TopicTraits<ros2::SetParametersAtomically::Response> {
-  static const dds_topic_descriptor_t& descriptor() {
-    return rcl_interfaces_srv_dds__SetParametersAtomically_Response__desc;
-  }
-};
-
-template <>
-struct TopicTraits<ros2::Trigger::Request> {
-  static const dds_topic_descriptor_t& descriptor() { return std_srvs_srv_dds__Trigger_Request__desc; }
-};
-
-template <>
-struct TopicTraits<ros2::Trigger::Response> {
-  static const dds_topic_descriptor_t& descriptor() { return std_srvs_srv_dds__Trigger_Response__desc; }
-};
-
-template <>
-struct TopicTraits<ros2::SetPose::Request> {
-  static const dds_topic_descriptor_t& descriptor() {
-    return robot_localization_srv_dds__SetPose_Request__desc;
-  }
-};
-
-template <>
-struct TopicTraits<ros2::SetPose::Response> {
-  static const dds_topic_descriptor_t& descriptor() {
-    return robot_localization_srv_dds__SetPose_Response__desc;
-  }
-};
-
-}  // namespace sonopose::dds
+SONOPOSE_TOPIC_TYPE(rcl_interfaces_msg_dds__ParameterEvent_)
+SONOPOSE_TOPIC_TYPE(rcl_interfaces_msg_dds__Log_)
+SONOPOSE_TOPIC_TYPE(rcl_interfaces_srv_dds__ListParameters_Request_)
+SONOPOSE_TOPIC_TYPE(rcl_interfaces_srv_dds__ListParameters_Response_)
+SONOPOSE_TOPIC_TYPE(rcl_interfaces_srv_dds__GetParameters_Request_)
+SONOPOSE_TOPIC_TYPE(rcl_interfaces_srv_dds__GetParameters_Response_)
+SONOPOSE_TOPIC_TYPE(rcl_interfaces_srv_dds__GetParameterTypes_Request_)
+SONOPOSE_TOPIC_TYPE(rcl_interfaces_srv_dds__GetParameterTypes_Response_)
+SONOPOSE_TOPIC_TYPE(rcl_interfaces_srv_dds__DescribeParameters_Request_)
+SONOPOSE_TOPIC_TYPE(rcl_interfaces_srv_dds__DescribeParameters_Response_)
+SONOPOSE_TOPIC_TYPE(rcl_interfaces_srv_dds__SetParameters_Request_)
+SONOPOSE_TOPIC_TYPE(rcl_interfaces_srv_dds__SetParameters_Response_)
+SONOPOSE_TOPIC_TYPE(rcl_interfaces_srv_dds__SetParametersAtomically_Request_)
+SONOPOSE_TOPIC_TYPE(rcl_interfaces_srv_dds__SetParametersAtomically_Response_)
+SONOPOSE_TOPIC_TYPE(std_srvs_srv_dds__Trigger_Request_)
+SONOPOSE_TOPIC_TYPE(std_srvs_srv_dds__Trigger_Response_)
+SONOPOSE_TOPIC_TYPE(robot_localization_srv_dds__SetPose_Request_)
+SONOPOSE_TOPIC_TYPE(robot_localization_srv_dds__SetPose_Response_)
