@@ -1,7 +1,6 @@
 // sonopose-ros2: a ROS 2 node without rclcpp that publishes poses and samples as ROS 2 messages, and reads
 // samples of ROS 2 drivers.
 
-#include "ros2/relay/log.hpp"
 #include "support/ros2_command_line.hpp"
 #include "support/security_options.hpp"
 
@@ -34,7 +33,7 @@ int serve(const ros2::arguments::Arguments& arguments, apps::Ros2Program& progra
   options.own_parameters = apps::option_parameters(program);
   options.own_parameters.merge(others.given);
   const auto level = apps::log_level(arguments, options.names.node(), program);
-  const logging::Session log(ros2::relay::process_level(level));
+  const logging::Session log(level);
   options.rosout = arguments.rosout;
   if (!options.inputs.empty() || !options.aiding_inputs.empty()) apps::check_publisher(program.bus);
   process::StopSignal stop;

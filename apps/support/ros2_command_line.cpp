@@ -76,13 +76,6 @@ ros2::relay::OptionValue list_of(const std::vector<std::string>& texts) {
   return texts;
 }
 
-ros2::arguments::LogLevel ros2_level(logging::Level level) {
-  using ros2::arguments::LogLevel;
-  if (level == logging::Level::debug) return LogLevel::debug;
-  if (level == logging::Level::info) return LogLevel::info;
-  return level == logging::Level::warning ? LogLevel::warning : LogLevel::error;
-}
-
 ros2::relay::StartupSetting setting_of(const Parameter& parameter) {
   if (parameter.values.size() != 1) {
     throw std::invalid_argument(
@@ -170,9 +163,8 @@ ros2::relay::OptionParameters option_parameters(const Ros2Program& program) {
   return parameters;
 }
 
-ros2::arguments::LogLevel log_level(const Arguments& arguments, const ros2::NodeName& node,
-                                    const Ros2Program& program) {
-  auto level = ros2_level(program.log_level);
+logging::Level log_level(const Arguments& arguments, const ros2::NodeName& node, const Ros2Program& program) {
+  auto level = program.log_level;
   for (const ros2::arguments::LogRule& rule : arguments.log_rules) {
     if (rule.logger.empty() || rule.logger == ros2::logger_name(node)) level = rule.level;
   }

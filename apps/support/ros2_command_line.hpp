@@ -41,7 +41,7 @@ ros2::relay::OptionParameters option_parameters(const Ros2Program& program);
 
 /// Returns the least level of the lines that the node logs, from ROS 2's own argument or else from
 /// --log-level.
-ros2::arguments::LogLevel log_level(const ros2::arguments::Arguments& arguments, const ros2::NodeName& node,
-                                    const Ros2Program& program);
+logging::Level log_level(const ros2::arguments::Arguments& arguments, const ros2::NodeName& node,
+                         const Ros2Program& program);
 
 }  // namespace sonopose::apps

@@ -14,22 +14,23 @@ namespace {
 using Words = std::vector<std::string>;
 
 LogRule parse_log_rule(const std::string& text) {
-  struct Level {
+  using logging::Level;
+  struct Named {
     const char* name;
-    LogLevel level;
+    Level level;
   };
-  constexpr std::array<Level, 5> levels{{{"debug", LogLevel::debug},
-                                         {"info", LogLevel::info},
-                                         {"warn", LogLevel::warning},
-                                         {"error", LogLevel::error},
-                                         {"fatal", LogLevel::fatal}}};
+  constexpr std::array<Named, 5> levels{{{"debug", Level::debug},
+                                         {"info", Level::info},
+                                         {"warn", Level::warning},
+                                         {"error", Level::error},
+                                         {"fatal", Level::failure}}};
   const std::size_t assignment = text.find(":=");
   const bool has_logger = assignment != std::string::npos;
   std::string name = has_logger ? text.substr(assignment + 2) : text;
   std::transform(name.begin(), name.end(), name.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   const auto found =
-      std::find_if(levels.begin(), levels.end(), [&](const Level& each) { return name == each.name; });
+      std::find_if(levels.begin(), levels.end(), [&](const Named& each) { return name == each.name; });
   if (found == levels.end()) {
     throw std::invalid_argument(
         fmt::format("--log-level {}: the levels are debug, info, warn, error and fatal", text));

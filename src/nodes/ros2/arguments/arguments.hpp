@@ -3,22 +3,19 @@
 /// The arguments of every ROS 2 node, as `ros2 run` and `ros2 launch` pass them: `--ros-args … --`. Source:
 /// design.ros2.org, "ROS Command Line Arguments"; rcl.
 
+#include "logging/log.hpp"
 #include "ros2/arguments/parameter_file.hpp"
 
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace sonopose::ros2::arguments {
 
-/// rcl_interfaces/msg/Log.
-enum class LogLevel : std::uint8_t { debug = 10, info = 20, warning = 30, error = 40, fatal = 50 };
-
 /// Lowest level that a logger publishes; without a name, that of all loggers.
 struct LogRule {
   std::string logger;
-  LogLevel level = LogLevel::info;
+  logging::Level level = logging::Level::info;
   bool operator==(const LogRule&) const = default;
 };
 

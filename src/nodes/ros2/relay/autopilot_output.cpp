@@ -3,6 +3,7 @@
 #include "autopilot/ardupilot.hpp"
 #include "autopilot/px4.hpp"
 #include "clocks/clocks.hpp"
+#include "logging/log.hpp"
 
 #include <fmt/format.h>
 
@@ -10,13 +11,12 @@ namespace sonopose::ros2::relay {
 
 using autopilot::Silence;
 
-AutopilotOutput::AutopilotOutput(ros2::Node& node, const AutopilotOptions& options, Log& log)
+AutopilotOutput::AutopilotOutput(ros2::Node& node, const AutopilotOptions& options)
     : is_px4_(options.kind == AutopilotOptions::Kind::px4),
       name_(is_px4_ ? "PX4" : "ArduPilot"),
       pose_topic_(options.name_space + (is_px4_ ? "/fmu/in/vehicle_visual_odometry" : "/tf")),
       clock_topic_(options.name_space + (is_px4_ ? "/fmu/out/timesync_status" : "/clock")),
       north_(options.north_rad),
-      log_(log),
       rate_(options.rate_hz),
       posed_(clocks::steady_now()) {
   if (is_px4_) {
@@ -109,7 +109,7 @@ void AutopilotOutput::log_changes() {
     address = address_;
   }
   if (other && !logged_others_) {
-    log_.warning(
+    logging::warning(
         fmt::format("{} gets the poses of beacon {}; those of others, such as {}, are not sent: "
                     "--addresses selects it",
                     name_, *address, *other));
@@ -118,15 +118,15 @@ void AutopilotOutput::log_changes() {
   if (state == logged_) return;
   logged_ = state;
   if (state == Silence::none) {
-    log_.info(fmt::format("{}: the poses of beacon {} are sent on {}", name_, *address, pose_topic_));
+    logging::info(fmt::format("{}: the poses of beacon {} are sent on {}", name_, *address, pose_topic_));
   } else if (state == Silence::no_clock) {
-    log_.warning(
+    logging::warning(
         fmt::format("{}: no poses are sent, because its clock is unknown: nothing arrives on {}; "
                     "are autopilot and Micro-XRCE-DDS agent connected?",
                     name_, clock_topic_));
   } else {
     const std::string of_beacon = address ? fmt::format(" of beacon {}", *address) : "";
-    log_.warning(fmt::format("{}: no poses{} are sent: {}", name_, of_beacon, text_of(*state)));
+    logging::warning(fmt::format("{}: no poses{} are sent: {}", name_, of_beacon, text_of(*state)));
   }
 }
 

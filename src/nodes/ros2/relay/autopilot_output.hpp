@@ -5,7 +5,6 @@
 #include "autopilot/external_odometry.hpp"
 #include "autopilot/pose_watch.hpp"
 #include "autopilot/remote_clock.hpp"
-#include "ros2/relay/log.hpp"
 #include "ros2/relay/relay.hpp"
 #include "threads/mutex.hpp"
 #include <sonopose/ros2/messages/frames.hpp>
@@ -22,9 +21,9 @@ namespace sonopose::ros2::relay {
 /// /ap/tf, in that of /ap/clock. A vehicle has one beacon: the first that is heard.
 class AutopilotOutput {
 public:
-  /// `node` and `log` must outlive it. Throws std::invalid_argument for an impossible namespace,
+  /// `node` must outlive it. Throws std::invalid_argument for an impossible namespace,
   /// dds::core::Exception.
-  AutopilotOutput(ros2::Node& node, const AutopilotOptions& options, Log& log);
+  AutopilotOutput(ros2::Node& node, const AutopilotOptions& options);
   AutopilotOutput(const AutopilotOutput&) = delete;
   AutopilotOutput& operator=(const AutopilotOutput&) = delete;
   AutopilotOutput(AutopilotOutput&&) = delete;
@@ -73,7 +72,6 @@ private:
   std::string pose_topic_;
   std::string clock_topic_;
   autopilot::North north_;
-  Log& log_;
   std::optional<autopilot::Silence> logged_;  ///< main thread only, like the next one
   bool logged_others_ = false;
 

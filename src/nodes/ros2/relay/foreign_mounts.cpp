@@ -1,5 +1,7 @@
 #include "ros2/relay/foreign_mounts.hpp"
 
+#include "logging/log.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,9 +21,8 @@ bool is_same(const ros2::Mount& a, const ros2::Mount& b) {
 
 }  // namespace
 
-ForeignMounts::ForeignMounts(ros2::Node& node, Log& log, std::function<void()> wake)
-    : log_(log),
-      wake_(std::move(wake)),
+ForeignMounts::ForeignMounts(ros2::Node& node, std::function<void()> wake)
+    : wake_(std::move(wake)),
       discovery_(node.participant()),
       reader_(node.make_reader<ros2::TFMessage>("/tf_static", "ros2::TfStatic", &listener_)) {}
 
@@ -83,7 +84,7 @@ bool ForeignMounts::assign_to(BeaconPublishers& publishers) {
       std::find_if(found.begin(), found.end(), [&](const auto& each) { return others.contains(each.first); });
   if (other == found.end() || !publishers.set_mount(other->second)) return false;
   const Vector3d& p = other->second.imu_in_base_m;
-  log_.warning(
+  logging::warning(
       fmt::format("another node publishes {} -> {} on /tf_static, at ({:.3f}, {:.3f}, {:.3f}) m: the relay "
                   "takes it over instead of its own; start it with --mount-from-tf",
                   frames.base, frames.imu, p.x(), p.y(), p.z()));

@@ -3,7 +3,6 @@
 /// Finds the mount of the IMU that another node publishes beside the relay, as a URDF does.
 
 #include "ros2/relay/beacon_publishers.hpp"
-#include "ros2/relay/log.hpp"
 #include "threads/mutex.hpp"
 #include <sonopose/dds/psm/discovery.hpp>
 #include <sonopose/ros2/messages/static_transforms.hpp>
@@ -22,9 +21,9 @@ public:
   /// Publishers of /tf_static that are observed at a time, at most.
   static constexpr std::size_t max_publishers = 64;
 
-  /// `wake` is called on new transforms, under the rules of a listener. The others must outlive it. Throws
+  /// `wake` is called on new transforms, under the rules of a listener. `node` must outlive it. Throws
   /// dds::core::Exception.
-  ForeignMounts(ros2::Node& node, Log& log, std::function<void()> wake);
+  ForeignMounts(ros2::Node& node, std::function<void()> wake);
 
   /// Makes room for new publishers. Main thread only.
   void forget_gone();
@@ -46,7 +45,6 @@ private:
   /// Publishers that are alive and no relay.
   [[nodiscard]] std::set<dds::core::InstanceHandle> robot_publishers() const;
 
-  Log& log_;
   std::function<void()> wake_;
   dds::Discovery discovery_;
   threads::Mutex mutex_;

@@ -1,5 +1,7 @@
 #include "ros2/relay/mount_finder.hpp"
 
+#include "logging/log.hpp"
+
 #include <fmt/format.h>
 
 #include <optional>
@@ -7,9 +9,8 @@
 
 namespace sonopose::ros2::relay {
 
-MountFinder::MountFinder(ros2::Node& node, Log& log, std::function<void()> wake)
-    : log_(log),
-      wake_(std::move(wake)),
+MountFinder::MountFinder(ros2::Node& node, std::function<void()> wake)
+    : wake_(std::move(wake)),
       reader_(node.make_reader<ros2::TFMessage>("/tf_static", "ros2::TfStatic", &listener_)) {}
 
 void MountFinder::Listener::on_data_available(dds::sub::DataReader<ros2::TFMessage>& reader) noexcept {
@@ -33,7 +34,7 @@ void MountFinder::assign_to(BeaconPublishers& publishers) {
     has_surplus = has_surplus_;
   }
   if (has_surplus && !std::exchange(reported_, true)) {
-    log_.warning(fmt::format(
+    logging::warning(fmt::format(
         "/tf_static: some transforms are ignored: at most {} frames, with names of at most {} characters",
         ros2::StaticTransforms::max_frames, ros2::StaticTransforms::max_name_length));
   }
@@ -41,8 +42,8 @@ void MountFinder::assign_to(BeaconPublishers& publishers) {
   if (!publishers.set_mount({.imu_in_base_m = found->translation_m, .q_imu_to_base = found->rotation}))
     return;
   const Vector3d& p = found->translation_m;
-  log_.info(fmt::format("/tf_static has {} in {} at ({:.3f}, {:.3f}, {:.3f}) m", frames.imu, frames.base,
-                        p.x(), p.y(), p.z()));
+  logging::info(fmt::format("/tf_static has {} in {} at ({:.3f}, {:.3f}, {:.3f}) m", frames.imu, frames.base,
+                            p.x(), p.y(), p.z()));
 }
 
 }  // namespace sonopose::ros2::relay

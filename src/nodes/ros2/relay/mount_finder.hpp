@@ -3,7 +3,6 @@
 /// Finds the mount of the IMU in the robot's own description, which another node publishes on /tf_static.
 
 #include "ros2/relay/beacon_publishers.hpp"
-#include "ros2/relay/log.hpp"
 #include "threads/mutex.hpp"
 #include <sonopose/ros2/messages/static_transforms.hpp>
 #include <sonopose/ros2/node/node.hpp>
@@ -14,9 +13,9 @@ namespace sonopose::ros2::relay {
 
 class MountFinder {
 public:
-  /// `wake` is called on new transforms, under the rules of a listener. `log` must outlive it. Throws
+  /// `wake` is called on new transforms, under the rules of a listener. Throws
   /// dds::core::Exception.
-  MountFinder(ros2::Node& node, Log& log, std::function<void()> wake);
+  MountFinder(ros2::Node& node, std::function<void()> wake);
 
   /// Gives a beacon the mount known for its frames, and logs a changed one. Main thread only.
   void assign_to(BeaconPublishers& publishers);
@@ -31,7 +30,6 @@ private:
     MountFinder& finder_;
   };
 
-  Log& log_;
   std::function<void()> wake_;
   threads::Mutex mutex_;
   ros2::StaticTransforms transforms_ SONOPOSE_GUARDED_BY(mutex_);

@@ -1,5 +1,7 @@
 #include "ros2/relay/open_topics.hpp"
 
+#include "logging/log.hpp"
+
 #include <fmt/format.h>
 
 #include <memory>
@@ -20,11 +22,11 @@ RelayedBeacons::Publishers OpenTopics::open(BeaconAddress address) {
   const bool in_tree = context_.tree.admits(address);
   if (auto kept = context_.beacons.take_kept(address)) {
     kept->set_in_tree(in_tree);
-    context_.log.info(fmt::format("beacon {}: found again; its topics are still open", address));
+    logging::info(fmt::format("beacon {}: found again; its topics are still open", address));
     return kept;
   }
   close_surplus();
-  context_.log.info(fmt::format("beacon {}: found; its topics are open", address));
+  logging::info(fmt::format("beacon {}: found; its topics are open", address));
   return std::make_shared<BeaconPublishers>(context_.node, context_.output, address, context_.tf, in_tree,
                                             context_.wakeup);
 }
@@ -34,8 +36,7 @@ std::vector<BeaconAddress> OpenTopics::remove_gone(SteadyTime now) {
   for (const auto& [address, kept] : context_.beacons.remove_gone(now)) {
     gone.push_back(address);
     context_.admission.forget(address);
-    context_.log.info(
-        fmt::format("beacon {}: gone; its topics {}", address, kept ? "stay open" : "are closed"));
+    logging::info(fmt::format("beacon {}: gone; its topics {}", address, kept ? "stay open" : "are closed"));
   }
   close_removed();
   free_memory_.give_back(now);
@@ -45,8 +46,7 @@ std::vector<BeaconAddress> OpenTopics::remove_gone(SteadyTime now) {
 /// Closes topics to make room for a new beacon.
 void OpenTopics::close_surplus() {
   for (const BeaconAddress address : context_.beacons.remove_surplus()) {
-    context_.log.info(
-        fmt::format("beacon {}: its topics are closed: another beacon needs the place", address));
+    logging::info(fmt::format("beacon {}: its topics are closed: another beacon needs the place", address));
   }
   close_removed();
 }

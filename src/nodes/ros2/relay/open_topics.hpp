@@ -5,7 +5,6 @@
 #include "presence/beacon_admission.hpp"
 #include "process/free_memory.hpp"
 #include "process/stop_signal.hpp"
-#include "ros2/relay/log.hpp"
 #include "ros2/relay/relayed_beacons.hpp"
 #include "ros2/relay/transform_tree.hpp"
 
@@ -26,7 +25,6 @@ public:
     dds::pub::DataWriter<ros2::TFMessage>& tf;
     TransformTree& tree;
     process::Wakeup& wakeup;
-    Log& log;
   };
   explicit OpenTopics(const Context& context) : context_(context) {}
 

@@ -1,5 +1,6 @@
 #include "ros2/relay/parameter_changes.hpp"
 
+#include "logging/log.hpp"
 #include "ros2/relay/parameter_messages.hpp"
 #include <sonopose/settings/settings_table.hpp>
 
@@ -136,7 +137,7 @@ ParameterChanges::Outcome ParameterChanges::send(const SettingsRequest& request,
   if (!reply && stopped()) return {ending, false};
   if (!reply) return {fmt::format("no fusion replied within {} s", reply_timeout_s), false};
   if (!reply->accepted) return {reply->reason, true};
-  if (!reply->reason.empty()) log_.warning("parameters: " + reply->reason);
+  if (!reply->reason.empty()) logging::warning("parameters: " + reply->reason);
   return {};
 }
 

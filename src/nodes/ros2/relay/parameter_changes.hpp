@@ -3,7 +3,6 @@
 /// Changes of parameters that a client of ROS 2 requests, as few requests to the fusion.
 
 #include "presence/address_set.hpp"
-#include "ros2/relay/log.hpp"
 #include "ros2/relay/parameters.hpp"
 #include "settings_client/settings_client.hpp"
 #include <sonopose/ros2/messages/service_types.hpp>
@@ -37,9 +36,9 @@ using Stopped = settings_client::SettingsClient::Stopped;
 /// stop.
 class ParameterChanges {
 public:
-  /// `client` and `log` must outlive this object. `addresses`: the beacons whose own settings may change.
-  ParameterChanges(settings_client::SettingsClient& client, Log& log, presence::AddressSet addresses = {})
-      : client_(client), log_(log), addresses_(addresses.with(all_beacons)) {}
+  /// `client` must outlive this object. `addresses`: the beacons whose own settings may change.
+  explicit ParameterChanges(settings_client::SettingsClient& client, presence::AddressSet addresses = {})
+      : client_(client), addresses_(addresses.with(all_beacons)) {}
 
   /// Changes each parameter that can be changed: those of one beacon by one request, or up to
   /// sixteen of them one by one if the fusion refuses them together. Returns an error for each parameter,
@@ -63,7 +62,6 @@ private:
   Outcome send(const SettingsRequest& request, const Stopped& stopped);
 
   settings_client::SettingsClient& client_;
-  Log& log_;
   presence::AddressSet addresses_;  ///< including all_beacons
 };
 

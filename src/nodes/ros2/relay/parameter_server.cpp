@@ -1,6 +1,7 @@
 #include "ros2/relay/parameter_server.hpp"
 
 #include "clocks/clocks.hpp"
+#include "logging/log.hpp"
 #include "ros2/relay/parameter_messages.hpp"
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
@@ -129,9 +130,8 @@ ParameterServer::Services::Services(ros2::Node& node, const std::function<void()
 }
 
 ParameterServer::ParameterServer(ros2::Node& node, const dds::domain::DomainParticipant& participant,
-                                 const ParameterServerOptions& options, Log& log, std::function<void()> wake)
-    : log_(log),
-      wake_(std::move(wake)),
+                                 const ParameterServerOptions& options, std::function<void()> wake)
+    : wake_(std::move(wake)),
       client_(participant, options.qos_file),
       addresses_(options.addresses),
       startup_requests_(requests_of(options.startup_settings)),
@@ -187,8 +187,8 @@ void ParameterServer::take_settings() {
       if (std::exchange(reported_invalid_, true)) break;
       const std::string of =
           settings.address == all_beacons ? "all beacons" : fmt::format("beacon {}", settings.address);
-      log_.warning(fmt::format("{}: {} = '{}' is not valid in this version, so it is not a parameter", of,
-                               setting.key, setting.value));
+      logging::warning(fmt::format("{}: {} = '{}' is not valid in this version, so it is not a parameter", of,
+                                   setting.key, setting.value));
     }
     EffectiveSettings& known = effective_[settings.address];
     events_.publish(known, settings);
@@ -222,12 +222,12 @@ void ParameterServer::apply_startup_settings() {
     const auto reply = client_.change(request, reply_timeout_s, stopped_);
     if (stopped_()) return;
     if (!reply) {
-      log_.error(fmt::format("no fusion replied within {} s to the parameters of the command line",
-                             reply_timeout_s));
+      logging::error(fmt::format("no fusion replied within {} s to the parameters of the command line",
+                                 reply_timeout_s));
     } else if (!reply->accepted) {
-      log_.error("the fusion refused the parameters of the command line: " + reply->reason);
+      logging::error("the fusion refused the parameters of the command line: " + reply->reason);
     } else if (!reply->reason.empty()) {
-      log_.warning("parameters of the command line: " + reply->reason);
+      logging::warning("parameters of the command line: " + reply->reason);
     }
   }
 }
@@ -252,7 +252,7 @@ void ParameterServer::log_refusal(const std::string& reason) {
   const SteadyTime now = clocks::steady_now();
   if (now < next_refusal_) return;
   next_refusal_ = now + period_ns;
-  log_.warning("parameters: " + reason);
+  logging::warning("parameters: " + reason);
 }
 
 void ParameterServer::list(const ros2::ListParameters::Request& request, const auto& reply) {

@@ -5,7 +5,6 @@
 
 #include "presence/beacon_admission.hpp"
 #include "ros2/relay/aiding_inputs.hpp"
-#include "ros2/relay/log.hpp"
 #include "ros2/relay/parameter_changes.hpp"
 #include "ros2/relay/parameter_events.hpp"
 #include "ros2/relay/parameters.hpp"
@@ -41,9 +40,9 @@ struct ParameterServerOptions {
 class ParameterServer {
 public:
   /// `wake`, if given, is called when there is something to serve, under the rules of a listener. Throws
-  /// dds::core::Exception, dds::qos::FileError. `log` must outlive it.
+  /// dds::core::Exception, dds::qos::FileError.
   ParameterServer(ros2::Node& node, const dds::domain::DomainParticipant& participant,
-                  const ParameterServerOptions& options, Log& log, std::function<void()> wake = {});
+                  const ParameterServerOptions& options, std::function<void()> wake = {});
 
   /// Adds services. Call it before they are offered.
   void add(std::vector<SetPoseService> services) { set_poses_ = std::move(services); }
@@ -105,11 +104,10 @@ private:
   [[nodiscard]] std::string read_only_error(std::span<const ros2::Parameter> parameters) const;
   void log_refusal(const std::string& reason);
 
-  Log& log_;
   std::function<void()> wake_;
   settings_client::SettingsClient client_;
   presence::AddressSet addresses_;
-  ParameterChanges changes_{client_, log_, addresses_};
+  ParameterChanges changes_{client_, addresses_};
   Stopped stopped_ = settings_client::SettingsClient::never;  ///< that of `serve`
   std::vector<SettingsRequest> startup_requests_;
   OptionParameters own_parameters_;

@@ -1,6 +1,7 @@
 #include "ros2/relay/peer_monitor.hpp"
 
 #include "clocks/clocks.hpp"
+#include "logging/log.hpp"
 
 #include <fmt/format.h>
 
@@ -15,11 +16,10 @@ constexpr int periods_to_find_others = 3;
 }  // namespace
 
 PeerMonitor::PeerMonitor(const RelayOptions& options, const dds::domain::DomainParticipant& participant,
-                         ros2::Node& node, ParameterServer& parameters, Log& log, std::function<void()> wake)
+                         ros2::Node& node, ParameterServer& parameters, std::function<void()> wake)
     : options_(options),
       node_(node),
       parameters_(parameters),
-      log_(log),
       domain_id_(participant.domain_id()),
       graph_(participant, [this, wake = std::move(wake)] {
         changed_ = true;
@@ -39,8 +39,8 @@ void PeerMonitor::select_layout(const ros2::Graph& graph) {
   if (options_.distro) return;
   const auto layout = ros2::layout_for(graph);
   if (!layout || !node_.use_layout(*layout)) return;
-  log_.info(fmt::format("announced as in {}, like the other ROS 2 processes",
-                        *layout == ros2::Distro::humble ? "Humble" : "Iron and later"));
+  logging::info(fmt::format("announced as in {}, like the other ROS 2 processes",
+                            *layout == ros2::Distro::humble ? "Humble" : "Iron and later"));
 }
 
 /// Offers or withdraws the services. Fast DDS clients identify a reply by RTPS fields that Cyclone's C
@@ -52,14 +52,14 @@ void PeerMonitor::offer_services(const ros2::Graph& graph) {
   if (std::exchange(services_withdrawn_, withdrawn) == withdrawn || options_.services == ServicesMode::off) {
     return;
   }
-  log_.info(withdrawn ? "parameter services withdrawn: a process uses Fast DDS, where `ros2 param` would "
-                        "wait for them forever. Use sonopose-settings, or --services on"
-                      : "parameter services offered: no process uses Fast DDS any more");
+  logging::info(withdrawn ? "parameter services withdrawn: a process uses Fast DDS, where `ros2 param` would "
+                            "wait for them forever. Use sonopose-settings, or --services on"
+                          : "parameter services offered: no process uses Fast DDS any more");
 }
 
 void PeerMonitor::report_namesake() {
   if (!node_.found_namesake() || std::exchange(has_namesake_, true)) return;
-  log_.warning(fmt::format(
+  logging::warning(fmt::format(
       "another process has a node {}: ROS 2 shows only one of them, and topics and parameters are mixed up. "
       "Use --name or --namespace, or __node in a launch file",
       ros2::full_name(options_.names.node())));
@@ -70,8 +70,8 @@ void PeerMonitor::check_processes(bool has_bridge, bool has_fusion) {
   std::string missing = has_bridge ? "" : "no bridge";
   if (!has_fusion) missing += has_bridge ? "no fusion" : " and no fusion";
   if (std::exchange(missing_, missing) == missing) return;
-  if (missing.empty()) return log_.info("bridge and fusion found");
-  log_.warning(fmt::format(
+  if (missing.empty()) return logging::info("bridge and fusion found");
+  logging::warning(fmt::format(
       "{} in domain {}: start it, or use its domain (--domain, ROS_DOMAIN_ID), its network and its "
       "partition. sonopose-doctor shows the processes",
       missing, domain_id_));

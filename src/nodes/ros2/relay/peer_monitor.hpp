@@ -2,7 +2,6 @@
 /// \file
 /// Watches the other processes of the domain, and adapts the relay's node to them.
 
-#include "ros2/relay/log.hpp"
 #include "ros2/relay/parameter_server.hpp"
 #include "ros2/relay/relay.hpp"
 #include <sonopose/ros2/node/graph.hpp>
@@ -19,7 +18,7 @@ public:
   /// `wake` is called on a thread of DDS when observe() has work, and must not block. Everything else must
   /// outlive it. Throws dds::core::Exception.
   PeerMonitor(const RelayOptions& options, const dds::domain::DomainParticipant& participant,
-              ros2::Node& node, ParameterServer& parameters, Log& log, std::function<void()> wake);
+              ros2::Node& node, ParameterServer& parameters, std::function<void()> wake);
 
   /// Selects the layout of the node's announcement, offers or withdraws the services, and reports another
   /// node of the same name. The node must then announce the changes.
@@ -36,7 +35,6 @@ private:
   const RelayOptions& options_;
   ros2::Node& node_;
   ParameterServer& parameters_;
-  Log& log_;
   std::uint32_t domain_id_;
   std::atomic<bool> changed_ = true;
   ros2::GraphObserver graph_;

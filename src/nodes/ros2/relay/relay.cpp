@@ -115,8 +115,7 @@ private:
   process_log::LogPublisher log_publisher_{participant_, qos_};
   ros2::Node node_;
   Log log_;
-  transitions::TransitionLog transition_log_{
-      [this](const transitions::Line& line) { log_.write(line); }};  ///< main thread only
+  transitions::TransitionLog transition_log_;  ///< main thread only
   RosClock clock_;
   process::Wakeup wakeup_;  ///< wakes the main thread
   process::Wakeup parameters_wakeup_;
@@ -136,8 +135,7 @@ private:
                            .output = options_.output,
                            .tf = tf_writer_,
                            .tree = tree_,
-                           .wakeup = wakeup_,
-                           .log = log_}};
+                           .wakeup = wakeup_}};
 
   std::unique_ptr<AutopilotOutput> autopilot_;  ///< null: none
 
@@ -171,9 +169,9 @@ Relay::Impl::Impl(const RelayOptions& options)
                    .own_parameters = options.own_parameters,
                    .addresses = options.addresses,
                    .max_beacons = options.max_beacons},
-                  log_, [this] { parameters_wakeup_.wake(); }),
-      peers_(options_, participant_, node_, parameters_, log_, [this] { wakeup_.wake(); }),
-      tree_(options_, node_, clock_, log_),
+                  [this] { parameters_wakeup_.wake(); }),
+      peers_(options_, participant_, node_, parameters_, [this] { wakeup_.wake(); }),
+      tree_(options_, node_, clock_),
       observers_(dds::deadline_of(qos_.datareader_qos(topics::pose.profile)).count()),
       diagnostics_(options_, node_, clock_, observers_, endpoints_),
       beacons_(wakeup_, options.max_beacons) {
@@ -184,12 +182,12 @@ Relay::Impl::Impl(const RelayOptions& options)
     tf_reader_ = node_.make_reader<ros2::TFMessage>("/tf", "ros2::Tf", &tf_listener_);
   }
   if (options.output.mount_from_tf) {
-    mount_finder_ = std::make_unique<MountFinder>(node_, log_, [this] { wakeup_.wake(); });
+    mount_finder_ = std::make_unique<MountFinder>(node_, [this] { wakeup_.wake(); });
   }
   if (options.output.publishes_mount()) {
-    foreign_mounts_ = std::make_unique<ForeignMounts>(node_, log_, [this] { wakeup_.wake(); });
+    foreign_mounts_ = std::make_unique<ForeignMounts>(node_, [this] { wakeup_.wake(); });
   }
-  if (options.autopilot) autopilot_ = std::make_unique<AutopilotOutput>(node_, *options.autopilot, log_);
+  if (options.autopilot) autopilot_ = std::make_unique<AutopilotOutput>(node_, *options.autopilot);
   node_.announce();
   receiver_.emplace(participant_, qos_, options, admission_,
                     NativeReceiver::Targets{beacons_, observers_, endpoints_, autopilot_.get()});
@@ -227,7 +225,7 @@ void Relay::Impl::open_topics(const process::StopSignal& stop) {
 void Relay::Impl::remove_gone() {
   const SteadyTime now = clocks::steady_now();
   for (const auto& text : receiver_->refusals()) {
-    if (text) log_.warning(*text);
+    if (text) logging::warning(*text);
   }
   for (const BeaconAddress address : open_topics_.remove_gone(now)) transition_log_.forget(address);
   for (const auto& view : observers_.remove_gone(now, clocks::host_now())) {
@@ -331,7 +329,7 @@ void Relay::Impl::serve_parameters(const std::stop_token& end, const process::St
     try {
       waits = parameters_.serve([&] { return stop.requested() || end.stop_requested(); });
     } catch (const std::exception& error) {  // includes settings of a fusion of another version
-      log_.error(fmt::format("parameters: {}", error.what()));
+      logging::error(fmt::format("parameters: {}", error.what()));
       waits = true;  // requests may be pending
     }
   } while (!stop.wait_until(clocks::steady_now() + (waits ? retry_period_ns : hour_ns), parameters_wakeup_) &&
@@ -339,7 +337,7 @@ void Relay::Impl::serve_parameters(const std::stop_token& end, const process::St
 }
 
 void Relay::Impl::run(const process::StopSignal& stop) {
-  log_.info("relaying as " + ros2::full_name(options_.names.node()));
+  logging::info("relaying as " + ros2::full_name(options_.names.node()));
   const std::jthread parameters([&](const std::stop_token& end) { serve_parameters(end, stop); });
   std::atomic<bool> failed = false;
   if (options_.inputs.empty() && options_.aiding_inputs.empty()) {
@@ -382,12 +380,8 @@ void Relay::Impl::bridge_while(const std::function<void()>& serve, std::atomic<b
   const auto timeout_ns = [this](const auto& entry) {
     return std::min(status_period_ns * 10, dds::deadline_of(qos_.datareader_qos(entry.profile)).count());
   };
-  source_ = make_source(
-      node_, options_.inputs, {timeout_ns(topics::imu), timeout_ns(topics::fix)}, options_.output.frames.map,
-      [this](logging::Level level, const std::string& line) {
-        log_.write({level, line});
-      },
-      [this] { return clock_.now_ns(); });
+  source_ = make_source(node_, options_.inputs, {timeout_ns(topics::imu), timeout_ns(topics::fix)},
+                        options_.output.frames.map, logging::write, [this] { return clock_.now_ns(); });
   source_->use(frames_of_inputs());
   if (!options_.aiding_inputs.empty()) {
     auto aiding = std::make_unique<AidingInputs>(node_, options_.aiding_inputs, frames_of_inputs(),

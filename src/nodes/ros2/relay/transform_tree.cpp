@@ -1,5 +1,6 @@
 #include "ros2/relay/transform_tree.hpp"
 
+#include "logging/log.hpp"
 #include <sonopose/ros2/messages/borrow.hpp>
 #include <sonopose/ros2/messages/messages.hpp>
 
@@ -9,8 +10,8 @@
 
 namespace sonopose::ros2::relay {
 
-TransformTree::TransformTree(const RelayOptions& options, ros2::Node& node, const RosClock& clock, Log& log)
-    : options_(options), clock_(clock), log_(log) {
+TransformTree::TransformTree(const RelayOptions& options, ros2::Node& node, const RosClock& clock)
+    : options_(options), clock_(clock) {
   if (options.output.publishes_mount()) {
     static_writer_ = node.make_writer<ros2::TFMessage>("/tf_static", "ros2::TfStatic");
   }
@@ -21,7 +22,7 @@ bool TransformTree::admits(BeaconAddress address) {
   if (!owner_) owner_ = options_.addresses.first().value_or(address);
   if (owner_ == address || has_frames_per_beacon()) return true;
   if (output.tf != TfMode::off && !std::exchange(reported_shared_frames_, true)) {
-    log_.warning(fmt::format(
+    logging::warning(fmt::format(
         "beacon {} has no transforms, because it has the same frames as beacon {}. Use different frames for "
         "each beacon (--base-frame hedge_{{address}}/base_link --imu-frame hedge_{{address}}/imu_link, and "
         "--odom-frame with --tf map_odom), or select one beacon (--addresses)",
@@ -35,8 +36,8 @@ std::optional<BeaconAddress> TransformTree::owner() const {
 }
 
 void TransformTree::hand_over(BeaconAddress address) {
-  log_.warning(fmt::format("beacon {} has the transforms now, because beacon {} is gone", address,
-                           owner_.value_or(address)));
+  logging::warning(fmt::format("beacon {} has the transforms now, because beacon {} is gone", address,
+                               owner_.value_or(address)));
   owner_ = address;
 }
 

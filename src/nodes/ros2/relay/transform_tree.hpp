@@ -2,7 +2,6 @@
 /// \file
 /// Selects the beacons in the transform tree, and publishes their static transforms.
 
-#include "ros2/relay/log.hpp"
 #include "ros2/relay/relay.hpp"
 #include "ros2/relay/ros_clock.hpp"
 
@@ -17,7 +16,7 @@ namespace sonopose::ros2::relay {
 class TransformTree {
 public:
   /// All arguments must outlive it. Throws dds::core::Exception.
-  TransformTree(const RelayOptions& options, ros2::Node& node, const RosClock& clock, Log& log);
+  TransformTree(const RelayOptions& options, ros2::Node& node, const RosClock& clock);
 
   /// True if transforms of this beacon are published. Logs the first beacon that is not in the tree.
   bool admits(BeaconAddress address);
@@ -35,7 +34,6 @@ private:
 
   const RelayOptions& options_;
   const RosClock& clock_;
-  Log& log_;
   std::optional<BeaconAddress> owner_;  ///< only beacon with transforms, if all have the same frames
   bool reported_shared_frames_ = false;
   dds::pub::DataWriter<ros2::TFMessage> static_writer_ =

@@ -16,6 +16,7 @@ namespace arguments_test {
 using namespace sonopose::ros2::arguments;
 using Words = std::vector<std::string>;
 using Catch::Contains;
+using sonopose::logging::Level;
 
 /// Node pattern, name and comma-separated values.
 using Row = std::vector<std::string>;
@@ -55,7 +56,7 @@ TEST_CASE("Arguments of ROS 2 are taken out of those of the program") {
   CHECK(found.own == Words{"--tf", "off", "--path", "5"});
   CHECK(found.remap == Words{"__node:=kart", "odom:=way"});
   CHECK(rows(found.parameters) == std::vector<Row>{{"/**", "tf", "off"}});
-  CHECK(found.log_rules == std::vector<LogRule>{{"", LogLevel::warning}, {"kart", LogLevel::debug}});
+  CHECK(found.log_rules == std::vector<LogRule>{{"", Level::warning}, {"kart", Level::debug}});
   CHECK(found.enclave == "/x");
   CHECK_FALSE(found.rosout);
 }

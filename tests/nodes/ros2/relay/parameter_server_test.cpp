@@ -41,8 +41,7 @@ public:
                 {.qos_file = {},
                  .startup_settings = {},
                  .own_parameters = own_parameters,
-                 .addresses = addresses},
-                log_) {
+                 .addresses = addresses}) {
     server_.offer_services(node_, true);
     node_.announce();
     REQUIRE(wait_until([&] { return imu_.publication_matched_status().current_count() > 0; }));
@@ -73,7 +72,6 @@ private:
   dds::domain::DomainParticipant participant_;
   dds::pub::DataWriter<sonopose_ImuSample> imu_;
   ros2::Node node_;
-  ros2::relay::Log log_;
   ros2::relay::ParameterServer server_;
   process::StopSignal stop_;
   std::jthread fusing_{[this] { fusion_.run(stop_); }};
