@@ -15,9 +15,11 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace sonopose::dds {
@@ -232,6 +234,19 @@ template <topic::detail::Native T, class... Visitors>
 std::size_t take_each(const sub::DataReader<T>& reader, Visitors&&... visitors) {
   return static_cast<std::size_t>(core::detail::check("dds_take", try_take_each(reader, visitors...)));
 }
+
+/// Takes the samples of a reader as they arrive, and calls a function with each, which must not throw.
+template <topic::detail::Native T>
+class SampleListener final : public sub::NoOpDataReaderListener<T> {
+public:
+  using OnSample = std::function<void(const T&, const sub::SampleInfo&)>;
+
+  explicit SampleListener(OnSample on_sample) : on_sample_(std::move(on_sample)) {}
+  void on_data_available(sub::DataReader<T>& reader) noexcept override { try_take_each(reader, on_sample_); }
+
+private:
+  OnSample on_sample_;
+};
 
 }  // namespace ext
 

@@ -7,6 +7,7 @@
 #include "autopilot/remote_clock.hpp"
 #include "ros2/relay/relay.hpp"
 #include "threads/mutex.hpp"
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/ros2/messages/frames.hpp>
 #include <sonopose/ros2/messages/time.hpp>
 #include <sonopose/ros2/node/node.hpp>
@@ -37,19 +38,6 @@ public:
   void log_changes();
 
 private:
-  template <class T>
-  class ClockListener final : public dds::sub::NoOpDataReaderListener<T> {
-  public:
-    explicit ClockListener(AutopilotOutput& output) : output_(output) {}
-    void on_data_available(dds::sub::DataReader<T>& reader) noexcept override {
-      dds::ext::try_take_each(reader,
-                              [this](const T& message, const dds::sub::SampleInfo&) { output_.on(message); });
-    }
-
-  private:
-    AutopilotOutput& output_;
-  };
-
   /// A pose that is due, with its times in the autopilot's clock.
   struct Due {
     autopilot::ExternalOdometry odometry;
@@ -86,8 +74,10 @@ private:
   std::optional<autopilot::Silence> state_ SONOPOSE_GUARDED_BY(mutex_);  ///< at the last pose, if any
   SteadyTime posed_ SONOPOSE_GUARDED_BY(mutex_);                         ///< last pose, or the start
 
-  ClockListener<ros2::TimesyncStatus> px4_listener_{*this};
-  ClockListener<ros2::Clock> clock_listener_{*this};
+  dds::ext::SampleListener<ros2::TimesyncStatus> px4_listener_{
+      [this](const ros2::TimesyncStatus& status, const auto&) { on(status); }};
+  dds::ext::SampleListener<ros2::Clock> clock_listener_{
+      [this](const ros2::Clock& message, const auto&) { on(message); }};
   dds::pub::DataWriter<ros2::VehicleOdometry> odometry_writer_ = dds::core::null;  ///< PX4's; otherwise nil
   dds::pub::DataWriter<ros2::TFMessage> tf_writer_ = dds::core::null;  ///< ArduPilot's; otherwise nil
   // Last, so that they are destroyed first.

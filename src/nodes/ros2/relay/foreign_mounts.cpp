@@ -26,17 +26,14 @@ ForeignMounts::ForeignMounts(ros2::Node& node, std::function<void()> wake)
       discovery_(node.participant()),
       reader_(node.make_reader<ros2::TFMessage>("/tf_static", "ros2::TfStatic", &listener_)) {}
 
-void ForeignMounts::Listener::on_data_available(dds::sub::DataReader<ros2::TFMessage>& reader) noexcept {
+void ForeignMounts::add(const ros2::TFMessage& message, const dds::core::InstanceHandle& publisher) {
   {
-    const threads::Lock lock(mounts_.mutex_);
-    dds::ext::try_take_each(reader, [this](const ros2::TFMessage& message, const dds::sub::SampleInfo& info) {
-      mounts_.mutex_.assert_held();
-      auto& all = mounts_.transforms_;
-      const auto publisher = info.publication_handle();
-      if (all.contains(publisher) || all.size() < max_publishers) all[publisher].add(message);
-    });
+    const threads::Lock lock(mutex_);
+    if (transforms_.contains(publisher) || transforms_.size() < max_publishers) {
+      transforms_[publisher].add(message);
+    }
   }
-  mounts_.wake_();
+  wake_();
 }
 
 void ForeignMounts::forget_gone() {

@@ -5,6 +5,7 @@
 #include "ros2/relay/beacon_publishers.hpp"
 #include "threads/mutex.hpp"
 #include <sonopose/dds/psm/discovery.hpp>
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/ros2/messages/static_transforms.hpp>
 #include <sonopose/ros2/node/node.hpp>
 
@@ -33,15 +34,7 @@ public:
   bool assign_to(BeaconPublishers& publishers);
 
 private:
-  class Listener final : public dds::sub::NoOpDataReaderListener<ros2::TFMessage> {
-  public:
-    explicit Listener(ForeignMounts& mounts) : mounts_(mounts) {}
-    void on_data_available(dds::sub::DataReader<ros2::TFMessage>& reader) noexcept override;
-
-  private:
-    ForeignMounts& mounts_;
-  };
-
+  void add(const ros2::TFMessage& message, const dds::core::InstanceHandle& publisher);
   /// Publishers that are alive and no relay.
   [[nodiscard]] std::set<dds::core::InstanceHandle> robot_publishers() const;
 
@@ -50,7 +43,10 @@ private:
   threads::Mutex mutex_;
   std::map<dds::core::InstanceHandle, ros2::StaticTransforms> transforms_
       SONOPOSE_GUARDED_BY(mutex_);  ///< by publisher
-  Listener listener_{*this};
+  dds::ext::SampleListener<ros2::TFMessage> listener_{
+      [this](const ros2::TFMessage& message, const dds::sub::SampleInfo& info) {
+        add(message, info.publication_handle());
+      }};
   dds::sub::DataReader<ros2::TFMessage> reader_;  ///< last, because its listener uses the others
 };
 

@@ -80,19 +80,6 @@ public:
   void run(const process::StopSignal& stop);
 
 private:
-  class TfListener final : public dds::sub::NoOpDataReaderListener<ros2::TFMessage> {
-  public:
-    explicit TfListener(Impl& relay) : relay_(relay) {}
-    void on_data_available(dds::sub::DataReader<ros2::TFMessage>& reader) noexcept override {
-      dds::ext::try_take_each(reader, [this](const ros2::TFMessage& message, const dds::sub::SampleInfo&) {
-        relay_.on_transforms(message);
-      });
-    }
-
-  private:
-    Impl& relay_;
-  };
-
   void on_transforms(const ros2::TFMessage& message);
 
   template <class Action>
@@ -140,7 +127,8 @@ private:
   std::unique_ptr<AutopilotOutput> autopilot_;  ///< null: none
 
   // Readers are last, so that they are destroyed first and no callback uses a destroyed member.
-  TfListener tf_listener_{*this};
+  dds::ext::SampleListener<ros2::TFMessage> tf_listener_{
+      [this](const ros2::TFMessage& message, const auto&) { on_transforms(message); }};
   dds::sub::DataReader<ros2::TFMessage> tf_reader_ = dds::core::null;
   std::unique_ptr<MountFinder> mount_finder_;      ///< null if the mount is known
   std::unique_ptr<ForeignMounts> foreign_mounts_;  ///< null unless this node publishes the mount

@@ -3,6 +3,8 @@
 /// Time of a ROS 2 node: host time or simulated time.
 
 #include "clocks/clocks.hpp"
+#include <sonopose/dds/psm/ext.hpp>
+#include <sonopose/ros2/messages/time.hpp>
 #include <sonopose/ros2/node/node.hpp>
 
 #include <atomic>
@@ -14,7 +16,9 @@ class RosClock {
 public:
   /// `use_sim_time`: follow the topic /clock, as in ROS 2; `node` must outlive the clock. Throws
   /// dds::core::Exception.
-  RosClock(ros2::Node& node, bool use_sim_time);
+  RosClock(ros2::Node& node, bool use_sim_time) : use_sim_time_(use_sim_time) {
+    if (use_sim_time) reader_ = node.make_reader<ros2::Clock>("/clock", "ros2::Input", &listener_);
+  }
   RosClock(const RosClock&) = delete;
   RosClock& operator=(const RosClock&) = delete;
   RosClock(RosClock&&) = delete;
@@ -27,18 +31,11 @@ public:
   }
 
 private:
-  class Listener final : public dds::sub::NoOpDataReaderListener<ros2::Clock> {
-  public:
-    explicit Listener(std::atomic<TimeNs>& simulated_ns) : simulated_ns_(simulated_ns) {}
-    void on_data_available(dds::sub::DataReader<ros2::Clock>& reader) noexcept override;
-
-  private:
-    std::atomic<TimeNs>& simulated_ns_;
-  };
-
   bool use_sim_time_;
   std::atomic<TimeNs> simulated_ns_ = 0;
-  Listener listener_{simulated_ns_};
+  dds::ext::SampleListener<ros2::Clock> listener_{[this](const ros2::Clock& message, const auto&) {
+    if (const auto time_ns = ros2::from_ros(message.clock)) simulated_ns_ = *time_ns;
+  }};
   dds::sub::DataReader<ros2::Clock> reader_ = dds::core::null;  ///< last, so that it is destroyed first
 };
 
