@@ -1,21 +1,50 @@
 #include "ros2/relay/fixed_frames.hpp"
 
+#include "logging/log.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
 namespace sonopose::ros2::relay {
 
-FixedFrames::FixedFrames(ros2::Node& node)
-    : reader_(node.make_reader<ros2::TFMessage>("/tf_static", "ros2::TfStatic", &listener_)) {}
+FixedFrames::FixedFrames(ros2::Node& node, std::function<void()> wake)
+    : wake_(std::move(wake)),
+      reader_(node.make_reader<ros2::TFMessage>("/tf_static", "ros2::TfStatic", &listener_)) {}
 
-void FixedFrames::Listener::on_data_available(dds::sub::DataReader<ros2::TFMessage>& reader) noexcept {
-  const threads::Lock lock(frames_.mutex_);
-  dds::ext::try_take_each(reader, [this](const ros2::TFMessage& message, const dds::sub::SampleInfo&) {
-    frames_.mutex_.assert_held();
-    frames_.transforms_.add(message);
-  });
+void FixedFrames::add(const ros2::TFMessage& message) {
+  {
+    const threads::Lock lock(mutex_);
+    if (!transforms_.add(message)) has_surplus_ = true;
+  }
+  if (wake_) wake_();
 }
 
 std::optional<ros2::Transform> FixedFrames::find(const std::string& in, const std::string& frame) const {
   const threads::Lock lock(mutex_);
   return transforms_.between(in, frame);
+}
+
+void FixedFrames::assign_mount_to(BeaconPublishers& publishers) {
+  const ros2::FrameNames& frames = publishers.frames();
+  std::optional<ros2::Transform> found;
+  bool has_surplus = false;
+  {
+    const threads::Lock lock(mutex_);
+    found = transforms_.find(frames.base, frames.imu);
+    has_surplus = has_surplus_;
+  }
+  if (has_surplus && !std::exchange(reported_, true)) {
+    logging::warning(fmt::format(
+        "/tf_static: some transforms are ignored: at most {} frames, with names of at most {} characters",
+        ros2::StaticTransforms::max_frames, ros2::StaticTransforms::max_name_length));
+  }
+  if (!found) return;
+  if (!publishers.set_mount({.imu_in_base_m = found->translation_m, .q_imu_to_base = found->rotation}))
+    return;
+  const Vector3d& p = found->translation_m;
+  logging::info(fmt::format("/tf_static has {} in {} at ({:.3f}, {:.3f}, {:.3f}) m", frames.imu, frames.base,
+                            p.x(), p.y(), p.z()));
 }
 
 }  // namespace sonopose::ros2::relay

@@ -1,11 +1,14 @@
 #pragma once
 /// \file
-/// The fixed transforms of /tf_static, for the frames of inputs.
+/// The fixed transforms of /tf_static, for the frames of inputs and the mount of the IMU.
 
+#include "ros2/relay/beacon_publishers.hpp"
 #include "threads/mutex.hpp"
+#include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/ros2/messages/static_transforms.hpp>
 #include <sonopose/ros2/node/node.hpp>
 
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -14,25 +17,27 @@ namespace sonopose::ros2::relay {
 /// Collects the transforms of all publishers. Thread-safe.
 class FixedFrames {
 public:
-  /// Throws dds::core::Exception.
-  explicit FixedFrames(ros2::Node& node);
+  /// `wake`, if given, is called on new transforms, under the rules of a listener. Throws
+  /// dds::core::Exception.
+  explicit FixedFrames(ros2::Node& node, std::function<void()> wake = {});
 
   /// Pose of a frame in another one; empty if they are not connected.
   [[nodiscard]] std::optional<ros2::Transform> find(const std::string& in, const std::string& frame) const;
 
+  /// Gives a beacon the mount of the IMU in the robot's own description, and logs a changed one. Main thread
+  /// only.
+  void assign_mount_to(BeaconPublishers& publishers);
+
 private:
-  class Listener final : public dds::sub::NoOpDataReaderListener<ros2::TFMessage> {
-  public:
-    explicit Listener(FixedFrames& frames) : frames_(frames) {}
-    void on_data_available(dds::sub::DataReader<ros2::TFMessage>& reader) noexcept override;
+  void add(const ros2::TFMessage& message);
 
-  private:
-    FixedFrames& frames_;
-  };
-
+  std::function<void()> wake_;
   mutable threads::Mutex mutex_;
   ros2::StaticTransforms transforms_ SONOPOSE_GUARDED_BY(mutex_);
-  Listener listener_{*this};
+  bool has_surplus_ SONOPOSE_GUARDED_BY(mutex_) = false;
+  bool reported_ = false;  ///< main thread only
+  dds::ext::SampleListener<ros2::TFMessage> listener_{
+      [this](const ros2::TFMessage& message, const auto&) { add(message); }};
   dds::sub::DataReader<ros2::TFMessage> reader_;  ///< last, because its listener uses the others
 };
 

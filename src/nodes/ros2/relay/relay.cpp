@@ -11,7 +11,6 @@
 #include "ros2/relay/fixed_frames.hpp"
 #include "ros2/relay/foreign_mounts.hpp"
 #include "ros2/relay/log.hpp"
-#include "ros2/relay/mount_finder.hpp"
 #include "ros2/relay/native_receiver.hpp"
 #include "ros2/relay/open_topics.hpp"
 #include "ros2/relay/parameter_server.hpp"
@@ -130,9 +129,8 @@ private:
   dds::ext::SampleListener<ros2::TFMessage> tf_listener_{
       [this](const ros2::TFMessage& message, const auto&) { on_transforms(message); }};
   dds::sub::DataReader<ros2::TFMessage> tf_reader_ = dds::core::null;
-  std::unique_ptr<MountFinder> mount_finder_;      ///< null if the mount is known
   std::unique_ptr<ForeignMounts> foreign_mounts_;  ///< null unless this node publishes the mount
-  std::unique_ptr<FixedFrames> fixed_frames_;      ///< null unless an input needs it
+  std::unique_ptr<FixedFrames> fixed_frames_;      ///< null unless an input or the mount needs it
   std::optional<NativeReceiver> receiver_;
 };
 
@@ -170,7 +168,7 @@ Relay::Impl::Impl(const RelayOptions& options)
     tf_reader_ = node_.make_reader<ros2::TFMessage>("/tf", "ros2::Tf", &tf_listener_);
   }
   if (options.output.mount_from_tf) {
-    mount_finder_ = std::make_unique<MountFinder>(node_, [this] { wakeup_.wake(); });
+    fixed_frames_ = std::make_unique<FixedFrames>(node_, [this] { wakeup_.wake(); });
   }
   if (options.output.publishes_mount()) {
     foreign_mounts_ = std::make_unique<ForeignMounts>(node_, [this] { wakeup_.wake(); });
@@ -285,7 +283,7 @@ void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>
     if (source_) readers_due = source_->update_readers();
     for_each_beacon([this](BeaconPublishers& publishers) {
       publishers.create_magnetic_writer(node_);
-      if (mount_finder_) mount_finder_->assign_to(publishers);
+      if (options_.output.mount_from_tf) fixed_frames_->assign_mount_to(publishers);
     });
     take_over_mounts();
     peers_.observe();
@@ -341,7 +339,6 @@ void Relay::Impl::run(const process::StopSignal& stop) {
 InputFrames Relay::Impl::frames_of_inputs() {
   const bool mount_from_tf = options_.output.mount_from_tf;
   const bool needs_tf =
-      mount_from_tf ||
       std::ranges::any_of(options_.inputs, [](const Input& input) { return !input.tag_frame.empty(); }) ||
       std::ranges::any_of(options_.aiding_inputs,
                           [](const AidingInput& input) { return !is_velocity(input.kind); });
