@@ -2,6 +2,7 @@
 #include "dds/topics/field_lists.hpp"
 #include "support/temporary_folder.hpp"
 #include <sonopose/dds/topics/conversions.hpp>
+#include <sonopose/dds/topics/idl_types.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -10,173 +11,9 @@
 #include <set>
 #include <string>
 #include <tuple>
+#include <vector>
 
 namespace sonopose::dds::test::conversions_test {
-
-/// Every field has a unique value, so a forgotten field (zero) and a confused one (another's value) are
-/// detected.
-TEST_CASE("Every field of every native type survives the conversion to IDL and back") {
-  Filler fill;
-  SECTION("IMU sample") {
-    ImuSample sample;
-    fill.all(sample.address, sample.sequence, sample.sensor_time_ns, sample.bridge_time_ns,
-             sample.angular_velocity_body_radps, sample.specific_force_body_mps2,
-             sample.magnetic_field_body_t);
-    sample.meaning = ImuMeaning::mean_since_last;
-    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
-    sample.magnetic_field_body_t.reset();
-    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
-  }
-  SECTION("ultrasonic fix") {
-    UltrasonicFix sample;
-    fill.all(sample.address, sample.sequence, sample.emission_time_ns, sample.received_time_ns,
-             sample.position_world_m, sample.covariance_world_m2, sample.measured_delay_s, sample.flags,
-             sample.point_body_m);
-    sample.quality_percent = 87.5;  // a float on the wire
-    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
-    sample.covariance_world_m2.reset();
-    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
-    sample.quality_percent.reset();
-    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
-    sample.measured_delay_s.reset();
-    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
-  }
-  SECTION("pair heading") {
-    PairHeading sample;
-    fill.all(sample.address, sample.sequence, sample.emission_time_ns, sample.received_time_ns,
-             sample.heading_world_rad, sample.valid, sample.std_rad, sample.flags);
-    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
-  }
-  SECTION("twist") {
-    TwistSample sample;
-    fill.all(sample.address, sample.sequence, sample.emission_time_ns, sample.received_time_ns,
-             sample.velocity_body_mps, sample.velocity_std_mps, sample.angular_velocity_body_radps,
-             sample.angular_velocity_std_radps, sample.axes);
-    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
-  }
-  SECTION("stationary beacon") {
-    StationaryBeacon sample;
-    fill.all(sample.address, sample.time_ns, sample.position_world_m);
-    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
-    sample.position_world_m.reset();
-    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
-  }
-  SECTION("pose") {
-    FusedPose sample;
-    fill.all(sample.address, sample.sequence, sample.time_ns, sample.position_world_m, sample.q_body_to_world,
-             sample.velocity_world_mps, sample.angular_velocity_body_radps, sample.acceleration_world_mps2,
-             sample.gyro_bias_body_radps, sample.pose_covariance, sample.velocity_covariance, sample.trust,
-             sample.since_valid_fix_s, sample.reset_counter, sample.status, sample.imu_sensor_time_ns,
-             sample.imu_bridge_time_ns, sample.fusion_in_time_ns, sample.fusion_out_time_ns);
-    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
-  }
-  SECTION("fix report") {
-    FixReport sample;
-    fill.all(sample.address, sample.sequence, sample.emission_time_ns, sample.applied_time_ns,
-             sample.position_world_m, sample.shifted_position_world_m, sample.innovation_world_m,
-             sample.innovation_covariance_m2, sample.test_ratio, sample.hypothesis, sample.model,
-             sample.weight, sample.trust, sample.jump_world_m, sample.velocity_change_world_mps,
-             sample.yaw_change_rad, sample.flags);
-    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
-    sample.innovation_covariance_m2.reset();
-    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
-    sample.test_ratio.reset();
-    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
-  }
-  SECTION("estimate") {
-    Estimate sample;
-    fill.all(sample.address, sample.fusion_id, sample.time_ns, sample.gyro_bias_body_radps,
-             sample.accelerometer_bias_body_mps2, sample.lever_arm_body_m, sample.delay_s, sample.fix_noise_m,
-             sample.heading_noise_rad);
-    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
-    sample.gyro_bias_body_radps.reset();
-    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
-    sample.accelerometer_bias_body_mps2.reset();
-    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
-    sample.lever_arm_body_m.reset();
-    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
-    sample.delay_s.reset();
-    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
-    sample.fix_noise_m.reset();
-    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
-    sample.heading_noise_rad.reset();
-    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
-  }
-  SECTION("beacon status") {
-    BeaconStatus sample;
-    fill.all(sample.address, sample.time_ns, sample.battery_v, sample.rssi_dbm, sample.imu_rate_hz,
-             sample.fix_rate_hz, sample.heading_rate_hz, sample.clock_offset_s, sample.clock_jitter_s,
-             sample.frames, sample.crc_errors, sample.bytes_lost, sample.unknown_frames,
-             sample.fixes_unavailable, sample.samples_rejected, sample.clock_resets, sample.other_bridges,
-             sample.imu_deadlines_missed, sample.fix_deadlines_missed, sample.heading_deadlines_missed,
-             sample.liveliness_lost, sample.readers_incompatible, sample.samples_unwritten,
-             sample.samples_unrecorded);
-    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
-    sample.battery_v.reset();
-    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
-    sample.rssi_dbm.reset();
-    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
-  }
-  SECTION("line status") {
-    LineStatus sample;
-    fill.all(sample.name, sample.bridge_id, sample.time_ns, sample.bytes, sample.frames, sample.crc_errors,
-             sample.bytes_lost, sample.packets_refused, sample.text);
-    sample.state = LineState::no_frames;
-    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
-  }
-  SECTION("log line") {
-    LogLine sample;
-    fill.all(sample.host, sample.process_id, sample.number, sample.time_ns, sample.program, sample.text);
-    sample.level = LogLevel::failure;
-    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
-  }
-  SECTION("fusion status") {
-    FusionStatus sample;
-    fill.all(sample.address, sample.fusion_id, sample.time_ns, sample.strength, sample.imu_silent,
-             sample.overloaded, sample.imu_samples, sample.fixes_used, sample.fixes_down_weighted,
-             sample.fixes_rejected, sample.fixes_late, sample.headings, sample.velocities_used,
-             sample.velocities_rejected, sample.velocities_unused, sample.events_lost,
-             sample.events_duplicated, sample.samples_invalid, sample.imu_gaps, sample.reset_counter,
-             sample.imu_deadlines_missed, sample.fix_deadlines_missed, sample.heading_deadlines_missed,
-             sample.bridge_losses, sample.poses_late, sample.poses_skipped, sample.pose_deadlines_missed,
-             sample.liveliness_lost, sample.samples_lost, sample.samples_rejected, sample.incompatible_qos,
-             sample.poses_unwritten);
-    sample.role = FusionRole::stalled;
-    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
-  }
-  SECTION("truth") {
-    TruthSample sample;
-    fill.all(sample.address, sample.time_ns, sample.position_world_m, sample.q_body_to_world,
-             sample.velocity_world_mps);
-    CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
-  }
-}
-
-TEST_CASE("Every field of requests and replies about settings survives the conversion to IDL and back") {
-  Filler fill;
-  const std::vector<SettingAssignment> list{
-      {"documented.drift.jump_alpha", "0.5"}, {"", ""}, {"mühle", "1 … 2"}};
-  SECTION("request") {
-    SettingsRequest request;
-    fill.all(request.address, request.request_id, request.from_sequence);
-    request.assignments = list;
-    CHECK(topics::from_idl(topics::to_idl(request).sample()) == request);
-    request.assignments.clear();
-    CHECK(topics::from_idl(topics::to_idl(request).sample()) == request);
-  }
-  SECTION("reply") {
-    SettingsReply reply;
-    fill.all(reply.address, reply.request_id, reply.accepted, reply.from_sequence, reply.reason,
-             reply.details);
-    CHECK(topics::from_idl(topics::to_idl(reply)) == reply);
-  }
-  SECTION("effective settings") {
-    EffectiveSettings settings;
-    fill.all(settings.address, settings.time_ns, settings.from_sequence);
-    settings.values = list;
-    CHECK(topics::from_idl(topics::to_idl(settings).sample()) == settings);
-  }
-}
 
 /// Counts the top-level members of a type by its descriptor's operations, one `DDS_OP_ADR` each.
 int member_count(const dds_topic_descriptor_t& type) {
@@ -201,29 +38,65 @@ int member_count(const dds_topic_descriptor_t& type) {
   return count;
 }
 
+/// Number of IDL members that the list of fields covers.
 template <class Native>
 int covered() {
   return topics::fields::idl_members(topics::fields::Pairs<Native>::list);
 }
 
-TEST_CASE("The lists of fields cover every member of the IDL types") {
-  CHECK(covered<ImuSample>() == member_count(sonopose_ImuSample_desc));
-  CHECK(covered<UltrasonicFix>() == member_count(sonopose_UltrasonicFix_desc));
-  CHECK(covered<PairHeading>() == member_count(sonopose_PairHeading_desc));
-  CHECK(covered<TwistSample>() == member_count(sonopose_TwistSample_desc));
-  CHECK(covered<StationaryBeacon>() == member_count(sonopose_StationaryBeacon_desc));
-  CHECK(covered<FusedPose>() == member_count(sonopose_FusedPose_desc));
-  CHECK(covered<FixReport>() == member_count(sonopose_FixReport_desc));
-  CHECK(covered<Estimate>() == member_count(sonopose_Estimate_desc));
-  CHECK(covered<BeaconStatus>() == member_count(sonopose_BeaconStatus_desc));
-  CHECK(covered<LineStatus>() == member_count(sonopose_LineStatus_desc));
-  CHECK(covered<FusionStatus>() == member_count(sonopose_FusionStatus_desc));
-  CHECK(covered<LogLine>() == member_count(sonopose_LogLine_desc));
-  CHECK(covered<TruthSample>() == member_count(sonopose_TruthSample_desc));
-  // plus the list of assignments
-  CHECK(covered<SettingsRequest>() + 1 == member_count(sonopose_SettingsRequest_desc));
-  CHECK(covered<SettingsReply>() == member_count(sonopose_SettingsReply_desc));
-  CHECK(covered<EffectiveSettings>() + 1 == member_count(sonopose_EffectiveSettings_desc));
+using Natives =
+    std::tuple<ImuSample, UltrasonicFix, PairHeading, TwistSample, StationaryBeacon, FusedPose, FixReport,
+               Estimate, BeaconStatus, LineStatus, LogLine, FusionStatus, TruthSample, SettingsReply>;
+
+/// Every field has a unique value, so a forgotten field (zero) and a confused one (another's value) are
+/// detected.
+TEMPLATE_LIST_TEST_CASE("Every field of a native type survives the conversion to IDL and back", "", Natives) {
+  using Pairs = topics::fields::Pairs<TestType>;
+  CHECK(covered<TestType>() == member_count(TopicTraits<typename Pairs::I>::descriptor()));
+  const auto for_each_pair = [](const auto& use) {
+    std::apply([&](const auto&... pair) { (use(pair), ...); }, Pairs::list);
+  };
+  Filler fill;
+  TestType sample;
+  for_each_pair([&](const auto& pair) {
+    auto& field = sample.*pair.native;
+    const bool is_new = field == TestType().*pair.native;  // no other pair has filled it
+    CHECK(is_new);
+    if constexpr (requires { pair.last; }) {
+      field = pair.last;
+    } else {
+      fill.all(field);
+    }
+  });
+  CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
+  for_each_pair([&](const auto& pair) {
+    if constexpr (requires { (sample.*pair.native).reset(); }) {
+      (sample.*pair.native).reset();
+      CHECK(topics::from_idl(topics::to_idl(sample)) == sample);
+    }
+  });
+}
+
+TEST_CASE("Every field of lists of settings survives the conversion to IDL and back") {
+  Filler fill;
+  const std::vector<SettingAssignment> list{
+      {"documented.drift.jump_alpha", "0.5"}, {"", ""}, {"mühle", "1 … 2"}};
+  SECTION("request") {
+    CHECK(covered<SettingsRequest>() + 1 == member_count(sonopose_SettingsRequest_desc));  // plus the list
+    SettingsRequest request;
+    fill.all(request.address, request.request_id, request.from_sequence);
+    request.assignments = list;
+    CHECK(topics::from_idl(topics::to_idl(request).sample()) == request);
+    request.assignments.clear();
+    CHECK(topics::from_idl(topics::to_idl(request).sample()) == request);
+  }
+  SECTION("effective settings") {
+    CHECK(covered<EffectiveSettings>() + 1 == member_count(sonopose_EffectiveSettings_desc));
+    EffectiveSettings settings;
+    fill.all(settings.address, settings.time_ns, settings.from_sequence);
+    settings.values = list;
+    CHECK(topics::from_idl(topics::to_idl(settings).sample()) == settings);
+  }
 }
 
 TEST_CASE("Texts and lists for other programs are bounded") {
