@@ -38,7 +38,7 @@ public:
         participant_(dds::ext::participant(options.domain)),
         observers_(dds::deadline_of(qos_.datareader_qos(topics::pose.profile)).count()),
         admission_({}, options.max_beacons),
-        subscriptions_(participant_, qos_, observers_, admission_, endpoints_, hook, options.has_reports),
+        subscriptions_({participant_, qos_, observers_, admission_, endpoints_, hook}, options.has_reports),
         lines_(participant_, qos_),
         pose_writers_(participant_) {}
 
