@@ -9,26 +9,17 @@
 
 namespace dds::inline sonopose_psm::sub {
 
-using core::detail::Access;
 using core::detail::check;
 
 namespace detail {
 
 std::shared_ptr<ReaderNode> make_node(const core::Reference& subscriber, const core::Reference& topic,
                                       const qos::DataReaderQos& qos) {
-  auto node = core::detail::Node::make<ReaderNode>(Access::owner(subscriber));
-  node->topic = Access::owner(topic);
-  node->qos = qos;
-  return node;
+  return core::detail::make_endpoint<ReaderNode>(subscriber, topic, qos);
 }
 
 void open(ReaderNode& reader, const core::detail::Callbacks& callbacks) {
-  auto& topic = static_cast<topic::detail::TopicNode&>(*reader.topic);
-  reader.handle(check("dds_create_reader", topic.name,
-                      dds_create_reader(reader.owner()->handle(), topic.handle(), reader.qos.c_qos().get(),
-                                        reader.listener == nullptr ? nullptr : callbacks.c())));
-  topic.add_user(reader.shared_from_this());
-  core::detail::read_qos(reader);
+  core::detail::open_endpoint(reader, "dds_create_reader", dds_create_reader, callbacks);
 }
 
 Fetched::Fetched(const core::detail::Node& node, const Selection& selection,

@@ -1,4 +1,4 @@
-// Participants, topics, publishers and subscribers.
+// Participants, topics, publishers, subscribers and writers.
 
 #include "dds/psm/effective_qos.hpp"
 #include <sonopose/dds/psm/ext.hpp>
@@ -89,6 +89,16 @@ std::shared_ptr<TopicNode> make_topic(const domain::DomainParticipant& participa
 }  // namespace topic::detail
 
 namespace pub {
+
+std::shared_ptr<detail::WriterNode> detail::make_node(const core::Reference& publisher,
+                                                      const core::Reference& topic,
+                                                      const qos::DataWriterQos& qos) {
+  return core::detail::make_endpoint<WriterNode>(publisher, topic, qos);
+}
+
+void detail::open(WriterNode& writer, const core::detail::Callbacks& callbacks) {
+  core::detail::open_endpoint(writer, "dds_create_writer", dds_create_writer, callbacks);
+}
 
 Publisher::Publisher(const domain::DomainParticipant& participant)
     : Publisher(participant, participant.default_publisher_qos()) {}
