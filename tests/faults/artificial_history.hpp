@@ -43,12 +43,11 @@ inline Published imu_at(SteadyTime sent) {
   return {sent, beacon, static_cast<std::uint64_t>(sent.ns / period_ns), host_zero_ns + sent.ns};
 }
 
-inline FusionReport report_at(double time_s, std::int32_t strength, std::uint64_t events_lost = 0) {
+inline FusionReport report_at(double time_s, std::int32_t strength) {
   FusionReport report{at(time_s), process_of(strength), {}};
   report.status.address = beacon;
   report.status.strength = strength;
   report.status.role = FusionRole::serving;
-  report.status.events_lost = events_lost;
   return report;
 }
 

@@ -34,9 +34,9 @@ public:
 
   /// Waits until `done(reports)` is true for the reports received so far. Returns false after the timeout.
   template <class Done>
-  bool wait_for_reports(const Done& done, std::chrono::milliseconds limit = test::timeout) const {
+  bool wait_for_reports(const Done& done) const {
     std::unique_lock lock(mutex_);
-    return came_.wait_for(lock, limit, [&] { return done(reports_); });
+    return came_.wait_for(lock, test::timeout, [&] { return done(reports_); });
   }
 
 private:

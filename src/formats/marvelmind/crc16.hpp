@@ -30,8 +30,9 @@ inline constexpr std::array<std::uint16_t, 256> crc16_table = make_crc16_table()
 
 }  // namespace detail
 
-/// Returns the checksum of `bytes`; `crc` is that of the preceding bytes.
-constexpr std::uint16_t crc16(std::span<const std::uint8_t> bytes, std::uint16_t crc = 0xFFFF) {
+/// Returns the checksum of `bytes`.
+constexpr std::uint16_t crc16(std::span<const std::uint8_t> bytes) {
+  std::uint16_t crc = 0xFFFF;
   for (const std::uint8_t byte : bytes) {
     crc = static_cast<std::uint16_t>((crc >> 8U) ^ detail::crc16_table[(crc ^ byte) & 0xFFU]);
   }

@@ -90,7 +90,7 @@ Header decode_header(Fields fields) {
 Footer decode_footer(Fields fields) {
   Footer footer;
   footer.summary_start = fields.number<std::uint64_t>("summary_start");
-  footer.summary_offset_start = fields.number<std::uint64_t>("summary_offset_start");
+  fields.number<std::uint64_t>("summary_offset_start");  // not used
   footer.summary_crc = fields.number<std::uint32_t>("summary_crc");
   return footer;
 }

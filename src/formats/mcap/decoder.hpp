@@ -116,7 +116,6 @@ struct AttachmentFields {
 
 struct Footer {
   std::uint64_t summary_start = 0;
-  std::uint64_t summary_offset_start = 0;
   std::uint32_t summary_crc = 0;
 };
 

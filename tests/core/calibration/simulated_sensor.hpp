@@ -39,11 +39,10 @@ inline std::vector<Vector3d> sides_and_corners_of_a_cube() {
   return directions;
 }
 
-/// Samples at `rate_hz`: 2 s still with each of `up_body` upwards, turns of 1 s in between.
+/// Samples at 100 Hz: 2 s still with each of `up_body` upwards, turns of 1 s in between.
 class SimulatedSensor {
 public:
-  SimulatedSensor(SensorErrors errors, std::uint64_t seed, double rate_hz = 100.0)
-      : errors_(std::move(errors)), random_(seed), dt_s_(1.0 / rate_hz) {}
+  SimulatedSensor(SensorErrors errors, std::uint64_t seed) : errors_(std::move(errors)), random_(seed) {}
 
   std::vector<ImuSample> hold_in_turn(const std::vector<Vector3d>& up_body) {
     Quaterniond q = geometry::rotation_between(up_body.front(), Vector3d::UnitZ());
@@ -88,7 +87,7 @@ private:
 
   SensorErrors errors_;
   sim::Random random_;
-  double dt_s_;
+  double dt_s_ = 0.01;
   std::vector<ImuSample> samples_;
 };
 

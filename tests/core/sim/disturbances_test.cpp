@@ -17,8 +17,8 @@ using namespace sonopose::sim;
 constexpr int many = 200'000;
 
 /// Four standard deviations of a measured share.
-double margin_of(double share, int count = many) {
-  return 4.0 * std::sqrt(share * (1.0 - share) / count);
+double margin_of(double share) {
+  return 4.0 * std::sqrt(share * (1.0 - share) / many);
 }
 
 struct Counted {

@@ -33,7 +33,6 @@ struct SerializedTopic {
   const char* name;       ///< such as "sonopose/imu"
   const char* type_name;  ///< such as "sonopose::ImuSample"
   bool has_beacon;        ///< true if the samples begin with the address of a beacon
-  bool has_beacon_key;    ///< true if this address is the whole key
 
   /// Makes a reader with the live profile, but without a deadline. `listener` must outlive it.
   SerializedReader (*make_reader)(const domain::DomainParticipant& participant, const qos::Provider& qos,

@@ -6,7 +6,6 @@
 #include <array>
 #include <string_view>
 #include <tuple>
-#include <type_traits>
 #include <utility>
 
 namespace sonopose::dds::topics {
@@ -60,11 +59,9 @@ SerializedTopic row() {
   constexpr bool has_beacon = requires(const T& sample) {
     sample.address;
   };
-  const dds_topic_descriptor_t& type = TopicTraits<T>::descriptor();
   return {.name = entry.name,
-          .type_name = type.m_typename,
+          .type_name = TopicTraits<T>::descriptor().m_typename,
           .has_beacon = has_beacon,
-          .has_beacon_key = has_beacon && type.m_nkeys == 1,
           .make_reader = make_reader_of<I>,
           .make_writer = make_writer_of<I>,
           .shift_times = shift_times<T>,

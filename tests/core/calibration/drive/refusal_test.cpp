@@ -32,13 +32,11 @@ DriveFit calibrated(const std::vector<Event>& events) {
 }
 
 /// A run on this path with a nonzero mount and delay.
-std::vector<Event> events_on(sim::Path (*path)(double time_s), std::uint64_t seed, double duration_s,
-                             bool pair_heading = true) {
+std::vector<Event> events_on(sim::Path (*path)(double time_s), std::uint64_t seed, double duration_s) {
   sim::Scenario scenario;
   scenario.path = path;
   scenario.sensors.pair_mount_offset_rad = 0.7;
   scenario.sensors.reported_delay_error_s = -0.03;
-  scenario.sensors.pair_heading = pair_heading;
   return sim::record(scenario, {.seed = seed, .duration_s = duration_s}).events;
 }
 

@@ -9,8 +9,6 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
-#include <cmath>
-#include <string>
 #include <vector>
 
 namespace stamps_test {

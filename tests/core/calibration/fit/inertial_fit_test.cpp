@@ -7,7 +7,6 @@
 
 #include <cmath>
 #include <limits>
-#include <tuple>
 
 namespace inertial_fit_test {
 

@@ -10,7 +10,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <tuple>
 #include <vector>
 
 namespace magnetometer_fit_test {

@@ -3,7 +3,6 @@
 
 #include <catch2/catch.hpp>
 
-#include <set>
 #include <tuple>
 
 namespace sonopose::dds::test::serialized_topics_test {
@@ -30,13 +29,10 @@ TEST_CASE("The table without types has every row of the diagram") {
     CHECK(imu == topics::find_topic(name));
   }
   CHECK(std::string(imu->type_name) == "sonopose::ImuSample");
-  CHECK(imu->has_beacon_key);
+  CHECK(imu->has_beacon);
   const auto* const line = topics::find_topic("line_status");
   REQUIRE(line != nullptr);
   CHECK_FALSE(line->has_beacon);
-  const auto* const fusion = topics::find_topic("fusion_status");
-  CHECK(fusion->has_beacon);
-  CHECK_FALSE(fusion->has_beacon_key);
   CHECK(topics::find_topic("sonopose/imus") == nullptr);
   const qos::Provider qos = project_qos();
   CHECK_FALSE(imu->is_latched(qos));
