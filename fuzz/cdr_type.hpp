@@ -63,14 +63,6 @@ public:
     ddsi_serdata_unref(data);
   }
 
-  [[nodiscard]] std::vector<std::uint8_t> bytes_of(const T& sample) const {
-    ddsi_serdata* const data = ddsi_serdata_from_sample(any_->type, SDK_DATA, &sample);
-    std::vector<std::uint8_t> bytes(ddsi_serdata_size(data));
-    ddsi_serdata_to_ser(data, 0, bytes.size(), bytes.data());
-    ddsi_serdata_unref(data);
-    return bytes;
-  }
-
 private:
   dds::topic::Topic<T> topic_;
   ddsi_serdata* any_ = nullptr;

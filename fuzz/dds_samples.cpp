@@ -7,7 +7,6 @@
 #include <sonopose/dds/topics/topics.hpp>
 
 #include <array>
-#include <functional>
 #include <tuple>
 
 using namespace sonopose;

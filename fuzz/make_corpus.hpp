@@ -2,9 +2,10 @@
 /// \file
 /// Common functions of fuzz_make_corpus.
 
-#include "cdr_type.hpp"
 #include "support.hpp"
+#include <sonopose/dds/psm/cdr.hpp>
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -32,9 +33,9 @@ inline void append(Bytes& bytes, std::span<const std::uint8_t> more) {
 /// Writes byte 0 of the input for fuzzers of serialized samples, then a sample.
 template <class T>
 void write_sample(const fs::path& folder, int index, const T& sample, const std::string& name) {
-  static const CdrType<T> type;
+  const std::vector<std::byte> cdr = dds::write_cdr(sample);
   Bytes bytes{static_cast<std::uint8_t>(index)};
-  append(bytes, type.bytes_of(sample));
+  append(bytes, {reinterpret_cast<const std::uint8_t*>(cdr.data()), cdr.size()});
   write(folder / name, bytes);
 }
 template <class T>

@@ -1,3 +1,4 @@
+#include "formats/mcap/memory.hpp"
 #include "make_corpus.hpp"
 #include "mcap/decoder.hpp"
 #include "mcap/encoder.hpp"
@@ -20,14 +21,7 @@
 namespace sonopose::fuzz {
 namespace {
 
-/// A sink that keeps the bytes of a file.
-class MemorySink final : public mcap::ByteSink {
-public:
-  void append(std::span<const std::byte> bytes) override { mcap::put_bytes(content, bytes); }
-  void reserve(std::uint64_t) override {}
-
-  mcap::Bytes content;
-};
+using test::MemorySink;
 
 void write_file(const fs::path& file, std::span<const std::byte> content) {
   write(file, {reinterpret_cast<const std::uint8_t*>(content.data()), content.size()});
@@ -102,11 +96,10 @@ public:
   /// Adds a sample at the next millisecond.
   template <class T>
   void add(const dds::topics::Entry<T>& topic, const T& sample, std::size_t cut_bytes = 0) {
-    static const CdrType<T> type;
-    const Bytes bytes = type.bytes_of(sample);
+    const std::vector<std::byte> bytes = dds::write_cdr(sample);
     const auto schema =
         writer_.add_schema(dds::TopicTraits<T>::descriptor().m_typename, "omgidl", schema_text);
-    const auto data = std::as_bytes(std::span(bytes)).first(bytes.size() - cut_bytes);
+    const auto data = std::span(bytes).first(bytes.size() - cut_bytes);
     log_time_ns_ += 1'000'000;
     writer_.write(
         {writer_.add_channel(schema, topic.name, encoding), ++sequence_, log_time_ns_, log_time_ns_, data});

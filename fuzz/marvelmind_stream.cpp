@@ -9,7 +9,6 @@
 #include "support.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <span>
 #include <string>
 
