@@ -48,12 +48,6 @@ bool is_read(const mcap::Channel& channel) {
   return is_input(channel) || is_command(channel.topic) || channel.topic == topics::truth.name;
 }
 
-std::string listed(const std::set<BeaconAddress>& addresses) {
-  std::string text;
-  for (const BeaconAddress address : addresses) text += (text.empty() ? "" : ", ") + std::to_string(address);
-  return text;
-}
-
 /// One beacon of one recording.
 class FileLog {
 public:
@@ -87,12 +81,12 @@ private:
                            topics::fix.name + " or " + topics::heading.name);
     }
     if (address && !found.contains(*address)) {
-      throw files::IoError(reader_.name() + ": has no beacon " + std::to_string(*address) + "; it has " +
-                           listed(found));
+      throw files::IoError(
+          fmt::format("{}: has no beacon {}; it has {}", reader_.name(), *address, fmt::join(found, ", ")));
     }
     if (!address && found.size() > 1) {
-      throw files::IoError(reader_.name() + ": has " + std::to_string(found.size()) +
-                           " beacons; choose one with --beacon: " + listed(found));
+      throw files::IoError(fmt::format("{}: has {} beacons; choose one with --beacon: {}", reader_.name(),
+                                       found.size(), fmt::join(found, ", ")));
     }
     return address.value_or(*found.begin());
   }

@@ -245,10 +245,8 @@ void check_single(const std::filesystem::path& folder) {
   }
   if (beacons.empty()) return;
   std::sort(beacons.begin(), beacons.end());
-  std::string names;
-  for (const std::string& name : beacons) names += (names.empty() ? "" : ", ") + name;
-  throw files::IoError(folder.string() + ": has the logs of several beacons: " + names +
-                       "; name one of them");
+  throw files::IoError(fmt::format("{}: has the logs of several beacons: {}; name one of them",
+                                   folder.string(), fmt::join(beacons, ", ")));
 }
 
 /// Reads the metadata and sets the address that the samples get.

@@ -7,6 +7,8 @@
 #include "files/toml/toml_leaves.hpp"
 #include "recording/log_columns.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <span>
 #include <utility>
@@ -23,15 +25,6 @@ constexpr std::string_view settings_table = "settings";
 
 std::string word_of(ImuMeaning meaning) {
   return std::string(imu_meaning_words.at(static_cast<std::size_t>(meaning)));
-}
-
-/// Returns "unknown, instant, mean".
-std::string all_meaning_words() {
-  std::string words;
-  for (const std::string_view word : imu_meaning_words) {
-    words.append(words.empty() ? "" : ", ").append(word);
-  }
-  return words;
 }
 
 /// Reads the leaves of one file.
@@ -66,7 +59,8 @@ private:
                                   ? imu_meaning_words.end()
                                   : std::find(imu_meaning_words.begin(), imu_meaning_words.end(), *word);
     if (known == imu_meaning_words.end()) {
-      fail(leaf, files::toml::text_of(leaf.value) + " is not one of " + all_meaning_words());
+      fail(leaf, fmt::format("{} is not one of {}", files::toml::text_of(leaf.value),
+                             fmt::join(imu_meaning_words, ", ")));
     }
     return static_cast<ImuMeaning>(known - imu_meaning_words.begin());
   }
