@@ -2,7 +2,6 @@
 
 #include <catch2/catch.hpp>
 
-#include <limits>
 #include <support/engine_driver.hpp>
 
 namespace engine_test {
@@ -115,50 +114,6 @@ TEST_CASE("an accepted track gives no velocity across its jump") {
   REQUIRE(driver.reports.size() > 60);
   for (const FixReport& report : driver.reports) CHECK(report.velocity_change_world_mps.norm() < 0.5);
   CHECK(driver.moments.back().pose.position_world_m.x() == Approx(2.0).margin(0.05));
-}
-
-TEST_CASE("a reset discards the state, raises reset_counter and keeps the counters") {
-  EngineDriver driver(Settings{}, test::departure(2.0), test::with_headings());
-  driver.run(6.0);
-  const EstimatorCounters before = driver.engine.counters();
-  REQUIRE(driver.moments.back().pose.reset_counter == 0);
-  driver.engine.reset();
-  CHECK(driver.engine.counters().imu_samples == before.imu_samples);
-  CHECK(driver.engine.counters().fixes_used == before.fixes_used);
-  const auto after_reset = driver.run(0.01);
-  CHECK(after_reset.pose.reset_counter == 1);
-  CHECK(after_reset.has(status_initialising));
-  const auto later = driver.run(2.0);
-  CHECK_FALSE(later.has(status_initialising));
-  CHECK(later.position_error_m() < 0.03);
-  CHECK(later.pose.reset_counter == 1);
-}
-
-TEST_CASE("an engine after a reset equals a new one, to the bit") {
-  EngineDriver fresh(Settings{}, test::departure(2.0, 0.1), test::with_headings(0.02));
-  EngineDriver used(Settings{}, test::departure(2.0, 0.1), test::with_headings(0.02));
-  EngineDriver elsewhere(Settings{}, test::constant_velocity(4.0), test::with_headings(0.02));
-  elsewhere.run(5.0);
-  used.engine = elsewhere.engine;
-  used.engine.reset();
-  fresh.run(6.0);
-  used.run(6.0);
-  for (std::size_t i = 0; i < fresh.moments.size(); ++i) {
-    REQUIRE(fresh.moments[i].pose.position_world_m == used.moments[i].pose.position_world_m);
-    REQUIRE(fresh.moments[i].pose.q_body_to_world.coeffs() == used.moments[i].pose.q_body_to_world.coeffs());
-  }
-}
-
-TEST_CASE("the same events give the same bits, also after a copy") {
-  EngineDriver one(Settings{}, test::departure(2.0, 0.1), test::with_headings(0.02));
-  one.run(5.0);
-  EngineDriver two = one;
-  one.run(5.0);
-  two.run(5.0);
-  for (std::size_t i = 0; i < one.moments.size(); ++i) {
-    REQUIRE(one.moments[i].pose.position_world_m == two.moments[i].pose.position_world_m);
-    REQUIRE(one.moments[i].pose.velocity_world_mps == two.moments[i].pose.velocity_world_mps);
-  }
 }
 
 TEST_CASE("the report on every fix is consistent") {

@@ -171,37 +171,6 @@ SCENARIO("a microsecond in the stamps decides nothing for long", "[accuracy]") {
   }
 }
 
-SCENARIO("a copy of an engine continues like the engine") {
-  GIVEN("an engine in motion and a copy of it, just before a fix") {
-    const sim::Recording walk = record("walk", 20.0);
-    const auto half = std::find_if(
-        walk.events.begin() + static_cast<std::ptrdiff_t>(walk.events.size() / 2), walk.events.end(),
-        [](const Event& event) { return std::holds_alternative<UltrasonicFix>(event); });
-    kalman::Engine engine{settings::Settings{}};
-    poses_of(engine, {walk.events.begin(), half});
-    kalman::Engine copy = engine;
-    WHEN("both receive the same events") {
-      int fixes_used = 0;
-      bool same = true;
-      std::for_each(half, walk.events.end(), [&](const Event& event) {
-        const EventResult expected = process(engine, event);
-        const EventResult result = process(copy, event);
-        if (const auto* report = std::get_if<FixReport>(&expected)) {
-          same = same && std::get<FixReport>(result) == *report;
-          if ((report->flags & fix_used) != 0) ++fixes_used;
-        }
-        engine.finish_pending_work();
-        copy.finish_pending_work();
-      });
-      THEN("every report and the state are the same") {
-        CHECK(fixes_used > 50);
-        CHECK(same);
-        CHECK(copy.snapshot() == engine.snapshot());
-      }
-    }
-  }
-}
-
 SCENARIO("a fix that is too old or known already says so") {
   GIVEN("an engine in motion") {
     const sim::Recording walk = record("walk", 10.0);
