@@ -84,25 +84,6 @@ TEST_CASE("a run ends before the first event that comes too late, and reads no f
   CHECK(available_at_ns(log.events[result.end.sequence]) > end_ns);
 }
 
-TEST_CASE("a run that continues from a saved state equals the whole run") {
-  const recording::SensorLog log = sample_log("outlier_bursts");
-  Outputs whole_outputs;
-  Outputs half_outputs;
-  const auto whole = run_and_record(log, {}, whole_outputs);
-  const auto first = run_and_record(log, {.until_s = 13.0}, half_outputs);
-  const auto second = run_and_record(log, {.start = first.end}, half_outputs);
-  CHECK(second.end == whole.end);
-  CHECK(first.events + second.events == whole.events);
-  CHECK(first.counters.fixes_used + second.counters.fixes_used == whole.counters.fixes_used);
-  REQUIRE(half_outputs.poses.size() == whole_outputs.poses.size());
-  for (std::size_t k = 0; k < whole_outputs.poses.size(); ++k) {
-    REQUIRE(half_outputs.poses[k].sequence == whole_outputs.poses[k].sequence);
-    REQUIRE(half_outputs.poses[k].position_world_m == whole_outputs.poses[k].position_world_m);
-    REQUIRE(half_outputs.poses[k].q_body_to_world.coeffs() ==
-            whole_outputs.poses[k].q_body_to_world.coeffs());
-  }
-}
-
 TEST_CASE("a fix has no effect before it was received") {
   recording::SensorLog log = sample_log("walk", 4.0);
   Outputs as_recorded;

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include <limits>
+#include <utility>
 
 namespace state_file_test {
 
@@ -48,18 +49,11 @@ TEST_CASE("a state comes back from its file to the last bit") {
 
 TEST_CASE("a run that continues from a file ends like the whole run") {
   const TemporaryFolder folder;
-  const recording::SensorLog log = sample_log("outages");
-  const auto whole = evaluation::run(log, {});
-  evaluation::save_state(folder / "state.json", evaluation::run(log, {.until_s = 7.7}).end);
-  const auto rest = evaluation::run(log, {.start = evaluation::load_state(folder / "state.json")});
-  CHECK(rest.end == whole.end);
-}
-
-TEST_CASE("a run of the Kalman engine that continues from a file ends like the whole run") {
-  const TemporaryFolder folder;
-  const recording::SensorLog log = sample_log("no_heading");
+  const auto [engine, scenario] = GENERATE(std::pair{settings::EngineKind::documented, "outages"},
+                                           std::pair{settings::EngineKind::kalman, "no_heading"});
+  const recording::SensorLog log = sample_log(scenario);
   evaluation::RunOptions options;
-  options.settings.engine.engine = settings::EngineKind::kalman;
+  options.settings.engine.engine = engine;
   const auto whole = evaluation::run(log, options);
   for (const double until_s : {0.03, 1.0, 4.62, 5.01, 7.7, 7.73, 7.77}) {
     CAPTURE(until_s);
