@@ -19,7 +19,6 @@
 #include <ctime>
 #include <exception>
 #include <optional>
-#include <stdexcept>
 
 namespace {
 

@@ -11,7 +11,6 @@
 #include <stdexcept>
 #include <string>
 #include <unistd.h>
-#include <utility>
 #include <vector>
 
 namespace sonopose::benchmarks {

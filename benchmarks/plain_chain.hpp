@@ -4,7 +4,6 @@
 
 #include <sonopose/samples/samples.hpp>
 
-#include <cstdint>
 #include <functional>
 
 struct sonopose_FusedPose;

@@ -3,7 +3,6 @@
 
 #include <sonopose/statistics/quantile.hpp>
 
-#include <cstddef>
 #include <vector>
 
 namespace sonopose::benchmarks {

@@ -12,8 +12,6 @@
 #include <sonopose/attitude/settings.hpp>
 #include <sonopose/attitude/tracker.hpp>
 
-#include <array>
-#include <cstdint>
 #include <variant>
 
 namespace sonopose::attitude {

@@ -2,7 +2,8 @@
 /// \file
 /// A second-order low-pass filter for vectors and matrices, at variable steps.
 
-#include <cmath>
+#include <Eigen/Core>
+
 #include <numbers>
 
 namespace sonopose::attitude {

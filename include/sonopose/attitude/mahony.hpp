@@ -7,9 +7,6 @@
 #include <sonopose/attitude/integrated_attitude.hpp>
 #include <sonopose/attitude/settings.hpp>
 
-#include <array>
-#include <cstdint>
-
 namespace sonopose::attitude {
 
 /// The filter's gyroscope offset is the negative of the integral.

@@ -1,7 +1,6 @@
 #include <sonopose/attitude/adaptive.hpp>
 
 #include <algorithm>
-#include <cmath>
 
 namespace sonopose::attitude {
 

@@ -4,7 +4,6 @@
 #include "sim/taylor.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
-#include <cmath>
 #include <numbers>
 
 namespace sonopose::sim {

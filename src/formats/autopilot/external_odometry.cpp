@@ -3,7 +3,6 @@
 #include <sonopose/geometry/cross_matrix.hpp>
 #include <sonopose/ros2/messages/covariance.hpp>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 

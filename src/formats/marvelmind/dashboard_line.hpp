@@ -15,7 +15,6 @@
 #include "marvelmind/packet.hpp"
 #include <sonopose/samples/time.hpp>
 
-#include <optional>
 #include <string_view>
 
 namespace sonopose::marvelmind {

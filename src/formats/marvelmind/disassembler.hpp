@@ -6,7 +6,6 @@
 #include "marvelmind/sink_ref.hpp"
 #include <sonopose/samples/samples.hpp>
 
-#include <cstdint>
 #include <optional>
 
 namespace sonopose::marvelmind {

@@ -4,7 +4,6 @@
 
 #include "mcap/records.hpp"
 
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>

@@ -10,7 +10,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <limits>
 #include <span>
 #include <string>

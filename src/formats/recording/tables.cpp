@@ -16,7 +16,6 @@
 #include <string_view>
 #include <system_error>
 #include <utility>
-#include <variant>
 
 namespace sonopose::recording {
 namespace {

@@ -4,12 +4,10 @@
 
 #include "security/permissions.hpp"
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string>
-#include <vector>
 
 namespace sonopose::security {
 

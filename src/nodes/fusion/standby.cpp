@@ -1,7 +1,6 @@
 #include "fusion/standby.hpp"
 
 #include <algorithm>
-#include <limits>
 
 namespace sonopose::fusion {
 

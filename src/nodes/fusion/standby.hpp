@@ -7,7 +7,6 @@
 #include <sonopose/samples/status.hpp>
 
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <unordered_map>
 #include <vector>

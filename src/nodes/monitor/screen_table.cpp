@@ -7,9 +7,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
-#include <vector>
 
 namespace sonopose::monitor {
 namespace {

@@ -7,7 +7,6 @@
 #include "recorder/topic_tap.hpp"
 
 #include <cstddef>
-#include <cstdint>
 #include <deque>
 #include <optional>
 #include <vector>

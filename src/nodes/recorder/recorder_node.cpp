@@ -2,7 +2,6 @@
 
 #include "bus_log/instance_end.hpp"
 #include "clocks/clocks.hpp"
-#include "files/error.hpp"
 #include "logging/log.hpp"
 #include "process/host_name.hpp"
 #include "process/service.hpp"

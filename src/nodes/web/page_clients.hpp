@@ -6,7 +6,6 @@
 #include "web/http/server.hpp"
 #include <sonopose/samples/samples.hpp>
 
-#include <cstdint>
 #include <deque>
 #include <functional>
 #include <map>

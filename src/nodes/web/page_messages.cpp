@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include <array>
-#include <type_traits>
 
 namespace sonopose::web {
 namespace {

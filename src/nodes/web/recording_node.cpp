@@ -7,7 +7,6 @@
 #include "web/site_files.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <string_view>
 #include <vector>
 

@@ -8,7 +8,6 @@
 #include <map>
 #include <string>
 #include <sys/types.h>
-#include <vector>
 
 namespace sonopose::web {
 

@@ -28,9 +28,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <map>
-#include <memory>
 #include <string_view>
 #include <utility>
 #include <vector>

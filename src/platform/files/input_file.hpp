@@ -2,7 +2,6 @@
 /// \file
 /// Opens and reads files that a user has given.
 
-#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <string>

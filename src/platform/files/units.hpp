@@ -6,7 +6,6 @@
 /// Long cells are therefore read as long double, and the writer uses that many digits if fewer do not read
 /// back to the same bits.
 
-#include <cstddef>
 #include <numbers>
 #include <optional>
 #include <string>

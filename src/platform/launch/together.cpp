@@ -22,7 +22,6 @@
 #include <sys/wait.h>
 #include <system_error>
 #include <unistd.h>
-#include <utility>
 
 // The header of glibc 2.36 lacks extern "C".
 extern "C" {

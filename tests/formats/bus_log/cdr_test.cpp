@@ -4,8 +4,6 @@
 
 #include <catch2/catch.hpp>
 
-#include <cstring>
-
 namespace sonopose::cdr_test {
 
 using dds::CdrSample;

@@ -5,7 +5,6 @@
 #include <sonopose/idl/field_visitors.hpp>
 
 #include <cstdio>
-#include <string>
 #include <type_traits>
 
 namespace sonopose::test {

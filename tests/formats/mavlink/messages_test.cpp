@@ -6,7 +6,6 @@
 
 #include <cmath>
 #include <cstring>
-#include <vector>
 
 namespace mavlink_messages_test {
 

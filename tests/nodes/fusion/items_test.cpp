@@ -11,7 +11,6 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
-#include <cmath>
 #include <map>
 #include <set>
 #include <string>

@@ -4,8 +4,6 @@
 
 #include <catch2/catch.hpp>
 
-#include <cmath>
-
 namespace live_settings_test {
 
 using namespace sonopose;

@@ -8,7 +8,6 @@
 
 #include <catch2/catch.hpp>
 
-#include <span>
 #include <string>
 
 namespace sonopose::recorder::test::topic_tap_test {

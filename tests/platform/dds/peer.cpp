@@ -7,7 +7,6 @@
 
 #include <sonopose/dds/topics/topics.hpp>
 
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>

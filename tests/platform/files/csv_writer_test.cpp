@@ -7,7 +7,6 @@
 
 #include <array>
 #include <limits>
-#include <string>
 
 namespace csv_writer_test {
 

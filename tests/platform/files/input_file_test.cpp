@@ -2,7 +2,6 @@
 
 #include "files/input_file.hpp"
 
-#include "files/error.hpp"
 #include "files/line_reader.hpp"
 #include "files/random_access_file.hpp"
 #include "support/temporary_folder.hpp"

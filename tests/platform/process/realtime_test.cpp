@@ -6,7 +6,6 @@
 #include <cerrno>
 #include <fcntl.h>
 #include <map>
-#include <stdexcept>
 #include <unistd.h>
 
 namespace realtime_test {

@@ -7,9 +7,6 @@
 #include <sonopose/samples/samples.hpp>
 #include <sonopose/settings/settings.hpp>
 
-#include <array>
-#include <string_view>
-
 namespace sonopose::estimation::documented {
 
 using settings::DelaySettings;

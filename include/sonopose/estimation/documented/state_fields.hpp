@@ -6,7 +6,6 @@
 #include <sonopose/estimation/documented/state.hpp>
 #include <sonopose/samples/field_fault.hpp>
 
-#include <concepts>
 #include <optional>
 
 namespace sonopose::estimation::documented {

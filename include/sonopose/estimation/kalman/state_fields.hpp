@@ -5,9 +5,7 @@
 #include <sonopose/estimation/kalman/engine.hpp>
 #include <sonopose/samples/field_fault.hpp>
 
-#include <concepts>
 #include <optional>
-#include <type_traits>
 
 namespace sonopose::estimation::kalman {
 

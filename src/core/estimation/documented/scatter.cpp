@@ -1,7 +1,6 @@
 #include <sonopose/estimation/documented/scatter.hpp>
 
 #include <algorithm>
-#include <cmath>
 
 namespace sonopose::estimation::documented::scatter {
 

@@ -4,7 +4,6 @@
 #include <sonopose/geometry/rotation.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>

@@ -5,7 +5,6 @@
 #include <Eigen/LU>
 
 #include <algorithm>
-#include <cmath>
 
 namespace sonopose::estimation::offline {
 

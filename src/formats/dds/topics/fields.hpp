@@ -8,7 +8,6 @@
 #include <sonopose/samples/samples.hpp>
 
 #include <algorithm>
-#include <concepts>
 #include <cstring>
 #include <optional>
 #include <stdexcept>

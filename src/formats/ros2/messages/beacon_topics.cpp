@@ -8,7 +8,6 @@
 #include <map>
 #include <set>
 #include <stdexcept>
-#include <string_view>
 
 namespace sonopose::ros2 {
 namespace {

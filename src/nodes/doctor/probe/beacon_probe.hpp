@@ -16,7 +16,6 @@
 #include <map>
 #include <optional>
 #include <set>
-#include <utility>
 #include <vector>
 
 namespace sonopose::doctor::probe {

@@ -12,7 +12,6 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <optional>
 #include <string_view>
 
 namespace sonopose::doctor::rules {

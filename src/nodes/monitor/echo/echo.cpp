@@ -11,9 +11,7 @@
 
 #include <algorithm>
 #include <csignal>
-#include <cstdio>
 #include <stdexcept>
-#include <string_view>
 #include <tuple>
 #include <unistd.h>
 

@@ -4,7 +4,6 @@
 
 #include "process/stop_signal.hpp"
 
-#include <string>
 #include <string_view>
 
 namespace sonopose::monitor::echo {

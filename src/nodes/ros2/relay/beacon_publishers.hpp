@@ -20,7 +20,6 @@
 #include <deque>
 #include <optional>
 #include <string>
-#include <vector>
 
 namespace sonopose::ros2::relay {
 

@@ -5,7 +5,6 @@
 #include <sonopose/samples/samples.hpp>
 
 #include <optional>
-#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>

@@ -9,7 +9,6 @@
 
 #include <bitset>
 #include <cstddef>
-#include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>

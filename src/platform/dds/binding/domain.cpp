@@ -9,7 +9,6 @@
 #include <map>
 #include <mutex>
 #include <stdexcept>
-#include <utility>
 
 namespace sonopose::dds {
 namespace {

@@ -1,7 +1,6 @@
 #include <sonopose/dds/psm/discovery.hpp>
 
 #include <charconv>
-#include <string_view>
 #include <utility>
 
 namespace sonopose::dds {

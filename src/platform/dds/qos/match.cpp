@@ -5,8 +5,6 @@
 #include <charconv>
 #include <cstddef>
 #include <fnmatch.h>
-#include <optional>
-#include <string_view>
 #include <utility>
 
 namespace sonopose::dds::qos {

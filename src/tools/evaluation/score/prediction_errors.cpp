@@ -10,7 +10,6 @@
 #include <cmath>
 #include <limits>
 #include <unordered_map>
-#include <utility>
 
 namespace sonopose::evaluation {
 namespace {

@@ -14,7 +14,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <variant>
 #include <vector>
 
 namespace kalman_inputs_test {

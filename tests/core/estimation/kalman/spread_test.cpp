@@ -9,7 +9,6 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
-#include <cstddef>
 #include <variant>
 
 namespace kalman_spread_test {

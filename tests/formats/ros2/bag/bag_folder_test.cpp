@@ -3,7 +3,6 @@
 #include "ros2/bag/bag_folder.hpp"
 
 #include "bus_log/sensor_log.hpp"
-#include "files/error.hpp"
 #include "ros2/bag/drives.hpp"
 #include "support/temporary_folder.hpp"
 

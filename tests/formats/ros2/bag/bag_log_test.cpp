@@ -4,7 +4,6 @@
 
 #include "bus_log/recorded.hpp"
 #include "bus_log/sensor_log.hpp"
-#include "files/error.hpp"
 #include "mcap/compression.hpp"
 #include "ros2/bag/drives.hpp"
 #include "support/temporary_folder.hpp"

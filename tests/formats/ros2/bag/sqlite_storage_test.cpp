@@ -1,8 +1,6 @@
 /// Recordings of rosbag2 in SQLite.
 
 #include "bus_log/sensor_log.hpp"
-#include "files/error.hpp"
-#include "ros2/bag/bag_log.hpp"
 #include "ros2/bag/drives.hpp"
 #include "support/temporary_folder.hpp"
 

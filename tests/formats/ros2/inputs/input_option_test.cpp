@@ -4,8 +4,6 @@
 
 #include <catch2/catch.hpp>
 
-#include <stdexcept>
-
 namespace input_option_test {
 
 using namespace sonopose;

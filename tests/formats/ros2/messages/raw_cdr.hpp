@@ -8,7 +8,6 @@
 #include <dds/dds.h>
 #include <dds/ddsi/ddsi_serdata.h>
 
-#include <chrono>
 #include <cstdint>
 #include <stdexcept>
 #include <vector>

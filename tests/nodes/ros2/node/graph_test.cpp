@@ -11,7 +11,6 @@
 #include <atomic>
 #include <memory>
 #include <string>
-#include <vector>
 
 namespace sonopose::graph_test {
 

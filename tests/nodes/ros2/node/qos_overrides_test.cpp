@@ -3,8 +3,6 @@
 
 #include <catch2/catch.hpp>
 
-#include <stdexcept>
-
 namespace sonopose::qos_overrides_test {
 
 using ros2::QosOverrides;

@@ -3,7 +3,6 @@
 #include <catch2/catch.hpp>
 
 #include <limits>
-#include <numbers>
 
 namespace odometry_buffer_test {
 

@@ -11,10 +11,8 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
-#include <limits>
 #include <string>
 #include <tuple>
-#include <utility>
 #include <vector>
 
 namespace sonopose::source_test {

@@ -2,7 +2,6 @@
 
 #include <catch2/catch.hpp>
 
-#include <stdexcept>
 #include <vector>
 
 namespace startup_settings_test {

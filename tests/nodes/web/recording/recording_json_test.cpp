@@ -1,7 +1,6 @@
 #include "web/recording/recording_json.hpp"
 
 #include "bus_log/recorded.hpp"
-#include "files/error.hpp"
 #include "sim/simulator.hpp"
 #include "support/temporary_folder.hpp"
 #include "web/status_samples.hpp"

@@ -2,8 +2,6 @@
 
 #include <catch2/catch.hpp>
 
-#include <stdexcept>
-
 namespace sonopose::dds::test::network_interfaces_test {
 
 using Catch::Contains;

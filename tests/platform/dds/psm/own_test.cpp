@@ -7,7 +7,6 @@
 
 #include <atomic>
 #include <chrono>
-#include <compare>
 #include <cstdlib>
 #include <memory>
 #include <thread>

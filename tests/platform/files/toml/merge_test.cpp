@@ -1,6 +1,5 @@
 #include "files/toml/merge.hpp"
 
-#include "files/error.hpp"
 #include "files/toml/toml_leaves.hpp"
 #include "support/temporary_folder.hpp"
 

@@ -14,8 +14,6 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include <vector>
-
 namespace drive_calibration_test {
 
 using namespace sonopose;

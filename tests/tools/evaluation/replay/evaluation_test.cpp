@@ -14,7 +14,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <optional>
 
 namespace evaluation_test {
 

@@ -1,6 +1,5 @@
 #include "evaluation/report/output_folder.hpp"
 
-#include "files/error.hpp"
 #include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>

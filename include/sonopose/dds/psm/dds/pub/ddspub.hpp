@@ -8,7 +8,6 @@
 #include "../core/detail/EntityQos.hpp"
 #include "../topic/ddstopic.hpp"
 
-#include <cstdint>
 #include <memory>
 #include <utility>
 
