@@ -40,8 +40,7 @@ SCENARIO("changes of parameters end at the stop") {
   GIVEN("no fusion, and parameters of several beacons") {
     const test::TestDomain domain;
     settings_client::SettingsClient client({.domain_id = domain.id()}, {});
-    Log log;
-    ParameterChanges changes(client, log);
+    ParameterChanges changes(client);
     std::vector<std::string> names;
     for (int i = 1; i <= 5; ++i) names.push_back("beacon_" + std::to_string(i) + ".documented.trust.n_min");
     std::vector<ros2::Parameter> parameters;
