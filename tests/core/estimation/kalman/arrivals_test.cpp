@@ -142,7 +142,7 @@ SCENARIO("a microsecond in the stamps decides nothing for long", "[accuracy]") {
     constexpr double visible_m = 1e-3;
     int visible_runs = 0;
     double longest_s = 0.0;
-    for (std::uint32_t i = 0; i < test::seeds(50, 200); ++i) {
+    for (std::uint32_t i = 0; i < test::seeds(25, 200); ++i) {
       const std::array scenarios{"walk", "kart", "outlier_bursts", "hall", "no_heading"};
       const sim::Recording run = record(scenarios[i % scenarios.size()], 20.0, 3001 + i);
       kalman::Engine engine{settings::Settings{}};

@@ -121,7 +121,7 @@ void add_run(Consistency& consistency, const sim::Scenario& scenario, std::uint6
 }
 
 SCENARIO("the Kalman engine knows how uncertain it is", "[accuracy]") {
-  const unsigned runs = test::seeds(30, 100);
+  const unsigned runs = test::seeds(20, 100);
   GIVEN("runs of ordinary motion that nothing was tuned on") {
     const std::string name = GENERATE("walk", "forklift", "kart", "drone");
     const bool known_noise = GENERATE(false, true);
