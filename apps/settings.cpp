@@ -127,7 +127,8 @@ int main(int argc, char** argv) {
 
   auto* setting = add_command(app, options, "set", "Change settings: all of the given ones, or none");
   setting->add_option("KEY=VALUE", options.words, "New values")->required();
-  setting->add_option("--from-event", options.from_event, "First event that uses them (default: the next)");
+  setting->add_option("--from-event", options.from_event, "First event that uses them (default: the next)")
+      ->check(apps::natural_number(1'000'000'000'000'000));
 
   auto* watching = add_command(app, options, "watch", "Print each change when it takes effect");
   watching->add_flag("--json", options.json, "Print one JSON object per change");

@@ -289,8 +289,8 @@ CLI::Validator readable_by(std::function<void(const std::string&)> read) {
           ""};
 }
 
-CLI::Validator natural_number() {
-  return CLI::Range(std::uint64_t{0}, std::uint64_t{1'000'000'000});
+CLI::Validator natural_number(std::uint64_t max) {
+  return CLI::Range(std::uint64_t{0}, max);
 }
 
 void end_with(int code) {

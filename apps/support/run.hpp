@@ -40,8 +40,8 @@ CLI::Validator size_between(double min_bytes, double max_bytes = 1e18);
 /// Accepts a text that `read` reads without std::invalid_argument.
 CLI::Validator readable_by(std::function<void(const std::string&)> read);
 
-/// Accepts an integer from 0 to 10⁹, such as a seed. Without a limit, CLI11 reads -1 as the largest number.
-CLI::Validator natural_number();
+/// Accepts an integer from 0 to `max`, such as a seed. Without a limit, CLI11 reads -1 as the largest number.
+CLI::Validator natural_number(std::uint64_t max = 1'000'000'000);
 
 /// Exit code for a file of settings or options that cannot be used: EX_CONFIG of sysexits.h. A service
 /// manager need not try again.

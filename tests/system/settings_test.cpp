@@ -253,6 +253,12 @@ SCENARIO("a misspelt key is refused at once, with and without a running fusion")
   CHECK_THAT(get.error, Contains("'trust.sigma'") && Contains("'documented.trust.sigma_m'"));
 }
 
+SCENARIO("a change from an event that never comes is refused") {
+  const Result set = Bus().settings({"set", "frozen.moved_m=0.4", "--from-event", "-1"});
+  CHECK(set.code == 105);
+  CHECK_THAT(set.error, Contains("--from-event") && Contains("range"));
+}
+
 SCENARIO("watch prints changes as they happen") {
   LiveSystem live;
   const auto lines = live.bus.settings_watch({"--beacon", "7"});
