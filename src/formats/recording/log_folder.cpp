@@ -108,11 +108,12 @@ public:
     if (left_out_ == 0) return {};
     return {
         fmt::format("{}: {} of {} IMU samples are left out: stamped ahead of those that follow, the first "
-                    "by {:.0f} s",
+                    "by {:.1f} s",
                     name, left_out_, passed_ + left_out_, first_ahead_s_)};
   }
 
 private:
+  static constexpr std::size_t max_ahead = 63;
   static constexpr std::size_t max_after = 128;
   static constexpr std::uint64_t far_ns = 1'000'000'000;
 
@@ -128,10 +129,10 @@ private:
     }
   }
 
-  /// The median stamp of the following samples, if the first in view is far ahead of them and of the sample
-  /// before, and they step back: neither a silence nor a file in reverse order.
+  /// The stamp at which a file goes on after samples that are stamped ahead, if the first in view is one: far
+  /// ahead of it and of the sample before. Neither a silence nor a file in reverse order has one.
   [[nodiscard]] std::optional<TimeNs> stamp_ahead_of() const {
-    if (in_view_.size() < 2) return std::nullopt;
+    if (in_view_.empty()) return std::nullopt;
     const TimeNs stamp_ns = in_view_.front().sensor_time_ns;
     if (before_ns_ && !is_later_by_more(stamp_ns, *before_ns_, far_ns)) return std::nullopt;
     const auto step_back = std::adjacent_find(
@@ -140,10 +141,13 @@ private:
         });
     if (step_back == in_view_.end()) return std::nullopt;
     std::vector<TimeNs> after_ns;
-    for (std::size_t i = 1; i < in_view_.size(); ++i) after_ns.push_back(in_view_[i].sensor_time_ns);
-    const auto median = after_ns.begin() + static_cast<std::ptrdiff_t>((after_ns.size() - 1) / 2);
-    std::nth_element(after_ns.begin(), median, after_ns.end());
-    return is_later_by_more(stamp_ns, *median, far_ns) ? std::optional(*median) : std::nullopt;
+    for (auto each = step_back + 1; each != in_view_.end(); ++each) after_ns.push_back(each->sensor_time_ns);
+    const auto ahead = static_cast<std::size_t>(step_back - in_view_.begin()) + 1;
+    if (ahead > max_ahead || ahead > after_ns.size()) return std::nullopt;
+    const std::size_t wrong = std::max<std::size_t>(1, after_ns.size() / 10);  // some may be behind
+    const auto next = after_ns.begin() + static_cast<std::ptrdiff_t>(std::min(wrong, after_ns.size() - 1));
+    std::nth_element(after_ns.begin(), next, after_ns.end());
+    return is_later_by_more(stamp_ns, *next, far_ns) ? std::optional(*next) : std::nullopt;
   }
 
   ImuSamples samples_;

@@ -284,7 +284,7 @@ SCENARIO("streams are merged by availability, and no file's order is changed") {
           "log", {imu_at(far), imu_at(20), imu_at(far), imu_at(30), imu_at(40)}, {}, {});
       CHECK(log.warnings == std::vector<std::string>{
                                 "log: 2 of 5 IMU samples are left out: stamped ahead of those that follow, "
-                                "the first by 1000 s"});
+                                "the first by 1000.0 s"});
     }
   }
   GIVEN("fifty stamps in a row that are an hour ahead") {
@@ -295,6 +295,22 @@ SCENARIO("streams are merged by availability, and no file's order is changed") {
     }
     THEN("they alone are left out") {
       CHECK(merged(imu, {}, {}).size() == 450);
+    }
+  }
+  GIVEN("stamps that are ahead by a second and a half, or by two") {
+    const auto left_out = [](int count, TimeNs ahead_ns) {
+      std::vector<ImuSample> imu;
+      for (int i = 0; i < 500; ++i) {
+        const bool is_wrong = i >= 200 && i < 200 + count;
+        imu.push_back(imu_at(1 + i * 10'000'000LL + (is_wrong ? ahead_ns : 0)));
+      }
+      return 500 - static_cast<int>(merged(imu, {}, {}).size());
+    };
+    THEN("up to 63 of them are left out") {
+      CHECK(left_out(1, 1'500'000'000) == 1);
+      CHECK(left_out(63, 2'000'000'000) == 63);
+      CHECK(left_out(64, 2'000'000'000) == 0);
+      CHECK(left_out(1, 900'000'000) == 0);
     }
   }
   GIVEN("an IMU whose clock is set back by an hour, and one whose rows are in reverse order") {
