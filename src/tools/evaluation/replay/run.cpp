@@ -11,6 +11,26 @@
 #include <stdexcept>
 
 namespace sonopose::evaluation {
+
+std::uint64_t digest_of(const Event& event) {
+  estimation::Digest digest;
+  digest.add(static_cast<std::uint64_t>(available_at_ns(event)));
+  const auto add = [&digest](const Vector3d& value) {
+    for (const double coordinate : value) digest.add(coordinate);
+  };
+  if (const auto* imu = std::get_if<ImuSample>(&event)) {
+    add(imu->angular_velocity_body_radps);
+    add(imu->specific_force_body_mps2);
+  } else if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
+    add(fix->position_world_m);
+  } else if (const auto* heading = std::get_if<PairHeading>(&event)) {
+    digest.add(heading->heading_world_rad);
+  } else if (const auto* twist = std::get_if<TwistSample>(&event)) {
+    add(twist->velocity_body_mps);
+  }
+  return digest.value();
+}
+
 namespace {
 
 class Results {
@@ -111,6 +131,8 @@ void run_through(const recording::SensorLog& log, const RunOptions& options, Res
   RunResult& result = results.result();
   const TimeNs begin_ns = available_at_ns(log.events.front());
   std::uint64_t last_sequence = options.start ? options.start->sequence : 0;
+  std::uint64_t last_digest = options.start ? options.start->last_event : 0;
+  const Event* last = nullptr;
   const std::uint64_t skipped = last_sequence;
   std::optional<TimeNs> first_ns;
   TimeNs last_ns = 0;
@@ -131,12 +153,17 @@ void run_through(const recording::SensorLog& log, const RunOptions& options, Res
       if (imu->sensor_time_ns < last_imu_ns) ++result.imu_stamps_back;
       last_imu_ns = imu->sensor_time_ns;
     }
-    last_sequence = sequence_of(event);
+    last = &event;
     if (!first_ns) first_ns = now_ns;
     last_ns = std::max(last_ns, now_ns);
   }
   if (first_ns) result.duration_s = seconds_between(*first_ns, last_ns);
+  if (last != nullptr) {
+    last_sequence = sequence_of(*last);
+    last_digest = digest_of(*last);
+  }
   result.end.sequence = last_sequence;
+  result.end.last_event = last_digest;
   result.end.beacon = address_of(log.events.front());
   result.end.first_event_ns = begin_ns;
 }

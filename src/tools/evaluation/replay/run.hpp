@@ -29,12 +29,16 @@ namespace sonopose::evaluation {
 /// The state of an estimator between two events of a recording.
 struct SavedState {
   estimation::AnySnapshot snapshot;
-  std::uint64_t sequence = 0;  ///< number of the last processed event; 0 before the first
-  BeaconAddress beacon = 0;    ///< address of the recording's beacon
-  TimeNs first_event_ns = 0;   ///< time of the recording's first event
+  std::uint64_t sequence = 0;    ///< number of the last processed event; 0 before the first
+  BeaconAddress beacon = 0;      ///< address of the recording's beacon
+  TimeNs first_event_ns = 0;     ///< time of the recording's first event
+  std::uint64_t last_event = 0;  ///< digest of the last processed event; 0 before the first
 
   bool operator==(const SavedState&) const = default;
 };
+
+/// Digest of an event's time and values.
+std::uint64_t digest_of(const Event& event);
 
 struct RunOptions {
   settings::Settings settings{};

@@ -94,6 +94,7 @@ std::string state_text(const SavedState& saved) {
   file["sequence"] = saved.sequence;
   file["beacon"] = saved.beacon;
   file["first_event_ns"] = saved.first_event_ns;
+  file["last_event"] = saved.last_event;
   file["estimator"] = choices_of(kind).at(static_cast<std::size_t>(kind));
   file["reset_counter"] = estimation::reset_counter_of(saved.snapshot);
   for_each_counter(estimation::counters_of(saved.snapshot),
@@ -111,6 +112,7 @@ SavedState parse_state(std::string_view text, const std::string& name) {
   saved.beacon = static_cast<BeaconAddress>(beacon);
   if (saved.beacon != beacon) file.fail("beacon", "is " + std::to_string(beacon) + ", which is no address");
   file.read("first_event_ns", saved.first_event_ns);
+  saved.last_event = file.count("last_event");
   settings::EngineKind kind{};
   file.read("estimator", kind);
   saved.snapshot = estimation::initial_snapshot(kind);
@@ -158,6 +160,10 @@ void check_fits(const SavedState& saved, const recording::SensorLog& log, const 
   if (saved.beacon != address_of(first)) differs("beacon", saved.beacon, address_of(first));
   if (saved.first_event_ns != available_at_ns(first)) {
     differs("first_event_ns", saved.first_event_ns, available_at_ns(first));
+  }
+  for (const Event& event : log.events) {
+    if (sequence_of(event) != saved.sequence) continue;
+    if (digest_of(event) != saved.last_event) differs("last_event", saved.last_event, digest_of(event));
   }
 }
 

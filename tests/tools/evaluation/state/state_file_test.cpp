@@ -93,6 +93,9 @@ TEST_CASE("a state fits the recording of its run, and no other") {
   CHECK_THROWS_WITH(
       evaluation::check_fits(saved, another, "s.json"),
       Contains("s.json: first_event_ns: is " + std::to_string(saved.first_event_ns)) && Contains("is 5"));
+  // Simulated recordings begin at the same time.
+  CHECK_THROWS_WITH(evaluation::check_fits(saved, sample_log("kart", 2.0), "s.json"),
+                    Contains("s.json: last_event: is ") && Contains("it is of another recording"));
 }
 
 TEST_CASE("numbers that are hard to write come back as they were") {
