@@ -1,5 +1,6 @@
 // sonopose-tune: searches for settings with a lower error on scenarios and recordings.
 
+#include "config/beacon_settings.hpp"
 #include "evaluation/replay/evaluation.hpp"
 #include "evaluation/replay/search.hpp"
 #include "logging/log.hpp"
@@ -47,7 +48,13 @@ void add_options(CLI::App& app, Options& options) {
 void check_read(const std::vector<evaluation::Variable>& variables, const settings::Settings& settings) {
   const bool is_documented = settings.engine.engine == settings::EngineKind::documented;
   const auto unread = is_documented ? settings::ReadBy::kalman : settings::ReadBy::documented;
+  const std::string weight = settings::to_text(settings::get(settings, "documented.imu_weight"));
   for (const evaluation::Variable& variable : variables) {
+    if (is_documented && weight != "user" && config::is_preset_key(variable.key)) {
+      throw config::ConfigError(
+          fmt::format("--vary {}: documented.imu_weight = {} sets it; add --set documented.imu_weight=user",
+                      variable.key, weight));
+    }
     if (settings::setting_info(variable.key).read_by != unread) continue;
     const std::string_view reader = is_documented ? "kalman" : "documented";
     throw config::ConfigError(fmt::format(

@@ -101,6 +101,15 @@ SCENARIO("a search prints settings that are effective for the selected beacon") 
         rmse_of({"--config", config, "--beacon", "9", "--set", "beacon.9.documented.trust.sigma_m=0.3"}));
 }
 
+SCENARIO("a search of a setting that another one replaces is refused") {
+  const Result result = run(SONOPOSE_TEST_TUNE, {"walk", "--set", "fusion.engine=documented", "--vary",
+                                                 "documented.drift.jump_alpha"});
+  CHECK(result.code != 0);
+  CHECK_THAT(result.error,
+             Contains("--vary documented.drift.jump_alpha: documented.imu_weight = medium sets it; add --set "
+                      "documented.imu_weight=user"));
+}
+
 SCENARIO("own logs are scored with and without truth, alone, and what is left out is named") {
   GIVEN("a log named like a scenario, the same without truth, one without fixes and a damaged one") {
     const TemporaryFolder folder;
