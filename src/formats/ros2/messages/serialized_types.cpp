@@ -1,5 +1,6 @@
 #include <sonopose/ros2/messages/idl_types.hpp>
 #include <sonopose/ros2/messages/serialized_types.hpp>
+#include <sonopose/ros2/messages/service_types.hpp>
 
 #include <fmt/format.h>
 
@@ -39,7 +40,7 @@ auto types_of() {
 
 std::span<const SerializedType> serialized_types() {
   static const auto types = types_of<Clock, PointStamped, PoseWithCovarianceStamped, Imu, MagneticField,
-                                     Odometry, Path, TFMessage, DiagnosticArray>();
+                                     Odometry, Path, TFMessage, DiagnosticArray, LogMessage, ParameterEvent>();
   return types;
 }
 
