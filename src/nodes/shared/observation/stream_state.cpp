@@ -2,19 +2,24 @@
 
 #include "observation/status_words.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace sonopose::observation {
 
 std::string stream_words(const BeaconView& view) {
   if (view.lost) return "lost";
   if (view.poses + view.predicted == 0) return "silent";
-  std::string faults;
-  if (has_several_bridges(view)) faults = "several bridges, ";
-  if (view.fusion && view.fusion->imu_silent) faults += "IMU silent, ";
-  return faults + status_words(view.pose.status);
+  std::vector<std::string> words;
+  if (has_several_bridges(view)) words.emplace_back("several bridges");
+  if (view.fusion && view.fusion->imu_silent) words.emplace_back("IMU silent");
+  if (words.empty() || view.pose.status != 0) words.push_back(status_words(view.pose.status));
+  return fmt::format("{}", fmt::join(words, ", "));
 }
 
 bool has_several_bridges(const BeaconView& view) {
