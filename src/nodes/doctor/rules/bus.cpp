@@ -63,7 +63,7 @@ void check_network(const BusObservation& bus, Findings& findings) {
   findings.push_back(
       {Severity::ok,
        "bus",
-       fmt::format("domain {}, {} ({})", bus.domain_id,
+       fmt::format("domain {}, {}: {}", bus.domain_id,
                    bus.loopback_only ? "this machine only" : "the network", bus.interfaces_in_use),
        {}});
   if (bus.has_peers) return;
