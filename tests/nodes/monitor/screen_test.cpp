@@ -2,7 +2,6 @@
 
 #include "monitor/screen_page.hpp"
 #include "monitor/screen_table.hpp"
-#include "observation/views.hpp"
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
@@ -21,21 +20,38 @@ using terminal::Key;
 using terminal::Line;
 using terminal::Size;
 
+constexpr TimeNs now_ns = 1'700'000'000'123'456'789;
+
 /// A beacon with a good pose at x = its address in metres.
 BeaconView good_view(BeaconAddress address) {
-  BeaconView view = test::good_view();
+  BeaconView view;
   view.address = address;
-  view.pose.position_world_m.x() = address;
+  view.poses = 100;
+  view.pose_rate_hz = 100.0;
+  view.latency = {0.00012, 0.00034};
+  view.pose.time_ns = now_ns;
+  view.pose.position_world_m = {static_cast<double>(address), -2.25, 0.75};
   view.pose.trust = 0.93;
+  view.bridge.emplace();
+  view.bridge->battery_v = 3.9;
+  view.bridge->imu_rate_hz = 99.5;
+  view.bridge->fix_rate_hz = 12.0;
+  view.fusion.emplace();
+  view.fusions = {*view.fusion};
+  view.segments.fill({0.001, 0.002});
   view.report.emplace();
   view.report->innovation_world_m = {0.0123, -0.0456, 0.0789};
   view.report->flags = fix_used;
   return view;
 }
 
+/// A beacon with a known address and no data.
 BeaconView silent_view(BeaconAddress address) {
-  BeaconView view = test::silent_view();
+  BeaconView view;
   view.address = address;
+  view.latency = observation::percentiles_of({});
+  view.segments.fill(observation::percentiles_of({}));
+  view.pose.since_valid_fix_s = std::numeric_limits<double>::infinity();
   return view;
 }
 
