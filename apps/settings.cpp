@@ -120,7 +120,6 @@ int main(int argc, char** argv) {
       ->check(apps::number_between(0.001, 1e6))
       ->capture_default_str();
   app.require_subcommand(1)->fallthrough();  // lets the program's options follow the command
-
   auto* getting = add_command(app, options, "get", "Print the settings in use");
   getting->add_option("KEY", options.words, "Keys (documented.drift.jump_alpha) or groups (default: all)");
   getting->add_flag("--json", options.json, "Print a JSON array with one object per beacon instead of TOML");
