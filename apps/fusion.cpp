@@ -7,12 +7,17 @@
 #include "support/log_option.hpp"
 #include "support/options_file.hpp"
 #include "support/realtime_option.hpp"
+#include <sonopose/dds/qos/provider.hpp>
 
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
+#include <system_error>
+#include <unistd.h>
 
 namespace {
 
@@ -83,6 +88,14 @@ sonopose::fusion::FusionOptions node_options(
   return node;
 }
 
+/// Warns if what is learned could not be saved, which no pose needs.
+void check_learned(const std::filesystem::path& file) {
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  if (::access(folder.c_str(), W_OK) == 0) return;
+  sonopose::logging::warning(fmt::format("--learned {}: cannot be written: {}", file.string(),
+                                         std::generic_category().message(errno)));
+}
+
 int serve(const CLI::App& app, const Options& options) {
   if (options.print_settings_page) {
     sonopose::apps::print("{}", sonopose::config::settings_page());
@@ -95,10 +108,13 @@ int serve(const CLI::App& app, const Options& options) {
     return 0;
   }
   check_publisher(options.bus);
-  if (options.check_config) return 0;
+  if (options.learned_file) check_learned(*options.learned_file);
+  if (options.check_config) {
+    const sonopose::dds::qos::Provider of_variable(options.bus.qos_file);  // --qos is checked already
+    return 0;
+  }
   sonopose::process::StopSignal stop;
   stop.listen_to_signals();
-  const sonopose::process::ReloadRequest reload;
   const auto with_config =
       node_options(options, config, [&] { return sonopose::apps::configuration(options.config); });
   if (!sonopose::apps::wait_for_network(with_config.domain, stop)) return 0;
@@ -112,6 +128,7 @@ int serve(const CLI::App& app, const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  const sonopose::process::ReloadRequest reload;  // first: otherwise SIGUSR2 would end the process
   Options options;
   sonopose::apps::Program app("fusion");
   add_bus_options(app, options.bus);

@@ -74,7 +74,6 @@ int serve(Options& options, const std::string& command) {
   if (recording.is_named_by_time) recording.file = name_by_time();
   process::StopSignal stop;
   stop.listen_to_signals();
-  std::signal(SIGUSR1, SIG_IGN);  // ignored too early, or without --keep-last
   if (!apps::wait_for_network(recording.domain, stop, recording.duration_s)) return 0;
   recorder::Recorder recorder(recording);
   std::optional<recorder::SignalTrigger> on_signal;
@@ -89,6 +88,7 @@ int serve(Options& options, const std::string& command) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::signal(SIGUSR1, SIG_IGN);  // too early, or without --keep-last: otherwise it would end the process
   Options options;
   recorder::RecorderOptions& recording = options.recorder;
   apps::Program app("record", "Ctrl-C ends the recording.");
