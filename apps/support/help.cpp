@@ -93,13 +93,14 @@ std::string whole_description(const CLI::Option& option) {
   if (const std::size_t opened = text.find(" ("); opened != std::string::npos) {
     details.push_back(text.substr(opened + 2, text.rfind(')') - opened - 2));
   }
-  if (const std::string values = allowed(option); !values.empty()) details.push_back(values);
+  std::string description = option.get_description();
+  const std::string values = allowed(option);
+  if (description.find(values) == std::string::npos) details.push_back(values);
   if (!option.get_default_str().empty() && text.empty()) {
     details.push_back("default: " + option.get_default_str());
   }
   if (!option.get_needs().empty()) details.push_back("needs " + names_of(option.get_needs()));
   if (!option.get_excludes().empty()) details.push_back("not with " + names_of(option.get_excludes()));
-  std::string description = option.get_description();
   if (details.empty()) return description;
   if (!description.ends_with(')')) return fmt::format("{} ({})", description, fmt::join(details, "; "));
   description.pop_back();

@@ -8,7 +8,8 @@ void add_wheel_options(CLI::App& app, WheelOptions& options) {
   auto* const rate =
       app.add_option("--twist", options.rate_hz,
                      "Rate in Hz of the speed of wheels, along body X (default: the scenario's)")
-          ->check(number_between(1.0, 1000.0));
+          ->check(number_between(1.0, 1000.0))
+          ->type_name("HZ");
   app.add_option("--twist-scale-error", options.scale_error_percent,
                  "By how many percent that speed is too high")
       ->check(number_between(-50.0, 50.0))
