@@ -1,6 +1,5 @@
 // sonopose-mavlink: the poses of one beacon for an autopilot, over MAVLink.
 
-#include "config/fusion_config.hpp"
 #include "mavlink/sender/sender.hpp"
 #include "support/bus_options.hpp"
 #include "support/choice.hpp"
@@ -102,11 +101,7 @@ int main(int argc, char** argv) {
       ->type_name("N");
   apps::add_options_file(app);
   return apps::run(app, argc, argv, [&] {
-    try {
-      apply(given, options);
-    } catch (const std::invalid_argument& error) {
-      throw config::ConfigError(error.what());  // a service does not try again
-    }
+    apply(given, options);
     const logging::Session log(log_level);
     process::StopSignal stop;
     stop.listen_to_signals();

@@ -52,5 +52,5 @@ int main(int argc, char** argv) try {
   return apps::run(program.app, apps::own_arguments(arguments), [&] { return serve(arguments, program); });
 } catch (const std::exception& error) {
   logging::failure(error.what());
-  return 1;
+  return apps::wrong_option;
 }

@@ -28,7 +28,6 @@ namespace {
 /// The arguments before they are parsed into options.
 struct Given {
   std::string listen;
-  std::string token;
   std::string floor_plan;
   std::vector<double> floor_plan_area_m;
   std::string geofence;
@@ -39,7 +38,6 @@ struct Given {
 void apply(const Given& given, web::WebOptions& options) {
   auto& server = options.server;
   if (!given.listen.empty()) server.endpoint = web::http::parse_endpoint(given.listen);
-  server.token = given.token;
   for (std::string& origin : server.origins) origin = web::http::parse_origin(origin);
   // The token controls access: its holder may look, and change settings if that is allowed.
   if (server.token.empty() && !is_loopback(server.endpoint)) server.token = web::http::random_token();
@@ -73,7 +71,7 @@ int main(int argc, char** argv) {
       ->check(apps::readable_by(web::http::parse_endpoint))
       ->type_name("ADDRESS:PORT")
       ->default_str(text_of(options.server.endpoint));
-  app.add_option("--token", given.token,
+  app.add_option("--token", options.server.token,
                  "Secret in the page's URL; if other machines can connect, a random token is generated")
       ->check(apps::readable_by(web::http::check_token))
       ->type_name("TEXT");
@@ -91,13 +89,16 @@ int main(int argc, char** argv) {
       ->type_name("COMMAND");
   auto* const plan =
       app.add_option("--floor-plan", given.floor_plan, "A picture under the map: PNG, JPEG or SVG")
+          ->check(apps::readable_by(web::read_picture))
           ->type_name("FILE");
   app.add_option("--floor-plan-area", given.floor_plan_area_m,
                  "Where its lower left and upper right corners are, in m")
       ->type_name("X0 Y0 X1 Y1")
       ->expected(4)
       ->needs(plan);
+  plan->needs(app.get_option("--floor-plan-area"));
   app.add_option("--geofence", given.geofence, "The corners of an area, as CSV with the header # x_m,y_m")
+      ->check(apps::readable_by(web::read_geofence))
       ->type_name("FILE");
   apps::add_options_file(app);
   for (const CLI::Option* const option : app.get_options()) {

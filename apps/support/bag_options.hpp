@@ -3,6 +3,7 @@
 
 #include "ros2/bag/topic_choice.hpp"
 #include "ros2/inputs/wheels_file.hpp"
+#include "run.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -77,6 +78,7 @@ inline void add_bag_options(CLI::App& app) {
            change([&](TopicChoice& choice) { choice.wheels = ros2::read_wheels(file); });
          },
          "File with left_joints, right_joints, radius_m and track_m, for --wheel-in")
+      ->check(readable_by(ros2::read_wheels))
       ->type_name("FILE")
       ->group(group);
   add_aiding(Kind::heading,

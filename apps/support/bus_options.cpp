@@ -7,6 +7,7 @@
 #include "security_options.hpp"
 #include <sonopose/dds/binding/domain.hpp>
 #include <sonopose/dds/binding/network_interfaces.hpp>
+#include <sonopose/dds/qos/provider.hpp>
 #include <sonopose/samples/samples.hpp>
 
 #include <fmt/format.h>
@@ -64,6 +65,7 @@ void add_bus_options(CLI::App& app, BusOptions& options) {
       ->group(bus_group);
   app.add_option("--qos", options.qos_file,
                  "File of QoS policies that override the project's (default: SONOPOSE_QOS, else none)")
+      ->check(readable_by([](const std::string& file) { dds::qos::Provider{file}; }))
       ->type_name("FILE")
       ->group(bus_group);
   add_security_options(app, options);

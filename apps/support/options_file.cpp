@@ -150,6 +150,10 @@ void add_options_file(CLI::App& app, const std::string& group) {
       ->group(group);
 }
 
+bool has_options_file(const CLI::App& app) {
+  return app.get_option_no_throw(file_option) != nullptr && app.get_option_no_throw(print_option) != nullptr;
+}
+
 bool is_key(const CLI::Option& option) {
   constexpr std::array others{"--help", "--help-all",      "--version",  file_option,
                               "--set",  "--help-settings", print_option, "--check-config"};
@@ -166,9 +170,7 @@ bool is_given(const CLI::Option& option, const std::vector<std::string>& argumen
 
 std::vector<FileOption> file_options(const CLI::App& app, const std::vector<std::string>& arguments) {
   const std::string file = file_in(arguments);
-  const bool reads_file =
-      app.get_option_no_throw(file_option) != nullptr && app.get_option_no_throw(print_option) != nullptr;
-  if (!reads_file || file.empty()) return {};
+  if (!has_options_file(app) || file.empty()) return {};
   std::map<std::string, FileOption> options;  // the last file with an option gives its value
   try {
     for (const auto& each : toml::with_drop_ins(file)) {

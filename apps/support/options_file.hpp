@@ -11,6 +11,9 @@ namespace sonopose::apps {
 /// Adds --config, a TOML file whose keys are the other options, and --print-config, which prints such a file.
 void add_options_file(CLI::App& app, const std::string& group = "Options");
 
+/// True for a program with these two options, which may run as a service.
+bool has_options_file(const CLI::App& app);
+
 /// True if a file or a parameter of ROS 2 can give this option: it is not hidden, and does not only print
 /// something and exit.
 bool is_key(const CLI::Option& option);

@@ -3,6 +3,7 @@
 #include "choice.hpp"
 #include "imu_meaning_option.hpp"
 #include "north_option.hpp"
+#include "ros2/inputs/wheels_file.hpp"
 #include "run.hpp"
 
 namespace sonopose::apps {
@@ -143,6 +144,7 @@ void add_aiding_options(CLI::App& app, Ros2Options& options) {
       "Use the wheel speeds of sensor_msgs/JointState likewise, with --wheels: /joint_states=7");
   app.add_option("--wheels", options.wheels,
                  "File with the joints of a differential drive, radius_m and track_m, for --wheel-in")
+      ->check(readable_by(ros2::read_wheels))
       ->type_name("FILE")
       ->group("From ROS 2");
   add("--heading-in", options.heading_in, true,

@@ -63,6 +63,18 @@ std::vector<std::string> command_names(const CLI::App& app) {
   return names;
 }
 
+/// Says on which side of its command an option belongs; empty for an unknown option.
+std::string right_place_of(const std::string& option, const CLI::App& app) {
+  const CLI::App& command = command_of(app);
+  if (&command == &app) return "";
+  const std::string& name = command.get_name();
+  if (command.get_option_no_throw(option) != nullptr) {
+    return fmt::format("belongs after {1}: {2} {1} {0} …", option, name, app.get_name());
+  }
+  if (app.get_option_no_throw(option) == nullptr) return "";
+  return fmt::format("belongs before {1}: {2} {0} … {1}", option, name, app.get_name());
+}
+
 /// Describes the mistake in the command line. An unknown argument takes precedence, since it often causes
 /// other mistakes.
 std::string mistake_in(const CLI::App& app, const CLI::ParseError& error) {
@@ -71,6 +83,8 @@ std::string mistake_in(const CLI::App& app, const CLI::ParseError& error) {
                                    [](const std::string& word) { return word.starts_with('-'); });
   if (option != unknown.end()) {
     const std::string name = option->substr(0, option->find('='));
+    const std::string place = right_place_of(name, app);
+    if (!place.empty()) return fmt::format("{}: {}", name, place);
     return fmt::format("{}: unknown option{}", name, text::suggestion(name, option_names(app)));
   }
   if (unknown.empty()) return error.what();
@@ -213,6 +227,20 @@ std::atomic<bool> is_serving = false;
 
 std::atomic<int> code_of_success = 0;
 
+/// Reports the error that ended a program. Returns the exit code.
+int report_end(const std::exception& error, const CLI::App& app, const std::vector<FileOption>& of_file) {
+  const auto* const of_parser = dynamic_cast<const CLI::ParseError*>(&error);
+  const bool is_mistake =
+      of_parser != nullptr || dynamic_cast<const std::invalid_argument*>(&error) != nullptr;
+  const std::string origin = is_mistake ? origin_of(error, of_file) : "";
+  logging::failure(origin + reason_of(error));
+  if (!origin.empty() || dynamic_cast<const config::ConfigError*>(&error) != nullptr) {
+    return wrong_configuration;
+  }
+  if (!is_mistake || !has_options_file(app)) return 1;
+  return of_parser != nullptr ? of_parser->get_exit_code() : wrong_option;
+}
+
 std::string restart_words() {
   return fmt::format("restart {}; no other program needs a restart", program_name());
 }
@@ -281,7 +309,7 @@ CLI::Validator readable_by(std::function<void(const std::string&)> read) {
   return {[read = std::move(read)](const std::string& text) {
             try {
               read(text);
-            } catch (const std::invalid_argument& error) {
+            } catch (const std::exception& error) {
               return std::string(error.what());
             }
             return std::string();
@@ -344,24 +372,16 @@ int run(CLI::App& app, const std::vector<std::string>& arguments, const std::fun
     logging::failure(fmt::format("{}{}\nRun {} --help for more information.", origin, mistake_in(app, error),
                                  app.get_name()));
     return origin.empty() ? error.get_exit_code() : wrong_configuration;
-  } catch (const config::ConfigError& error) {
-    logging::failure(error.what());
-    return wrong_configuration;
+  } catch (const std::exception& error) {
+    return report_end(error, app, of_file);
   }
   std::set_terminate(end_by_exception);
   try {
     const int code = body();
     flush_output();
     return code == 0 ? code_of_success.load() : code;
-  } catch (const config::ConfigError& error) {
-    logging::failure(error.what());
-    return wrong_configuration;
   } catch (const std::exception& error) {
-    const bool is_mistake = dynamic_cast<const std::invalid_argument*>(&error) != nullptr ||
-                            dynamic_cast<const CLI::ParseError*>(&error) != nullptr;
-    const std::string origin = is_mistake ? origin_of(error, of_file) : "";
-    logging::failure(origin + reason_of(error));
-    return origin.empty() ? 1 : wrong_configuration;
+    return report_end(error, app, of_file);
   }
 }
 

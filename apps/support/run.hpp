@@ -37,7 +37,7 @@ CLI::Validator number_between(double min, double max = std::numeric_limits<doubl
 /// range. 1 kB is 1000 bytes.
 CLI::Validator size_between(double min_bytes, double max_bytes = 1e18);
 
-/// Accepts a text that `read` reads without std::invalid_argument.
+/// Accepts a text, or the name of a file, that `read` reads without an exception.
 CLI::Validator readable_by(std::function<void(const std::string&)> read);
 
 /// Accepts an integer from 0 to `max`, such as a seed. Without a limit, CLI11 reads -1 as the largest number.
@@ -46,16 +46,19 @@ CLI::Validator natural_number(std::uint64_t max = 1'000'000'000);
 /// Exit code for a file of settings or options that cannot be used: EX_CONFIG of sysexits.h. A service
 /// manager need not try again.
 inline constexpr int wrong_configuration = 78;
+/// Exit code for a wrong value on the command line: one of CLI11's own. A service manager need not try again.
+inline constexpr int wrong_option = static_cast<int>(CLI::ExitCodes::ValidationError);
 
 /// Lets run() return this code instead of 0. For any thread.
 void end_with(int code);
 
 /// Parses the command line, with the options of a file (options_file.hpp), and runs `body`. Returns the exit
 /// code: 0 for success, help and a stop by signal; CLI11's own numbers for errors of the command line;
-/// `wrong_configuration` for config::ConfigError and for a wrong option of a file. Returns 1 for any
-/// exception, even on another thread, and for a failed output. The reason goes to stderr. For an unknown
-/// option or command, it names the nearest known one. Arguments of ROS 2 (`--ros-args … --`) are not used;
-/// parameters among them cause a warning.
+/// `wrong_configuration` for config::ConfigError and for a wrong option of a file. In a program with a file
+/// of options, which may be a service, std::invalid_argument is a mistake of its options: `wrong_option`.
+/// Returns 1 for any other exception, even on another thread, and for a failed output. The reason goes to
+/// stderr. For an unknown option or command, it names the nearest known one. Arguments of ROS 2
+/// (`--ros-args … --`) are not used; parameters among them cause a warning.
 int run(CLI::App& app, int argc, char** argv, const std::function<int()>& body);
 /// The same for arguments without the name of the program.
 int run(CLI::App& app, const std::vector<std::string>& arguments, const std::function<int()>& body);

@@ -3,6 +3,8 @@
 #include "expanded_option.hpp"
 #include "imu_meaning_option.hpp"
 #include "run.hpp"
+#include "sim/scenario.hpp"
+#include "transport/udp_listener.hpp"
 
 #include <fmt/format.h>
 
@@ -57,8 +59,7 @@ bool is_log(const SourceOptions& options) {
 
 void add_source_options(CLI::App& app, SourceOptions& options) {
   app.option_defaults()->group(source_group);
-  app.add_option("--source", options.source,
-                 fmt::format("Source: sim, log, mcap, stream, serial or udp (default: {})", options.source))
+  app.add_option("--source", options.source, "Source: sim, log, mcap, stream, serial, udp")
       ->check(CLI::IsMember({"sim", "log", "mcap", "stream", "serial", "udp"}))
       ->capture_default_str();
   app.add_option("--input", options.input,
@@ -94,10 +95,12 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
       "What an IMU sample of serial, udp and stream is: the value at its instant, or the mean since the "
       "previous one; the beacons do not say (default: unknown)");
   app.add_option("--listen", options.udp.listen, "UDP address and port to listen on")
+      ->check(readable_by(transport::parse_endpoint))
       ->type_name("ADDR:PORT")
       ->capture_default_str();
   app.add_option("--from", options.udp.from,
                  "Accept datagrams of this address only (default: of all; each beacon has one sender)")
+      ->check(readable_by(transport::check_address))
       ->type_name("ADDR");
   app.add_option("--max-beacons", options.max_beacons,
                  fmt::format("Accept at most this many beacons at a time from serial and udp, the first ones "
@@ -107,13 +110,16 @@ void add_source_options(CLI::App& app, SourceOptions& options) {
       ->type_name("N");
   app.add_option("--capture", options.capture, "Write the raw bytes of the beacon to this file")
       ->type_name("FILE");
-  app.add_option("--scenario", options.sim.scenario, "Scenario of sim")->capture_default_str();
+  app.add_option("--scenario", options.sim.scenario, "Scenario of sim")
+      ->check(readable_by(sim::find_scenario))
+      ->capture_default_str();
   app.add_option("--imu-rate", options.sim.imu_rate_hz,
                  "IMU rate of the simulator in Hz (default: the scenario's)")
       ->check(number_between(1.0, 1000.0));
   app.add_option("--twist", options.sim.wheel_rate_hz,
                  "Rate in Hz of the speed of simulated wheels, along body X (default: the scenario's)")
-      ->check(number_between(1.0, 1000.0));
+      ->check(number_between(1.0, 1000.0))
+      ->type_name("HZ");
   app.add_option("--seed", options.sim.seed, "Seed of the simulator's noise")
       ->check(natural_number())
       ->capture_default_str();

@@ -188,6 +188,10 @@ TEST_CASE("A misspelt command or option of a command is refused with the nearest
   CHECK_THAT(refusal(settings, {"rest"}), Contains("rest: unknown command; did you mean reset?"));
   CHECK_THAT(refusal(settings, {"watch", "--jsn"}), Contains("--jsn: unknown option; did you mean --json?"));
   CHECK_THAT(refusal(settings, {"get", "--timout", "1"}), Contains("did you mean --timeout?"));
+  CHECK_THAT(refusal(settings, {"--config", "x.toml", "save"}),
+             Contains("--config: belongs after save: sonopose-settings save --config …"));
+  CHECK_THAT(refusal(settings, {"get", "--version"}),
+             Contains("--version: belongs before get: sonopose-settings --version … get"));
 }
 
 TEST_CASE("Every program refuses an unknown option") {

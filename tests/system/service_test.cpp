@@ -5,6 +5,8 @@
 #include "support/temporary_folder.hpp"
 #include <sonopose/estimation/aiding/known_sensors.hpp>
 
+#include <fmt/format.h>
+
 #include <array>
 #include <csignal>
 #include <cstdlib>
@@ -77,6 +79,7 @@ SCENARIO("options of the fusion are in the table [program] of its settings") {
   const auto mistake = GENERATE(values<Mistake>({
       {"addresses = \"seven\"", "seven"},
       {"partition = \"hall-*\"", "single partition"},
+      {"qos = \"/no/such.xml\"", "program.qos: --qos: /no/such.xml: does not exist"},
       {"realtime = 1000", "1000"},
       {"lossless = 5", "true or false"},
       {"warm-up = 5", "--standby-strength"},
@@ -97,6 +100,66 @@ SCENARIO("options of the fusion are in the table [program] of its settings") {
       }
     }
   }
+}
+
+SCENARIO("a wrong value ends a service with a code that the service manager does not try again") {
+  struct Mistake {
+    const char* program;
+    std::string earlier;  ///< correct lines, without quotes
+    std::string key;
+    std::string value;
+    const char* reason;
+  };
+  const auto mistake = GENERATE(values<Mistake>({
+      {SONOPOSE_TEST_BRIDGE, "source=udp", "listen", "127.0.0.1:70000", "not a port"},
+      {SONOPOSE_TEST_BRIDGE, "source=udp", "from", "modem", "not a numeric IP address"},
+      {SONOPOSE_TEST_BRIDGE, "address=65000", "beacons", "1000", "65999"},
+      {SONOPOSE_TEST_BRIDGE, "beacons=2", "capture", "/no/such.bin", "one beacon"},
+      {SONOPOSE_TEST_BRIDGE, "", "scenario", "wlak", "known are rest"},
+      {SONOPOSE_TEST_BRIDGE, "", "partition", "hall-*", "single partition"},
+      {SONOPOSE_TEST_BRIDGE, "", "source", "log", "--input is required"},
+      {SONOPOSE_TEST_BRIDGE, "", "qos", "/no/such.xml", "does not exist"},
+      {SONOPOSE_TEST_RECORD, "", "include-earlier", "true", "--max-total"},
+      {SONOPOSE_TEST_ROS2, "wheel-in=/j=42", "wheels", "/no/such.toml", "does not exist"},
+      {SONOPOSE_TEST_ROS2, "", "beacon-namespace", "tag", "{address}"},
+  }));
+  const std::string& earlier = mistake.earlier;
+  const auto line = [](const std::string& key, const std::string& value) {
+    const std::string quote = value == "true" ? "" : "\"";
+    return key + " = " + quote + value + quote + "\n";
+  };
+  GIVEN("the wrong value " + mistake.key + " = " + mistake.value) {
+    WHEN("it is in a file") {
+      const std::size_t end = earlier.find('=');
+      const std::string first =
+          earlier.empty() ? "\n" : line(earlier.substr(0, end), earlier.substr(end + 1));
+      const ConfigFile file(first + line(mistake.key, mistake.value));
+      const Result wrong = run(mistake.program, {"--config", file.path.string()}, neutral);
+      THEN("the code is that of a wrong file, and the text begins with file, line and key") {
+        CHECK(wrong.code == wrong_configuration);
+        CHECK_THAT(wrong.error, Contains(fmt::format(": {}:2: {}: ", file.path.string(), mistake.key)) &&
+                                    Contains(mistake.reason));
+      }
+    }
+    WHEN("it is on the command line") {
+      test::Arguments arguments{"--" + mistake.key + "=" + mistake.value};
+      if (!earlier.empty()) arguments.push_back("--" + earlier);
+      const Result wrong = run(mistake.program, arguments, neutral);
+      THEN("the code is that of a wrong option, and the option is named") {
+        CHECK(wrong.code.value_or(0) >= 103);
+        CHECK(wrong.code.value_or(0) <= 114);
+        CHECK_THAT(wrong.error, Contains("--" + mistake.key) && Contains(mistake.reason));
+      }
+    }
+  }
+}
+
+SCENARIO("the check of a fusion's file says that what is learned could not be saved") {
+  const ConfigFile file("[program]\nlearned = \"/no/such/learned.toml\"\n");
+  const Result checked =
+      run(SONOPOSE_TEST_FUSION, {"--config", file.path.string(), "--check-config"}, neutral);
+  CHECK(checked.code == 0);
+  CHECK_THAT(checked.error, Contains("--learned /no/such/learned.toml: cannot be written"));
 }
 
 SCENARIO("a flag of a file that is false is as one that is not given") {

@@ -178,6 +178,23 @@ SCENARIO("wrong options of the web process are named") {
   }
 }
 
+SCENARIO("a wrong file of the page's map is named with its line, and no service manager tries again") {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "web.toml").string();
+  const std::string picture = (folder / "hall.svg").string();
+  write_text(picture, "<svg/>");
+  const auto ends_with_origin = [&file](const std::string& line, const std::string& key) {
+    write_text(file, "\n" + line);
+    const Result result = run(SONOPOSE_TEST_WEB, {"--config", file});
+    CHECK(result.code == 78);
+    CHECK_THAT(result.error, Contains(": " + file + ":2: " + key + ": --" + key));
+  };
+  ends_with_origin("geofence = \"/no/such.csv\"", "geofence");
+  ends_with_origin("floor-plan = \"/no/such.png\"\nfloor-plan-area = [0, 0, 1, 1]", "floor-plan");
+  ends_with_origin("floor-plan = \"" + picture + "\"", "floor-plan");
+  ends_with_origin("floor-plan-area = [1, 0, 0, 1]\nfloor-plan = \"" + picture + "\"", "floor-plan-area");
+}
+
 SCENARIO("a page resets estimators, runs the doctor, and learns that no fusion answers") {
   const Bus bus;
   const Web web(bus, {"--listen", "127.0.0.1:0", "--allow-changes"});

@@ -51,14 +51,14 @@ const SimulatorOptions& checked(const SimulatorOptions& options) {
   }
   const std::uint32_t last = options.address + options.beacons - 1;
   if (last > highest) {
-    throw std::invalid_argument(
-        fmt::format("{} beacons from address {}: the last would have address {}, above the highest, {}",
-                    options.beacons, options.address, last, highest));
+    throw std::invalid_argument(fmt::format(
+        "--beacons: {} beacons from address {}: the last would have address {}, above the highest, {}",
+        options.beacons, options.address, last, highest));
   }
   if (options.capture && options.beacons > 1) {
-    throw std::invalid_argument(
-        fmt::format("a capture contains the bytes of one beacon: {} cannot contain those of {} beacons",
-                    options.capture->string(), options.beacons));
+    throw std::invalid_argument(fmt::format(
+        "--capture: a capture contains the bytes of one beacon: {} cannot contain those of {} beacons",
+        options.capture->string(), options.beacons));
   }
   return options;
 }

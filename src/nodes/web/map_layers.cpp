@@ -26,16 +26,10 @@ std::string picture_type(const std::filesystem::path& file) {
 
 }  // namespace
 
-FloorPlan read_floor_plan(const std::filesystem::path& file, const std::vector<double>& area_m) {
+http::Response read_picture(const std::filesystem::path& file) {
   constexpr std::uint64_t max_bytes = 32'000'000;
   const std::string type = picture_type(file);
   if (type.empty()) throw files::IoError(file.string() + ": a floor plan is a .png, .jpg or .svg file");
-  if (area_m.size() != 4 || !(area_m[0] < area_m[2]) || !(area_m[1] < area_m[3]) ||
-      !std::isfinite(area_m[2] - area_m[0] + area_m[3] - area_m[1])) {
-    throw std::invalid_argument(
-        "--floor-plan-area: needs X0 Y0 X1 Y1 in metres, the lower left and the upper right corner of the "
-        "picture, with X0 < X1 and Y0 < Y1");
-  }
   const files::RandomAccessFile picture(file);
   if (picture.size() == 0 || picture.size() > max_bytes) {
     throw files::IoError(
@@ -43,8 +37,17 @@ FloorPlan read_floor_plan(const std::filesystem::path& file, const std::vector<d
   }
   auto bytes = std::make_shared<std::string>(picture.size(), '\0');
   picture.read(0, std::as_writable_bytes(std::span(*bytes)));
-  return {.picture = {.content_type = type, .body = std::move(bytes)},
-          .area_m = {area_m[0], area_m[1], area_m[2], area_m[3]}};
+  return {.content_type = type, .body = std::move(bytes)};
+}
+
+FloorPlan read_floor_plan(const std::filesystem::path& file, const std::vector<double>& area_m) {
+  if (area_m.size() != 4 || !(area_m[0] < area_m[2]) || !(area_m[1] < area_m[3]) ||
+      !std::isfinite(area_m[2] - area_m[0] + area_m[3] - area_m[1])) {
+    throw std::invalid_argument(
+        "--floor-plan-area: needs X0 Y0 X1 Y1 in metres, the lower left and the upper right corner of the "
+        "picture, with X0 < X1 and Y0 < Y1");
+  }
+  return {.picture = read_picture(file), .area_m = {area_m[0], area_m[1], area_m[2], area_m[3]}};
 }
 
 std::vector<std::array<double, 2>> read_geofence(const std::filesystem::path& file) {

@@ -22,8 +22,10 @@ struct MapLayers {
   std::vector<std::array<double, 2>> geofence_m;  ///< corners of a polygon, x and y in world; empty: none
 };
 
-/// Reads a picture: PNG, JPEG or SVG, at most 32 MB. Throws files::IoError that names the file, and
-/// std::invalid_argument for an area without size.
+/// Reads a picture: PNG, JPEG or SVG, at most 32 MB. Throws files::IoError that names the file.
+http::Response read_picture(const std::filesystem::path& file);
+
+/// Reads a picture and places it. Throws also std::invalid_argument for an area without size.
 FloorPlan read_floor_plan(const std::filesystem::path& file, const std::vector<double>& area_m);
 
 /// Reads the corners, at least three, from a CSV file with the columns x_m and y_m. Throws files::IoError

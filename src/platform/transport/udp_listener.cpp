@@ -25,13 +25,18 @@ asio::ip::address_v6::bytes_type mapped_bytes(const asio::ip::address& address) 
   return asio::ip::make_address_v6(asio::ip::v4_mapped, address.to_v4()).to_bytes();
 }
 
+/// Throws std::invalid_argument.
+asio::ip::address address_of(const std::string& text) {
+  asio::error_code error;
+  const auto address = asio::ip::make_address(text, error);
+  if (error) throw std::invalid_argument("\"" + text + "\" is not a numeric IP address");
+  return address;
+}
+
 /// Parses the address of a sender.
 std::optional<asio::ip::address_v6::bytes_type> parse_sender(const std::optional<std::string>& text) {
   if (!text) return std::nullopt;
-  asio::error_code error;
-  const auto address = asio::ip::make_address(*text, error);
-  if (error) throw std::invalid_argument("\"" + *text + "\" is not a numeric IP address");
-  return mapped_bytes(address);
+  return mapped_bytes(address_of(*text));
 }
 
 }  // namespace
@@ -65,6 +70,10 @@ Endpoint parse_endpoint(std::string_view text) {
     fail("\"" + std::string(port) + "\" is not a port from 0 to 65535");
   }
   return endpoint;
+}
+
+void check_address(const std::string& text) {
+  address_of(text);
 }
 
 class UdpListener::Socket {

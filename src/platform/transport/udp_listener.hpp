@@ -22,6 +22,9 @@ struct Endpoint {
 /// Parses "ADDR:PORT", such as 0.0.0.0:49100 or [::]:49100. Throws std::invalid_argument with the cause.
 Endpoint parse_endpoint(std::string_view text);
 
+/// Throws std::invalid_argument unless the text is a numeric IPv4 or IPv6 address.
+void check_address(const std::string& text);
+
 /// Returns one datagram per read(). A datagram that exceeds the buffer is truncated; 2048 bytes fit any
 /// frame.
 class UdpListener : public ByteSource {
