@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdint>
 #include <iostream>
@@ -79,8 +80,9 @@ struct Listener : Catch::TestEventListenerBase {
     std::string why;
     if (longest >= limit) {
       why = "left a waiting thread of the test alone for " + std::to_string(longest.count()) + " ms";
-    } else if (const double share = slowdown(); share >= 2) {
-      why = "ran a computing thread of the test " + std::to_string(share) + " times slower";
+    } else if (const double factor = slowdown(); factor >= 2) {
+      why =
+          "let a computing thread of the test take " + std::to_string(std::lround(factor)) + " times as long";
     } else {
       return;
     }
