@@ -147,11 +147,13 @@ FusedPose Engine::pose_after_step(const ImuSample& imu, const ImuMeasurement& me
 
 /// Pose after all consequences of the sample.
 FusedPose Engine::whole_pose(const ImuSample& imu) {
+  const bool was_in_gap = state().imu.in_gap;
   finish_pending_work();
   FusedPose pose = pose_at(imu, state().nominal());
   if (state().imu.in_gap) {
-    if (state().imu.repeats.repeats <= RepeatDetector::min_repeats + 1)
-      ++counters_.imu_gaps;  // not each repetition
+    const int repeats = state().imu.repeats.repeats;
+    if (repeats == 0 || !was_in_gap) ++counters_.imu_gaps;  // not for each repetition
+    if (repeats > RepeatDetector::min_repeats) pose.angular_velocity_body_radps.setZero();  // not measured
     if (state().phase != Phase::waiting) pose.status |= status_imu_gap;
   }
   return pose;

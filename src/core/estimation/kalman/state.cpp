@@ -244,6 +244,7 @@ bool State::is_repetition(const ImuMeasurement& sample) const {
   constexpr double min_force_error_mps2 = 0.3;
   constexpr double min_speed_mps = 0.3;
   if (phase == Phase::waiting || !imu.repeats.repeats_with(imu.latest(), sample)) return false;
+  if (imu.in_gap && imu.repeats.repeats > RepeatDetector::min_repeats) return true;  // so was the one before
   // A sensor of a body that stands may have no noise, and repeating it is right.
   const double force_error_mps2 = sample.force_body_mps2.norm() - gravity_world_mps2.norm();
   return (sample.rate_body_radps - filter().gyro_bias_body_radps).norm() > min_rate_radps ||

@@ -9,6 +9,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <random>
 #include <vector>
 
 namespace imu_gap_test {
@@ -128,6 +129,47 @@ SCENARIO("an IMU that repeats its last sample is as good as a silent one") {
     CHECK(worst_m < 0.3);  // as far as the body goes, unseen, in two intervals of the fixes
     CHECK(engine.counters().imu_gaps == 1);
   }
+}
+
+SCENARIO("a slow body whose IMU repeats a sample has no IMU until another sample comes") {
+  // Straight at 0.5 m/s after three seconds of rest; the IMU repeats from 12 s to 15 s.
+  std::mt19937 random{9};  // NOLINT(cert-msc32-c,cert-msc51-cpp): the same numbers in every run
+  std::normal_distribution<double> noise(0.0, 0.01);
+  const auto noise3 = [&] { return Vector3d(noise(random), noise(random), noise(random)); };
+  kalman::Engine engine{settings::Settings{}};
+  ImuSample imu;
+  std::uint64_t sequence = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const double time_s = 0.01 * i;
+    const TimeNs now_ns = 1'000'000'000'000 + to_ns(time_s);
+    const double moving_s = std::clamp(time_s - 3.0, 0.0, 1.0);  // time of acceleration, at 0.5 m/s²
+    const double way_m = 0.25 * moving_s * moving_s + 0.5 * std::max(0.0, time_s - 4.0);
+    imu.sensor_time_ns = now_ns;
+    imu.sequence = ++sequence;
+    if (time_s < 12.0 || time_s >= 15.0) {
+      const double forward_mps2 = time_s >= 3.0 && time_s < 4.0 ? 0.5 : 0.0;
+      imu.angular_velocity_body_radps = 0.1 * noise3();
+      imu.specific_force_body_mps2 = Vector3d(forward_mps2, 0.0, standard_gravity_mps2) + noise3();
+    }
+    const EventResult result = process(engine, imu);
+    const auto& pose = std::get<FusedPose>(result);
+    if (time_s > 12.05 && time_s < 15.0) {
+      REQUIRE((pose.status & status_imu_gap) != 0);
+      REQUIRE(pose.angular_velocity_body_radps.isZero());
+    }
+    if (i % 12 != 0) continue;
+    UltrasonicFix fix;
+    fix.sequence = ++sequence;
+    fix.emission_time_ns = fix.received_time_ns = now_ns;
+    fix.position_world_m = Vector3d(way_m, 0.0, 1.0) + noise3();
+    process(engine, fix);
+    PairHeading heading;
+    heading.sequence = ++sequence;
+    heading.emission_time_ns = heading.received_time_ns = now_ns;
+    heading.valid = true;
+    process(engine, heading);
+  }
+  CHECK(engine.counters().imu_gaps == 1);
 }
 
 SCENARIO("the order of arrival during a silence of the IMU does not matter") {
