@@ -140,14 +140,14 @@ private:
           return is_later_by_more(earlier.sensor_time_ns, later.sensor_time_ns, far_ns);
         });
     if (step_back == in_view_.end()) return std::nullopt;
-    std::vector<TimeNs> after_ns;
-    for (auto each = step_back + 1; each != in_view_.end(); ++each) after_ns.push_back(each->sensor_time_ns);
     const auto ahead = static_cast<std::size_t>(step_back - in_view_.begin()) + 1;
-    if (ahead > max_ahead || ahead > after_ns.size()) return std::nullopt;
-    const std::size_t wrong = std::max<std::size_t>(1, after_ns.size() / 10);  // some may be behind
-    const auto next = after_ns.begin() + static_cast<std::ptrdiff_t>(std::min(wrong, after_ns.size() - 1));
-    std::nth_element(after_ns.begin(), next, after_ns.end());
-    return is_later_by_more(stamp_ns, *next, far_ns) ? std::optional(*next) : std::nullopt;
+    if (ahead > max_ahead || 2 * ahead > in_view_.size()) return std::nullopt;
+    std::vector<TimeNs> after_ns;  // one of three may be wrong too
+    for (auto each = step_back + 1; each != in_view_.end() && after_ns.size() < 3; ++each)
+      after_ns.push_back(each->sensor_time_ns);
+    std::sort(after_ns.begin(), after_ns.end());
+    const TimeNs next_ns = after_ns[std::min<std::size_t>(1, after_ns.size() - 1)];
+    return is_later_by_more(stamp_ns, next_ns, far_ns) ? std::optional(next_ns) : std::nullopt;
   }
 
   ImuSamples samples_;

@@ -298,11 +298,11 @@ SCENARIO("streams are merged by availability, and no file's order is changed") {
     }
   }
   GIVEN("stamps that are ahead by a second and a half, or by two") {
-    const auto left_out = [](int count, TimeNs ahead_ns) {
+    const auto left_out = [](int count, TimeNs ahead_ns, TimeNs interval_ns = 10'000'000) {
       std::vector<ImuSample> imu;
       for (int i = 0; i < 500; ++i) {
         const bool is_wrong = i >= 200 && i < 200 + count;
-        imu.push_back(imu_at(1 + i * 10'000'000LL + (is_wrong ? ahead_ns : 0)));
+        imu.push_back(imu_at(1 + i * interval_ns + (is_wrong ? ahead_ns : 0)));
       }
       return 500 - static_cast<int>(merged(imu, {}, {}).size());
     };
@@ -311,6 +311,7 @@ SCENARIO("streams are merged by availability, and no file's order is changed") {
       CHECK(left_out(63, 2'000'000'000) == 63);
       CHECK(left_out(64, 2'000'000'000) == 0);
       CHECK(left_out(1, 900'000'000) == 0);
+      CHECK(left_out(1, 1'500'000'000, 100'000'000) == 1);
     }
   }
   GIVEN("an IMU whose clock is set back by an hour, and one whose rows are in reverse order") {
