@@ -26,7 +26,7 @@ struct FixFault {
 };
 
 /// Removes the fixes that are a value instead of a position, to which the others jump again and again.
-/// Returns how many of how many they are; empty without any.
+/// Returns a text such as "40 of 200 fixes are 0 0 0 m, a default position"; empty if there is none.
 std::optional<std::string> remove_default_position(std::vector<Position>& fixes);
 
 /// The faults of a window with right readings, whose turns are these. Its streams are in order of time.

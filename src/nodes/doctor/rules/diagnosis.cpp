@@ -52,14 +52,12 @@ std::vector<Finding> diagnose(const Observations& observations) {
       if (!is_imu_right) return Cause::imu;  // what is fitted with its readings is wrong too
       if (beacon.bridges.size() > 1) return Cause::installation;  // two bridges mix their samples
       if (!check_fixes(beacon, findings)) return Cause::installation;
-      const std::size_t faults = findings.size();
       // Repeated positions do not fit any installation, and all of them are outliers.
       const bool is_frozen = beacon.status_counts.share_of(status_frozen_track) > max_frozen_share;
       if (!is_frozen) check_installation(beacon, findings);
-      if (findings.size() > faults) return Cause::installation;
-      // A wrong mount, delay or sign makes right fixes look wrong, and the fusion doubts them. Default
-      // positions are among its outliers.
-      if (faults == before) check_tracks(beacon, is_frozen, findings);
+      if (findings.size() > before) return Cause::installation;
+      // A wrong mount, delay or sign makes right fixes look wrong, and the fusion doubts them.
+      check_tracks(beacon, is_frozen, findings);
       return findings.size() > before ? Cause::fixes : Cause::none;
     }();
     check_pose(observations.window_s, beacon, cause, findings);

@@ -50,7 +50,7 @@ constexpr std::array lasting_bits{
         status_imu_inconsistent, 0.5, 0.0, Cause::installation, imu_inconsistent_meaning,
         "check units, signs, axes and range of the IMU, how it is mounted, and heading.mount_offset_deg"},
     LastingBit{
-        status_fixes_inconsistent, 0.3, 0.0, Cause::fixes, fixes_inconsistent_meaning,
+        status_fixes_inconsistent, 0.3, 0.0, Cause::installation, fixes_inconsistent_meaning,
         "let the source leave out fixes without a solution; check that enough beacons are in sight, and the "
         "stamps of fixes and IMU (sonopose-monitor shows their delay)"},
     LastingBit{status_overloaded, 0.3, 0.0, Cause::none, "its fusion is overloaded and skips poses",
