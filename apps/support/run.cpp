@@ -72,7 +72,7 @@ std::string right_place_of(const std::string& option, const CLI::App& app) {
     return fmt::format("belongs after {1}: {2} {1} {0} …", option, name, app.get_name());
   }
   if (app.get_option_no_throw(option) == nullptr) return "";
-  return fmt::format("belongs before {1}: {2} {0} … {1}", option, name, app.get_name());
+  return fmt::format("belongs before {1}: {2} {0} {1}", option, name, app.get_name());
 }
 
 /// Describes the mistake in the command line. An unknown argument takes precedence, since it often causes

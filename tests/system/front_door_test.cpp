@@ -190,8 +190,8 @@ TEST_CASE("A misspelt command or option of a command is refused with the nearest
   CHECK_THAT(refusal(settings, {"get", "--timout", "1"}), Contains("did you mean --timeout?"));
   CHECK_THAT(refusal(settings, {"--config", "x.toml", "save"}),
              Contains("--config: belongs after save: sonopose-settings save --config …"));
-  CHECK_THAT(refusal(settings, {"get", "--version"}),
-             Contains("--version: belongs before get: sonopose-settings --version … get"));
+  CHECK_THAT(refusal(beside_front_door("sonopose-mcap"), {"info", "--version"}),
+             Contains("--version: belongs before info: sonopose-mcap --version info"));
 }
 
 TEST_CASE("Every program refuses an unknown option") {
