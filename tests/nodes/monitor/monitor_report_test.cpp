@@ -109,8 +109,8 @@ SCENARIO("the table has a row for each beacon") {
     BeaconView played = good_view();
     played.segments[0] = observation::percentiles_of({});
     THEN("the status column shows it, as it does several bridges") {
-      CHECK_THAT(table_of({mixed}),
-                 Contains("several bridges") && !Contains("several bridges, ok") && Contains("bridge: 4 damaged frames, 1 other bridge\n"));
+      CHECK_THAT(table_of({mixed}), Contains("several bridges") && !Contains("several bridges, ok") &&
+                                        Contains("bridge: 4 damaged frames, 1 other bridge\n"));
       CHECK(severity_of(mixed) >= observation::bad_severity);
       CHECK_THAT(table_of({played}), Contains("– old stamps"));
       CHECK_THAT(table_of({lost}), Contains("17  lost\n"));

@@ -39,8 +39,9 @@ auto types_of() {
 }  // namespace
 
 std::span<const SerializedType> serialized_types() {
-  static const auto types = types_of<Clock, PointStamped, PoseWithCovarianceStamped, Imu, MagneticField,
-                                     Odometry, Path, TFMessage, DiagnosticArray, LogMessage, ParameterEvent>();
+  static const auto types =
+      types_of<Clock, PointStamped, PoseWithCovarianceStamped, Imu, MagneticField, Odometry, Path, TFMessage,
+               DiagnosticArray, LogMessage, ParameterEvent>();
   return types;
 }
 

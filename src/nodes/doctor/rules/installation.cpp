@@ -257,11 +257,10 @@ private:
              "its mount offset is wrong by about {:.0f}° (±{:.0f}°): the IMU, the fixes and the heading "
              "of the pair do not agree",
              whole_degrees(error.value), error.std * degrees),
-         fmt::format(
-             "try heading.mount_offset_deg={}{}; sonopose-calibrate mount finds it exactly "
-             "(docs/calibration.md)",
-             text::number_text(whole_degrees(configured_mount_rad() + error.value), 0),
-             axes_advice(error.value))});
+         fmt::format("try heading.mount_offset_deg={}{}; sonopose-calibrate mount finds it exactly "
+                     "(docs/calibration.md)",
+                     text::number_text(whole_degrees(configured_mount_rad() + error.value), 0),
+                     axes_advice(error.value))});
   }
 
   void delay() const {
