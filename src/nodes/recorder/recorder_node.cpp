@@ -290,7 +290,8 @@ void Recorder::Node::report_foreign(std::vector<dds::FoundEndpoint> writers) {
     std::erase_if(writers, [this](const auto& writer) { return ros2_topics_->contains(writer.topic_name); });
   }
   for (const std::string& topic : foreign_.update(writers)) {
-    logging::info("not recorded: " + text::escaped(topic) + " is of a type that is not recorded");
+    logging::info("not recorded: " + text::escaped(topic) +
+                  " has another type than what this program records");
   }
 }
 
