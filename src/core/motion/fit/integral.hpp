@@ -29,12 +29,32 @@ struct IntegralState {
   Eigen::Matrix3d position_by_accel = Eigen::Matrix3d::Zero();
 };
 
-/// Returns one state per sample. `signs`: factors of the axes of the specific force, ±1. Biases are in body
-/// axes.
-std::vector<IntegralState> integral_of(std::span<const Reading> imu, const Vector3d& signs,
-                                       const Vector3d& gyro_bias_radps, const Vector3d& accel_bias_mps2);
+/// Integral of the samples of a segment. In small changes of the gyroscope's biases, and in any of the
+/// accelerometer's, it is linear; only for larger ones it is made again.
+class Integral {
+public:
+  /// `signs`: factors of the axes of the specific force, ±1. `imu`, at least one sample, must outlive it.
+  Integral(std::span<const Reading> imu, Vector3d signs);
 
-/// State at a time, from the sample before it; outside of the segment, from the nearest sample.
-IntegralState state_at(const std::vector<IntegralState>& states, double since_start_s);
+  /// Sets the biases, in body axes.
+  void set_biases(const Vector3d& gyro_bias_radps, const Vector3d& accel_bias_mps2);
+
+  /// State at a time, from the sample before it, with that sample's derivatives; outside of the segment, from
+  /// the nearest sample.
+  [[nodiscard]] IntegralState at(double since_start_s) const;
+
+  [[nodiscard]] IntegralState at_end() const { return at(states_.back().since_start_s); }
+
+private:
+  void integrate();
+
+  std::span<const Reading> imu_;
+  Vector3d signs_;
+  Vector3d gyro_bias_radps_ = Vector3d::Zero();  ///< with which the states were integrated
+  Vector3d accel_bias_mps2_ = Vector3d::Zero();
+  Vector3d gyro_bias_change_radps_ = Vector3d::Zero();  ///< since then
+  Vector3d accel_bias_change_mps2_ = Vector3d::Zero();
+  std::vector<IntegralState> states_;  ///< one per sample
+};
 
 }  // namespace sonopose::motion::fit::detail

@@ -87,11 +87,11 @@ double persistent_noise_of(const std::vector<double>& residuals) {
 class Solver {
 public:
   Solver(const Segment& segment, Vector3d signs, double delay_std_s)
-      : segment_(segment), signs_(std::move(signs)), delay_std_s_(delay_std_s) {}
+      : segment_(segment), delay_std_s_(delay_std_s), integral_(segment.imu, std::move(signs)) {}
 
   /// A solver that keeps the mount and takes the yaw of the start from the headings.
   Solver(const Segment& segment, double mount_rad)
-      : segment_(segment), signs_(Vector3d::Ones()), known_mount_rad_(mount_rad) {}
+      : segment_(segment), known_mount_rad_(mount_rad), integral_(segment.imu, Vector3d::Ones()) {}
 
   /// Estimate after some steps from a level start with this yaw, with its cost.
   std::optional<std::pair<double, Estimate>> begin(double yaw_rad, int steps) {
@@ -104,7 +104,7 @@ public:
   std::optional<SegmentFit> finish(const Estimate& from) {
     constexpr int max_steps = 40;
     estimate_ = from;
-    integrate();
+    integral_.set_biases(estimate_.gyro_bias_radps, estimate_.accel_bias_mps2);
     evaluate();
     if (!iterate(max_steps)) return std::nullopt;
     return result();
@@ -124,9 +124,8 @@ private:
 
   void start(double yaw_rad) {
     estimate_ = {};
-    integrate();
-    const IntegralState& end = states_.back();
-    estimate_.q_start_to_world = geometry::level_with(end.velocity_mps, yaw_rad);
+    integral_.set_biases(estimate_.gyro_bias_radps, estimate_.accel_bias_mps2);
+    estimate_.q_start_to_world = geometry::level_with(integral_.at_end().velocity_mps, yaw_rad);
     start_position_and_velocity();
     evaluate();
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
@@ -174,10 +173,6 @@ private:
     evaluate_headings();
   }
 
-  void integrate() {
-    states_ = integral_of(segment_.imu, signs_, estimate_.gyro_bias_radps, estimate_.accel_bias_mps2);
-  }
-
   /// Evaluates residuals, derivatives and the noise of the fixes at the estimate.
   void evaluate_fixes() {
     const Vector3d gravity(0, 0, -standard_gravity_mps2);
@@ -186,7 +181,7 @@ private:
     residuals_.clear();
     for (const Position& fix : segment_.fixes) {
       const double time_s = time_of(fix.time_ns);
-      const IntegralState state = state_at(states_, time_s);
+      const IntegralState state = integral_.at(time_s);
       const Eigen::Matrix3d body_to_world = to_world * state.q_body_to_start.toRotationMatrix();
       const Vector3d moved = to_world * state.position_m;
       const Vector3d arm = body_to_world * estimate_.lever_arm_body_m;
@@ -218,7 +213,7 @@ private:
     heading_rows_.clear();
     heading_residuals_.clear();
     for (const Direction& heading : segment_.headings) {
-      const IntegralState state = state_at(states_, time_of(heading.time_ns));
+      const IntegralState state = integral_.at(time_of(heading.time_ns));
       const Eigen::Quaterniond q_body_to_world = estimate_.q_start_to_world * state.q_body_to_start;
       const double predicted_rad =
           geometry::yaw_of(q_body_to_world * geometry::rotation_about_z(estimate_.mount_rad));
@@ -291,7 +286,7 @@ private:
     estimate_.lever_arm_body_m += change.segment<3>(at_lever_arm);
     estimate_.delay_s = std::clamp(estimate_.delay_s + change(at_delay), -max_delay_s, max_delay_s);
     estimate_.mount_rad = geometry::wrap_angle(estimate_.mount_rad + change(at_mount));
-    integrate();
+    integral_.set_biases(estimate_.gyro_bias_radps, estimate_.accel_bias_mps2);
     evaluate();
   }
 
@@ -330,11 +325,10 @@ private:
   }
 
   const Segment& segment_;
-  Vector3d signs_;
   double delay_std_s_ = usual_delay_std_s;
   std::optional<double> known_mount_rad_;
+  Integral integral_;
   Estimate estimate_;
-  std::vector<IntegralState> states_;
   std::vector<Row> rows_;
   std::vector<Vector3d> residuals_;
   std::vector<Eigen::Matrix<double, 1, unknowns>> heading_rows_;
