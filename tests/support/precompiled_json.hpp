@@ -12,3 +12,16 @@
 #include <nlohmann/json.hpp>
 
 #undef _json
+
+#include <string>
+
+// support/precompiled.cpp has these: the parser takes two seconds in every file.
+extern template nlohmann::json nlohmann::json::parse<std::string>(std::string&&,
+                                                                  nlohmann::json::parser_callback_t, bool,
+                                                                  bool);
+extern template nlohmann::json nlohmann::json::parse<std::string&>(std::string&,
+                                                                   nlohmann::json::parser_callback_t, bool,
+                                                                   bool);
+extern template nlohmann::json nlohmann::json::parse<const std::string&>(const std::string&,
+                                                                         nlohmann::json::parser_callback_t,
+                                                                         bool, bool);

@@ -5,8 +5,8 @@
 #include "sim/simulator.hpp"
 #include "support/beacon_bytes.hpp"
 #include "support/bus.hpp"
+#include "support/matches.hpp"
 #include "support/temporary_folder.hpp"
-#include "support/value_of.hpp"
 #include "system/doctor_run.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
@@ -16,7 +16,6 @@
 #include <cmath>
 #include <functional>
 #include <random>
-#include <regex>
 #include <set>
 
 namespace sonopose::doctor_faults_test {
@@ -38,14 +37,15 @@ std::string problems_of(const nlohmann::json& report, const std::string& subject
 
 /// The report with wrapped lines joined.
 std::string unwrapped(const std::string& report) {
-  return std::regex_replace(report, std::regex("\n +"), " ");
+  return replace_matches(report, "\n +", " ");
 }
 
 /// Returns true if an unwrapped report has "READER on HOST) cannot receive from WRITER".
 bool cannot_receive(const std::string& report, const std::string& reader, const std::string& writer) {
-  const std::regex finding(R"((\S+ \(process \d+)[^)]*\) cannot receive from (\S+ \(process \d+))");
-  return std::any_of(std::sregex_iterator(report.begin(), report.end(), finding), std::sregex_iterator(),
-                     [&](const std::smatch& each) { return each.str(1) == reader && each.str(2) == writer; });
+  const auto findings =
+      all_matches(report, R"((\S+ \(process \d+)[^)]*\) cannot receive from (\S+ \(process \d+))");
+  return std::ranges::any_of(findings,
+                             [&](const auto& each) { return each[1] == reader && each[2] == writer; });
 }
 
 /// Mount of the pair, and a change of the samples.
@@ -123,8 +123,8 @@ SCENARIO("the doctor finds a wrong installation and wrong fixes of driving beaco
         return problems_of(report, "beacon " + std::to_string(address));
       };
       THEN("it finds each fault where it is, and none elsewhere") {
-        const std::regex ours("mount|assumes|wrong sign|track|repeat|headings|low trust|unknown");
-        CHECK_FALSE(std::regex_search(problems(10), ours));
+        CHECK(first_match(problems(10), "mount|assumes|wrong sign|track|repeat|headings|low trust|unknown")
+                  .empty());
         CHECK_THAT(problems(11), Contains("its mount offset is wrong by about") &&
                                      !Contains("no valid fix"));  // a consequence of the fault
         const double tried_deg = value_of(problems(11), "heading.mount_offset_deg");

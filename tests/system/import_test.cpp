@@ -2,13 +2,13 @@
 
 #include "recording/log_writer.hpp"
 #include "sim/simulator.hpp"
+#include "support/matches.hpp"
 #include "support/process.hpp"
 #include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
-#include <regex>
 #include <string>
 #include <variant>
 #include <vector>
@@ -64,16 +64,16 @@ SCENARIO("tables are imported, and the offset of their clocks is found") {
     REQUIRE(result.code == 0);
     THEN("it says what it has read, and the offset of the clocks") {
       CHECK_THAT(result.output, Contains("100 Hz") && Contains("on average along +z"));
-      std::smatch match;
-      REQUIRE(std::regex_search(result.output, match, std::regex("are ([0-9.]+) s older than their times")));
+      const auto match = first_match(result.output, "are ([0-9.]+) s older than their times");
+      REQUIRE_FALSE(match.empty());
       CHECK(std::stod(match[1]) == Approx(0.08).margin(0.01));
     }
     THEN("the replay of the log with this setting follows the positions") {
       const Result replay =
           run(SONOPOSE_TEST_REPLAY, {(folder / "log").string(), "--set", "delay.correction_s=0.08"});
       CHECK(replay.code == 0);
-      std::smatch match;
-      REQUIRE(std::regex_search(replay.output, match, std::regex("fixes +([0-9]+) used")));
+      const auto match = first_match(replay.output, "fixes +([0-9]+) used");
+      REQUIRE_FALSE(match.empty());
       CHECK(std::stoi(match[1]) > 600);
     }
     THEN("an existing log is not overwritten") {
@@ -99,8 +99,8 @@ SCENARIO("clocks that differ by more than the fusion corrects are corrected by a
     return result.output;
   };
   const std::string first = imported("first", "0");
-  std::smatch match;
-  REQUIRE(std::regex_search(first, match, std::regex("import again with --shift (-?[0-9.]+)")));
+  const auto match = first_match(first, "import again with --shift (-?[0-9.]+)");
+  REQUIRE_FALSE(match.empty());
   CHECK(std::stod(match[1]) == Approx(-1.7).margin(0.01));
   CHECK_THAT(imported("second", match[1]), !Contains("import again"));
 }

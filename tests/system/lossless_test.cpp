@@ -4,6 +4,7 @@
 #include "recording/log_meta.hpp"
 #include "support/bits.hpp"
 #include "support/bus.hpp"
+#include "support/matches.hpp"
 #include "support/temporary_folder.hpp"
 #include "system/replay_rows.hpp"
 #include <sonopose/estimation/any_estimator.hpp>
@@ -11,7 +12,6 @@
 
 #include <algorithm>
 #include <csignal>
-#include <regex>
 #include <string>
 
 namespace sonopose::lossless_test {
@@ -134,10 +134,10 @@ SCENARIO("a log played as fast as possible gives every pose once, identical to a
 /// Number of lost events that a fusion logs at its end.
 std::uint64_t lost_by(Process& fusion) {
   REQUIRE(fusion.end_by(SIGTERM).code == 0);
-  const std::string log = fusion.text(Stream::error);
-  std::smatch match;
-  REQUIRE(std::regex_search(log, match, std::regex(R"(beacon 7: state hash .*; (\d+) events? lost)")));
-  return std::stoull(match.str(1));
+  const auto match =
+      first_match(fusion.text(Stream::error), R"(beacon 7: state hash .*; (\d+) events? lost)");
+  REQUIRE_FALSE(match.empty());
+  return std::stoull(match[1]);
 }
 
 SCENARIO("a log played as fast as possible to a fusion that is not lossless says what it lost") {

@@ -2,13 +2,13 @@
 
 #include "support/bus.hpp"
 #include "support/held_thread.hpp"
+#include "support/matches.hpp"
 #include "support/terminal_process.hpp"
 #include "support/wait_until.hpp"
 
 #include <csignal>
 #include <filesystem>
 #include <fstream>
-#include <regex>
 #include <sched.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -40,9 +40,8 @@ public:
 
   /// Waits for a pose in a beacon's row; only poses have numbers with two decimals.
   bool wait_for_pose(std::size_t row) {
-    static const std::regex position(R"(\d\.\d\d( |$))");
     return wait_until(
-        [=](const TextScreen& screen) { return std::regex_search(screen.line(row), position); });
+        [=](const TextScreen& screen) { return !first_match(screen.line(row), R"(\d\.\d\d( |$))").empty(); });
   }
 };
 

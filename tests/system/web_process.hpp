@@ -4,12 +4,12 @@
 
 #include "support/bus.hpp"
 #include "support/http_socket.hpp"
+#include "support/matches.hpp"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
 #include <cstdint>
-#include <regex>
 #include <string>
 #include <utility>
 
@@ -23,15 +23,15 @@ public:
   explicit Web(const Arguments& arguments) : process_(SONOPOSE_TEST_WEB, arguments) {
     REQUIRE(process_.wait_for_line(Stream::error, "the page is at "));
     const std::string text = process_.text(Stream::error);
-    std::smatch match;
-    REQUIRE(std::regex_search(text, match, std::regex(R"(http://([0-9.]+):([0-9]+)/( with the token)?)")));
-    host_ = match[1].str() + ":" + match[2].str();
-    port_ = static_cast<std::uint16_t>(std::stoi(match[2].str()));
-    if (match[3].length() == 0) return;
+    const auto page = first_match(text, R"(http://([0-9.]+):([0-9]+)/( with the token)?)");
+    REQUIRE_FALSE(page.empty());
+    host_ = page[1] + ":" + page[2];
+    port_ = static_cast<std::uint16_t>(std::stoi(page[2]));
+    if (page[3].empty()) return;
     REQUIRE(process_.wait_for_line(Stream::output, "?token="));
-    const std::string printed = process_.text(Stream::output);
-    REQUIRE(std::regex_search(printed, match, std::regex(R"(\?token=(\S+))")));
-    token_ = match[1].str();
+    const auto token = first_match(process_.text(Stream::output), R"(\?token=(\S+))");
+    REQUIRE_FALSE(token.empty());
+    token_ = token[1];
   }
 
   [[nodiscard]] const std::string& host() const { return host_; }

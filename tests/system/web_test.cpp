@@ -3,6 +3,7 @@
 #include "bus_log/recorded.hpp"
 #include "sim/simulator.hpp"
 #include "support/bus.hpp"
+#include "support/matches.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/wait_until.hpp"
 #include "web_process.hpp"
@@ -13,7 +14,6 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
-#include <regex>
 
 namespace web_test {
 
@@ -113,13 +113,12 @@ SCENARIO("other machines need the token that the program prints") {
   // A browser requests the page's parts without the token.
   const std::string page = web.get("/?token=" + web.token());
   CHECK_THAT(page, StartsWith("HTTP/1.1 200 ") && Contains("<title>"));
-  const std::regex link(R"re((?:src|href)="([^":]+)")re");
-  int links = 0;
-  for (std::sregex_iterator each(page.begin(), page.end(), link), end; each != end; ++each, ++links) {
-    CAPTURE((*each)[1].str());
-    CHECK_THAT(web.get("/" + (*each)[1].str()), StartsWith("HTTP/1.1 200 "));
+  const auto links = all_matches(page, R"re((?:src|href)="([^":]+)")re");
+  for (const auto& link : links) {
+    CAPTURE(link[1]);
+    CHECK_THAT(web.get("/" + link[1]), StartsWith("HTTP/1.1 200 "));
   }
-  CHECK(links >= 12);
+  CHECK(links.size() >= 12);
   WHEN("another one listens on the same port") {
     const Result second = run(SONOPOSE_TEST_WEB, {"--listen", web.host()});
     THEN("it fails with the address and the option") {

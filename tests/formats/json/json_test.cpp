@@ -1,6 +1,7 @@
 #include "json/json.hpp"
 
 #include "monitor/echo/echo.hpp"
+#include "support/matches.hpp"
 #include "support/temporary_folder.hpp"
 #include <sonopose/dds/topics/topics.hpp>
 
@@ -9,7 +10,6 @@
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <regex>
 #include <string>
 #include <tuple>
 
@@ -20,16 +20,13 @@ using namespace sonopose::monitor::echo;
 
 /// Names of a struct's fields in sonopose.idl.
 std::vector<std::string> idl_fields(const std::string& type) {
-  const std::string text = std::regex_replace(test::read_text(SONOPOSE_SOURCE_DIR "/idl/sonopose.idl"),
-                                              std::regex("//[^\n]*"), "");
+  const std::string text =
+      test::replace_matches(test::read_text(SONOPOSE_SOURCE_DIR "/idl/sonopose.idl"), "//[^\n]*", "");
   const std::size_t begin = text.find("struct " + type + " {");
   REQUIRE(begin != std::string::npos);
   const std::string body = text.substr(begin, text.find('}', begin) - begin);
-  static const std::regex field(R"((\w+)(\[\d+\])?\s*;)");
   std::vector<std::string> names;
-  for (std::sregex_iterator match(body.begin(), body.end(), field), end; match != end; ++match) {
-    names.push_back((*match)[1]);
-  }
+  for (const auto& field : test::all_matches(body, R"((\w+)(\[\d+\])?\s*;)")) names.push_back(field[1]);
   return names;
 }
 

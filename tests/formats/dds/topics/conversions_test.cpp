@@ -1,5 +1,6 @@
 #include "dds/field_filler.hpp"
 #include "dds/topics/field_lists.hpp"
+#include "support/matches.hpp"
 #include "support/temporary_folder.hpp"
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/idl_types.hpp>
@@ -7,7 +8,6 @@
 #include <catch2/catch.hpp>
 
 #include <limits>
-#include <regex>
 #include <set>
 #include <string>
 #include <tuple>
@@ -125,10 +125,9 @@ TEST_CASE("Texts and lists for other programs are bounded") {
 
 TEST_CASE("Every documented setting fits into its bounded types") {
   const std::string text = sonopose::test::read_text(SONOPOSE_SOURCE_DIR "/docs/settings.md");
-  const std::regex key("`([a-z_]+(?:\\.[a-z_0-9]+)+)`");
   std::set<std::string> keys;
-  for (std::sregex_iterator match(text.begin(), text.end(), key), end; match != end; ++match) {
-    keys.insert((*match)[1]);
+  for (const auto& match : sonopose::test::all_matches(text, R"(`([a-z_]+(?:\.[a-z_0-9]+)+)`)")) {
+    keys.insert(match[1]);
   }
   CHECK(keys.size() > 37);
   CHECK(keys.size() <= sonopose_MAX_ASSIGNMENTS);

@@ -1,7 +1,7 @@
 #include "doctor/replayed.hpp"
 #include "doctor/rules/checks.hpp"
+#include "support/matches.hpp"
 #include "support/seeds.hpp"
-#include "support/value_of.hpp"
 #include <sonopose/geometry/rotation.hpp>
 #include <sonopose/settings/settings_table.hpp>
 

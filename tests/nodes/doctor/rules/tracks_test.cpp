@@ -1,11 +1,11 @@
 #include "doctor/replayed.hpp"
+#include "support/matches.hpp"
 
 #include <catch2/catch.hpp>
 
 #include <algorithm>
 #include <functional>
 #include <random>
-#include <regex>
 
 namespace tracks_test {
 
@@ -33,8 +33,8 @@ TEST_CASE("Fixes of a second, wrong track are found, with its place") {
       displace(events, share, {0.9, -1.2, 0}, 5);
       const std::string problems = problems_of(observed(events, {}, {10, 8}));
       CAPTURE(problems);
-      std::smatch match;
-      REQUIRE(std::regex_search(problems, match, std::regex("on a second track, ([0-9.]+) m off")));
+      const auto match = sonopose::test::first_match(problems, "on a second track, ([0-9.]+) m off");
+      REQUIRE_FALSE(match.empty());
       CHECK(std::stod(match[1]) == Approx(1.5).margin(0.15));
     }
   }

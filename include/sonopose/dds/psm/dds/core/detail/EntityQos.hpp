@@ -7,7 +7,6 @@
 #include <dds/dds.h>
 
 #include <memory>
-#include <tuple>
 #include <type_traits>
 
 namespace dds::inline sonopose_psm::core::detail {
@@ -57,10 +56,17 @@ bool read(policy::DurabilityService& policy, const dds_qos_t* qos);
 
 struct TopicDefaults;
 
+/// A policy of an entity.
+template <class Policy>
+struct HeldPolicy {
+  Policy held;
+  bool is_set = true;  ///< false if the constructor from C found it unset
+};
+
 /// QoS of the kind of entity that `Defaults` names, which also sets defaults that differ from those of the
-/// policies.
+/// policies. It inherits them, because a tuple compiles slowly.
 template <class Defaults, class... Policies>
-class EntityQos {
+class EntityQos : HeldPolicy<Policies>... {
   template <class Policy>
   static constexpr bool has = (std::is_same_v<Policy, Policies> || ...);
 
@@ -90,12 +96,12 @@ public:
   }
   template <class Policy>
   const Policy& policy() const {
-    return std::get<Policy>(policies_);
+    return HeldPolicy<Policy>::held;
   }
   template <class Policy>
   Policy& policy() {
-    std::get<Set<Policy>>(set_).value = true;
-    return std::get<Policy>(policies_);
+    HeldPolicy<Policy>::is_set = true;
+    return HeldPolicy<Policy>::held;
   }
   template <class Policy>
   EntityQos& operator<<(const Policy& value) {
@@ -106,34 +112,28 @@ public:
     value = policy<Policy>();
     return *this;
   }
-  bool operator==(const EntityQos& other) const { return policies_ == other.policies_; }
+  bool operator==(const EntityQos& other) const {
+    return ((policy<Policies>() == other.template policy<Policies>()) && ...);
+  }
 
   /// Beyond the PSM: the QoS in C.
   CQos c_qos() const {
     CQos qos = copy_of(base_.get());
-    const auto apply_set = [&]<class Policy>(const Policy& value) {
-      if (std::get<Set<Policy>>(set_).value) detail::apply(value, qos.get());
+    const auto apply_set = [&](const auto& each) {
+      if (each.is_set) detail::apply(each.held, qos.get());
     };
-    (apply_set(std::get<Policies>(policies_)), ...);
+    (apply_set(static_cast<const HeldPolicy<Policies>&>(*this)), ...);
     return qos;
   }
   /// Beyond the PSM: takes over a QoS in C. What it does not set, the topic or Cyclone DDS decides.
   static EntityQos of_c(const dds_qos_t* c) {
     EntityQos qos;
     qos.base_ = copy_of(c);
-    ((std::get<Set<Policies>>(qos.set_).value = read(std::get<Policies>(qos.policies_), c)), ...);
+    ((qos.HeldPolicy<Policies>::is_set = read(qos.HeldPolicy<Policies>::held, c)), ...);
     return qos;
   }
 
 private:
-  /// False for a policy that the constructor from C found unset.
-  template <class Policy>
-  struct Set {
-    bool value = true;
-  };
-
-  std::tuple<Policies...> policies_;
-  std::tuple<Set<Policies>...> set_;
   std::shared_ptr<const dds_qos_t> base_;  ///< with policies that this kind of entity lacks in the PSM
 };
 
