@@ -115,6 +115,7 @@ PosePublisher::PoseWriter* PosePublisher::admit(FusedPose& pose, SteadyTime now)
       const auto age = delay.age.on_sample({.sequence = pose.sequence,
                                             .sensor_ns = pose.imu_sensor_time_ns,
                                             .bridge_ns = pose.imu_bridge_time_ns,
+                                            .host_ns = clocks::host_now(),
                                             .now = now});
       if (age.is_old) pose.status |= status_late;
       late_ns = age.late_ns;

@@ -16,8 +16,9 @@ namespace sonopose::fusion {
 ///
 /// The first is absolute where stamps are times of the bridge's host, as those of live beacons are. The
 /// second is compared with the least one, because the bridge's host may have another clock. Its drift is
-/// followed. So old samples stay old however long a bridge or this process is overloaded. Only a delay that
-/// stays the same for long counts as a difference of clocks.
+/// followed. Until one was small, it is the time by the clocks of the two hosts, if that is plausible: a
+/// fusion may be busy from its start. So old samples stay old however long a bridge or this process is
+/// overloaded. Only a delay that stays the same for long counts as a difference of clocks.
 class SampleAge {
 public:
   /// Times of a sample on its way.
@@ -25,6 +26,7 @@ public:
     std::uint64_t sequence = 0;  ///< event number
     TimeNs sensor_ns = 0;        ///< its stamp
     TimeNs bridge_ns = 0;        ///< departure, by the clock of the bridge's host
+    TimeNs host_ns = 0;          ///< now, by the clock of this host
     SteadyTime now;
   };
 
@@ -41,10 +43,12 @@ public:
         saturated_difference(times.bridge_ns, std::exchange(bridge_ns_, times.bridge_ns));
     if (is_first) departure_ = {};
     if (is_first || advance_ns < -tolerance_ns) transport_ = {};  // the bridge's clock was set back
-    const TimeNs late_ns = transport_.excess(saturated_difference(times.now.ns, times.bridge_ns), times.now);
+    const Transport::Excess late =
+        transport_.excess(saturated_difference(times.now.ns, times.bridge_ns),
+                          saturated_difference(times.host_ns, times.bridge_ns), times.now);
     const TimeNs left_late_ns =
         departure_.excess(saturated_difference(times.bridge_ns, times.sensor_ns), times.now);
-    return {saturated_sum(left_late_ns, late_ns) > old_after_ns_, late_ns};
+    return {saturated_sum(left_late_ns, late.by_clocks_ns) > old_after_ns_, late.over_usual_ns};
   }
 
 private:
@@ -71,20 +75,31 @@ private:
   /// Time from the bridge to here, by clocks that differ by a constant and drift apart.
   class Transport {
   public:
-    /// Returns the excess over the usual time: the least one, raised slowly while the excess is small.
-    TimeNs excess(TimeNs time_ns, SteadyTime now) {
+    struct Excess {
+      TimeNs over_usual_ns = 0;  ///< over the least time, which is raised slowly while the excess is small
+      TimeNs by_clocks_ns = 0;   ///< the same, or the time by the clocks of the hosts until one was small
+    };
+
+    /// `by_clocks_ns`: the time by the clocks of the two hosts.
+    Excess excess(TimeNs time_ns, TimeNs by_clocks_ns, SteadyTime now) {
       constexpr TimeNs constant_after_ns = 10'000'000'000;
       constexpr TimeNs max_drift_ns = 20'000'000;
       constexpr TimeNs per_drift = 1000;  // 1 ms in a second
+      constexpr TimeNs max_backlog_ns = 10'000'000'000;
+      constexpr TimeNs other_clock_after_ns = 3'000'000'000;
       const TimeNs elapsed_ns = now - std::exchange(latest_, now);
-      if (time_ns < usual_ns_ || constancy_.lasted_ns(time_ns, now) > constant_after_ns) usual_ns_ = time_ns;
+      const TimeNs constant_ns = constancy_.lasted_ns(time_ns, now);
+      if (time_ns < usual_ns_ || constant_ns > constant_after_ns) usual_ns_ = time_ns;
       const TimeNs excess_ns = saturated_difference(time_ns, usual_ns_);
       if (excess_ns < max_drift_ns) usual_ns_ += std::min(excess_ns, elapsed_ns / per_drift);
-      return excess_ns;
+      are_clocks_asked_ = are_clocks_asked_ && by_clocks_ns > max_drift_ns && by_clocks_ns < max_backlog_ns &&
+                          constant_ns <= other_clock_after_ns;
+      return {excess_ns, are_clocks_asked_ ? std::max(excess_ns, by_clocks_ns) : excess_ns};
     }
 
   private:
     TimeNs usual_ns_ = std::numeric_limits<TimeNs>::max();
+    bool are_clocks_asked_ = true;  ///< until they show a small time or disagree
     SteadyTime latest_;
     Constancy constancy_;
   };

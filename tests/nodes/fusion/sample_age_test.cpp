@@ -22,6 +22,7 @@ struct Feed {
   std::uint64_t sequence = 0;
   SteadyTime now{7 * s};
   TimeNs bridge_clock_ns = 1'000'000 * s;  ///< minus the steady clock
+  TimeNs host_clock_ns = 0;                ///< the same of the clock of this host
   TimeNs sensor_ns;
   TimeNs under_way_ns = 0;  ///< from the bridge to here
 
@@ -31,6 +32,7 @@ struct Feed {
     return age.on_sample({.sequence = ++sequence,
                           .sensor_ns = sensor_ns,
                           .bridge_ns = now.ns - under_way_ns + bridge_clock_ns,
+                          .host_ns = now.ns + host_clock_ns,
                           .now = now});
   }
 
@@ -102,8 +104,8 @@ SCENARIO("what a bridge sends after a stop is old while it is more than 0.25 s l
   WHEN("stamps make samples seem too old and too young") {
     constexpr TimeNs least = std::numeric_limits<TimeNs>::min();
     constexpr TimeNs greatest = std::numeric_limits<TimeNs>::max();
-    feed.age.on_sample({++feed.sequence, greatest, least, feed.now});
-    feed.age.on_sample({++feed.sequence, least, greatest, feed.now});
+    feed.age.on_sample({++feed.sequence, greatest, least, greatest, feed.now});
+    feed.age.on_sample({++feed.sequence, least, greatest, least, feed.now});
     THEN("soon the next ones are judged as before") {
       feed.old_of(500);
       CHECK(feed.old_of(500) == 0);
@@ -157,6 +159,46 @@ SCENARIO("a new fusion recognises the backlog of a stopped bridge") {
       THEN("its backlog is old") {
         CHECK(feed.old_of(2'100, ms / 2) == 2'100);
       }
+    }
+  }
+}
+
+SCENARIO("a fusion that is busy from its start takes nothing old for new") {
+  GIVEN("a bridge and a fusion of one host") {
+    Feed feed(0);
+    feed.host_clock_ns = feed.bridge_clock_ns;
+    WHEN("the fusion takes 0.4 to 0.6 s for each of its first samples") {
+      THEN("they are old, and later ones are not") {
+        for (int i = 0; i < 1'000; ++i) {
+          feed.under_way_ns = (400 + 50 * (i % 5)) * ms;
+          REQUIRE(feed.sample());
+        }
+        feed.under_way_ns = 0;
+        CHECK(feed.old_of(500) == 0);
+      }
+    }
+    WHEN("it takes 0.2 s for each, which is not old") {
+      feed.under_way_ns = 200 * ms;
+      THEN("nothing is late either: nobody knows a shorter time") {
+        const SampleAge::Judgement judged = feed.judge_sample();
+        CHECK_FALSE(judged.is_old);
+        CHECK(judged.late_ns == 0);
+      }
+    }
+  }
+  GIVEN("a bridge on a host whose clock is 2 s behind") {
+    Feed feed(0);
+    feed.host_clock_ns = feed.bridge_clock_ns + 2 * s;
+    THEN("its samples are old for three seconds at most") {
+      CHECK(feed.old_of(301) == 301);
+      CHECK(feed.old_of(1'000) == 0);
+    }
+  }
+  GIVEN("a bridge on a host whose clock is 2 s ahead") {
+    Feed feed(0);
+    feed.host_clock_ns = feed.bridge_clock_ns - 2 * s;
+    THEN("nothing is old") {
+      CHECK(feed.old_of(1'000) == 0);
     }
   }
 }
