@@ -74,12 +74,11 @@ void EventReceiver::on_data(dds::sub::DataReader<T>& reader) noexcept {
 
 template <class T>
 void EventReceiver::take(dds::sub::DataReader<T>& reader, SteadyTime now) noexcept {
-  const TimeNs in_ns = clocks::host_now();
   is_working_ = true;
   dds::ext::try_take_each(reader, [&](const T& sample, const dds::sub::SampleInfo& info) {
     taking_.assert_held();
     if (stopping_) return;  // a lossless reader may buffer minutes of samples
-    process(topics::from_idl(sample), info.publication_handle(), in_ns, now);
+    process(topics::from_idl(sample), info.publication_handle(), clocks::host_now(), now);
   });
   targets_.publisher.publish_held_back();
   is_working_ = false;

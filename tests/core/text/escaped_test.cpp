@@ -20,6 +20,12 @@ TEST_CASE("control characters of eight bits are shown too, in UTF-8 and alone") 
                 "2J") == "/imu\\x9b2J");
 }
 
+TEST_CASE("characters that turn the direction of a line, or end it, are shown") {
+  CHECK(escaped("a\u202eb\u2028c") == "a\\xe2\\x80\\xaeb\\xe2\\x80\\xa8c");
+  CHECK(printable("a\u2066b\u200f") == "a\\u2066b\\u200f");
+  CHECK(escaped("שלום, مرحبا") == "שלום, مرحبا");
+}
+
 TEST_CASE("bytes that are not UTF-8 are shown as numbers") {
   CHECK(escaped("a\xc3") == "a\\xc3");
   CHECK(escaped("\xc0\xaf") == "\\xc0\\xaf");           // longer than needed

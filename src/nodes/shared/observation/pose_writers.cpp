@@ -25,11 +25,11 @@ bool share_readers(const PoseWriter& a, const PoseWriter& b) {
                       [](const dds::qos::Mismatch& mismatch) { return mismatch.policy == "partition"; });
 }
 
-/// A beacon that both serve; empty if there is none.
-std::optional<BeaconAddress> shared_beacon(const PoseWriter& a, const PoseWriter& b) {
+/// A beacon of both sets; empty if there is none.
+std::optional<BeaconAddress> shared_beacon(const std::set<BeaconAddress>& a,
+                                           const std::set<BeaconAddress>& b) {
   std::vector<BeaconAddress> both;
-  std::set_intersection(a.served.begin(), a.served.end(), b.served.begin(), b.served.end(),
-                        std::back_inserter(both));
+  std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
   return both.empty() ? std::nullopt : std::optional(both.front());
 }
 
@@ -113,7 +113,9 @@ void ServedBeacons::on_pose(BeaconAddress address, dds::core::InstanceHandle wri
 
 void ServedBeacons::on(const FusionStatus& status, dds::core::InstanceHandle writer, SteadyTime now) {
   if (claims_.size() >= max_writers && !claims_.contains(writer)) claims_.erase(claims_.begin());
-  claims_[writer].try_emplace(status.address, Claim{false, now}).first->second.serves = serves(status);
+  Claim& claim = claims_[writer].try_emplace(status.address, Claim{false, false, now}).first->second;
+  claim.serves = serves(status);
+  claim.is_sole = claim.serves && status.role == FusionRole::sole;
 }
 
 void ServedBeacons::forget(BeaconAddress address) {
@@ -147,6 +149,7 @@ std::vector<PoseWriter> pose_writers_of(const std::vector<dds::FoundEndpoint>& w
     });
     for (const auto& [address, claim] : claims.of(writer)) {
       if (claim.serves) writer.served.insert(address);
+      if (claim.is_sole) writer.sole.insert(address);
     }
     for (const auto& participant : participants) {
       if (participant.key != endpoint.participant_key) continue;
@@ -189,6 +192,23 @@ std::string disqualification(const PoseWriter& writer) {
                      text_of(victim));
 }
 
+constexpr const char* different_strengths = "use a different --standby-strength for each (docs/standby.md)";
+
+/// Poses of a stronger process instead of those of a fusion that expects no other: a fusion that lacks
+/// --standby-strength, or a process that imitates one. Empty if there is none.
+std::optional<PoseWriterProblem> displacement(const PoseWriter& stronger, const PoseWriter& sole) {
+  if (strength_of(stronger) <= strength_of(sole)) return std::nullopt;
+  const auto beacon = shared_beacon(stronger.owned, sole.sole);
+  if (!beacon) return std::nullopt;
+  return PoseWriterProblem{
+      false,
+      fmt::format(
+          "consumers receive the poses of beacon {} from {} with strength {}, not from {}, which is in "
+          "no standby pair",
+          *beacon, text_of(stronger.process), strength_of(stronger), text_of(sole.process)),
+      fmt::format("stop the one that should not run, or {}", different_strengths)};
+}
+
 }  // namespace
 
 std::vector<PoseWriterProblem> problems_of(const std::vector<PoseWriter>& writers) {
@@ -208,15 +228,18 @@ std::vector<PoseWriterProblem> problems_of(const std::vector<PoseWriter>& writer
            "stop it, or let it use another topic"});
     }
     for (auto b = std::next(a); b != strongest.end(); ++b) {
-      if (strength_of(**a) == 0 || strength_of(**a) != strength_of(**b) || !share_readers(**a, **b)) continue;
-      const auto beacon = shared_beacon(**a, **b);
+      if (!share_readers(**a, **b)) continue;
+      if (auto problem = displacement(**a, **b)) problems.push_back(*std::move(problem));
+      if (auto problem = displacement(**b, **a)) problems.push_back(*std::move(problem));
+      if (strength_of(**a) == 0 || strength_of(**a) != strength_of(**b)) continue;
+      const auto beacon = shared_beacon((*a)->served, (*b)->served);
       if (!beacon) continue;
       problems.push_back({false,
                           text_of((*a)->process) + " and " + text_of((*b)->process) +
                               " write poses of beacon " + std::to_string(*beacon) +
                               " with the same strength " + strength +
                               "; which one consumers receive is arbitrary",
-                          "use a different --standby-strength for each (docs/standby.md)"});
+                          different_strengths});
     }
   }
   return problems;

@@ -46,8 +46,9 @@ public:
 
   /// Claim to a beacon in the statuses of one writer.
   struct Claim {
-    bool serves = false;  ///< by the latest status
-    SteadyTime since;     ///< time of the first status
+    bool serves = false;   ///< by the latest status
+    bool is_sole = false;  ///< by the latest status, it serves and is in no standby pair
+    SteadyTime since;      ///< time of the first status
   };
   using Claims = std::map<BeaconAddress, Claim>;
 
@@ -78,6 +79,7 @@ struct PoseWriter {
   dds::Qos qos;                           ///< with ownership strength and partition
   bool has_status = false;                ///< the participant writes fusion statuses too
   std::set<BeaconAddress> served = {};    ///< by its statuses, or because its poses are received
+  std::set<BeaconAddress> sole = {};      ///< served outside of a standby pair, by its statuses
   std::set<BeaconAddress> owned = {};     ///< its poses are received
   std::set<BeaconAddress> unstated = {};  ///< owned for seconds without a status
   /// Beacons taken over from a fusion that still serves them, without a status of them before.
@@ -98,7 +100,8 @@ struct PoseWriterProblem {
 
 /// Processes that write poses without being a fusion, by what a fusion does: it sends statuses of its
 /// beacons, does so before it takes one over, and has at most max_fusion_strength. Also pairs of processes
-/// that write poses of one beacon with equal strength. Strength 0 means that a fusion warms up.
+/// that write poses of one beacon with equal strength, or of which one is in no standby pair. Strength 0
+/// means that a fusion warms up.
 std::vector<PoseWriterProblem> problems_of(const std::vector<PoseWriter>& writers);
 
 }  // namespace sonopose::observation

@@ -186,6 +186,21 @@ SCENARIO("a new owner of a beacon's poses must do what a fusion does") {
   }
 }
 
+SCENARIO("a process that displaces a fusion outside of a standby pair is named, whatever statuses it sends") {
+  TwoProcesses two;
+  two.pose(TwoProcesses::own_poses, 1);
+  two.status(TwoProcesses::own_statuses, FusionRole::sole);
+  const FusionRole role = GENERATE(FusionRole::sole, FusionRole::serving);
+  two.status(TwoProcesses::other_statuses, role, 2);
+  two.pose(TwoProcesses::other_poses, 10);
+  const auto problems = two.problems(20);
+  REQUIRE(problems.size() == 1);
+  CHECK_THAT(
+      problems.front().what,
+      Contains("poses of beacon 7 from sonopose-fusion (process 13 on rover) with strength 1000, not from "
+               "sonopose-fusion (process 12 on rover)"));
+}
+
 SCENARIO("a writer serves the beacons of its latest poses and of its serving statuses") {
   TwoProcesses two;
   const auto served_by_own = [&] {
