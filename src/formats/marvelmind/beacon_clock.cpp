@@ -145,37 +145,57 @@ void BeaconClock::measure_jitter(std::int64_t beacon_ns, TimeNs arrival_ns) {
 
 // FixedClock
 
+TimeNs FixedClock::host_ns(const Stamp& stamp) const {
+  const std::int64_t beacon_ns = unwrapper_.beacon_ns(stamp);
+  const bool is_of_before = step_ && step_->under_way_ns == beacon_ns;
+  return (is_of_before ? step_->line_before : line_).host_ns(beacon_ns);
+}
+
 void FixedClock::observe(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs arrival_ns) {
   if (!begun_) {
     begin(stamp, send_delay_ns, arrival_ns);
-  } else {
-    const std::int64_t sent_ns = unwrapper_.beacon_ns(stamp) + send_delay_ns;
-    const std::int64_t step_ns = sent_ns - newest_ns_;
-    constexpr std::int64_t max_under_way_ns = 2'000'000'000;
-    const bool is_under_way = before_step_ns_ && step_ns < 0 && send_delay_ns > 0 &&
-                              std::abs(sent_ns - *before_step_ns_) < max_under_way_ns;
-    if (is_under_way) {
-      // After a pause, a position is overtaken by a little only.
-      if (!step_counted_ && step_ns < -overtaken_ns) {
-        count_step(newest_ns_ - *before_step_ns_);
-        step_counted_ = true;
-      }
-      return;
-    }
-    if (step_ns > overtaken_ns) {
-      before_step_ns_ = newest_ns_;
-      step_counted_ = false;
-    }
-    if (step_ns < -overtaken_ns || step_ns >= set_ahead_ns) {
-      ++resets_;
-      count_step(step_ns);
-      begin(stamp, send_delay_ns, saturated_sum(origin_ns_, newest_ns_ - first_ns_));
-    }
+    return;
   }
+  if (take_under_way(stamp, send_delay_ns)) return;
+  take_step(stamp, send_delay_ns);
   const std::int64_t sent_ns = unwrapper_.beacon_ns(stamp) + send_delay_ns;
   if (sent_ns < newest_ns_) return;
   newest_ns_ = sent_ns;
   unwrapper_.set_newest(stamp);
+}
+
+/// Begins a step at this packet, if it is one. Ends the wait after an earlier one: a position of the new time
+/// follows those that were under way.
+void FixedClock::take_step(const Stamp& stamp, std::int64_t send_delay_ns) {
+  const std::int64_t sent_ns = unwrapper_.beacon_ns(stamp) + send_delay_ns;
+  const std::int64_t step_ns = sent_ns - newest_ns_;
+  const bool was_settled = settled_;
+  settled_ = settled_ || send_delay_ns > 0 || sent_ns - step_->first_ns >= settling_ns;
+  if (step_ns >= -overtaken_ns && step_ns <= overtaken_ns) return;
+  step_ = Step{line_, newest_ns_, sent_ns, std::nullopt};
+  if (step_ns < 0 || step_ns >= set_ahead_ns) {
+    ++resets_;
+    count_step(step_ns);
+    begin(stamp, send_delay_ns, line_.host_ns(newest_ns_));
+  } else if (was_settled && send_delay_ns == 0) {  // otherwise a slow stream would wait again and again
+    settled_ = false;
+  }
+}
+
+/// Takes a position that was measured before the latest step and sent after it, if this is one.
+bool FixedClock::take_under_way(const Stamp& stamp, std::int64_t send_delay_ns) {
+  constexpr std::int64_t max_under_way_ns = 2'000'000'000;
+  if (!step_ || send_delay_ns <= 0 || newest_ns_ - step_->first_ns > max_under_way_ns) return false;
+  const std::int64_t beacon_ns = unwrapper_.beacon_ns(stamp);
+  const std::int64_t ahead_ns = beacon_ns + send_delay_ns - newest_ns_;
+  const std::int64_t to_clock_before_ns = std::abs(ahead_ns + step_->size_ns());
+  if (to_clock_before_ns >= overtaken_ns || to_clock_before_ns >= std::abs(ahead_ns)) return false;
+  step_->under_way_ns = beacon_ns;
+  if (settled_) return true;
+  line_ = {step_->line_before.host_ns(step_->newest_before_ns), step_->first_ns};
+  settled_ = true;
+  count_step(step_->size_ns());
+  return true;
 }
 
 void FixedClock::count_step(std::int64_t step_ns) {
@@ -186,11 +206,10 @@ void FixedClock::count_step(std::int64_t step_ns) {
 void FixedClock::begin(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs host_ns) {
   unwrapper_.restart();
   unwrapper_.set_newest(stamp);
-  origin_ns_ = host_ns;
-  first_ns_ = unwrapper_.beacon_ns(stamp) + send_delay_ns;
-  newest_ns_ = first_ns_;
-  before_step_ns_.reset();
+  line_ = {host_ns, unwrapper_.beacon_ns(stamp) + send_delay_ns};
+  newest_ns_ = line_.first_ns;
   begun_ = true;
+  settled_ = true;
 }
 
 }  // namespace sonopose::marvelmind

@@ -141,46 +141,68 @@ private:
 
 /// Maps by the beacon's clock alone, for bytes from a file. The first packet was sent at its arrival, and
 /// every stamp keeps its distance to that. The same bytes always give the same times. After a restart of the
-/// beacon, or if its clock was set ahead, time continues from the newest one. A position that was measured
-/// before such a step and sent after it is no restart. Same interface as `BeaconClock`.
+/// beacon, or if its clock was set, time continues from the newest one. A step ahead by less than a day may
+/// be a pause of the recording: it is one, unless a position with the time before the step is sent after it.
+/// Same interface as `BeaconClock`.
 class FixedClock {
 public:
-  /// Shortest step ahead of a clock that was set. A shorter one is a pause of the recording.
+  /// Shortest step ahead that cannot be a pause of the recording.
   static constexpr std::int64_t set_ahead_ns = 86'400'000'000'000;
+
+  /// Longest wait for a position after a step ahead.
+  static constexpr std::int64_t settling_ns = 250'000'000;
 
   /// Takes a packet that was sent `send_delay_ns` after `stamp`. Only the first `arrival_ns` matters.
   void observe(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs arrival_ns);
 
   void advance_to(TimeNs /*now_ns*/) {}
-  void settle() {}
-  bool settled() const { return true; }
+  void settle() { settled_ = true; }
+  /// False while a step ahead may be a pause or a clock that was set.
+  bool settled() const { return settled_; }
   std::optional<TimeNs> settles_at_ns() const { return std::nullopt; }
 
   /// The host's time at `stamp`. Needs an observation.
-  TimeNs host_ns(const Stamp& stamp) const {
-    return std::min(saturated_sum(origin_ns_, unwrapper_.beacon_ns(stamp) - first_ns_), end_of_time_ns - 1);
-  }
+  TimeNs host_ns(const Stamp& stamp) const;
 
-  double offset_s() const { return static_cast<double>(origin_ns_ - first_ns_) * 1e-9; }
+  double offset_s() const { return static_cast<double>(line_.origin_ns - line_.first_ns) * 1e-9; }
   double jitter_s() const { return 0; }
   std::uint64_t resets() const { return resets_; }
 
-  /// Number of steps of the beacon's clock, also of those that the times show as a pause, and the size of the
-  /// newest one. A step ahead is told from a pause by a position that was under way.
+  /// Number of steps of the beacon's clock, and the size of the newest one.
   std::uint64_t steps() const { return steps_; }
   std::int64_t newest_step_ns() const { return newest_step_ns_; }
 
 private:
+  struct Line {
+    TimeNs origin_ns = 0;
+    std::int64_t first_ns = 0;
+
+    TimeNs host_ns(std::int64_t beacon_ns) const {
+      return std::min(saturated_sum(origin_ns, beacon_ns - first_ns), end_of_time_ns - 1);
+    }
+  };
+
+  /// The latest step of the stamps.
+  struct Step {
+    Line line_before;
+    std::int64_t newest_before_ns = 0;
+    std::int64_t first_ns = 0;                 ///< first stamp after it
+    std::optional<std::int64_t> under_way_ns;  ///< latest stamp of before it that arrived after it
+
+    std::int64_t size_ns() const { return first_ns - newest_before_ns; }
+  };
+
   void count_step(std::int64_t step_ns);
+  void take_step(const Stamp& stamp, std::int64_t send_delay_ns);
+  bool take_under_way(const Stamp& stamp, std::int64_t send_delay_ns);
   void begin(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs host_ns);
 
   Unwrapper unwrapper_;
-  TimeNs origin_ns_ = 0;
-  std::int64_t first_ns_ = 0;
+  Line line_;
   std::int64_t newest_ns_ = 0;
-  std::optional<std::int64_t> before_step_ns_;  ///< newest time before the latest step ahead
+  std::optional<Step> step_;
   bool begun_ = false;
-  bool step_counted_ = false;  ///< the latest step ahead is among `steps_`
+  bool settled_ = true;
   std::uint64_t resets_ = 0;
   std::uint64_t steps_ = 0;
   std::int64_t newest_step_ns_ = 0;

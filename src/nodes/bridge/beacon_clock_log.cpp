@@ -11,12 +11,11 @@ namespace sonopose::bridge {
 
 namespace {
 
-std::string step_text(BeaconAddress address, std::uint64_t count, std::int64_t step_ns, bool is_gap) {
+std::string step_text(BeaconAddress address, std::uint64_t count, std::int64_t step_ns) {
   const double step_s = static_cast<double>(step_ns) * 1e-9;
-  return fmt::format("beacon {}: its clock was set {} by {}, or it restarted{}{}", address,
+  return fmt::format("beacon {}: its clock was set {} by {}, or it restarted{}", address,
                      step_ns < 0 ? "back" : "ahead", text::duration_text(std::abs(step_s)),
-                     count > 1 ? fmt::format(" (the last of {} steps)", count) : "",
-                     is_gap ? "; the times of its samples have a gap as long" : "");
+                     count > 1 ? fmt::format(" (the last of {} steps)", count) : "");
 }
 
 }  // namespace
@@ -37,9 +36,7 @@ std::vector<std::string> BeaconClockLog::update(const marvelmind::Assembler& ass
     Reported& reported = reported_[address];
     if (steps.count < reported.steps) reported = {};  // the beacon was gone
     if (steps.count > reported.steps) {
-      const bool is_gap =
-          !is_live && steps.newest_ns > 0 && steps.newest_ns < marvelmind::FixedClock::set_ahead_ns;
-      lines.push_back(step_text(address, steps.count - reported.steps, steps.newest_ns, is_gap));
+      lines.push_back(step_text(address, steps.count - reported.steps, steps.newest_ns));
       reported.steps = steps.count;
     }
     if (!is_live || reported.has_late_stamps) continue;

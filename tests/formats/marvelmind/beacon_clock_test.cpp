@@ -307,9 +307,9 @@ TEST_CASE("A clock that is set from 1970 to now while a file was written costs n
     CHECK(clock.resets() == 1);
   }
   SECTION("a position that was measured before is sent after it") {
-    CHECK(at(34'990, 68) == 30'000 - 68);
-    CHECK(at(now_ms + 20) == 30'000);
-    CHECK(at(now_ms + 30) == 30'010);
+    CHECK(at(34'990, 68) == 29'990);
+    CHECK(at(now_ms + 20) == 30'020);
+    CHECK(clock.resets() == 1);
   }
   SECTION("an hour without a packet is a pause") {
     CHECK(at(now_ms + 3'600'000) == 3'630'000);
@@ -317,20 +317,49 @@ TEST_CASE("A clock that is set from 1970 to now while a file was written costs n
   }
 }
 
-TEST_CASE("A file whose clock is set ahead by less than a day has a gap of that length") {
+TEST_CASE("A file whose clock is set while a position is under way has no gap") {
   FixedClock clock;
   constexpr std::int64_t now_ms = 1'795'000'000'000;
-  const std::int64_t step_ms = GENERATE(2'000, 10'000, 3'600'000);
-  const auto at = [&clock](std::int64_t unix_ms, std::int64_t ahead_ms = 0) {
-    const Stamp stamp{TimeBase::unix_ms, unix_ms};
-    clock.observe(stamp, ahead_ms * 1'000'000, host_start_ns);
-    return (clock.host_ns(stamp) - host_start_ns) / 1'000'000;
+  const std::int64_t step_ms = GENERATE(-3'600'000, -10'000, -400, 400, 2'000, 10'000, 3'600'000);
+  CAPTURE(step_ms);
+  const auto observe = [&clock](std::int64_t unix_ms, std::int64_t ahead_ms = 0) {
+    clock.observe({TimeBase::unix_ms, unix_ms}, ahead_ms * 1'000'000, host_start_ns);
   };
-  CHECK(at(now_ms) == 0);
-  CHECK(at(now_ms + 30'000) == 30'000);
-  CHECK(at(now_ms + 30'010 + step_ms) == 30'010 + step_ms);
-  CHECK(at(now_ms + 29'990, 68) == 29'990);  // a position that was measured before
-  CHECK(at(now_ms + 30'020 + step_ms) == 30'020 + step_ms);
+  const auto mapped_ms = [&clock](std::int64_t unix_ms) {
+    return (clock.host_ns({TimeBase::unix_ms, unix_ms}) - host_start_ns) / 1'000'000;
+  };
+  for (std::int64_t ms = 0; ms <= 30'000; ms += 10) observe(now_ms + ms);
+  observe(now_ms + 30'010 + step_ms);
+  observe(now_ms + 30'020 + step_ms);
+  observe(now_ms + 29'957, 68);  // a position that was measured before
+  REQUIRE(clock.settled());
+  CHECK(mapped_ms(now_ms + 29'957) == 29'957);
+  CHECK(mapped_ms(now_ms + 30'010 + step_ms) == 30'000);  // the time between both clocks is unknown
+  CHECK(mapped_ms(now_ms + 30'020 + step_ms) == 30'010);
+  observe(now_ms + 30'080 + step_ms, 68);  // one of the new time
+  CHECK(mapped_ms(now_ms + 30'080 + step_ms) == 30'070);
+  CHECK(clock.steps() == 1);
+  CHECK(std::abs(clock.newest_step_ns() - step_ms * 1'000'000) <= 10'000'000);
+}
+
+TEST_CASE("A pause of a file is as long as the stamps say, and waits a quarter of a second for a position") {
+  FixedClock clock;
+  constexpr std::int64_t now_ms = 1'795'000'000'000;
+  const auto observe = [&clock](std::int64_t unix_ms, std::int64_t ahead_ms = 0) {
+    clock.observe({TimeBase::unix_ms, unix_ms}, ahead_ms * 1'000'000, host_start_ns);
+  };
+  for (std::int64_t ms = 0; ms <= 1'000; ms += 10) observe(now_ms + ms);
+  observe(now_ms + 5'000);
+  CHECK_FALSE(clock.settled());
+  SECTION("IMU samples alone") {
+    for (std::int64_t ms = 5'010; ms <= 5'250; ms += 10) observe(now_ms + ms);
+  }
+  SECTION("a position of after it") {
+    observe(now_ms + 5'010, 68);
+  }
+  CHECK(clock.settled());
+  CHECK(clock.host_ns({TimeBase::unix_ms, now_ms + 5'000}) == host_start_ns + to_ns(5.0));
+  CHECK(clock.steps() == 0);
   CHECK(clock.resets() == 0);
 }
 
