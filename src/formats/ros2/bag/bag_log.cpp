@@ -282,6 +282,12 @@ private:
            "of " + text::escaped(storage_.topics()[topic].name) +
                ", a value is not finite or a stamp is invalid, or a frame or tag has no known place");
     }
+    for (const MonitoredInput& input : monitored_) {
+      if (input.unstamped == 0) continue;
+      read_.log.warnings.push_back(fmt::format("{}: {} of {} without a stamp", storage_.name(),
+                                               text::count_text(input.unstamped, "message"),
+                                               text::escaped(input.option.topic)));
+    }
     warn(beacon_.dropped(), "sample", "of a gyroscope, without a linear acceleration near it");
     constexpr std::size_t max_listed = 20;
     std::vector<std::string> unused;

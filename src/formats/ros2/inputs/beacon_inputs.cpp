@@ -36,6 +36,7 @@ bool BeaconInputs::on(const Imu& message, MonitoredInput& input, Moment moment, 
                       Lines& lines) {
   auto received = imu_sample(message, input.option.address, moment.received_ns);
   if (!received) return false;
+  notice_stamp(message.header, input, lines);
   received->sample.meaning = input.option.imu_meaning;
   take(*received, message.header.frame_id, input, moment, ready, lines);
   return true;
@@ -87,6 +88,7 @@ BeaconInputs::TakenFix BeaconInputs::take(const Position& message, MonitoredInpu
     input.monitor.on_unused(unused, lines);
     return {};
   }
+  notice_stamp(message.header, input, lines);
   converted->point_body_m = *point_body_m;
   input.offset.add(seconds_between(converted->emission_time_ns, moment.received_ns), moment.now);
   if (!input.since) input.since = moment.now;
@@ -124,6 +126,12 @@ void BeaconInputs::check_clocks(MonitoredInput& input, SteadyTime now, Lines& li
 void BeaconInputs::update(SteadyTime now, std::vector<ImuSample>& ready, Lines& lines) {
   joiner_.update(now, ready);
   notice_joined(lines);
+}
+
+void BeaconInputs::notice_stamp(const Header& header, MonitoredInput& input, Lines& lines) {
+  if (header.stamp.sec != 0 || header.stamp.nanosec != 0) return;
+  ++input.unstamped;
+  input.monitor.on_notice(Notice::no_stamp, {}, lines);
 }
 
 void BeaconInputs::notice_joined(Lines& lines) {

@@ -11,6 +11,7 @@
 #include <sonopose/ros2/messages/idl_types.hpp>
 #include <sonopose/ros2/messages/input.hpp>
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -29,6 +30,7 @@ struct MonitoredInput {
   FixRepeats repeats;     ///< for a topic of fixes, like the next two
   SmallestOffset offset;  ///< age of its positions at their arrival
   std::optional<SteadyTime> since{};
+  std::uint64_t unstamped = 0;  ///< messages without a stamp, whose arrival is their time
 };
 
 /// One beacon: joins the samples of two sensors, leaves out repeated fixes, and notices what drivers do. Not
@@ -81,6 +83,7 @@ private:
   template <class Position>
   TakenFix take(const Position& message, MonitoredInput& input, Moment moment, const InputFrames& frames,
                 Lines& lines);
+  static void notice_stamp(const Header& header, MonitoredInput& input, Lines& lines);
   void notice_joined(Lines& lines);
 
   int imus_ = 0;

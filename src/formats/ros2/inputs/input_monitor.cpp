@@ -171,6 +171,9 @@ std::string InputMonitor::text_of(Notice notice, const std::string& detail) cons
       return fmt::format("has an unusable covariance, which counts as unknown: {}", detail);
     case Notice::clocks:
       return detail;
+    case Notice::no_stamp:
+      return "has messages without a stamp: they count as measured when they arrived; let the driver stamp "
+             "them";
     case Notice::repeats:
       return "repeats its last position: each one is used once";
   }

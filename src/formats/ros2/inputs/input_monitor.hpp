@@ -55,6 +55,7 @@ public:
     second_imu,  ///< another topic of this beacon has complete samples
     covariance,  ///< a covariance is unusable
     repeats,     ///< positions come again
+    no_stamp,    ///< messages have the stamp 0
     clocks       ///< its stamps and those of the IMU are of different clocks
   };
 

@@ -226,10 +226,12 @@ SCENARIO("what drivers do is noticed as by the relay") {
     messages = {test::imu_message(unstamped)};
     messages.back().received_ns = received_ns;
     test::write_bag(file, messages);
-    THEN("they count as measured when they were received") {
+    THEN("they count as measured when they were received, which is said with their number") {
       const auto bag = read(file);
       REQUIRE(bag.log.events.size() == 1);
       CHECK(available_at_ns(bag.log.events[0]) == received_ns);
+      CHECK_THAT(joined(bag.log.warnings), Contains("/imu/data has messages without a stamp") &&
+                                               Contains("1 message of /imu/data without a stamp"));
     }
   }
 }
