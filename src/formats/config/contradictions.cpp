@@ -70,6 +70,28 @@ bool is_kept(const settings::Settings& settings, const Order& order) {
   return smaller < larger || (order.may_be_equal && smaller == larger);
 }
 
+/// Returns one warning about all `given` keys that differ from their default and that only the other engine
+/// reads; empty if there are none.
+std::string other_engine_warning(const settings::Settings& settings, const Assignments& given,
+                                 std::string_view where) {
+  const bool is_documented = settings.engine.engine == settings::EngineKind::documented;
+  const auto unread = is_documented ? settings::ReadBy::kalman : settings::ReadBy::documented;
+  std::vector<std::string> keys;
+  for (const auto& entry : given) {
+    const settings::SettingInfo& info = settings::setting_info(entry.first);
+    // Read back in the setting's own type: an integer may have been given for a real number.
+    if (info.read_by != unread || settings::get(settings, entry.first) == info.initial) continue;
+    keys.push_back(fmt::format("{}{}", where, entry.first));
+  }
+  if (keys.empty()) return {};
+  constexpr std::size_t max_named = 3;
+  const std::size_t more = keys.size() - std::min(keys.size(), max_named);
+  keys.resize(keys.size() - more);
+  return fmt::format("{}{} {} no effect: fusion.engine is {}", fmt::join(keys, ", "),
+                     more > 0 ? fmt::format(" and {} more", more) : "", keys.size() > 1 ? "have" : "has",
+                     settings::to_text(settings::get(settings, "fusion.engine")));
+}
+
 }  // namespace
 
 std::vector<std::string> contradictions(const settings::Settings& settings, const Assignments& given,
@@ -126,6 +148,9 @@ std::string fault_of(const settings::Settings& settings) {
 std::vector<std::string> warnings_for(const settings::Settings& settings, const Assignments& given,
                                       std::string_view where) {
   std::vector<std::string> texts;
+  if (std::string text = other_engine_warning(settings, given, where); !text.empty()) {
+    texts.push_back(std::move(text));
+  }
   if (settings.engine.engine != settings::EngineKind::documented) return texts;
   for (std::string& text : preset_warnings(settings, given, where)) texts.push_back(std::move(text));
   for (std::string& text : contradictions(settings, given, where)) texts.push_back(std::move(text));

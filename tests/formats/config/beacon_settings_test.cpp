@@ -139,6 +139,23 @@ TEST_CASE("settings of an attitude filter that is not chosen are warned of, unle
   CHECK_THAT(idle_filter_warnings(settings, given)[0], Contains("documented.attitude.ahrs.gain"));
 }
 
+TEST_CASE("settings of the other engine are warned of in one line, unless they are as ever") {
+  settings::Settings settings;
+  REQUIRE(settings.engine.engine == settings::EngineKind::kalman);
+  settings.trust.sigma_m = 0.5;
+  settings.trust.n_base = 9;
+  const Assignments given{{"documented.trust.sigma_m", 0.5},
+                          {"documented.trust.n_base", 9},
+                          {"documented.trust.n_max", settings.trust.n_max}};
+  const auto warnings = warnings_for(settings, given, "beacon.7.");
+  REQUIRE(warnings.size() == 1);
+  CHECK_THAT(warnings[0], Contains("beacon.7.documented.trust.sigma_m") &&
+                              Contains("beacon.7.documented.trust.n_base") && !Contains("n_max") &&
+                              Contains("fusion.engine is kalman"));
+  settings.engine.engine = settings::EngineKind::documented;
+  CHECK(warnings_for(settings, given, "beacon.7.").empty());
+}
+
 TEST_CASE("settings of a magnetometer that is not used are warned of") {
   settings::Settings settings;
   settings.attitude.selection.north_deg = 30.0;
