@@ -7,7 +7,6 @@
 #include "support/log_option.hpp"
 #include "support/options_file.hpp"
 #include "support/realtime_option.hpp"
-#include <sonopose/dds/qos/provider.hpp>
 
 #include <fmt/format.h>
 
@@ -109,10 +108,7 @@ int serve(const CLI::App& app, const Options& options) {
   }
   check_publisher(options.bus);
   if (options.learned_file) check_learned(*options.learned_file);
-  if (options.check_config) {
-    const sonopose::dds::qos::Provider of_variable(options.bus.qos_file);  // --qos is checked already
-    return 0;
-  }
+  if (options.check_config) return 0;  // the parsing has checked the QoS file and the enclave
   sonopose::process::StopSignal stop;
   stop.listen_to_signals();
   const auto with_config =

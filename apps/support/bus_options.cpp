@@ -2,6 +2,7 @@
 
 #include "choice.hpp"
 #include "clocks/clocks.hpp"
+#include "config/fusion_config.hpp"
 #include "logging/log.hpp"
 #include "process/service.hpp"
 #include "security_options.hpp"
@@ -33,6 +34,17 @@ void log_message(dds::MessageLevel level, std::string_view message) {
       return logging::error(text);
     case dds::MessageLevel::fatal:
       return logging::failure(text);
+  }
+}
+
+/// Throws config::ConfigError for a file of SONOPOSE_QOS that cannot be used. That of --qos is checked
+/// already.
+void check_qos_of_environment(const BusOptions& options) {
+  if (options.qos_file) return;
+  try {
+    const dds::qos::Provider provider;
+  } catch (const dds::qos::FileError& error) {
+    throw config::ConfigError(error.what());
   }
 }
 
@@ -69,6 +81,10 @@ void add_bus_options(CLI::App& app, BusOptions& options) {
       ->type_name("FILE")
       ->group(bus_group);
   add_security_options(app, options);
+  app.final_callback([&app, &options] {
+    check_qos_of_environment(options);
+    check_security(app, options);
+  });
 }
 
 bool wait_for_network(const dds::DomainOptions& domain, const process::StopSignal& stop, double duration_s) {

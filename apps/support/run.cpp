@@ -230,13 +230,12 @@ std::atomic<int> code_of_success = 0;
 /// Reports the error that ended a program. Returns the exit code.
 int report_end(const std::exception& error, const CLI::App& app, const std::vector<FileOption>& of_file) {
   const auto* const of_parser = dynamic_cast<const CLI::ParseError*>(&error);
+  const bool is_of_file = dynamic_cast<const config::ConfigError*>(&error) != nullptr;
   const bool is_mistake =
       of_parser != nullptr || dynamic_cast<const std::invalid_argument*>(&error) != nullptr;
-  const std::string origin = is_mistake ? origin_of(error, of_file) : "";
+  const std::string origin = is_mistake || is_of_file ? origin_of(error, of_file) : "";
   logging::failure(origin + reason_of(error));
-  if (!origin.empty() || dynamic_cast<const config::ConfigError*>(&error) != nullptr) {
-    return wrong_configuration;
-  }
+  if (!origin.empty() || is_of_file) return wrong_configuration;
   if (!is_mistake || !has_options_file(app)) return 1;
   return of_parser != nullptr ? of_parser->get_exit_code() : wrong_option;
 }

@@ -14,9 +14,11 @@
 #include <chrono>
 #include <condition_variable>
 #include <csignal>
+#include <filesystem>
 #include <mutex>
 #include <stop_token>
 #include <string_view>
+#include <system_error>
 #include <thread>
 #include <unistd.h>
 
@@ -51,6 +53,28 @@ std::string selected_folder(const CLI::App& app, const BusOptions& options) {
     throw std::invalid_argument("--enclave " + *options.enclave + ": needs --security");
   }
   return {};
+}
+
+/// Names the option or variable that led to an enclave which cannot be used.
+std::string origin_of_enclave(const BusOptions& options) {
+  if (!options.key_store) return "ROS_SECURITY_KEYSTORE";
+  std::error_code error;
+  const bool has_enclaves = std::filesystem::is_directory(*options.key_store / "enclaves", error);
+  const bool is_absent = !std::filesystem::is_directory(options.domain.enclave_folder, error);
+  return options.enclave && has_enclaves && is_absent ? "--enclave" : "--security";
+}
+
+/// Selects the enclave and checks its files. Throws config::ConfigError.
+void check_enclave(const CLI::App& app, BusOptions& options) {
+  try {
+    options.domain.enclave_folder = selected_folder(app, options);
+    if (options.domain.enclave_folder.empty()) return;
+    security::read_enclave(options.domain.enclave_folder, host_now_s());
+  } catch (const security::SecurityError& error) {
+    throw config::ConfigError(origin_of_enclave(options) + ": " + error.what());
+  } catch (const std::invalid_argument& error) {
+    throw config::ConfigError(error.what());
+  }
 }
 
 /// Warns of an expiry, and ends the program when it comes.
@@ -107,18 +131,10 @@ void add_security_options(CLI::App& app, BusOptions& options) {
         ->type_name("NAME")
         ->group(bus_group);
   }
-  app.final_callback([&app, &options] {
-    if (!options.joins_bus) return;
-    try {
-      options.domain.enclave_folder = selected_folder(app, options);
-      if (options.domain.enclave_folder.empty()) return;
-      security::read_enclave(options.domain.enclave_folder, host_now_s());
-    } catch (const security::SecurityError& error) {
-      throw config::ConfigError(error.what());
-    } catch (const std::invalid_argument& error) {
-      throw config::ConfigError(error.what());
-    }
-  });
+}
+
+void check_security(const CLI::App& app, BusOptions& options) {
+  if (options.joins_bus) check_enclave(app, options);
 }
 
 std::string announced_enclave(const BusOptions& options) {

@@ -7,10 +7,12 @@
 
 namespace sonopose::apps {
 
-/// Adds --security and --enclave. After the parsing, the files of the enclave are checked, and
-/// config::ConfigError names the file that cannot be used, and the verb that mends it. `options` must outlive
-/// the parsing.
+/// Adds --security and --enclave. `options` must outlive the parsing.
 void add_security_options(CLI::App& app, BusOptions& options);
+
+/// Selects the enclave and checks its files, after the parsing. Throws config::ConfigError, which names the
+/// option or variable, the file that cannot be used, and the verb that mends it.
+void check_security(const CLI::App& app, BusOptions& options);
 
 /// Returns the name of the enclave for ROS 2: that in use, without security the given one, "/" if there is
 /// none.

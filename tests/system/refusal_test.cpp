@@ -116,8 +116,34 @@ SCENARIO("a program refuses an invalid QoS file") {
     THEN("it is named") {
       CHECK_THAT(refusal(SONOPOSE_TEST_MONITOR, {"--qos", "/no/such.xml"}),
                  Contains("/no/such.xml: does not exist") && Contains("--qos"));
-      CHECK_THAT(refusal(SONOPOSE_TEST_FUSION, {}, {{"SONOPOSE_QOS", "/no/such.xml"}}),
-                 Contains("/no/such.xml"));
+    }
+  }
+  WHEN("the environment names a file that cannot be used") {
+    struct Mistake {
+      const char* text;  ///< null: there is no file
+      const char* reason;
+    };
+    const auto mistake = GENERATE(values<Mistake>({
+        {nullptr, ": does not exist"},
+        {"policies: none", ":1: not well-formed XML"},
+        {"<dds>\n<qos_library name=\"sonopose\">\n<qos_profile name=\"Fixx\"/></qos_library></dds>\n",
+         ":3: <qos_profile>: there is no profile"},
+        {"<dds>\n<qos_library name=\"sonopose\">\n<qos_profile name=\"Fix\"><datawriter_qos>\n<deadlyne/>"
+         "</datawriter_qos></qos_profile></qos_library></dds>\n",
+         ":4: <deadlyne>: unknown element"},
+    }));
+    const TemporaryFolder folder;
+    const std::string path = (folder / "qos.xml").string();
+    if (mistake.text != nullptr) write_text(path, mistake.text);
+    THEN(
+        "variable, file, line and element are named, with the code of a wrong file, by readers and writers") {
+      for (const char* const program : {SONOPOSE_TEST_FUSION, SONOPOSE_TEST_BRIDGE, SONOPOSE_TEST_MONITOR}) {
+        Environment environment = neutral;
+        environment["SONOPOSE_QOS"] = path;
+        const Result result = run(program, {}, environment);
+        CHECK(result.code == 78);
+        CHECK_THAT(result.error, Contains("SONOPOSE_QOS: " + path + mistake.reason));
+      }
     }
   }
 }

@@ -80,6 +80,7 @@ SCENARIO("options of the fusion are in the table [program] of its settings") {
       {"addresses = \"seven\"", "seven"},
       {"partition = \"hall-*\"", "single partition"},
       {"qos = \"/no/such.xml\"", "program.qos: --qos: /no/such.xml: does not exist"},
+      {"security = \"/no/such\"", "program.security: --security: /no/such/enclaves/fusion: no such enclave"},
       {"realtime = 1000", "1000"},
       {"lossless = 5", "true or false"},
       {"warm-up = 5", "--standby-strength"},

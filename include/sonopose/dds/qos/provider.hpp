@@ -13,7 +13,8 @@
 
 namespace sonopose::dds::qos {
 
-/// An invalid QoS file. `what()` is `file:line: <element>: reason`.
+/// An invalid QoS file. `what()` is `file:line: <element>: reason`, after the variable if that names the
+/// file.
 class FileError : public std::runtime_error {
 public:
   using std::runtime_error::runtime_error;

@@ -146,6 +146,9 @@ Profiles read_file(const xml::Source& source, const Profiles& base_file = {}) {
   return profiles;
 }
 
+/// Begins the text of an error in the file that the environment names.
+constexpr const char* of_variable = "SONOPOSE_QOS: ";
+
 /// Limit of a file's size. The project's own has some kilobytes.
 constexpr std::uintmax_t max_file_bytes = 1U << 20U;
 
@@ -196,15 +199,22 @@ std::optional<std::filesystem::path> overrides_file(const std::optional<std::fil
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
     const bool exists = std::filesystem::exists(path, error);
-    throw FileError(path.string() + (exists ? ": is not a file" : ": does not exist") + " (QoS file of " +
-                    (by_variable ? "SONOPOSE_QOS" : "--qos") + ")");
+    throw FileError((by_variable ? of_variable : "") + path.string() +
+                    (exists ? ": is not a file" : ": does not exist"));
   }
   return path;
 }
 
 Provider::Provider(const std::optional<std::filesystem::path>& overrides) : file_(project_file().string()) {
   profiles_ = read_file(xml::Source(file_, text_in(file_)));
-  if (const auto path = overrides_file(overrides)) merge(text_in(*path), path->string());
+  const auto path = overrides_file(overrides);
+  if (!path) return;
+  try {
+    merge(text_in(*path), path->string());
+  } catch (const FileError& error) {
+    if (overrides) throw;
+    throw FileError(of_variable + std::string(error.what()));
+  }
 }
 
 Provider Provider::from_string(const std::string& xml, const std::string& name) {
