@@ -108,6 +108,8 @@ SCENARIO("the table has a row for each beacon") {
     mixed.bridge->other_bridges = 1;
     BeaconView played = good_view();
     played.segments[0] = observation::percentiles_of({});
+    BeaconView overhead = good_view();
+    overhead.wrong_tilt_rad = 3.1;
     THEN("the status column shows it, as it does several bridges") {
       CHECK_THAT(table_of({mixed}), Contains("several bridges") && !Contains("several bridges, ok") &&
                                         Contains("bridge: 4 damaged frames, 1 other bridge\n"));
@@ -115,6 +117,9 @@ SCENARIO("the table has a row for each beacon") {
       CHECK_THAT(table_of({played}), Contains("– old stamps"));
       CHECK_THAT(table_of({lost}), Contains("17  lost\n"));
       CHECK_THAT(table_of({silent}), Contains("IMU silent"));
+      CHECK_THAT(table_of({overhead}), Contains("IMU upside down") && !Contains("down, ok"));
+      CHECK(severity_of(overhead) > 0);
+      CHECK(severity_of(overhead) < observation::bad_severity);
     }
   }
   GIVEN("a beacon with a standby") {

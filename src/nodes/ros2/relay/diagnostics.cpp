@@ -61,6 +61,7 @@ void check_pose(const observation::BeaconView& view, ProblemList& problems) {
     problems.add(Level::warning, observation::status_words(view.pose.status & warning_bits));
   }
   if (view.fusion && view.fusion->imu_silent) problems.add(Level::error, "IMU silent");
+  if (view.wrong_tilt_rad) problems.add(Level::warning, std::string(tilt_words(view)));
 }
 
 void check_losses(const observation::BeaconView& view, const observation::BeaconView& before,

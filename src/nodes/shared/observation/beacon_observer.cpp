@@ -1,5 +1,7 @@
 #include "observation/beacon_observer.hpp"
 
+#include <sonopose/geometry/rotation.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -23,6 +25,7 @@ void BeaconObserver::on(const FusedPose& pose, TimeNs received_ns) {
   latest_ = pose;
   lost_ = false;
   if (is_predicted) return;
+  watch_tilt(pose, received_ns);
   if ((pose.status & status_initialising) != 0U) return;
   if (const auto truth_world_m = unmatched_truths_.extract(pose.time_ns)) {
     compare(pose.position_world_m, *truth_world_m);
@@ -42,6 +45,18 @@ void BeaconObserver::on(const TruthSample& truth) {
 void BeaconObserver::on_pose_lost() {
   if (!lost_) ++losses_;
   lost_ = true;
+}
+
+void BeaconObserver::watch_tilt(const FusedPose& pose, TimeNs received_ns) {
+  constexpr double max_tilt_rad = 45.0 * geometry::radians_per_degree;  // as the doctor's
+  const double up = (pose.q_body_to_world * Vector3d::UnitZ()).z();
+  tilt_rad_ = std::acos(std::clamp(up, -1.0, 1.0));
+  if ((pose.status & status_initialising) != 0U || !(tilt_rad_ > max_tilt_rad)) {
+    tilted_since_ns_ = 0;
+  } else if (tilted_since_ns_ == 0) {
+    tilted_since_ns_ = received_ns;
+  }
+  tilted_until_ns_ = received_ns;
 }
 
 void BeaconObserver::compare(const Vector3d& fused_world_m, const Vector3d& truth_world_m) {
@@ -88,6 +103,10 @@ BeaconView BeaconObserver::view_of(const Span& span, BeaconAddress address, Time
   view.report = report_;
   view.losses = losses_;
   view.lost = lost_;
+  constexpr TimeNs brief_tilt_ns = 5'000'000'000;  // a manoeuvre is shorter
+  if (tilted_since_ns_ != 0 && tilted_until_ns_ - tilted_since_ns_ >= brief_tilt_ns) {
+    view.wrong_tilt_rad = tilt_rad_;
+  }
   view.deadlines_missed = deadlines_missed_;
   if (span.errors > 0) {
     view.position_error_rms_m = std::sqrt(span.squared_error_sum_m2 / static_cast<double>(span.errors));

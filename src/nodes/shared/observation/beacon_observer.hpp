@@ -34,6 +34,7 @@ struct BeaconView {
   std::uint64_t deadlines_missed = 0;          ///< deadlines of the pose stream, since the start
   std::uint64_t losses = 0;                    ///< times that the pose stream lost its last writer
   bool lost = false;                           ///< the pose stream has no writer
+  std::optional<double> wrong_tilt_rad;        ///< tilt of the body, if over 45° for the last 5 s
   std::optional<double> position_error_rms_m;  ///< error against the ground truth, if published
   std::optional<double> position_error_max_m;
 };
@@ -88,6 +89,7 @@ private:
     void restart(TimeNs now_ns);
   };
 
+  void watch_tilt(const FusedPose& pose, TimeNs received_ns);
   void compare(const Vector3d& fused_world_m, const Vector3d& truth_world_m);
   [[nodiscard]] BeaconView view_of(const Span& span, BeaconAddress address, TimeNs now_ns) const;
 
@@ -101,6 +103,9 @@ private:
   std::optional<FixReport> report_;
   std::uint64_t losses_ = 0;
   bool lost_ = false;
+  TimeNs tilted_since_ns_ = 0;  ///< 0: not tilted
+  TimeNs tilted_until_ns_ = 0;
+  double tilt_rad_ = 0;
   std::uint64_t deadlines_missed_ = 0;
   // Pose and truth of one instant arrive in any order; each waits for the other.
   UnmatchedPositions unmatched_truths_;

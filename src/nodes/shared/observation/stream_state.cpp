@@ -1,6 +1,7 @@
 #include "observation/stream_state.hpp"
 
 #include "observation/status_words.hpp"
+#include <sonopose/geometry/rotation.hpp>
 
 #include <fmt/format.h>
 
@@ -12,12 +13,19 @@
 
 namespace sonopose::observation {
 
+std::string_view tilt_words(const BeaconView& view) {
+  constexpr double upside_down_rad = 135.0 * geometry::radians_per_degree;
+  if (!view.wrong_tilt_rad) return "";
+  return *view.wrong_tilt_rad > upside_down_rad ? "IMU upside down" : "IMU on its side";
+}
+
 std::string stream_words(const BeaconView& view) {
   if (view.lost) return "lost";
   if (view.poses + view.predicted == 0) return "silent";
   std::vector<std::string> words;
   if (has_several_bridges(view)) words.emplace_back("several bridges");
   if (view.fusion && view.fusion->imu_silent) words.emplace_back("IMU silent");
+  if (view.wrong_tilt_rad) words.emplace_back(tilt_words(view));
   if (words.empty() || view.pose.status != 0) words.push_back(status_words(view.pose.status));
   return fmt::format("{}", fmt::join(words, ", "));
 }
@@ -31,7 +39,8 @@ int severity_of(const BeaconView& view) {
   if (view.poses + view.predicted == 0) return 95;
   if (view.fusion && view.fusion->imu_silent) return 90;
   if (has_several_bridges(view)) return 85;  // the pose is of mixed samples
-  return severity_of_status(view.pose.status);
+  constexpr int severity_of_tilt = 25;       // the pose is right for the IMU as it is mounted
+  return std::max(severity_of_status(view.pose.status), view.wrong_tilt_rad ? severity_of_tilt : 0);
 }
 
 int severity_of_status(std::uint32_t status) {

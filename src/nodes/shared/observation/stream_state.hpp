@@ -5,14 +5,18 @@
 #include "observation/beacon_observer.hpp"
 
 #include <string>
+#include <string_view>
 
 namespace sonopose::observation {
 
 /// True if its bridge detects another one that publishes it.
 bool has_several_bridges(const BeaconView& view);
 
-/// "lost", "silent", or the words of the latest status, after "several bridges" and "IMU silent" if these
-/// hold.
+/// "IMU upside down", "IMU on its side", or empty: then its mount differs from the settings.
+std::string_view tilt_words(const BeaconView& view);
+
+/// "lost", "silent", or the words of the latest status, after "several bridges", "IMU silent" and those of
+/// its tilt if these hold.
 std::string stream_words(const BeaconView& view);
 
 /// Severity of a beacon's worst fault: 0 is none; from `bad_severity` on, its pose is unreliable.

@@ -110,6 +110,13 @@ SCENARIO("the diagnostic of a beacon") {
         CHECK(says(diagnose(now, before), "several bridges"));
       }
     }
+    WHEN("its IMU is mounted upside down") {
+      now.wrong_tilt_rad = 3.1;
+      THEN("this is a warning, in the words of the monitor") {
+        CHECK(diagnose(now, before).level == Level::warning);
+        CHECK(says(diagnose(now, before), "IMU upside down"));
+      }
+    }
     WHEN("its IMU is silent") {
       now.fusion->imu_silent = true;
       now.poses = 0;  // a consequence

@@ -1,5 +1,7 @@
 #include "observation/beacon_observer.hpp"
 
+#include "observation/stream_state.hpp"
+
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -31,6 +33,27 @@ TruthSample truth_at(TimeNs time_ns, double x_m) {
   truth.time_ns = time_ns;
   truth.position_world_m.x() = x_m;
   return truth;
+}
+
+SCENARIO("an IMU that is not mounted upright is noticed after five seconds, a manoeuvre is not") {
+  BeaconObserver observer;
+  const auto view_after = [&observer](double from_s, double until_s, double roll_deg) {
+    for (double time_s = from_s; time_s <= until_s; time_s += 0.01) {
+      FusedPose pose = pose_at(begin_ns + to_ns(time_s));
+      pose.q_body_to_world = Eigen::AngleAxisd(roll_deg * M_PI / 180.0, Vector3d::UnitX());
+      observer.on(pose, pose.time_ns);
+    }
+    return observer.take_window(7, begin_ns + to_ns(until_s));
+  };
+  CHECK_FALSE(view_after(0, 10, 40.0).wrong_tilt_rad);  // a steep ramp
+  CHECK_FALSE(view_after(10, 14, 180.0).wrong_tilt_rad);
+  CHECK_FALSE(view_after(14, 15, 0.0).wrong_tilt_rad);
+  CHECK_FALSE(view_after(15, 19, 180.0).wrong_tilt_rad);
+  CHECK(view_after(19, 21, 180.0).wrong_tilt_rad.value_or(0) == Approx(M_PI));
+  CHECK(tilt_words(observer.summary(7, begin_ns + to_ns(21))) == "IMU upside down");
+  CHECK(view_after(21, 22, -90.0).wrong_tilt_rad.value_or(0) == Approx(M_PI / 2));
+  CHECK(tilt_words(observer.summary(7, begin_ns + to_ns(22))) == "IMU on its side");
+  CHECK_FALSE(view_after(22, 23, 0.0).wrong_tilt_rad);
 }
 
 SCENARIO("an observer counts the poses of each second and of the whole run") {
