@@ -175,14 +175,34 @@ bool has_delay(const Attempt& attempt) {
   return attempt.lacking.empty() && delay.is_known() && std::abs(delay.value) <= max_delay_s;
 }
 
-/// Names the clocks if the fit needs an accelerometer much noisier than its samples: then it is no lack of
-/// motion that hides the delay.
-void name_clocks(Attempt& attempt) {
+/// True if the fit needs an accelerometer much noisier than its samples.
+bool contradicts_imu(const Attempt& attempt) {
   constexpr double max_noise_ratio = 20.0;  // vibration and slip cause up to some times the scatter
-  Value& delay = attempt.result[Quantity::delay];
-  if (!attempt.lacking.empty() || delay.is_known()) return;
   const double scatter = detail::scatter_rthz(attempt.pieces, &detail::ImuMeasurement::force_body_mps2);
-  if (std::exp(attempt.fit.unknowns(detail::at_accel)) < max_noise_ratio * scatter) return;
+  return std::exp(attempt.fit.unknowns(detail::at_accel)) >= max_noise_ratio * scatter;
+}
+
+double max_correction_s() {
+  return std::get<double>(settings::setting_info("delay.correction_s").maximum);
+}
+
+/// True if the attempt shows an offset of the clocks that the one without it cannot explain. It is beyond any
+/// setting, so that it need not be as exact as one.
+bool has_clock_offset(const Attempt& attempt, const Attempt& without) {
+  constexpr double max_half_width_s = 0.05;
+  const bool is_explained = without.lacking.empty() && !contradicts_imu(without) &&
+                            std::isfinite(without.result[Quantity::delay].low);
+  if (!attempt.lacking.empty() || is_explained || contradicts_imu(attempt)) return false;
+  const Value& delay = attempt.result[Quantity::delay];
+  return delay.high - delay.value <= max_half_width_s &&
+         std::abs(attempt.set_back_s + delay.value) > max_correction_s();
+}
+
+/// Names the clocks if the fit contradicts the accelerometer: then it is no lack of motion that hides the
+/// delay.
+void name_clocks(Attempt& attempt) {
+  Value& delay = attempt.result[Quantity::delay];
+  if (!attempt.lacking.empty() || delay.is_known() || !contradicts_imu(attempt)) return;
   delay.missing =
       "set the clock of the IMU, or correct its stamps, or calibrate it: its accelerations contradict the "
       "fixes" +
@@ -200,6 +220,10 @@ Attempt best_attempt(const Input& input) {
   if (other.set_back_s != 0.0) {
     fit_pieces(input, other);
     if (has_delay(other)) return other;
+    if (has_clock_offset(other, attempt)) {
+      other.result[Quantity::delay].missing.clear();
+      return other;
+    }
   }
   name_clocks(attempt);
   return attempt;
@@ -208,8 +232,7 @@ Attempt best_attempt(const Input& input) {
 /// Returns why the fusion cannot correct this delay; empty if it can.
 std::string clock_fault(const Input& input, const Attempt& attempt, double delay_s) {
   constexpr double min_share = 0.9;
-  const double max_s = std::get<double>(settings::setting_info("delay.correction_s").maximum);
-  bool is_correctable = std::abs(delay_s) <= max_s;
+  bool is_correctable = std::abs(delay_s) <= max_correction_s();
   if (is_correctable && attempt.set_back_s != 0.0) {
     const double mount_rad = attempt.fit.unknowns(detail::at_mount);
     std::size_t accepted = 0;

@@ -43,6 +43,17 @@ std::string imu_text(const std::vector<motion::Reading>& readings) {
       axes[static_cast<std::size_t>(axis)], imu.fast_rate_radps);
 }
 
+/// Begins the line of an offset that is not known well enough for a setting.
+std::string rough_offset_text(const calibration::drive::Value& delay) {
+  constexpr double max_half_width_s = 0.05;
+  const double half_s = 0.5 * (delay.high - delay.low);
+  if (!(half_s <= max_half_width_s)) return "offset not known: ";
+  return fmt::format(
+      "the positions are about {:.3f} s older than their times (95 %: {:.3f} to {:.3f}), too uncertain to "
+      "correct: ",
+      delay.value, delay.low, delay.high);
+}
+
 /// The offset of the clocks, and the setting that corrects it.
 std::string clock_text(const recording::Tables& tables) {
   const auto line = [](const std::string& text) { return fmt::format("{:<12}{}\n", "clocks", text); };
@@ -50,7 +61,7 @@ std::string clock_text(const recording::Tables& tables) {
     const auto fit =
         calibration::drive::calibrate_drive(std::span(&tables.log.events, 1), settings::Settings{});
     const calibration::drive::Value& delay = fit[calibration::drive::Quantity::delay];
-    if (!delay.is_known()) return line("offset not known: " + delay.missing);
+    if (!delay.is_known()) return line(rough_offset_text(delay) + delay.missing);
     if (!fit.clock_fault.empty()) {
       return line(fmt::format("{}, or import again with --shift {:.3f}", fit.clock_fault,
                               seconds_between(0, tables.position_shift_ns) - delay.value));

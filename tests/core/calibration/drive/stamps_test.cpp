@@ -158,6 +158,16 @@ SCENARIO("clocks of fixes and IMU that differ are found, whichever is ahead") {
   }
 }
 
+SCENARIO("clocks that differ by a second are found on a calm walk with a single beacon, too") {
+  const double ahead_s = GENERATE(-1.0, 1.0);
+  CAPTURE(ahead_s);
+  const Events events = with_imu_ahead(drive_of("walk", 3, false, 60.0), ahead_s);
+  const DriveFit fit = calibrated(events);
+  REQUIRE(fit[Quantity::delay].is_known());
+  CHECK(fit[Quantity::delay].value == Approx(-ahead_s).margin(0.03));
+  CHECK_FALSE(fit.clock_fault.empty());
+}
+
 SCENARIO("clocks that differ by more than is searched are no lack of motion") {
   for (const auto& [scenario, ahead_s] : {std::pair("forklift", 5.0), std::pair("walk", -20.0)}) {
     const DriveFit fit = calibrated(with_imu_ahead(drive_of(scenario, 3103, false, 45.0), ahead_s));
