@@ -16,10 +16,11 @@ public:
   /// `name_columns`: length of the longest name.
   explicit SummaryTable(std::size_t name_columns);
 
-  /// Returns the lines of one case, after the header if it is the first one that needs it.
+  /// Returns the line of one case, the first time below the header. Lines without truth wait for it, since
+  /// without any truth there is no header.
   std::string add(Summary summary);
 
-  /// Returns the table of prediction errors.
+  /// Returns the lines that still wait, and the table of prediction errors.
   [[nodiscard]] std::string predictions() const;
 
   [[nodiscard]] const std::vector<Summary>& rows() const { return rows_; }
@@ -27,6 +28,7 @@ public:
 private:
   std::size_t width_;
   bool has_header_ = false;
+  std::string waiting_;  ///< lines without truth, before there is a header
   std::vector<Summary> rows_;
 };
 

@@ -49,7 +49,8 @@ evaluation::Case standing(double fix_offset_m) {
 /// The rows of a table with this case alone.
 std::string row_of(const evaluation::Case& test_case) {
   evaluation::SummaryTable table(10);
-  return table.add(evaluation::summarise({evaluation::evaluate(test_case, {})}));
+  const std::string row = table.add(evaluation::summarise({evaluation::evaluate(test_case, {})}));
+  return row.empty() ? table.predictions() : row;  // without truth, it waits for a case with truth
 }
 
 TEST_CASE("what the truth does not say is not known, with the reason") {
@@ -214,11 +215,33 @@ SCENARIO("a case without truth is scored by its prediction errors") {
   CHECK(evaluation::cost_of({with_truth}, {with_truth}) == Approx(with_truth.fused.position_m.rmse));
   const auto summary = evaluation::summarise({result});
   evaluation::SummaryTable table(4);
-  CHECK_THAT(table.add(summary) + table.predictions(),
+  const std::string row_above = table.add(summary);
+  CHECK_THAT(row_above + table.predictions(),
              !Catch::Contains("nan") && !Catch::Contains("inf") && Catch::Contains("no truth"));
   const auto row = nlohmann::json::parse(evaluation::json_of({summary})).at(0);
   CHECK(row.at("position_rmse_m").is_null());
   CHECK(row.at("prediction").at(0).at("distance_rms_m").get<double>() == result.prediction.distance_m.rmse);
+}
+
+SCENARIO("no row of a table is above its header") {
+  evaluation::Case with_truth = standing(0.0);
+  evaluation::Case without = with_truth;
+  without.truth.clear();
+  with_truth.name = "driven";
+  without.name = "filmed";
+  const auto summary_of = [](const evaluation::Case& each) {
+    return evaluation::summarise({evaluation::evaluate(each, {})});
+  };
+  evaluation::SummaryTable table(6);
+  std::string printed;
+  for (const evaluation::Case& each : {without, with_truth, without}) printed += table.add(summary_of(each));
+  printed += table.predictions();
+  const std::size_t header = printed.find("recovery");
+  REQUIRE(header != std::string::npos);
+  CHECK(header < printed.find("filmed"));
+  CHECK(printed.find("filmed") < printed.find("driven"));
+  CHECK(printed.find("driven") < printed.find("filmed", printed.find("driven")));
+  CHECK(printed.find("\nprediction ") > printed.find("filmed", printed.find("driven")));
 }
 
 SCENARIO("settings that follow wrong tracks cost more, also without truth") {
