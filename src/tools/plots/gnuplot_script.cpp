@@ -98,13 +98,25 @@ Elements fixes_by_kind(const PlotData& data, std::string_view x, std::string_vie
   return elements;
 }
 
+void append(Elements& elements, const Elements& more) {
+  elements.insert(elements.end(), more.begin(), more.end());
+}
+
+/// Returns a shaded time span for the background. `columns` is time:height.
+std::string shade(std::string_view columns, std::string_view colour, std::string_view title) {
+  return fmt::format("{} axes x1y2 with fillsteps fs solid 1 noborder lc rgb '{}' {}", columns, colour,
+                     title.empty() ? "notitle" : "title " + plot_text(title));
+}
+
+/// Returns the shaded silences of the IMU. `top`: upper end of the second y axis.
+Elements silences(const PlotData& data, bool with_title = false, int top = 1) {
+  if (data.runs.front().silences().empty()) return {};
+  return {
+      shade(fmt::format("$silences using 1:({}*$2)", top), silent_colour, with_title ? "IMU silent" : "")};
+}
+
 /// Returns shaded time spans of the status, for the background.
 Elements shades(const PlotData& data, bool with_titles) {
-  const auto shade = [with_titles](std::string_view columns, std::string_view colour,
-                                   std::string_view title) {
-    return fmt::format("{} axes x1y2 with fillsteps fs solid 1 noborder lc rgb '{}' {}", columns, colour,
-                       with_titles ? "title " + plot_text(title) : "notitle");
-  };
   const auto& moments = data.runs.front().moments();
   const auto occurs = [&moments](PoseStatus bit) {
     return std::any_of(moments.begin(), moments.end(),
@@ -112,16 +124,12 @@ Elements shades(const PlotData& data, bool with_titles) {
   };
   Elements elements;
   if (occurs(status_converging))
-    elements.push_back(shade("$status using 1:3", converging_colour, "converging"));
-  if (occurs(status_stale)) elements.push_back(shade("$status using 1:2", stale_colour, "stale"));
-  if (!data.runs.front().silences().empty()) {
-    elements.push_back(shade("$silences using 1:2", silent_colour, "IMU silent"));
+    elements.push_back(shade("$status using 1:3", converging_colour, with_titles ? "converging" : ""));
+  if (occurs(status_stale)) {
+    elements.push_back(shade("$status using 1:2", stale_colour, with_titles ? "stale" : ""));
   }
+  append(elements, silences(data, with_titles));
   return elements;
-}
-
-void append(Elements& elements, const Elements& more) {
-  elements.insert(elements.end(), more.begin(), more.end());
 }
 
 /// Sets the margins of a panel, and its vertical label at a fixed distance, independent of the tic labels.
@@ -208,7 +216,8 @@ void plot_innovations(std::string& script, const PlotData& data, int column) {
 
 void plot_heights(std::string& script, const PlotData& data) {
   script += axis_of_heights(data);
-  Elements elements = bands(data, "poses", "1:8:9");
+  Elements elements = silences(data);
+  append(elements, bands(data, "poses", "1:8:9"));
   elements.push_back(fmt::format(
       "$fixes0 using 1:($11==0?$4:NaN) with points pt 7 ps 0.25 lc rgb '{}' title 'fix used'", used_colour));
   if (data.has_truth) elements.push_back(truth_curve("1:10", "poses"));
@@ -219,7 +228,8 @@ void plot_heights(std::string& script, const PlotData& data) {
 
 void plot_yaws(std::string& script, const PlotData& data) {
   script += "set yrange [-180:180]; set ytics 90\n";
-  Elements elements = bands(data, "yaw", "1:3:4");
+  Elements elements = silences(data);
+  append(elements, bands(data, "yaw", "1:3:4"));
   if (!data.arrivals.headings.empty()) {
     elements.push_back(fmt::format(
         "$headings using 1:2 with points pt 7 ps 0.25 lc rgb '{}' title 'pair − mount offset'", used_colour));
@@ -232,7 +242,7 @@ void plot_yaws(std::string& script, const PlotData& data) {
 
 void plot_speeds(std::string& script, const PlotData& data) {
   script += axis_of_speeds(data);
-  Elements elements;
+  Elements elements = silences(data);
   elements.push_back(
       data.has_truth
           ? truth_curve("1:3", "poses")
@@ -244,14 +254,16 @@ void plot_speeds(std::string& script, const PlotData& data) {
 
 void plot_delays(std::string& script, const PlotData& data) {
   script += axis_of_delays(data);
-  fmt::format_to(std::back_inserter(script), "set y2tics 50 textcolor rgb '{}'\nset y2range [0:105]\n",
-                 outlier_colour);
-  append_plot(
-      script,
-      {fmt::format("$arrivals using 1:2 with points pt 7 ps 0.25 lc rgb '{}' title 'delay of a fix'",
-                   used_colour),
-       fmt::format("$arrivals using 1:3 axes x1y2 with points pt 7 ps 0.25 lc rgb '{}' title 'quality [%]'",
-                   outlier_colour)});
+  constexpr int top_percent = 105;
+  fmt::format_to(std::back_inserter(script), "set y2tics 50 textcolor rgb '{}'\nset y2range [0:{}]\n",
+                 outlier_colour, top_percent);
+  Elements elements = silences(data, false, top_percent);
+  elements.push_back(fmt::format(
+      "$arrivals using 1:2 with points pt 7 ps 0.25 lc rgb '{}' title 'delay of a fix'", used_colour));
+  elements.push_back(
+      fmt::format("$arrivals using 1:3 axes x1y2 with points pt 7 ps 0.25 lc rgb '{}' title 'quality [%]'",
+                  outlier_colour));
+  append_plot(script, elements);
   script += "unset y2tics\nset y2range [0:1]\nset ytics auto\n";
 }
 

@@ -88,6 +88,26 @@ TEST_CASE("the legend has only what is drawn, and calls used outliers down-weigh
   CHECK(legend_has(bursts, "down-weighted", EngineKind::documented));
 }
 
+TEST_CASE("every panel over time marks a silence of the IMU") {
+  if (!gnuplot_is_here()) return;
+  const TemporaryFolder folder;
+  recording::SensorLog log = sample_log("walk", 12.0);
+  const TimeNs begin_ns = available_at_ns(log.events.front());
+  std::erase_if(log.events, [begin_ns](const Event& event) {
+    const double time_s = seconds_between(begin_ns, available_at_ns(event));
+    return std::holds_alternative<ImuSample>(event) && time_s > 8.0 && time_s < 10.0;
+  });
+  Plot plot(folder / "silence.svg", "", log);
+  show(log, plot);
+  plot.draw();
+  const std::string drawn = read_text(folder / "silence.svg");
+  std::size_t shades = 0;
+  const std::string grey = "fill = 'rgb(221, 221, 221)'";
+  for (std::size_t at = drawn.find(grey); at != std::string::npos; at = drawn.find(grey, at + 1)) ++shades;
+  constexpr std::size_t panels = 8;  // error, along, left, z, yaw, speed, delay, weights
+  CHECK(shades == panels + 1);       // and the legend
+}
+
 TEST_CASE("a run without poses and a run at a single point can be plotted") {
   if (!gnuplot_is_here()) return;
   const TemporaryFolder folder;
