@@ -32,7 +32,8 @@ struct Options {
 
 /// Returns the settings of each engine.
 std::vector<settings::Settings> settings_of(const Options& options) {
-  if (options.engines.empty()) return {apps::configuration(options.config).for_beacon(options.cases.beacon)};
+  if (options.engines.empty())
+    return {apps::settings_of(apps::configuration(options.config), options.cases.beacon)};
   std::vector<settings::Settings> all;
   for (const std::string& engine : options.engines) {
     apps::ConfigOptions config = options.config;
@@ -46,7 +47,7 @@ std::vector<settings::Settings> settings_of(const Options& options) {
 settings::Settings settings_of(const Options& options, const std::filesystem::path& file) {
   apps::ConfigOptions config = options.config;
   config.file = file;
-  return apps::configuration(config).for_beacon(options.cases.beacon);
+  return apps::settings_of(apps::configuration(config), options.cases.beacon);
 }
 
 void show(const apps::CasePlace& place, apps::Progress& progress) {

@@ -94,7 +94,7 @@ int compare(const apps::ReplayOptions& options) {
   if (options.plot) plot.emplace(*options.plot, bus_log::name_of(options.logs), log);
   for (std::size_t i = 0; i < configs.size(); ++i) {
     const std::string name = options.compared[i].string();
-    const evaluation::RunOptions run = run_options(options, configs[i].for_beacon(log.address));
+    const evaluation::RunOptions run = run_options(options, apps::settings_of(configs[i], log.address));
     plots::RunCurves* const curves = plot ? &plot->add_run(name, run.settings, run_name(run)) : nullptr;
     const auto add = [curves](const auto& sample) {
       if (curves != nullptr) curves->add(sample);
@@ -115,7 +115,7 @@ int replay_log(const apps::ReplayOptions& options) {
   if (options.load_state) start = evaluation::load_state(*options.load_state);
   evaluation::Timing timing;
   const recording::SensorLog log = read_log(options, timing);
-  evaluation::RunOptions run = run_options(options, config.for_beacon(log.address));
+  evaluation::RunOptions run = run_options(options, apps::settings_of(config, log.address));
   if (start) evaluation::check_fits(*start, log, options.load_state->string());
   run.start = start;
   std::optional<evaluation::OutputFolder> out;

@@ -102,7 +102,7 @@ std::string origin_comment(const apps::ConfigOptions& options) {
 int tune(const Options& options) {
   apps::listen_for_interrupt();
   const config::FusionConfig config = apps::configuration(options.config);
-  const settings::Settings start = config.for_beacon(options.cases.beacon);
+  const settings::Settings start = apps::settings_of(config, options.cases.beacon);
   std::vector<evaluation::Variable> variables;
   for (const std::string& text : options.vary) variables.push_back(evaluation::variable_of(text));
   check_read(variables, start);

@@ -6,6 +6,10 @@
 #include <sonopose/text/nearest.hpp>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <vector>
 
 namespace sonopose::apps {
 namespace {
@@ -77,6 +81,16 @@ config::FusionConfig configuration(const ConfigOptions& options) {
   config.check();
   for (const std::string& warning : config.warnings()) logging::warning(warning);
   return config;
+}
+
+settings::Settings settings_of(const config::FusionConfig& config, BeaconAddress beacon) {
+  const std::vector<BeaconAddress> others = config.beacons();
+  if (!others.empty() && std::ranges::find(others, beacon) == others.end()) {
+    logging::warning(fmt::format(
+        "not used: the settings of beacon {}; this is {}; --beacon selects one", fmt::join(others, ", "),
+        beacon == all_beacons ? "no certain beacon" : fmt::format("beacon {}", beacon)));
+  }
+  return config.for_beacon(beacon);
 }
 
 }  // namespace sonopose::apps

@@ -40,4 +40,8 @@ void add_beacon_or_all_option(CLI::App& app, BeaconAddress& beacon);
 /// Reads the settings, with --set above --config, and logs their warnings. Throws config::ConfigError.
 config::FusionConfig configuration(const ConfigOptions& options);
 
+/// Returns the settings of one beacon, or those for all. Warns if other beacons have settings of their own,
+/// but this one has none: they are probably meant for it.
+settings::Settings settings_of(const config::FusionConfig& config, BeaconAddress beacon);
+
 }  // namespace sonopose::apps

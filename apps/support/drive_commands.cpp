@@ -105,7 +105,7 @@ evaluation::DriveCalibration DriveCommands::calibrated(const Command& command) c
   ConfigOptions config = config_;
   // Other settings of that file, such as axes, determine the meaning of the result.
   if (write_ && !config.file && std::filesystem::exists(*write_)) config.file = write_;
-  request.settings = configuration(config).for_beacon(beacon_.value_or(all_beacons));
+  request.settings = settings_of(configuration(config), beacon_.value_or(all_beacons));
   request.options.curves = plot_.has_value();
   request.options.on_progress = [&progress](std::string_view stage, int step) {
     progress.at(std::numeric_limits<double>::quiet_NaN(), fmt::format("{}, step {}", stage, step + 1));

@@ -4,6 +4,7 @@
 #include "files/toml/quoted.hpp"
 #include "files/toml/toml_leaves.hpp"
 #include "help.hpp"
+#include "logging/log.hpp"
 #include "run.hpp"
 #include <sonopose/text/nearest.hpp>
 
@@ -171,6 +172,10 @@ bool is_given(const CLI::Option& option, const std::vector<std::string>& argumen
 std::vector<FileOption> file_options(const CLI::App& app, const std::vector<std::string>& arguments) {
   const std::string file = file_in(arguments);
   if (!has_options_file(app) || file.empty()) return {};
+  const bool has_settings = app.get_option_no_throw("--set") != nullptr;  // whose reader warns
+  if (!has_settings) {
+    for (const std::string& text : toml::unread_drop_ins(file)) logging::warning(text);
+  }
   std::map<std::string, FileOption> options;  // the last file with an option gives its value
   try {
     for (const auto& each : toml::with_drop_ins(file)) {

@@ -102,7 +102,12 @@ void require_result(const ReplayOptions& options, const evaluation::RunResult& r
                     "delay {0}` measures how far their clocks are apart",
                     name));
   }
-  if (options.run.until_s) return;
+  if (options.run.until_s) {
+    const bool has_fixes = result.counters.fixes_used + result.counters.fixes_rejected > 0;
+    if (!has_fixes)
+      logging::warning(fmt::format("{}: has no fix until {} s (--until)", name, *options.run.until_s));
+    return;
+  }
   if (options.engine != ReplayEngine::strapdown && result.counters.fixes_used == 0) {
     if (result.counters.fixes_rejected == 0) throw std::runtime_error(name + ": has no fix");
     const std::string reason = result.refusals.reason();

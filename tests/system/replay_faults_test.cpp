@@ -125,6 +125,32 @@ SCENARIO("a log whose clock was set back is replayed to its end") {
   CHECK(report["fixes_used"].get<int>() > 0.8 * fixes);
 }
 
+SCENARIO("what a replay does not use is named") {
+  const Recording recording;
+  GIVEN("settings of another beacon than the recording's") {
+    const Result other = replay({recording.log(), "--set", "beacon.9.admission.min_quality_percent=60"});
+    const Result own = replay({recording.log(), "--set", "beacon.7.admission.min_quality_percent=60", "--set",
+                               "beacon.9.admission.min_quality_percent=60"});
+    THEN("they are named, unless the recording's beacon has its own too") {
+      CHECK_THAT(other.error, Contains("not used: the settings of beacon 9; this is beacon 7"));
+      CHECK_THAT(own.error, !Contains("not used"));
+    }
+  }
+  GIVEN("an end before the first fix") {
+    const Result result = replay({recording.log(), "--until", "0"});
+    THEN("the option is named") {
+      CHECK_THAT(result.error, Contains("/log: has no fix until 0 s (--until)"));
+    }
+  }
+  GIVEN("one table instead of its folder, and two folders") {
+    THEN("the folder is named, and how many can be read") {
+      CHECK_THAT(refusal({recording.log() + "/imu.csv"}), Contains("give the folder, " + recording.log()));
+      CHECK_THAT(refusal({recording.log(), recording.log()}),
+                 Contains("is a log folder, which is read alone"));
+    }
+  }
+}
+
 SCENARIO("a replay without a score says why and fails") {
   const Recording recording;
   GIVEN("a score that begins after the last pose") {

@@ -163,6 +163,22 @@ SCENARIO("the check of a fusion's file says that what is learned could not be sa
   CHECK_THAT(checked.error, Contains("--learned /no/such/learned.toml: cannot be written"));
 }
 
+SCENARIO("a file among the drop-ins with another ending is named, not silently left out") {
+  const ConfigFile file("");
+  for (const char* const name : {"50-lan.conf", "60-old.toml.bak", ".hidden"}) {
+    write_text(file.drop_ins / name, "domain = 4711\n");
+  }
+  const Result fusion =
+      run(SONOPOSE_TEST_FUSION, {"--config", file.path.string(), "--check-config"}, neutral);
+  const Result recorder =
+      run(SONOPOSE_TEST_RECORD, {"--config", file.path.string(), "--print-config"}, neutral);
+  for (const Result& result : {fusion, recorder}) {
+    CHECK(result.code == 0);
+    CHECK_THAT(result.error, Contains("50-lan.conf: not read: the name of a drop-in ends in .toml") &&
+                                 !Contains("60-old") && !Contains("hidden"));
+  }
+}
+
 SCENARIO("a flag of a file that is false is as one that is not given") {
   const ConfigFile file("[program]\nlossless = false\nstandby-strength = 5\nrealtime = 50\n");
   const Result checked =

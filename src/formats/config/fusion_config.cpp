@@ -122,6 +122,7 @@ std::string tables_of(const std::map<BeaconAddress, Assignments>& overrides) {
 
 FusionConfig FusionConfig::load(const std::filesystem::path& file, const std::filesystem::path& without) {
   FusionConfig config;
+  config.unused_ = files::toml::unread_drop_ins(file);
   for (const std::filesystem::path& each : files_of(file, without)) config.add(each);
   return config;
 }
@@ -135,7 +136,7 @@ void FusionConfig::add(const std::filesystem::path& file) {
     try {
       set(leaf.key, value_of(leaf));
     } catch (const settings::RenamedSetting& error) {
-      renamed_.push_back(at_line(error) + "; this value is not used");
+      unused_.push_back(at_line(error) + "; this value is not used");
     } catch (const SettingError& error) {
       throw ConfigError(at_line(error));
     }
@@ -200,7 +201,7 @@ void FusionConfig::check() const {
 std::vector<std::string> FusionConfig::warnings() const {
   std::map<BeaconAddress, settings::Settings> of_beacons;
   for (const auto& entry : overrides_) of_beacons.emplace(entry.first, for_beacon(entry.first));
-  std::vector<std::string> texts = renamed_;
+  std::vector<std::string> texts = unused_;
   for (std::string& text : warnings_for_all(settings_, given_, of_beacons)) texts.push_back(std::move(text));
   for (const auto& [address, own] : overrides_) {
     const auto more = warnings_for(of_beacons.at(address), own, fmt::format("beacon.{}.", address));

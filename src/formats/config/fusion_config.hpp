@@ -75,7 +75,7 @@ private:
   settings::Settings settings_;
   Assignments given_;  ///< settings that the user gave for all beacons
   std::map<BeaconAddress, Assignments> overrides_;
-  std::vector<std::string> renamed_;  ///< keys of earlier versions, with file and line
+  std::vector<std::string> unused_;  ///< keys of earlier versions, with file and line, and other files
 };
 
 /// The table of all settings as a page of the docs.

@@ -140,6 +140,18 @@ std::vector<std::filesystem::path> with_drop_ins(const std::filesystem::path& fi
   return drop_ins;
 }
 
+std::vector<std::string> unread_drop_ins(const std::filesystem::path& file) {
+  std::vector<std::string> texts;
+  std::error_code unknown;  // with_drop_ins reports it
+  for (const auto& entry : std::filesystem::directory_iterator(file.string() + ".d", unknown)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with('.') || name.find(".toml") != std::string::npos) continue;
+    texts.push_back(entry.path().string() + ": not read: the name of a drop-in ends in .toml");
+  }
+  std::sort(texts.begin(), texts.end());
+  return texts;
+}
+
 std::string text_of(const Value& value) {
   struct Visitor {
     std::string operator()(const OtherValue&) const { return "this value"; }

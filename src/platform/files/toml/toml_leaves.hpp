@@ -39,6 +39,10 @@ std::vector<Leaf> read_leaves(const std::filesystem::path& file);
 std::vector<std::filesystem::path> with_drop_ins(const std::filesystem::path& file,
                                                  const std::filesystem::path& except = {});
 
+/// Returns a text about each file in FILE.d that is no drop-in because of its name. Hidden files and those
+/// that were drop-ins, such as 50-a.toml.bak, are nobody's mistake.
+std::vector<std::string> unread_drop_ins(const std::filesystem::path& file);
+
 /// Returns the value as in a file: texts in quotes.
 std::string text_of(const Value& value);
 
