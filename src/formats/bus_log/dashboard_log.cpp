@@ -2,8 +2,10 @@
 
 #include "files/error.hpp"
 #include "files/line_reader.hpp"
+#include "files/missing.hpp"
 #include "marvelmind/assembler.hpp"
 #include "marvelmind/dashboard_line.hpp"
+#include "recording/log_columns.hpp"
 #include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
@@ -68,6 +70,10 @@ recording::SensorLog read_dashboard_log(const std::filesystem::path& file,
   std::string known;
   for (const auto& [beacon, streams] : read.beacons)
     known += (known.empty() ? "" : ", ") + std::to_string(beacon);
+  if (!read.has_line && files::is_present(file.parent_path() / recording::imu_file)) {
+    throw files::IoError(fmt::format("{}: is one table of a log folder; give the folder, {}", file.string(),
+                                     file.has_parent_path() ? file.parent_path().string() : "."));
+  }
   if (!read.has_line) {
     throw files::IoError(
         file.string() +

@@ -10,6 +10,8 @@
 #include "ros2/bag/storage.hpp"
 #include <sonopose/text/count_text.hpp>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -38,6 +40,14 @@ bool is_mcap(const fs::path& file) {
   return std::ranges::equal(begin, std::as_bytes(std::span(mcap::magic)).first(begin.size()));
 }
 
+std::string reason_without_mcap(const fs::path& folder) {
+  if (!files::is_present(folder / recording::imu_file)) return ": has no MCAP file";
+  return fmt::format(
+      ": is a log folder, which is read alone and has no MCAP file; sonopose-bridge --source log --input {} "
+      "plays it",
+      folder.string());
+}
+
 }  // namespace
 
 std::vector<fs::path> mcap_files_in(const fs::path& folder) {
@@ -64,7 +74,7 @@ std::vector<fs::path> recording_files(const std::vector<fs::path>& given) {
     for (const std::string& text : ros2::bag::missing_files(path)) logging::warning(text);
     auto found = mcap_files_in(path);
     if (found.empty()) found = ros2::bag::sqlite_files_in(path);
-    if (found.empty()) throw files::IoError(path.string() + ": has no MCAP file");
+    if (found.empty()) throw files::IoError(path.string() + reason_without_mcap(path));
     std::ranges::copy(found, std::back_inserter(files));
   }
   return files;

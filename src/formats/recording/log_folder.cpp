@@ -7,6 +7,7 @@
 #include "recording/log_columns.hpp"
 #include "recording/log_meta.hpp"
 #include "recording/step_back.hpp"
+#include "recording/unread_tables.hpp"
 
 #include <fmt/format.h>
 
@@ -280,6 +281,7 @@ SensorLog read_sensor_log(const std::filesystem::path& folder, std::optional<Bea
   SensorLog log =
       merged(folder.string(), std::move(imu), open_imu, Samples(fixes), Samples(headings), Samples(twists));
   log.address = own_address;
+  std::ranges::move(unread_tables(folder), std::back_inserter(log.warnings));
   if (files::is_present(folder / truth_file)) {
     log.truth = read_truth_csv(folder / truth_file, log.address);
     sort_by_time(folder.string(), "true poses", log.truth, log.warnings);

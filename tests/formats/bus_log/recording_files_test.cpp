@@ -35,6 +35,9 @@ SCENARIO("a folder of MCAP files is a recording") {
       write_text(folder / "imu.csv", "");
       CHECK(is_log_folder(folder.path()));
       CHECK_FALSE(is_in_mcap({folder.path()}));
+      CHECK_THROWS_WITH(recording_files({folder.path()}),
+                        Contains("is a log folder") &&
+                            Contains("sonopose-bridge --source log --input " + folder.path().string()));
     }
   }
   GIVEN("a folder without MCAP files") {

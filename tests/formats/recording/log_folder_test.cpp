@@ -411,6 +411,17 @@ SCENARIO("files written by other programs are accepted") {
       CHECK(std::get<ImuSample>(read.events[1]).specific_force_body_mps2.z() == 9.7);
     }
   }
+  GIVEN("tables with other names, and the files of a replay") {
+    write_text(log / "imu.csv", imu_header + "1,0,0,0,0,0,9.8\n");
+    for (const char* const name : {"Heading.CSV", "positions.csv", "pose.csv", "fixes.csv", "notes.txt"}) {
+      write_text(log / name, "anything");
+    }
+    THEN("the tables that are not read are named once") {
+      const auto warnings = read_sensor_log(log.path()).warnings;
+      REQUIRE(warnings.size() == 1);
+      CHECK(warnings[0] == log.path().string() + ": not read: Heading.CSV, positions.csv");
+    }
+  }
   GIVEN("no heading and no truth file, and a fix file without rows") {
     write_text(log / "imu.csv", imu_header + "1,0,0,0,0,0,9.8\n");
     THEN("that is a log of a single beacon that had no fix") {
