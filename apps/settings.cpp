@@ -86,7 +86,7 @@ int watch(const Options& options) {
           "watching {}", all ? "the settings for all beacons" : fmt::format("beacon {}", settings.address)));
     }
     apps::print("{}", changes.on(settings));
-    std::fflush(stdout);
+    apps::flush_output();
   };
   options.client().observe(options.address, print, options.duration_s, stop);
   return 0;

@@ -102,6 +102,18 @@ SCENARIO("waiting programs end on a signal") {
   }
 }
 
+SCENARIO("a monitor whose output cannot be written ends with an error") {
+  const TestDomain domain;
+  for (const char* const option : {"", "--json "}) {
+    const std::string command =
+        std::string("exec \"$0\" ") + option + "--domain " + std::to_string(domain.id()) + " > /dev/full";
+    const Result result = run("/bin/sh", {"-c", command, SONOPOSE_TEST_MONITOR}, neutral);
+    CAPTURE(option, result.error);
+    CHECK(result.code == 1);
+    CHECK_THAT(result.error, Catch::Contains("the output cannot be written: No space left on device"));
+  }
+}
+
 SCENARIO("a bridge that is blocked by a stopped reader ends on a signal") {
   GIVEN("a long log, a lossless fusion, and a bridge that plays the log as fast as possible") {
     const Bus bus;

@@ -13,19 +13,28 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <cstdio>
 #include <optional>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 namespace sonopose::monitor {
 namespace {
 
+/// Throws std::system_error if the output cannot be written, as to a full disk: nobody sees this monitor.
+void flush() {
+  if (std::fflush(stdout) != 0) {
+    throw std::system_error(errno, std::generic_category(), "the output cannot be written");
+  }
+}
+
 class PrintedTable final : public Display {
 public:
   void show(std::vector<observation::BeaconView> views, std::vector<std::string> warnings) override {
     fmt::print("{}", text::printable(table_of(views, warnings)));
-    std::fflush(stdout);
+    flush();
   }
 };
 
@@ -33,7 +42,7 @@ class PrintedJson final : public Display {
 public:
   void show(std::vector<observation::BeaconView> views, std::vector<std::string> warnings) override {
     fmt::print("{}\n", text::printable(observation::bus::json_of(views, warnings, clocks::host_now())));
-    std::fflush(stdout);
+    flush();
   }
 };
 
