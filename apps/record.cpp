@@ -82,6 +82,11 @@ int serve(Options& options, const std::string& command) {
   const recorder::RecorderReport report = recorder.finish();
   print(report);
   if (report.failure) std::rethrow_exception(report.failure);
+  if (report.only_left_out) {
+    logging::error(fmt::format("nothing of --beacons {} was heard, but beacon {} was", options.beacons,
+                               *report.only_left_out));
+    return 1;
+  }
   return report.is_complete() ? 0 : 1;
 }
 

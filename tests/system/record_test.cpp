@@ -16,6 +16,7 @@
 #include <iostream>
 #include <map>
 #include <set>
+#include <sstream>
 
 namespace sonopose::record_test {
 
@@ -90,13 +91,28 @@ struct RecordedRun {
     REQUIRE(has_ends);
     REQUIRE(record->end_by(SIGINT).code == 0);
     messages = messages_of(file);
+    summary = record->text(Stream::output);
   }
 
   TemporaryFolder folder;
   fs::path file = folder / "run.mcap";
   std::uint32_t domain_id = 0;
   std::vector<OwnedMessage> messages;
+  std::string summary;  ///< what the recorder printed at its end
 };
+
+SCENARIO("a recording of beacons that are not there fails, and names one that is") {
+  const Bus bus;
+  const TemporaryFolder folder;
+  const auto record = start_recording(bus, folder / "run.mcap", {"--beacons", "9"});
+  Consumer<sonopose_ImuSample> imu(bus, topics::imu);
+  const auto bridge = bus.bridge({"--address", "7"});
+  REQUIRE(imu.wait_for_count(200));
+  CHECK(record->end_by(SIGINT).code == 1);
+  CHECK_THAT(record->text(Stream::error), Contains("nothing of --beacons 9 was heard, but beacon 7 was"));
+  // The map is of all beacons, whatever the addresses of those that it consists of.
+  CHECK(of_topic(messages_of(folder / "run.mcap"), "sonopose/stationary_beacon").size() == 4);
+}
 
 SCENARIO("a recording has the times, the ends and the settings of a run") {
   GIVEN("a recording of a bridge with two beacons, and a fusion") {
@@ -108,6 +124,17 @@ SCENARIO("a recording has the times, the ends and the settings of a run") {
         REQUIRE(message.sequence == ++last[message.topic]);
         REQUIRE(message.log_time_ns >= message.publish_time_ns);
       }
+    }
+    THEN("the summary counts the messages of the file by topic, ends of instances apart from samples") {
+      std::map<std::string, std::uint64_t> in_file;
+      for (const OwnedMessage& message : run.messages) ++in_file[message.topic];
+      std::map<std::string, std::uint64_t> printed;
+      std::istringstream lines(run.summary);
+      for (std::string topic, count; lines >> topic && topic.starts_with("sonopose/") && lines >> count;) {
+        printed[topic] = std::stoull(count);
+      }
+      CHECK(printed == in_file);
+      CHECK(printed.contains("sonopose/instance_ends"));
     }
     THEN("the ends of instances are recorded") {
       for (const auto& [instance, is_disposed] : disposed_by_instance(run.messages)) {

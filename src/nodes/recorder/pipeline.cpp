@@ -1,5 +1,6 @@
 #include "recorder/pipeline.hpp"
 
+#include "bus_log/instance_end.hpp"
 #include "files/error.hpp"
 
 #include <utility>
@@ -43,8 +44,24 @@ TapCounts Pipeline::counts() const {
 std::map<std::string, std::uint64_t> Pipeline::received() const {
   const threads::Lock lock(mutex_);
   std::map<std::string, std::uint64_t> by_topic;
-  for (const auto& tap : taps_) by_topic[tap->name()] = tap->counts().received;
+  std::uint64_t ends = 0;
+  for (const auto& tap : taps_) {
+    const std::uint64_t of_tap = tap->ends();  // first: an end is counted as received before
+    by_topic[tap->name()] = tap->counts().received - of_tap;
+    ends += of_tap;
+  }
+  if (ends > 0) by_topic[std::string(bus_log::instance_ends_topic)] = ends;
   return by_topic;
+}
+
+std::optional<BeaconAddress> Pipeline::only_left_out() const {
+  const threads::Lock lock(mutex_);
+  std::optional<BeaconAddress> left_out;
+  for (const auto& tap : taps_) {
+    if (tap->recorded_beacon() != all_beacons) return std::nullopt;
+    if (tap->left_out_beacon() != all_beacons) left_out = tap->left_out_beacon();
+  }
+  return left_out;
 }
 
 std::uint64_t Pipeline::incompatible() const {

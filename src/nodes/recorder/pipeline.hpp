@@ -49,8 +49,10 @@ public:
 
   /// Totals of all topics. From any thread.
   [[nodiscard]] TapCounts counts() const;
-  /// Received samples by topic.
+  /// Received samples by topic. Ends of instances are those of a topic of their own, as in the file.
   [[nodiscard]] std::map<std::string, std::uint64_t> received() const;
+  /// Address of a beacon that was left out while none was recorded.
+  [[nodiscard]] std::optional<BeaconAddress> only_left_out() const;
   /// Number of writers that do not match their reader.
   [[nodiscard]] std::uint64_t incompatible() const;
   [[nodiscard]] const FileSeries& series() const { return series_; }

@@ -12,6 +12,7 @@
 #include <sonopose/dds/psm/discovery.hpp>
 #include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/qos/provider.hpp>
+#include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/idl/text.hpp>
 #include <sonopose/text/count_text.hpp>
 #include <sonopose/text/escaped.hpp>
@@ -21,6 +22,7 @@
 #include <algorithm>
 #include <exception>
 #include <stdexcept>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -222,8 +224,9 @@ Recorder::Node::Node(const RecorderOptions& options)
   }
   for (std::size_t i = 0; i < selected_.size(); ++i) {
     const topics::SerializedTopic& topic = *selected_[i];
+    const bool is_map = topic.name == std::string_view(topics::stationary_beacon.name);  // of every beacon
     native_.record({.name = topic.name,
-                    .has_beacon = topic.has_beacon,
+                    .has_beacon = topic.has_beacon && !is_map,
                     .beacons = &options_.beacons,
                     .is_exclusive = topic.is_exclusive(qos_),
                     .trigger = trigger_of(topic)},
@@ -361,6 +364,7 @@ RecorderReport Recorder::Node::finish() {
     for (const auto& file : pipeline->series().files()) report.files.push_back(file);
     report.removed_files += pipeline->series().removed_files();
   }
+  report.only_left_out = native_.only_left_out();
   report_news();
   return report;
 }

@@ -58,6 +58,7 @@ struct RecorderReport {
   std::map<std::string, std::uint64_t> received;      ///< by topic
   std::map<std::string, std::size_t> foreign_topics;  ///< number of writers by topic
   std::size_t unnamed_topics = 0;                     ///< number of further foreign topics
+  std::optional<BeaconAddress> only_left_out;         ///< a beacon outside of the choice, if none of it came
   std::exception_ptr failure;                         ///< cause of the end; null without one
 
   /// True if everything received is in the files.

@@ -39,10 +39,13 @@ void TopicTap::on_requested_incompatible_qos(
   process::add(incompatible_, status.total_count_change());
 }
 
-bool TopicTap::accepts(std::span<const std::byte> sample) const noexcept {
+bool TopicTap::accepts(std::span<const std::byte> sample) noexcept {
   if (!topic_.has_beacon) return true;
   const auto address = dds::topics::beacon_of(sample);
-  return !address || *address == all_beacons || topic_.beacons->contains(*address);
+  if (!address || *address == all_beacons) return true;
+  const bool is_recorded = topic_.beacons->contains(*address);
+  (is_recorded ? recorded_beacon_ : left_out_beacon_) = *address;
+  return is_recorded;
 }
 
 void TopicTap::on_sample(const dds::SerializedSample& sample, const dds::sub::SampleInfo& info) noexcept {
@@ -67,6 +70,7 @@ void TopicTap::on_end(const dds::SerializedSample& key, const dds::sub::SampleIn
        .publish_time_ns = publish_time(info, now_ns),
        .data = key.bytes()},
       raw_end_head(target_.channel_id, dds::ext::is_disposed(info)));
+  ends_.fetch_add(1, std::memory_order_relaxed);
 }
 
 void TopicTap::add(const mcap::Message& message, std::span<const std::byte> head) noexcept {

@@ -62,6 +62,12 @@ public:
 
   [[nodiscard]] const std::string& name() const { return topic_.name; }
   [[nodiscard]] TapCounts counts() const { return {received_, lost_queue_, lost_dds_}; }
+  /// Addresses of the latest beacon that was recorded, and of the latest that was left out; all_beacons
+  /// without one.
+  [[nodiscard]] BeaconAddress recorded_beacon() const { return recorded_beacon_; }
+  [[nodiscard]] BeaconAddress left_out_beacon() const { return left_out_beacon_; }
+  /// Number of ends of instances among the received.
+  [[nodiscard]] std::uint64_t ends() const { return ends_; }
   /// Number of writers whose QoS does not match the reader's.
   [[nodiscard]] std::uint64_t incompatible() const { return incompatible_; }
 
@@ -73,7 +79,7 @@ public:
       const dds::core::status::RequestedIncompatibleQosStatus& status) noexcept override;
 
 private:
-  [[nodiscard]] bool accepts(std::span<const std::byte> sample) const noexcept;
+  [[nodiscard]] bool accepts(std::span<const std::byte> sample) noexcept;
   void on_sample(const dds::SerializedSample& sample, const dds::sub::SampleInfo& info) noexcept;
   void on_end(const dds::SerializedSample& key, const dds::sub::SampleInfo& info) noexcept;
   void add(const mcap::Message& message, std::span<const std::byte> head = {}) noexcept;
@@ -82,6 +88,9 @@ private:
   TapTarget target_;
   std::atomic<std::uint32_t> sequence_ = 0;
   std::atomic<std::uint64_t> received_ = 0;
+  std::atomic<std::uint64_t> ends_ = 0;
+  std::atomic<BeaconAddress> recorded_beacon_ = all_beacons;
+  std::atomic<BeaconAddress> left_out_beacon_ = all_beacons;
   std::atomic<std::uint64_t> lost_queue_ = 0;
   std::atomic<std::uint64_t> lost_dds_ = 0;
   std::atomic<std::uint64_t> incompatible_ = 0;

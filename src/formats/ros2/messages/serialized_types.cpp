@@ -39,9 +39,10 @@ auto types_of() {
 }  // namespace
 
 std::span<const SerializedType> serialized_types() {
-  static const auto types =
-      types_of<Clock, PointStamped, PoseWithCovarianceStamped, Imu, MagneticField, Odometry, Path, TFMessage,
-               DiagnosticArray, LogMessage, ParameterEvent>();
+  static const auto types = types_of<Clock, PointStamped, PoseStamped, PoseWithCovarianceStamped,
+                                     TwistStamped, TwistWithCovarianceStamped, Imu, JointState, MagneticField,
+                                     Float64, Odometry, Path, TFMessage, DiagnosticArray, LogMessage,
+                                     ParameterEvent, VehicleOdometry, SensorCombined, TimesyncStatus>();
   return types;
 }
 
