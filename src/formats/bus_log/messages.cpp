@@ -16,6 +16,7 @@
 #include <map>
 #include <string_view>
 #include <tuple>
+#include <type_traits>
 
 namespace sonopose::bus_log {
 
@@ -38,8 +39,9 @@ std::string json_of_sample(std::span<const std::byte> cdr) {
   return sample.get() == nullptr ? std::string() : json::json_of(*sample.get());
 }
 
+/// True for a sample of one mobile beacon. The map is of all.
 template <class T>
-constexpr bool has_address = requires(const T& sample) {
+constexpr bool has_address = !std::is_same_v<T, sonopose_StationaryBeacon> && requires(const T& sample) {
   sample.address;
 };
 
@@ -166,6 +168,7 @@ files::IoError nothing_selected(const std::vector<const mcap::Reader*>& readers,
 std::optional<BeaconAddress> beacon_of(const mcap::Channel& channel, const mcap::Message& message) {
   if (channel.topic == instance_ends) return beacon_of_end(message);
   const TopicReader* topic = find_topic(channel);
+  if (channel.topic == topics::stationary_beacon.name) return all_beacons;
   if (topic == nullptr || !topic->has_beacon) return std::nullopt;
   return topics::beacon_of(message.data);
 }

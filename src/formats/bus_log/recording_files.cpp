@@ -40,6 +40,22 @@ bool is_mcap(const fs::path& file) {
   return std::ranges::equal(begin, std::as_bytes(std::span(mcap::magic)).first(begin.size()));
 }
 
+/// Leaves out files that come again, as by a link to another one. Says so.
+std::vector<fs::path> without_repetitions(const std::vector<fs::path>& files) {
+  std::vector<fs::path> once;
+  for (const fs::path& file : files) {
+    std::error_code unknown;
+    const auto first = std::ranges::find_if(
+        once, [&](const fs::path& other) { return fs::equivalent(file, other, unknown); });
+    if (first == once.end()) {
+      once.push_back(file);
+    } else {
+      logging::warning(fmt::format("{}: is {} again, and is read once", file.string(), first->string()));
+    }
+  }
+  return once;
+}
+
 std::string reason_without_mcap(const fs::path& folder) {
   if (!files::is_present(folder / recording::imu_file)) return ": has no MCAP file";
   return fmt::format(
@@ -77,7 +93,7 @@ std::vector<fs::path> recording_files(const std::vector<fs::path>& given) {
     if (found.empty()) throw files::IoError(path.string() + reason_without_mcap(path));
     std::ranges::copy(found, std::back_inserter(files));
   }
-  return files;
+  return without_repetitions(files);
 }
 
 bool is_in_sqlite(const std::vector<fs::path>& recording) {

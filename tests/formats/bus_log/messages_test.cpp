@@ -1,5 +1,8 @@
 #include "bus_log/messages.hpp"
 
+#include <sonopose/dds/psm/cdr.hpp>
+#include <sonopose/dds/topics/topics.hpp>
+
 #include <catch2/catch.hpp>
 
 #include <string>
@@ -29,6 +32,15 @@ TEST_CASE("JSON that is nested a million deep comes in hexadecimal digits") {
   CHECK_THAT(bus_log::json_of(channel, message_of(text)), Contains(R"("data":")"));
   const std::string flat = R"({"a":[[1,{"b":2}],3]})";
   CHECK_THAT(bus_log::json_of(channel, message_of(flat)), EndsWith(R"("message":)" + flat + "}"));
+}
+
+TEST_CASE("a stationary beacon is of the map of all beacons, whatever its own address") {
+  const mcap::Channel channel{1, 0, "sonopose/stationary_beacon", "cdr", {}};
+  sonopose_StationaryBeacon beacon{};
+  beacon.address = 7;
+  const auto bytes = sonopose::dds::write_cdr(beacon);
+  const mcap::Message message{1, 1, 5, 5, bytes};
+  CHECK(bus_log::beacon_of(channel, message) == all_beacons);
 }
 
 TEST_CASE("the end of an instance has the beacon of its key") {

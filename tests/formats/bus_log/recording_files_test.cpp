@@ -26,8 +26,11 @@ SCENARIO("a folder of MCAP files is a recording") {
       for (const Path& file : mcap_files_in(folder.path())) names.push_back(file.filename().string());
       CHECK(names == std::vector<std::string>{"a1", "day_9.mcap", "day_10.mcap", "day_11.mcap.part"});
     }
-    THEN("the folder counts as they do") {
-      CHECK(recording_files({folder / "a1", folder.path()}).size() == 5);
+    THEN("the folder counts as they do, and each file once") {
+      CHECK(recording_files({folder.path()}).size() == 4);
+      CHECK(recording_files({folder / "a1", folder.path()}).size() == 4);
+      std::filesystem::create_symlink(folder / "a1", folder / "latest.mcap");
+      CHECK(recording_files({folder.path()}).size() == 4);
       CHECK(is_in_mcap({folder.path()}));
       CHECK_FALSE(is_log_folder(folder.path()));
     }
