@@ -71,7 +71,10 @@ Variable variable_of(std::string_view text) {
   }
   const double low = number_of(settings::parse_value(variable.key, range.substr(0, dots)));
   const double high = number_of(settings::parse_value(variable.key, range.substr(dots + 2)));
-  if (!(low >= variable.low && low <= high && high <= variable.high)) {
+  if (!(low < high)) {
+    throw settings::SettingError(fmt::format("{} = {}: LOW must be below HIGH", variable.key, range));
+  }
+  if (!(low >= variable.low && high <= variable.high)) {
     throw settings::SettingError(
         fmt::format("{} = {}: allowed are bounds within {}", variable.key, range, row.allowed()));
   }

@@ -88,7 +88,8 @@ TEST_CASE("invalid search variables are refused with key, value and range") {
   CHECK_THROWS_WITH(evaluation::variable_of("documented.trust.sigma_m=0.1"), Contains("LOW..HIGH"));
   CHECK_THROWS_WITH(evaluation::variable_of("documented.trust.sigma_m=0.1..99"),
                     Contains("0.1..99") && Contains("10"));
-  CHECK_THROWS_WITH(evaluation::variable_of("documented.trust.sigma_m=0.2..0.1"), Contains("0.2..0.1"));
+  CHECK_THROWS_WITH(evaluation::variable_of("documented.trust.sigma_m=0.2..0.1"),
+                    Contains("0.2..0.1: LOW must be below HIGH"));
   CHECK(evaluation::variable_of("documented.trust.n_max").high == 1000);
 }
 
