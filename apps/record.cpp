@@ -82,6 +82,10 @@ int serve(Options& options, const std::string& command) {
   const recorder::RecorderReport report = recorder.finish();
   print(report);
   if (report.failure) std::rethrow_exception(report.failure);
+  if (report.recorded == 0 && recording.keep_last_s == 0) {
+    logging::warning(fmt::format("nothing is published in domain {}; sonopose-doctor may say why",
+                                 sonopose::dds::resolve_domain_id(recording.domain)));
+  }
   if (report.only_left_out) {
     logging::error(fmt::format("nothing of --beacons {} was heard, but beacon {} was", options.beacons,
                                *report.only_left_out));

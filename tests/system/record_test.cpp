@@ -114,6 +114,15 @@ SCENARIO("a recording of beacons that are not there fails, and names one that is
   CHECK(of_topic(messages_of(folder / "run.mcap"), "sonopose/stationary_beacon").size() == 4);
 }
 
+SCENARIO("a recording without a message says so") {
+  const Bus bus;
+  const TemporaryFolder folder;
+  const auto record = start_recording(bus, folder / "run.mcap");
+  CHECK(record->end_by(SIGINT).code == 0);
+  CHECK_THAT(record->text(Stream::error),
+             Contains("nothing is published in domain " + std::to_string(bus.domain_id())));
+}
+
 SCENARIO("a recording has the times, the ends and the settings of a run") {
   GIVEN("a recording of a bridge with two beacons, and a fusion") {
     static const RecordedRun run;
