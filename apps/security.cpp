@@ -19,9 +19,9 @@ int main(int argc, char** argv) {
     added->add_option("STORE", options.store, "Folder of the key store")->required()->type_name("DIR");
     return added;
   };
-  const auto protection = [&](CLI::App* to) {
-    apps::add_choice<security::Protection>(
-        *to, "--protect", options.protection,
+  const auto protection = [&]<class Value>(CLI::App* to, Value& value) {
+    return apps::add_choice<Value>(
+        *to, "--protect", value,
         {{"sign", security::Protection::sign}, {"encrypt", security::Protection::encrypt}},
         "sign: strangers cannot write; encrypt: nor read");
   };
@@ -31,7 +31,7 @@ int main(int argc, char** argv) {
         ->check(CLI::Range(1, 3650));
   };
   CLI::App* const making = command("init", "Make a key store");
-  protection(making);
+  protection(making, options.protection);
   CLI::App* const adding = command("enclave", "Make enclaves, each for one process or several of its kind");
   adding->add_option("NAME", options.names, "Names; that of a role needs no --role")->required();
   adding->add_option("--role", options.roles, "What it may do; may be repeated")
@@ -53,8 +53,8 @@ int main(int argc, char** argv) {
   days(renewing, "as many as before");
   CLI::App* const revoking = command("revoke", "Revoke every certificate of enclaves, and remove them");
   revoking->add_option("NAME", options.names, "Enclaves")->required();
-  CLI::App* const governing = command("governance", "Change how the bus is protected");
-  protection(governing);
+  CLI::App* const governing = command("governance", "Sign governance.xml, or one with another protection");
+  protection(governing, options.new_protection)->option_text("sign|encrypt (default: as in governance.xml)");
   return apps::run(app, argc, argv, [&] {
     if (making->parsed()) return make_store(options);
     if (adding->parsed()) return add_enclaves(options);

@@ -49,6 +49,9 @@ int add_enclaves(const SecurityOptions& options) {
     if (options.roles.empty() && std::ranges::none_of(security::role_names, is_role)) {
       throw std::invalid_argument(name + ": not the name of a role, so it needs --role");
     }
+    static_cast<void>(store.enclave_folder(name));  // throws for a wrong name, before the first is made
+  }
+  for (const std::string& name : options.names) {
     store.add(name, {.roles = options.roles.empty() ? std::vector{name} : options.roles,
                      .partitions = options.partitions,
                      .validity = validity(options.days.value_or(default_days)),
@@ -65,8 +68,10 @@ int list_enclaves(const SecurityOptions& options) {
   for (const std::string& name : store.enclaves()) {
     try {
       const auto enclave = security::read_enclave(store.enclave_folder(name), host_now_s());
-      print("{}: until {}; {} ({})\n", name, security::date_text(enclave.expires_s),
-            security::words_of(enclave.grant), enclave.protection);
+      const bool is_own = security::is_subject_of(name, enclave.subject);
+      print("{}: until {}; {}{} ({})\n", name, security::date_text(enclave.expires_s),
+            is_own ? "" : "the files of " + enclave.subject + ": ", security::words_of(enclave.grant),
+            enclave.protection);
     } catch (const security::SecurityError& error) {
       print("{}: unusable: {}\n", name, error.what());
       code = 1;
@@ -88,6 +93,7 @@ int renew_enclaves(const SecurityOptions& options) {
   for (const std::string& name : options.names.empty() ? store.enclaves() : options.names) {
     const std::int64_t days = options.days.value_or(earlier_days(store.enclave_folder(name)));
     store.renew(name, validity(days));
+    security::read_enclave(store.enclave_folder(name), host_now_s());  // throws for what this did not mend
     print("{}: until {}\n", name, security::date_text(validity(days).not_after_s));
   }
   print("Copy the enclaves to their machines, and restart their programs.\n");
@@ -106,7 +112,8 @@ int revoke_enclaves(const SecurityOptions& options) {
 }
 
 int set_governance(const SecurityOptions& options) {
-  security::KeyStore(options.store).set_protection(options.protection);
+  const std::string change = security::KeyStore(options.store).set_protection(options.new_protection);
+  print("protection: {}\n", change);
   print(
       "Copy governance.p7s to every enclave, and restart all programs at once: those with different "
       "protection refuse each other.\n");

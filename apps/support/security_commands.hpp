@@ -18,6 +18,7 @@ struct SecurityOptions {
   bool for_fastdds = false;
   std::optional<int> days;  ///< none: a year, or what the enclave had
   security::Protection protection = security::Protection::sign;
+  std::optional<security::Protection> new_protection;  ///< none: that of governance.xml
 };
 
 /// Each prints what it did, and returns the exit code.

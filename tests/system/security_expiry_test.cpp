@@ -47,7 +47,7 @@ SCENARIO("a certificate that expires") {
                                                    chain.keys.store.enclave_folder("short" + suffix).string(),
                                                    std::to_string(time_now_s() + life.count())});
     } while (!reader->wait_for_line(Stream::output, "receives poses", life) ||
-             !monitor->wait_for_line(Stream::error, "expires in 0 days", life));
+             !monitor->wait_for_line(Stream::error, "expires within a day", life));
     THEN("the program warns, and ends with the reason; the consumer loses its poses; the others go on") {
       CHECK(monitor->wait_for_exit() == 78);
       CHECK_THAT(monitor->text(Stream::error), Contains("expired on") && Contains("renew"));
@@ -126,10 +126,25 @@ SCENARIO("sonopose-security lists and renews enclaves") {
     CHECK(check.code == 1);  // brief expires within 30 days
     CHECK_THAT(check.output, Contains("brief: expires in ") && !Contains("late"));
   }
+  THEN("a changed protection stays until another is asked for, and is named") {
+    CHECK_THAT(command("governance", {"--protect", "encrypt"}).output, Contains("sign → encrypt"));
+    CHECK_THAT(command("governance", {}).output, Contains("encrypt → encrypt"));
+    CHECK_THAT(command("list", {}).output, Contains("(encrypt)") && !Contains("(sign)"));
+  }
+  THEN("no success is reported for what was not mended") {
+    write_text(keys.store.folder() / "enclaves/governance.p7s", "garbage");
+    const Result renewed = command("renew", {"web"});
+    CHECK(renewed.code == 1);
+    CHECK_THAT(renewed.error,
+               Contains("governance.p7s") && Contains("sonopose-security governance " + store));
+    CHECK_THAT(renewed.output, !Contains("until"));
+    CHECK(command("governance", {}).code == 0);
+    CHECK(command("renew", {"web"}).code == 0);
+  }
   THEN("one that does not exist is named, with exit code 1") {
     const Result result = command("renew", {"none"});
     CHECK(result.code == 1);
-    CHECK_THAT(result.error, Contains("enclaves/none/permissions.xml"));
+    CHECK_THAT(result.error, Contains("enclaves/none: no such enclave"));
   }
 }
 

@@ -13,7 +13,8 @@ const unsigned char* bytes_of(const std::string& text) {
 
 void set_name(X509_NAME* name, const std::string& common_name) {
   if (X509_NAME_add_entry_by_txt(name, "CN", MBSTRING_UTF8, bytes_of(common_name), -1, -1, 0) != 1) {
-    openssl::fail(common_name + ": not a name of 1 to 64 bytes");
+    ERR_clear_error();
+    throw SecurityError(common_name + ": not a name of 1 to 64 bytes");
   }
 }
 

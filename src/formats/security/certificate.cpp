@@ -4,6 +4,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <utility>
+#include <vector>
+
 namespace sonopose::security {
 namespace {
 
@@ -19,6 +23,27 @@ tm calendar_of(std::int64_t time_s) {
   tm calendar{};
   openssl::check(ASN1_TIME_to_tm(time.get(), &calendar), "ASN1_TIME_to_tm");
   return calendar;
+}
+
+/// Returns all certificates of a file: of a text in PEM with other parts between, or one in DER.
+std::vector<openssl::Cert> certificates_in(const std::string& content) {
+  std::vector<openssl::Cert> certificates;
+  const auto* bytes = reinterpret_cast<const unsigned char*>(content.data());
+  if (openssl::Cert alone(d2i_X509(nullptr, &bytes, static_cast<long>(content.size()))); alone) {
+    certificates.push_back(std::move(alone));
+  }
+  const openssl::Bio text = openssl::reading(content);
+  for (int left = BIO_pending(text.get()); left > 0;) {
+    // The kind "TRUSTED CERTIFICATE" is read too. A broken one is skipped.
+    if (openssl::Cert next(PEM_read_bio_X509_AUX(text.get(), nullptr, nullptr, nullptr)); next) {
+      certificates.push_back(std::move(next));
+    }
+    const int still_left = BIO_pending(text.get());
+    if (still_left == left) break;
+    left = still_left;
+  }
+  ERR_clear_error();
+  return certificates;
 }
 
 }  // namespace
@@ -38,6 +63,17 @@ bool is_issued_by(const std::string& certificate_pem, const std::string& authori
   const bool is_signed = X509_verify(certificate.get(), X509_get0_pubkey(authority.get())) == 1;
   ERR_clear_error();
   return is_signed;
+}
+
+bool holds_leaf_of(const std::string& content, const std::string& authority_pem) {
+  const openssl::Cert authority = openssl::certificate_of(authority_pem, "authority");
+  const std::vector<openssl::Cert> certificates = certificates_in(content);
+  const bool holds = std::ranges::any_of(certificates, [&](const openssl::Cert& each) {
+    return X509_cmp(each.get(), authority.get()) != 0 &&
+           X509_verify(each.get(), X509_get0_pubkey(authority.get())) == 1;
+  });
+  ERR_clear_error();
+  return holds;
 }
 
 bool is_key_of(const std::string& key_pem, const std::string& certificate_pem, const std::string& origin) {

@@ -35,6 +35,10 @@ CertificateFacts facts_of(const std::string& certificate_pem, const std::string&
 /// Returns true if the authority signed the certificate, whatever their dates.
 bool is_issued_by(const std::string& certificate_pem, const std::string& authority_pem);
 
+/// Returns true if a file holds a certificate that the authority issued, other than its own: one or several
+/// in PEM, or one in DER. Anything else in the file is passed over.
+bool holds_leaf_of(const std::string& content, const std::string& authority_pem);
+
 /// Returns true if the private key belongs to the certificate. Throws SecurityError for an unreadable key.
 bool is_key_of(const std::string& key_pem, const std::string& certificate_pem, const std::string& origin);
 

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <string_view>
 #include <system_error>
 #include <unistd.h>
 
@@ -18,32 +19,66 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The files of one enclave, with the errors that name them.
+/// Returns the key store of an enclave's folder.
+fs::path store_of(const fs::path& folder) {
+  fs::path root = folder;
+  while (root.has_parent_path() && root != root.parent_path() && root.filename() != "enclaves") {
+    root = root.parent_path();
+  }
+  return root.parent_path();
+}
+
+bool is_certificate_of_authority(std::string_view file) {
+  return file == identity_ca_file || file == permissions_ca_file;
+}
+
+bool is_present(const fs::path& path) {
+  std::error_code error;
+  return fs::exists(fs::symlink_status(path, error));
+}
+
+/// The files of one enclave, with the errors that name them, and the command that mends them.
 class Files {
 public:
   explicit Files(const fs::path& folder) : folder_(folder) {
     std::error_code error;
-    if (!fs::is_directory(folder, error)) fail(folder.string(), "no such enclave", "enclave");
+    if (fs::is_directory(folder, error)) return;
+    throw SecurityError(
+        fmt::format("{}: no such enclave; run {}", folder.string(), command_for(folder, "enclave")));
   }
 
   [[nodiscard]] std::string path(const char* file) const { return (folder_ / file).string(); }
 
-  [[nodiscard]] std::string read(const char* file) const {
-    return read_file(folder_ / file, "make it with " + command_for(folder_, "enclave"));
+  [[nodiscard]] std::string read(const char* file) const { return read_file(folder_ / file, remedy(file)); }
+
+  /// Returns what `reader` makes of a file's text and path. Adds the remedy to its error.
+  template <class Reader>
+  [[nodiscard]] auto parsed(const char* file, const std::string& text, const Reader& reader) const {
+    try {
+      return reader(text, path(file));
+    } catch (const SecurityError& error) {
+      throw SecurityError(fmt::format("{}; {}", error.what(), remedy(file)));
+    }
   }
 
-  [[noreturn]] void fail(const std::string& what, const std::string& why, const std::string& verb) const {
-    throw SecurityError(fmt::format("{}: {}; run {}", what, why, command_for(folder_, verb)));
+  [[nodiscard]] std::string command(const std::string& verb) const {
+    return "run " + command_for(folder_, verb);
   }
 
-  void check_dates(const std::string& what, const Validity& validity, std::int64_t now_s,
-                   const std::string& verb) const {
+  [[noreturn]] void fail(const char* file, const std::string& why) const { fail(file, why, remedy(file)); }
+  [[noreturn]] void fail(const char* file, const std::string& why, const std::string& remedy) const {
+    throw SecurityError(fmt::format("{}: {}; {}", path(file), why, remedy));
+  }
+
+  void check_dates(const char* file, const Validity& validity, std::int64_t now_s) const {
     if (now_s >= validity.not_after_s) {
-      fail(what, "expired on " + date_text(validity.not_after_s), verb);
+      const bool is_authority = is_certificate_of_authority(file);
+      fail(file, "expired on " + date_text(validity.not_after_s),
+           is_authority ? "make a new key store with sonopose-security init" : remedy(file));
     }
     if (now_s < validity.not_before_s) {
-      throw SecurityError(fmt::format("{}: not valid before {}: is the clock of this machine right?", what,
-                                      date_time_text(validity.not_before_s)));
+      throw SecurityError(fmt::format("{}: not valid before {}: is the clock of this machine right?",
+                                      path(file), date_time_text(validity.not_before_s)));
     }
   }
 
@@ -60,6 +95,19 @@ public:
   }
 
 private:
+  /// Returns what makes a file good. The enclave has links to those of the whole store, which `renew` makes.
+  [[nodiscard]] std::string remedy(const char* file) const {
+    std::error_code error;
+    const bool is_link = fs::is_symlink(folder_ / file, error);
+    if (is_link && std::string_view(file) == governance_file) {
+      return fmt::format("run sonopose-security governance {}", store_of(folder_).string());
+    }
+    if (is_link && is_certificate_of_authority(file)) {
+      return "restore it from a copy of an enclave, or make a new key store with sonopose-security init";
+    }
+    return command("renew");
+  }
+
   fs::path folder_;
 };
 
@@ -89,55 +137,79 @@ std::string read_file(const fs::path& file, const std::string& remedy) {
   }
 }
 
-std::string command_for(const fs::path& folder, const std::string& verb) {
-  fs::path store = folder;
-  while (store.has_parent_path() && store != store.parent_path() && store.filename() != "enclaves") {
-    store = store.parent_path();
-  }
-  const fs::path name = folder.lexically_relative(store);
-  return fmt::format("sonopose-security {} {} {}", verb, store.parent_path().string(), name.string());
+bool has_own_list(const CertificateFacts& identity_authority) {
+  return identity_authority.subject == std::string("CN=") + identity_authority_name;
 }
+
+std::string command_for(const fs::path& folder, const std::string& verb) {
+  const fs::path store = store_of(folder);
+  return fmt::format("sonopose-security {} {} {}", verb, store.string(),
+                     folder.lexically_relative(store / "enclaves").string());
+}
+
+namespace {
+
+/// Throws SecurityError if the certificate is on the list of the store, or the list is missing.
+void check_revocation(const Files& files, const std::string& identity_ca, const CertificateFacts& authority,
+                      const CertificateFacts& own) {
+  const bool needs_list = has_own_list(authority);
+  if (!needs_list && !is_present(files.path(revocation_file))) return;
+  const auto revoked = files.parsed(revocation_file, files.read(revocation_file),
+                                    [&](const std::string& text, const std::string& path) {
+                                      return revoked_serials(text, identity_ca, path);
+                                    });
+  if (std::ranges::find(revoked, own.serial) == revoked.end()) return;
+  files.fail(certificate_file, "revoked", files.command("enclave"));
+}
+
+/// Returns the rights in a signed document.
+Grant signed_grant(const Files& files, const std::string& permissions_ca) {
+  const std::string text = files.parsed(permissions_file, files.read(permissions_file),
+                                        [&](const std::string& document, const std::string& path) {
+                                          return verified_document(document, permissions_ca, path);
+                                        });
+  try {
+    return grant_of(text, files.path(permissions_file));
+  } catch (const SecurityError& error) {
+    throw SecurityError(
+        fmt::format("{}; edit permissions.xml, then {}", error.what(), files.command("renew")));
+  }
+}
+
+}  // namespace
 
 Enclave read_enclave(const fs::path& folder, std::int64_t now_s) {
   const Files files(folder);
   const std::string identity_ca = files.read(identity_ca_file);
   const std::string permissions_ca = files.read(permissions_ca_file);
   const std::string certificate = files.read(certificate_file);
-  const CertificateFacts facts = facts_of(certificate, files.path(certificate_file));
+  const auto authority = files.parsed(identity_ca_file, identity_ca, facts_of);
+  const auto signer = files.parsed(permissions_ca_file, permissions_ca, facts_of);
+  const auto facts = files.parsed(certificate_file, certificate, facts_of);
   files.check_key_mode();
-  const std::string key = files.read(key_file);
-  if (!is_key_of(key, certificate, files.path(key_file))) {
-    files.fail(files.path(key_file), "not the key of cert.pem", "renew");
-  }
+  const bool is_own_key = files.parsed(
+      key_file, files.read(key_file),
+      [&](const std::string& key, const std::string& path) { return is_key_of(key, certificate, path); });
+  if (!is_own_key) files.fail(key_file, "not the key of cert.pem");
   if (!is_issued_by(certificate, identity_ca)) {
-    files.fail(files.path(certificate_file), "not issued by identity_ca.cert.pem", "enclave");
+    files.fail(certificate_file, "not issued by identity_ca.cert.pem");
   }
-  files.check_dates(files.path(certificate_file), facts.validity, now_s, "renew");
-  const auto authority = facts_of(identity_ca, files.path(identity_ca_file));
-  files.check_dates(files.path(identity_ca_file), authority.validity, now_s, "init");
-  const auto signer = facts_of(permissions_ca, files.path(permissions_ca_file));
-  files.check_dates(files.path(permissions_ca_file), signer.validity, now_s, "init");
+  files.check_dates(certificate_file, facts.validity, now_s);
+  files.check_dates(identity_ca_file, authority.validity, now_s);
+  files.check_dates(permissions_ca_file, signer.validity, now_s);
 
-  const std::string permissions = files.path(permissions_file);
-  const Grant grant =
-      grant_of(verified_document(files.read(permissions_file), permissions_ca, permissions), permissions);
+  const Grant grant = signed_grant(files, permissions_ca);
   if (grant.subject != facts.subject) {
-    files.fail(permissions, fmt::format("of {}, but the certificate of {}", grant.subject, facts.subject),
-               "renew");
+    files.fail(permissions_file,
+               fmt::format("of {}, but the certificate of {}", grant.subject, facts.subject));
   }
-  files.check_dates(permissions, grant.validity, now_s, "renew");
-  const std::string governance = files.path(governance_file);
+  files.check_dates(permissions_file, grant.validity, now_s);
   const std::string protection =
-      protection_in(verified_document(files.read(governance_file), permissions_ca, governance), governance);
-
-  std::error_code absent;
-  if (fs::exists(folder / revocation_file, absent)) {
-    const auto revoked =
-        revoked_serials(files.read(revocation_file), identity_ca, files.path(revocation_file));
-    if (std::ranges::find(revoked, facts.serial) != revoked.end()) {
-      files.fail(files.path(certificate_file), "revoked", "enclave");
-    }
-  }
+      files.parsed(governance_file, files.read(governance_file),
+                   [&](const std::string& document, const std::string& path) {
+                     return protection_in(verified_document(document, permissions_ca, path), path);
+                   });
+  check_revocation(files, identity_ca, authority, facts);
   return {.subject = facts.subject,
           .serial = facts.serial,
           .expires_s = std::min({facts.validity.not_after_s, authority.validity.not_after_s,
@@ -171,7 +243,8 @@ std::string expiry_warning(std::int64_t expires_s, std::int64_t now_s) {
   const std::int64_t days = (expires_s - now_s) / day_s;
   if (days > warning_days) return {};
   if (now_s >= expires_s) return "expired on " + date_text(expires_s);
-  return fmt::format("expires in {} days, at {}", days, date_time_text(expires_s));
+  const std::string time = date_time_text(expires_s);
+  return days < 1 ? "expires within a day, at " + time : fmt::format("expires in {} days, at {}", days, time);
 }
 
 }  // namespace sonopose::security

@@ -17,7 +17,16 @@ inline constexpr const char* identity_ca_file = "identity_ca.cert.pem";
 inline constexpr const char* permissions_ca_file = "permissions_ca.cert.pem";
 inline constexpr const char* governance_file = "governance.p7s";
 inline constexpr const char* permissions_file = "permissions.p7s";
-inline constexpr const char* revocation_file = "crl.pem";  ///< may be absent
+inline constexpr const char* governance_source = "governance.xml";    ///< of all, in enclaves/
+inline constexpr const char* permissions_source = "permissions.xml";  ///< edited, then signed
+inline constexpr const char* revocation_file = "crl.pem";             ///< may be absent in stores of SROS2
+
+/// Subject of the authority that KeyStore::create makes.
+inline constexpr const char* identity_authority_name = "sonopose identity CA";
+
+/// Returns true for an authority of our own key stores, where each enclave has a list of revoked
+/// certificates: one without it may have lost it.
+bool has_own_list(const CertificateFacts& identity_authority);
 
 /// State of an enclave that can be used.
 struct Enclave {
@@ -36,7 +45,7 @@ inline constexpr std::int64_t warning_days = 30;
 
 /// Reads and checks the files of an enclave. Throws SecurityError with the file and the verb that mends it:
 /// a file is missing or unreadable, the key is readable by others, a certificate or the permissions are not
-/// valid now, or files do not belong together.
+/// valid now, or files do not belong together. Only a store of SROS2 may lack crl.pem.
 Enclave read_enclave(const std::filesystem::path& folder, std::int64_t now_s);
 
 /// Returns the content of a file. Throws SecurityError with the file and `remedy`.
@@ -50,7 +59,7 @@ std::string command_for(const std::filesystem::path& folder, const std::string& 
 /// empty folder.
 std::map<std::string, std::int64_t> expiries_beside(const std::filesystem::path& folder);
 
-/// Returns "expires in 12 days, on 2026-12-11" if that is within the days of a warning, otherwise nothing.
+/// Returns "expires in 12 days, at 2026-12-11" if that is within the days of a warning, otherwise nothing.
 std::string expiry_warning(std::int64_t expires_s, std::int64_t now_s);
 
 }  // namespace sonopose::security

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <fcntl.h>
 #include <sstream>
@@ -26,8 +27,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* identity_authority = "identity_ca";
 constexpr const char* permissions_authority = "permissions_ca";
-constexpr const char* governance_source = "governance.xml";
-constexpr const char* permissions_source = "permissions.xml";
 constexpr std::int64_t authority_days = 3653;  // ten years, as SROS2
 
 fs::path certificate_path(const fs::path& store, const char* authority) {
@@ -51,8 +50,10 @@ void write_pair(const fs::path& certificate, const fs::path& key, const KeyPair&
 /// Links an enclave's file to one of the whole store, as SROS2 does: copy enclaves with `cp -rL`.
 void link(const fs::path& target, const fs::path& link) {
   std::error_code error;
+  const fs::path place = fs::relative(target, link.parent_path());
+  if (fs::read_symlink(link, error) == place) return;
   fs::remove(link, error);
-  fs::create_symlink(fs::relative(target, link.parent_path()), link, error);
+  fs::create_symlink(place, link, error);
   if (error) throw SecurityError(fmt::format("{}: {}", link.string(), error.message()));
 }
 
@@ -64,11 +65,15 @@ void make_folder(const fs::path& folder, fs::perms mode) {
 }
 
 void check_name(const std::string& name) {
+  constexpr std::size_t max_name_bytes = 63;  // the subject of a certificate has 64, one is a slash
   constexpr std::string_view allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./";
   // A name with "." or ".." would be another name of the same folder, or lead out of the store.
   const bool is_plain = std::ranges::none_of(fs::path(name), [](const fs::path& part) {
     return part.empty() || part == "/" || part == "." || part == "..";
   });
+  if (name.size() > max_name_bytes) {
+    throw SecurityError(fmt::format("'{}': longer than {} bytes", name, max_name_bytes));
+  }
   if (!is_plain || name.empty() || name.find("//") != name.npos ||
       name.find_first_not_of(allowed) != name.npos) {
     throw SecurityError(fmt::format("'{}': no name of an enclave, such as bridge or hall/robot", name));
@@ -95,10 +100,91 @@ private:
   int descriptor_;
 };
 
+/// Every file of an enclave.
+constexpr std::array enclave_files{key_file,        certificate_file, permissions_file,    permissions_source,
+                                   governance_file, identity_ca_file, permissions_ca_file, revocation_file};
+
+/// Returns the list of revoked certificates, or its private copy if that is lost or broken. Empty in a store
+/// of SROS2 that has none.
+std::string revocations(const fs::path& store, const std::string& issuer_pem) {
+  const fs::path list = store / "public" / revocation_file;
+  std::string problem;
+  for (const fs::path& file : {list, store / "private" / revocation_file}) {
+    try {
+      std::string text = read_file(file, "");
+      revoked_serials(text, issuer_pem, file.string());
+      return text;
+    } catch (const SecurityError& error) {
+      if (problem.empty()) problem = error.what();
+    }
+  }
+  std::error_code absent;
+  if (!fs::exists(list, absent) && !has_own_list(facts_of(issuer_pem, "authority"))) return {};
+  throw SecurityError(problem + "; restore it from an enclave of another machine");
+}
+
+void write_revocations(const fs::path& store, const std::string& list) {
+  files::write_private(store / "private" / revocation_file, list);
+  files::write_whole(store / "public" / revocation_file, list);
+}
+
+/// Links an enclave to the files of the whole store, after restoring the list of revoked certificates.
+void link_shared_files(const fs::path& store, const fs::path& enclave, const std::string& issuer_pem) {
+  link(certificate_path(store, identity_authority), enclave / identity_ca_file);
+  link(certificate_path(store, permissions_authority), enclave / permissions_ca_file);
+  link(store / "enclaves" / governance_file, enclave / governance_file);
+  const std::string list = revocations(store, issuer_pem);
+  if (list.empty()) return;
+  write_revocations(store, list);
+  link(store / "public" / revocation_file, enclave / revocation_file);
+}
+
+/// Returns the text of a signed document; empty if it has none that can be trusted.
+std::string signed_text(const fs::path& store, const fs::path& document) {
+  try {
+    const std::string authority_pem = read_file(certificate_path(store, permissions_authority), "");
+    return verified_document(read_file(document, ""), authority_pem, document.string());
+  } catch (const SecurityError&) {
+    return {};
+  }
+}
+
+/// Returns the permissions of an enclave to be signed: permissions.xml, or what was signed if it is lost.
+std::string own_permissions(const fs::path& store, const std::string& name) {
+  const fs::path folder = store / "enclaves" / name;
+  const fs::path source = folder / permissions_source;
+  std::error_code absent;
+  if (!fs::is_directory(folder, absent)) {
+    throw SecurityError(
+        fmt::format("{}: no such enclave; run {}", folder.string(), command_for(folder, "enclave")));
+  }
+  const std::string anew =
+      fmt::format("run {}, then {}", command_for(folder, "revoke"), command_for(folder, "enclave"));
+  std::string text =
+      fs::exists(source, absent) ? read_file(source, anew) : signed_text(store, folder / permissions_file);
+  if (text.empty()) throw SecurityError(fmt::format("{}: empty or lost; {}", source.string(), anew));
+  try {
+    const std::string subject = grant_of(text, source.string()).subject;
+    if (is_subject_of(name, subject)) return text;
+    throw SecurityError(fmt::format("{}: of {}, not of this enclave", source.string(), subject));
+  } catch (const SecurityError& error) {
+    throw SecurityError(fmt::format("{}; edit it, or {}", error.what(), anew));
+  }
+}
+
+bool is_revoked(const fs::path& store, const fs::path& certificate, const std::string& issuer_pem) {
+  try {
+    const auto revoked = revoked_serials(revocations(store, issuer_pem), issuer_pem, revocation_file);
+    const std::string serial = facts_of(read_file(certificate, ""), certificate_file).serial;
+    return std::ranges::find(revoked, serial) != revoked.end();
+  } catch (const SecurityError&) {
+    return false;
+  }
+}
+
 /// Removes the files of an enclave, and its folder unless another enclave or other files are in it.
 void remove_enclave(const fs::path& folder) {
-  for (const char* const file : {key_file, certificate_file, permissions_file, permissions_source,
-                                 governance_file, identity_ca_file, permissions_ca_file, revocation_file}) {
+  for (const char* const file : enclave_files) {
     std::error_code error;
     fs::remove(folder / file, error);
     if (error) throw SecurityError(fmt::format("{}: {}", (folder / file).string(), error.message()));
@@ -108,6 +194,11 @@ void remove_enclave(const fs::path& folder) {
 }
 
 }  // namespace
+
+bool is_subject_of(const std::string& name, const std::string& subject) {
+  const std::string common_name = "CN=/" + name;
+  return subject == common_name || subject.ends_with("," + common_name);
+}
 
 KeyStore KeyStore::create(const fs::path& folder, Protection protection, std::int64_t now_s) {
   std::error_code absent;
@@ -121,12 +212,12 @@ KeyStore KeyStore::create(const fs::path& folder, Protection protection, std::in
   make_folder(folder / "public", all_read);
   make_folder(folder / "enclaves", all_read);
   const Validity validity{now_s - day_s, now_s + authority_days * day_s};
-  const KeyPair identity = make_identity_authority("sonopose identity CA", validity);
+  const KeyPair identity = make_identity_authority(identity_authority_name, validity);
   write_pair(certificate_path(folder, identity_authority), key_path(folder, identity_authority), identity);
   write_pair(certificate_path(folder, permissions_authority), key_path(folder, permissions_authority),
              make_permissions_authority("sonopose permissions CA", validity));
-  files::write_whole(folder / "public" / revocation_file, revocation_list(identity, {}, now_s));
   files::write_private(issued_path(folder), "");
+  write_revocations(folder, revocation_list(identity, {}, now_s));
   KeyStore store(folder);
   store.set_protection(protection);
   return store;
@@ -150,9 +241,12 @@ std::vector<std::string> KeyStore::enclaves() const {
   std::vector<std::string> names;
   const fs::path root = folder_ / "enclaves";
   for (const fs::path& file : files_below(root)) {
-    if (file.filename() != certificate_file) continue;
+    const auto is_it = [&](const char* name) { return file.filename() == name; };
+    if (file.parent_path() == root || std::ranges::none_of(enclave_files, is_it)) continue;
     names.push_back(file.parent_path().lexically_relative(root).string());
   }
+  std::ranges::sort(names);
+  names.erase(std::unique(names.begin(), names.end()), names.end());
   return names;
 }
 
@@ -200,23 +294,21 @@ void KeyStore::add(const std::string& name, const EnclaveOptions& options) const
   const WriteLock lock(folder_);
   const fs::path folder = enclave_folder(name);
   std::error_code absent;
-  if (fs::exists(folder / certificate_file, absent)) {
+  const KeyPair issuer = authority(identity_authority);
+  const fs::path certificate = folder / certificate_file;
+  if (fs::exists(certificate, absent) && !is_revoked(folder_, certificate, issuer.certificate_pem)) {
     throw SecurityError(
         fmt::format("{}: there is such an enclave; sonopose-security renew {} {} gives it "
                     "a new certificate, revoke removes it",
                     folder.string(), folder_.string(), name));
   }
-  const KeyPair identity =
-      issue(authority(identity_authority), "/" + name, options.validity, options.handshake);
+  const KeyPair identity = issue(issuer, "/" + name, options.validity, options.handshake);
   const Grant grant{.subject = facts_of(identity.certificate_pem, certificate_file).subject,
                     .validity = options.validity,
                     .access = access_of(options.roles),
                     .partitions = options.partitions};
   make_folder(folder, fs::perms::owner_all);
-  link(certificate_path(folder_, identity_authority), folder / identity_ca_file);
-  link(certificate_path(folder_, permissions_authority), folder / permissions_ca_file);
-  link(folder_ / "enclaves" / governance_file, folder / governance_file);
-  link(folder_ / "public" / revocation_file, folder / revocation_file);
+  link_shared_files(folder_, folder, issuer.certificate_pem);
   files::write_whole(folder / permissions_source, permissions_xml(grant));
   sign(folder / permissions_source, folder / permissions_file);
   write_identity(name, identity);  // last: its certificate makes the folder an enclave
@@ -226,32 +318,35 @@ void KeyStore::renew(const std::string& name, const Validity& validity) const {
   const WriteLock lock(folder_);
   const fs::path folder = enclave_folder(name);
   const fs::path source = folder / permissions_source;
-  const std::string permissions = read_file(source, "make it with " + command_for(folder, "enclave"));
+  const KeyPair issuer = authority(identity_authority);
+  const std::string permissions = own_permissions(folder_, name);
   const bool is_qualified = grant_of(permissions, source.string()).subject.starts_with("dnQualifier=");
+  link_shared_files(folder_, folder, issuer.certificate_pem);
   files::write_whole(source, with_validity(permissions, validity, source.string()));
   sign(source, folder / permissions_file);
-  write_identity(name, issue(authority(identity_authority), "/" + name, validity,
-                             is_qualified ? Handshake::answers : Handshake::either));
+  write_identity(name,
+                 issue(issuer, "/" + name, validity, is_qualified ? Handshake::answers : Handshake::either));
 }
 
 std::size_t KeyStore::revoke(const std::string& name, std::int64_t now_s) const {
   const WriteLock lock(folder_);
   const fs::path folder = enclave_folder(name);
-  const fs::path list = folder_ / "public" / revocation_file;
   const KeyPair issuer = authority(identity_authority);
   std::error_code absent;
   std::vector<std::string> serials;
-  if (fs::exists(list, absent)) {
-    serials = revoked_serials(read_file(list, ""), issuer.certificate_pem, list.string());
+  if (const std::string list = revocations(folder_, issuer.certificate_pem); !list.empty()) {
+    serials = revoked_serials(list, issuer.certificate_pem, revocation_file);
   }
   const std::size_t earlier = serials.size();
   const auto add_serial = [&serials](const std::string& serial) {
     if (std::ranges::find(serials, serial) == serials.end()) serials.push_back(serial);
   };
-  const fs::path certificate = folder / certificate_file;
-  const bool is_enclave = fs::exists(certificate, absent);
-  if (is_enclave) {
-    add_serial(facts_of(read_file(certificate, ""), certificate.string()).serial);
+  const auto all = enclaves();
+  const bool is_enclave = std::ranges::find(all, name) != all.end();
+  try {
+    const auto facts = facts_of(read_file(folder / certificate_file, ""), certificate_file);
+    if (is_subject_of(name, facts.subject)) add_serial(facts.serial);
+  } catch (const SecurityError&) {  // NOLINT(bugprone-empty-catch): one that cannot be read admits nobody
   }
   if (const fs::path issued = issued_path(folder_); fs::exists(issued, absent)) {
     std::istringstream lines(read_file(issued, ""));
@@ -262,18 +357,35 @@ std::size_t KeyStore::revoke(const std::string& name, std::int64_t now_s) const 
   if (serials.size() == earlier && !is_enclave) {  // one may be left of a revocation that was interrupted
     throw SecurityError(fmt::format("{}: no such enclave, or it has been revoked", folder.string()));
   }
-  files::write_whole(list, revocation_list(issuer, serials, now_s));
+  write_revocations(folder_, revocation_list(issuer, serials, now_s));
   remove_enclave(folder);
   // The others of a store of SROS2 have no link to the list yet.
-  for (const std::string& other : enclaves()) link(list, folder_ / "enclaves" / other / revocation_file);
+  for (const std::string& other : enclaves()) {
+    link(folder_ / "public" / revocation_file, folder_ / "enclaves" / other / revocation_file);
+  }
   return serials.size() - earlier;
 }
 
-void KeyStore::set_protection(Protection protection) const {
+std::string KeyStore::set_protection(std::optional<Protection> protection) const {
   const WriteLock lock(folder_);
-  const fs::path folder = folder_ / "enclaves";
-  files::write_whole(folder / governance_source, governance_xml(protection));
-  sign(folder / governance_source, folder / governance_file);
+  const fs::path source = folder_ / "enclaves" / governance_source;
+  const fs::path signed_one = folder_ / "enclaves" / governance_file;
+  const std::string before = signed_text(folder_, signed_one);
+  std::error_code absent;
+  if (protection) {
+    files::write_whole(source, governance_xml(*protection));
+  } else if (!fs::exists(source, absent)) {
+    if (before.empty()) throw SecurityError(source.string() + ": does not exist; use --protect");
+    files::write_whole(source, before);
+  }
+  std::string after;
+  try {
+    after = protection_in(read_file(source, ""), source.string());
+  } catch (const SecurityError& error) {
+    throw SecurityError(std::string(error.what()) + "; use --protect");
+  }
+  sign(source, signed_one);
+  return before.empty() ? after : protection_in(before, signed_one.string()) + " → " + after;
 }
 
 }  // namespace sonopose::security

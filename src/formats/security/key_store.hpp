@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,7 @@ public:
   /// Folder of an enclave, which need not exist. Throws SecurityError for an unusable name, such as "../x".
   [[nodiscard]] std::filesystem::path enclave_folder(const std::string& name) const;
 
-  /// Names of all enclaves, sorted: "bridge", "hall/robot".
+  /// Names of all enclaves, sorted: "bridge", "hall/robot". One file makes a folder an enclave.
   [[nodiscard]] std::vector<std::string> enclaves() const;
 
   /// Rights of a new enclave, and their dates.
@@ -39,18 +40,20 @@ public:
     Handshake handshake = Handshake::either;
   };
 
-  /// Makes an enclave. Throws SecurityError if it exists.
+  /// Makes an enclave. Throws SecurityError if it exists, unless its certificate is revoked.
   void add(const std::string& name, const EnclaveOptions& options) const;
 
-  /// Makes a new key and certificate with the same subject, and signs its permissions.xml again.
+  /// Makes a new key and certificate with the same subject, signs its permissions.xml again, and links it to
+  /// the files of the whole store, where the list of revoked certificates is restored too.
   void renew(const std::string& name, const Validity& validity) const;
 
   /// Puts every certificate that the enclave had on the list of revoked ones, and deletes its files,
   /// but not those of enclaves below it. Returns the number of certificates.
   std::size_t revoke(const std::string& name, std::int64_t now_s) const;
 
-  /// Signs the governance of all enclaves again.
-  void set_protection(Protection protection) const;
+  /// Signs the governance of all enclaves again: with this protection, or as governance.xml says. Returns
+  /// what it changes: "sign → encrypt".
+  std::string set_protection(std::optional<Protection> protection) const;
 
 private:
   [[nodiscard]] KeyPair authority(const char* name) const;
@@ -59,6 +62,9 @@ private:
 
   std::filesystem::path folder_;
 };
+
+/// Returns true if the subject of a certificate or of permissions is the enclave of this name.
+bool is_subject_of(const std::string& name, const std::string& subject);
 
 /// Returns all files and links below a folder, sorted. Throws SecurityError with a folder that cannot be
 /// read.
@@ -70,8 +76,8 @@ struct StoreProblem {
   std::string text;
 };
 
-/// Checks every enclave, the dates of the authorities and the modes of their keys, and that the permissions
-/// authority issued no certificate (CVE-2023-24011).
+/// Checks every enclave, the dates of the authorities and the modes of their keys, that what can be edited is
+/// what was signed, and that the permissions authority issued no certificate (CVE-2023-24011).
 std::vector<StoreProblem> check(const KeyStore& store, std::int64_t now_s);
 
 }  // namespace sonopose::security

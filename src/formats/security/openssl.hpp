@@ -59,6 +59,15 @@ Owner owned(typename Owner::pointer object, const std::string& what) {
   return Owner(object);
 }
 
+/// Takes over what was in a file. Throws SecurityError with `problem` if it held no such thing: OpenSSL's
+/// reason names no file and no remedy.
+template <class Owner>
+Owner found(typename Owner::pointer object, const std::string& problem) {
+  ERR_clear_error();
+  if (object == nullptr) throw SecurityError(problem);
+  return Owner(object);
+}
+
 inline Bio reading(std::string_view text) {
   return owned<Bio>(BIO_new_mem_buf(text.data(), static_cast<int>(text.size())), "BIO_new_mem_buf");
 }
@@ -75,13 +84,13 @@ inline std::string text_in(BIO* bio) {
 
 /// `origin` names the file in errors.
 inline Cert certificate_of(const std::string& pem, const std::string& origin) {
-  return owned<Cert>(PEM_read_bio_X509(reading(pem).get(), nullptr, nullptr, nullptr),
+  return found<Cert>(PEM_read_bio_X509(reading(pem).get(), nullptr, nullptr, nullptr),
                      origin + ": no certificate");
 }
 
 inline Key key_of(const std::string& pem, const std::string& origin) {
   const char* const no_password = "";
-  return owned<Key>(
+  return found<Key>(
       PEM_read_bio_PrivateKey(reading(pem).get(), nullptr, nullptr, const_cast<char*>(no_password)),
       origin + ": no private key without a password");
 }

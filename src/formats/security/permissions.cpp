@@ -88,8 +88,7 @@ void check_children(const pugi::xml_node& parent, std::initializer_list<std::str
                     const std::string& origin) {
   for (const pugi::xml_node each : parent.children()) {
     if (each.type() != pugi::node_element || std::ranges::find(known, each.name()) != known.end()) continue;
-    throw SecurityError(fmt::format("{}: {}: '{}' is not supported; edit permissions.xml and run renew",
-                                    origin, parent.name(), each.name()));
+    throw SecurityError(fmt::format("{}: {}: '{}' is not supported", origin, parent.name(), each.name()));
   }
 }
 
@@ -194,7 +193,9 @@ std::string words_of(const Grant& grant) {
   };
   std::string text = fmt::format("writes {}; reads {}", list(grant.access.writes), list(grant.access.reads));
   if (!grant.partitions.empty()) {
-    text += fmt::format("; in partitions {}", fmt::join(grant.partitions, ", "));
+    std::vector<std::string> names = grant.partitions;
+    std::ranges::replace(names, std::string(), R"("")");
+    text += fmt::format("; in partitions {}", fmt::join(names, ", "));
   }
   return text;
 }

@@ -44,12 +44,13 @@ std::string revocation_list(const KeyPair& authority, const std::vector<std::str
 
 std::vector<std::string> revoked_serials(const std::string& list_pem, const std::string& authority_pem,
                                          const std::string& origin) {
-  const auto list = openssl::owned<openssl::Crl>(
+  const auto list = openssl::found<openssl::Crl>(
       PEM_read_bio_X509_CRL(openssl::reading(list_pem).get(), nullptr, nullptr, nullptr),
       origin + ": no list of revoked certificates");
   const openssl::Cert authority = openssl::certificate_of(authority_pem, "authority");
   if (X509_CRL_verify(list.get(), X509_get0_pubkey(authority.get())) != 1) {
-    openssl::fail(origin + ": not signed by the identity authority");
+    ERR_clear_error();
+    throw SecurityError(origin + ": not signed by the identity authority");
   }
   std::vector<std::string> serials;
   STACK_OF(X509_REVOKED)* const entries = X509_CRL_get_REVOKED(list.get());

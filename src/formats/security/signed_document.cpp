@@ -21,7 +21,7 @@ std::string verified_document(const std::string& document, const std::string& au
                               const std::string& origin) {
   const openssl::Cert authority = openssl::certificate_of(authority_pem, "authority");
   BIO* content = nullptr;
-  const auto signature = openssl::owned<openssl::Pkcs7>(
+  const auto signature = openssl::found<openssl::Pkcs7>(
       SMIME_read_PKCS7(openssl::reading(document).get(), &content), origin + ": no signed document");
   const openssl::Bio owned_content(content);
   const auto store = openssl::owned<openssl::Store>(X509_STORE_new(), "X509_STORE_new");
@@ -30,7 +30,8 @@ std::string verified_document(const std::string& document, const std::string& au
   X509_STORE_set_flags(store.get(), X509_V_FLAG_NO_CHECK_TIME);
   const openssl::Bio text = openssl::writing();
   if (PKCS7_verify(signature.get(), nullptr, store.get(), content, text.get(), PKCS7_TEXT) != 1) {
-    openssl::fail(origin + ": not signed by the permissions authority, or changed since");
+    ERR_clear_error();
+    throw SecurityError(origin + ": not signed by the permissions authority, or changed since");
   }
   STACK_OF(X509)* const signers = PKCS7_get0_signers(signature.get(), nullptr, 0);
   const bool by_authority = signers != nullptr && sk_X509_num(signers) == 1 &&

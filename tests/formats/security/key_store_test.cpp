@@ -147,12 +147,64 @@ SCENARIO("An unusable enclave is refused with the file and the verb that mends i
     const std::string file = GENERATE("cert.pem", "key.pem", "governance.p7s", "permissions.p7s",
                                       "identity_ca.cert.pem", "permissions_ca.cert.pem");
     fs::remove(enclave / file);
-    CHECK_THROWS_WITH(store.read("fusion"),
-                      Contains((enclave / file).string()) &&
-                          Contains("sonopose-security enclave " + store.keys.folder().string() + " fusion"));
+    refusal(file, "sonopose-security renew " + store.keys.folder().string() + " fusion");
+    THEN("that verb mends it") {
+      store.keys.renew("fusion", year);
+      CHECK(store.problems().empty());
+    }
+  }
+  WHEN("a file is garbage") {
+    const std::string file = GENERATE("cert.pem", "key.pem", "permissions.p7s", "crl.pem");
+    const std::string garbage = GENERATE("", "garbage", "-----BEGIN CERTIFICATE-----\nnone");
+    const fs::path shared = store.keys.folder() / "public/crl.pem";
+    write_text(file == "crl.pem" ? shared : enclave / file, garbage);
+    refusal(file, "sonopose-security renew ");
+    CHECK_THROWS_WITH(store.read("fusion"), !Contains("error:"));
+    THEN("that verb mends it") {
+      store.keys.renew("fusion", year);
+      CHECK_NOTHROW(store.read("fusion"));
+      CHECK(store.problems().empty());
+    }
+  }
+  WHEN("all enclaves share what is garbage or missing") {
+    const fs::path governance = store.keys.folder() / "enclaves/governance.p7s";
+    if (GENERATE(true, false)) {
+      write_text(governance, "garbage");
+    } else {
+      fs::remove(governance);
+    }
+    refusal("governance.p7s", "sonopose-security governance " + store.keys.folder().string());
+    store.keys.set_protection({});
+    CHECK(store.problems().empty());
+  }
+  WHEN("its permissions.xml is lost") {
+    fs::remove(enclave / "permissions.xml");
+    store.keys.renew("fusion", year);
+    CHECK(store.problems().empty());
+    CHECK(store.read("fusion").grant.access.writes == access_of({"fusion"}).writes);
+    AND_WHEN("the signed one is lost too") {
+      fs::remove(enclave / "permissions.xml");
+      fs::remove(enclave / "permissions.p7s");
+      CHECK_THROWS_WITH(store.keys.renew("fusion", year), Contains("permissions.xml") && Contains("revoke") &&
+                                                              Contains("sonopose-security enclave"));
+      store.keys.revoke("fusion", now_s);
+      store.add("fusion", {"fusion"});
+      CHECK(store.problems().empty());
+    }
+  }
+  WHEN("it is revoked, and its files come back") {
+    const auto key = read_text(enclave / "key.pem");
+    const auto certificate = read_text(enclave / "cert.pem");
+    store.keys.revoke("fusion", now_s);
+    store.add("fusion", {"fusion"});
+    write_text(enclave / "key.pem", key);
+    write_text(enclave / "cert.pem", certificate);
+    refusal("cert.pem", "revoked; run sonopose-security enclave ");
+    store.add("fusion", {"fusion"});
+    CHECK(store.problems().empty());
   }
   WHEN("the enclave is missing") {
-    CHECK_THROWS_WITH(store.read("nobody"), Contains("no such enclave"));
+    CHECK_THROWS_WITH(store.read("nobody"), Contains("no such enclave; run sonopose-security enclave"));
   }
   WHEN("others can read the key") {
     fs::permissions(enclave / "key.pem", fs::perms::group_read, fs::perm_options::add);
@@ -182,7 +234,9 @@ SCENARIO("An unusable enclave is refused with the file and the verb that mends i
     for (const char* const file : {"cert.pem", "key.pem"}) {
       write_text(enclave / file, read_text(foreign.keys.enclave_folder("fusion") / file));
     }
-    refusal("cert.pem", "not issued");
+    refusal("cert.pem", "not issued by identity_ca.cert.pem; run sonopose-security renew");
+    store.keys.renew("fusion", year);
+    CHECK(store.problems().empty());
   }
 }
 
@@ -276,8 +330,76 @@ SCENARIO("Renewed and revoked enclaves") {
     }
   }
   WHEN("the protection changes") {
-    store.keys.set_protection(Protection::encrypt);
+    CHECK(store.keys.set_protection(Protection::encrypt) == "sign → encrypt");
     CHECK(store.read("bridge").protection == "encrypt");
+    THEN("it stays, unless another is asked for") {
+      CHECK(store.keys.set_protection({}) == "encrypt → encrypt");
+      CHECK(store.read("bridge").protection == "encrypt");
+    }
+  }
+}
+
+SCENARIO("A check finds what programs would miss") {
+  const Store store;
+  store.add("fusion", {"fusion"});
+  store.add("consumer", {"consumer"});
+  const fs::path enclave = store.keys.enclave_folder("consumer");
+  const auto problem = [&] {
+    const auto problems = store.problems();
+    REQUIRE(problems.size() == 1);
+    return problems.front().subject + ": " + problems.front().text;
+  };
+  WHEN("the files of another enclave are in its folder") {
+    for (const char* const file : {"cert.pem", "key.pem", "permissions.p7s"}) {
+      write_text(enclave / file, read_text(store.keys.enclave_folder("fusion") / file));
+    }
+    CHECK_THAT(problem(), Contains("consumer: has the files of CN=/fusion; run sonopose-security renew"));
+    store.keys.renew("consumer", year);
+    CHECK(store.problems().empty());
+    AND_WHEN("its permissions.xml is that of the other too") {
+      write_text(enclave / "permissions.xml",
+                 read_text(store.keys.enclave_folder("fusion") / "permissions.xml"));
+      CHECK_THROWS_WITH(store.keys.renew("consumer", year), Contains("of CN=/fusion, not of this enclave"));
+    }
+  }
+  WHEN("what can be edited was, and not signed") {
+    const bool is_governance = GENERATE(true, false);
+    const fs::path edited =
+        is_governance ? store.keys.folder() / "enclaves/governance.xml" : enclave / "permissions.xml";
+    write_text(edited, read_text(edited) + "<!-- edited -->\n");
+    CHECK_THAT(problem(),
+               Contains(edited.string()) && Contains("not in force; run sonopose-security " +
+                                                     std::string(is_governance ? "governance" : "renew")));
+    if (is_governance) {
+      store.keys.set_protection({});
+    } else {
+      store.keys.renew("consumer", year);
+    }
+    CHECK(store.problems().empty());
+  }
+  WHEN("the list of revoked certificates is deleted after a revocation") {
+    const std::string serial = store.read("consumer").serial;
+    store.keys.revoke("consumer", now_s);
+    fs::remove(store.keys.folder() / "public/crl.pem");
+    CHECK_THAT(problem(), Contains("fusion/crl.pem: does not exist; run sonopose-security renew"));
+    THEN("no program starts, also without the link") {
+      CHECK_THROWS_WITH(store.read("fusion"), Contains("crl.pem"));
+      fs::remove(store.keys.enclave_folder("fusion") / "crl.pem");
+      CHECK_THROWS_WITH(store.read("fusion"), Contains("crl.pem"));
+    }
+    THEN("it comes back with the certificates that were on it") {
+      store.keys.renew("fusion", year);
+      CHECK(store.problems().empty());
+      CHECK(revoked_serials(read_text(store.keys.enclave_folder("fusion") / "crl.pem"),
+                            read_text(store.keys.folder() / "public/identity_ca.cert.pem"),
+                            "crl.pem") == std::vector<std::string>{serial});
+      AND_WHEN("its copy is lost as well") {
+        fs::remove(store.keys.folder() / "public/crl.pem");
+        fs::remove(store.keys.folder() / "private/crl.pem");
+        CHECK_THROWS_WITH(store.keys.renew("fusion", year),
+                          Contains("public/crl.pem: does not exist") && Contains("another machine"));
+      }
+    }
   }
 }
 
@@ -338,6 +460,25 @@ SCENARIO("A name leads to its own enclave only") {
   }
 }
 
+/// Returns the bytes between the first and the last line of a text in PEM.
+std::string der_of(const std::string& pem) {
+  const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string bytes;
+  unsigned buffer = 0;
+  int bits = 0;
+  const std::size_t begin = pem.find('\n');
+  for (const char each : pem.substr(begin, pem.rfind("-----END") - begin)) {
+    const std::size_t value = digits.find(each);
+    if (value == digits.npos) continue;
+    buffer = (buffer << 6U | static_cast<unsigned>(value)) & 0xffffU;
+    bits += 6;
+    if (bits < 8) continue;
+    bits -= 8;
+    bytes += static_cast<char>(buffer >> static_cast<unsigned>(bits) & 0xffU);
+  }
+  return bytes;
+}
+
 SCENARIO("A leaf under the permissions authority is refused (CVE-2023-24011)") {
   const Store store;
   store.add("consumer", {"consumer"});
@@ -345,10 +486,18 @@ SCENARIO("A leaf under the permissions authority is refused (CVE-2023-24011)") {
   const KeyPair common = make_identity_authority("sros2CA", year);  // one that may issue, as of SROS2
   const KeyPair leaf = issue(common, "/consumer", year);
   const std::string document = signed_document("<dds/>", leaf);
+  const std::string store_certificate = read_text(shared / "identity_ca.cert.pem");
   WHEN("a store has such an authority, and a certificate under it") {
     write_text(shared / "permissions_ca.cert.pem", common.certificate_pem);
     const std::size_t before = store.problems().size();
-    write_text(shared / "other.pem", leaf.certificate_pem);
+    const TemporaryFolder elsewhere;
+    const std::string kind = GENERATE("alone", "behind another", "in DER", "behind a link");
+    CAPTURE(kind);
+    const fs::path place = kind == "behind a link" ? elsewhere / "other.pem" : shared / "other.pem";
+    write_text(place, kind == "behind another" ? store_certificate + "text\n" + leaf.certificate_pem
+                      : kind == "in DER"       ? der_of(leaf.certificate_pem)
+                                               : leaf.certificate_pem);
+    if (kind == "behind a link") fs::create_symlink(place, shared / "other.pem");
     THEN("check names the certificate") {
       const auto problems = store.problems();
       REQUIRE(problems.size() == before + 1);
