@@ -2,6 +2,7 @@
 
 #include "completion.hpp"
 #include "config/fusion_config.hpp"
+#include "configuration_errors.hpp"
 #include "help.hpp"
 #include "logging/log.hpp"
 #include "options_file.hpp"
@@ -227,15 +228,26 @@ std::atomic<bool> is_serving = false;
 
 std::atomic<int> code_of_success = 0;
 
+/// Set once, before the command line is parsed.
+std::function<bool(const std::exception&)>& is_foreign_configuration_error() {
+  static std::function<bool(const std::exception&)> is_one;
+  return is_one;
+}
+
+bool is_configuration_error(const std::exception& error) {
+  const auto& is_foreign = is_foreign_configuration_error();
+  return dynamic_cast<const config::ConfigError*>(&error) != nullptr || (is_foreign && is_foreign(error));
+}
+
 /// Reports the error that ended a program. Returns the exit code.
 int report_end(const std::exception& error, const CLI::App& app, const std::vector<FileOption>& of_file) {
   const auto* const of_parser = dynamic_cast<const CLI::ParseError*>(&error);
-  const bool is_of_file = dynamic_cast<const config::ConfigError*>(&error) != nullptr;
   const bool is_mistake =
       of_parser != nullptr || dynamic_cast<const std::invalid_argument*>(&error) != nullptr;
-  const std::string origin = is_mistake || is_of_file ? origin_of(error, of_file) : "";
+  const bool is_of_configuration = is_configuration_error(error);
+  const std::string origin = is_mistake || is_of_configuration ? origin_of(error, of_file) : "";
   logging::failure(origin + reason_of(error));
-  if (!origin.empty() || is_of_file) return wrong_configuration;
+  if (!origin.empty() || is_of_configuration) return wrong_configuration;
   if (!is_mistake || !has_options_file(app)) return 1;
   return of_parser != nullptr ? of_parser->get_exit_code() : wrong_option;
 }
@@ -318,6 +330,10 @@ CLI::Validator readable_by(std::function<void(const std::string&)> read) {
 
 CLI::Validator natural_number(std::uint64_t max) {
   return CLI::Range(std::uint64_t{0}, max);
+}
+
+void count_as_configuration_error(std::function<bool(const std::exception&)> is_one) {
+  is_foreign_configuration_error() = std::move(is_one);
 }
 
 void end_with(int code) {

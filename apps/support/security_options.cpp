@@ -1,20 +1,27 @@
 #include "security_options.hpp"
 
 #include "config/fusion_config.hpp"
+#include "configuration_errors.hpp"
 #include "host_seconds.hpp"
 #include "logging/log.hpp"
 #include "run.hpp"
 #include "security/enclave.hpp"
 #include "security/error.hpp"
+#include "security/key_store.hpp"
 #include "security/roles.hpp"
+#include <sonopose/dds/psm/ext.hpp>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <condition_variable>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
+#include <fnmatch.h>
 #include <mutex>
 #include <stop_token>
 #include <string_view>
@@ -36,23 +43,83 @@ std::string relative(std::string name) {
   return name;
 }
 
+std::string variable(const std::string& name) {
+  return dds::environment_variables({name})[name];
+}
+
 /// Returns the folder of the enclave; empty without security.
 std::string selected_folder(const CLI::App& app, const BusOptions& options) {
   // ROS 2 replaces the name of its command line by the variable; here the command line has precedence.
   const std::string name = options.enclave ? relative(*options.enclave) : own_name(app);
-  if (options.key_store) return (*options.key_store / "enclaves" / name).string();
-  const bool is_overridden =
-      !options.enclave && !dds::environment_variables({"ROS_SECURITY_ENCLAVE_OVERRIDE"}).empty();
-  const std::string folder = dds::enclave_by_environment(is_overridden ? "" : name);
+  if (options.enclave) {
+    try {
+      security::check_enclave_name(name);
+    } catch (const security::SecurityError& error) {
+      throw std::invalid_argument(std::string("--enclave: ") + error.what());
+    }
+  }
+  if (options.key_store) {
+    if (options.key_store->empty()) throw std::invalid_argument("--security: the path is empty");
+    return (*options.key_store / "enclaves" / name).string();
+  }
+  const std::string other = options.enclave ? "" : variable("ROS_SECURITY_ENCLAVE_OVERRIDE");
+  const std::string folder = dds::enclave_by_environment(other.empty() ? name : "");
   if (!folder.empty()) return folder;
-  if (!dds::environment_variables({"ROS_SECURITY_KEYSTORE"}).empty() &&
-      dds::environment_variables({"ROS_SECURITY_ENABLE"})["ROS_SECURITY_ENABLE"] == "true") {
-    logging::warning("security: ROS_SECURITY_KEYSTORE has no enclave " + name +
+  if (CLI::detail::to_lower(variable("ROS_SECURITY_ENABLE")) == "true") {
+    logging::warning("security: ROS_SECURITY_KEYSTORE has no enclave " +
+                     relative(other.empty() ? name : other) +
                      ", so this program joins without security, as ROS_SECURITY_STRATEGY=Permissive allows");
+    ::unsetenv("ROS_SECURITY_ENABLE");  // the participant would take the enclave of a consumer
   } else if (options.enclave && own_name(app) != "ros2") {  // the relay announces the name in any case
     throw std::invalid_argument("--enclave " + *options.enclave + ": needs --security");
   }
   return {};
+}
+
+bool matches_any(const std::vector<std::string>& patterns, const std::string& name) {
+  return std::ranges::any_of(
+      patterns, [&](const std::string& pattern) { return ::fnmatch(pattern.c_str(), name.c_str(), 0) == 0; });
+}
+
+/// A topic without which a program is of no use. Other topics depend on its options.
+struct Necessity {
+  std::string_view role;
+  bool writes;
+  const char* topic;
+};
+constexpr std::array necessities{
+    Necessity{"bridge", true, "sonopose/imu"}, Necessity{"fusion", true, "sonopose/pose"},
+    Necessity{"monitor", false, "sonopose/pose"}, Necessity{"web", false, "sonopose/pose"},
+    Necessity{"autopilot", false, "sonopose/pose"}};
+
+/// Throws std::invalid_argument, which names the option, if the enclave is of no use here: Cyclone DDS would
+/// refuse a reader or a writer later, in words that name neither.
+void check_rights(const CLI::App& app, const BusOptions& options, const security::Enclave& enclave) {
+  constexpr std::uint32_t highest_secured_domain = 230;  // of Cyclone DDS
+  const std::uint32_t domain = dds::resolve_domain_id(options.domain);
+  if (domain > highest_secured_domain) {
+    throw std::invalid_argument(fmt::format("{} {}: DDS Security works in the domains 0 to {}",
+                                            options.domain.domain_id ? "--domain" : "ROS_DOMAIN_ID", domain,
+                                            highest_secured_domain));
+  }
+  const std::string& folder = options.domain.enclave_folder;
+  const security::Grant& grant = enclave.grant;
+  const std::string& partition = options.domain.partition;
+  if (!partition.empty() && grant.access.writes != std::vector<std::string>{"*"} &&
+      !matches_any(grant.partitions, partition)) {
+    throw std::invalid_argument(fmt::format(
+        "--partition {}: the enclave {} may not use it, only {}", partition, folder,
+        grant.partitions.empty() ? "no partition" : fmt::format("{}", fmt::join(grant.partitions, ", "))));
+  }
+  const std::string role = own_name(app);
+  for (const Necessity& each : necessities) {
+    const auto& topics = each.writes ? grant.access.writes : grant.access.reads;
+    if (each.role != role || matches_any(topics, each.topic)) continue;
+    throw std::invalid_argument(
+        fmt::format("--enclave {}: may not {} {}, which {} needs: give it an enclave of the role {} "
+                    "(sonopose-security list)",
+                    folder, each.writes ? "write" : "read", each.topic, app.get_name(), role));
+  }
 }
 
 /// Names the option or variable that led to an enclave which cannot be used.
@@ -69,7 +136,7 @@ void check_enclave(const CLI::App& app, BusOptions& options) {
   try {
     options.domain.enclave_folder = selected_folder(app, options);
     if (options.domain.enclave_folder.empty()) return;
-    security::read_enclave(options.domain.enclave_folder, host_now_s());
+    check_rights(app, options, security::read_enclave(options.domain.enclave_folder, host_now_s()));
   } catch (const security::SecurityError& error) {
     throw config::ConfigError(origin_of_enclave(options) + ": " + error.what());
   } catch (const std::invalid_argument& error) {
@@ -121,6 +188,9 @@ private:
 }  // namespace
 
 void add_security_options(CLI::App& app, BusOptions& options) {
+  count_as_configuration_error([](const std::exception& error) {
+    return dynamic_cast<const dds::ForbiddenError*>(&error) != nullptr;  // a topic is not permitted
+  });
   app.add_option("--security", options.key_store,
                  "Key store of DDS Security (default: ROS_SECURITY_KEYSTORE if ROS_SECURITY_ENABLE is true, "
                  "else no security)")

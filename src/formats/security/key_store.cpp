@@ -64,22 +64,6 @@ void make_folder(const fs::path& folder, fs::perms mode) {
   if (error) throw SecurityError(fmt::format("{}: {}", folder.string(), error.message()));
 }
 
-void check_name(const std::string& name) {
-  constexpr std::size_t max_name_bytes = 63;  // the subject of a certificate has 64, one is a slash
-  constexpr std::string_view allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./";
-  // A name with "." or ".." would be another name of the same folder, or lead out of the store.
-  const bool is_plain = std::ranges::none_of(fs::path(name), [](const fs::path& part) {
-    return part.empty() || part == "/" || part == "." || part == "..";
-  });
-  if (name.size() > max_name_bytes) {
-    throw SecurityError(fmt::format("'{}': longer than {} bytes", name, max_name_bytes));
-  }
-  if (!is_plain || name.empty() || name.find("//") != name.npos ||
-      name.find_first_not_of(allowed) != name.npos) {
-    throw SecurityError(fmt::format("'{}': no name of an enclave, such as bridge or hall/robot", name));
-  }
-}
-
 /// Keeps other processes from changing a store during its lifetime; waits for those that do.
 class WriteLock {
 public:
@@ -195,6 +179,22 @@ void remove_enclave(const fs::path& folder) {
 
 }  // namespace
 
+void check_enclave_name(const std::string& name) {
+  constexpr std::size_t max_name_bytes = 63;  // the subject of a certificate has 64, one is a slash
+  constexpr std::string_view allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./";
+  // A name with "." or ".." would be another name of the same folder, or lead out of the store.
+  const bool is_plain = std::ranges::none_of(fs::path(name), [](const fs::path& part) {
+    return part.empty() || part == "/" || part == "." || part == "..";
+  });
+  if (name.size() > max_name_bytes) {
+    throw SecurityError(fmt::format("'{}': longer than {} bytes", name, max_name_bytes));
+  }
+  if (!is_plain || name.empty() || name.find("//") != name.npos ||
+      name.find_first_not_of(allowed) != name.npos) {
+    throw SecurityError(fmt::format("'{}': no name of an enclave, such as bridge or hall/robot", name));
+  }
+}
+
 bool is_subject_of(const std::string& name, const std::string& subject) {
   const std::string common_name = "CN=/" + name;
   return subject == common_name || subject.ends_with("," + common_name);
@@ -233,7 +233,7 @@ KeyStore::KeyStore(const fs::path& folder) : folder_(fs::absolute(folder).lexica
 }
 
 fs::path KeyStore::enclave_folder(const std::string& name) const {
-  check_name(name);
+  check_enclave_name(name);
   return folder_ / "enclaves" / name;
 }
 

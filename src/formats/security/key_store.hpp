@@ -63,6 +63,9 @@ private:
   std::filesystem::path folder_;
 };
 
+/// Throws SecurityError for what cannot be the name of an enclave, such as "../x".
+void check_enclave_name(const std::string& name);
+
 /// Returns true if the subject of a certificate or of permissions is the enclave of this name.
 bool is_subject_of(const std::string& name, const std::string& subject);
 

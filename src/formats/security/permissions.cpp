@@ -80,7 +80,9 @@ std::int64_t time_in(const pugi::xml_node& node, const std::string& origin) {
 }
 
 void add_texts(std::vector<std::string>& texts, const pugi::xml_node& list) {
-  for (const pugi::xml_node each : list.children()) texts.emplace_back(each.text().get());
+  for (const pugi::xml_node each : list.children()) {
+    if (std::ranges::find(texts, each.text().get()) == texts.end()) texts.emplace_back(each.text().get());
+  }
 }
 
 /// Throws SecurityError for elements of a document that the reader does not understand.
@@ -132,7 +134,7 @@ Grant grant_of(const std::string& xml, const std::string& origin) {
       if (!writes && std::string_view(rule.name()) != "subscribe") continue;
       check_children(rule, {"topics", "partitions"}, origin);
       add_texts(writes ? grant.access.writes : grant.access.reads, rule.child("topics"));
-      if (grant.partitions.empty()) add_texts(grant.partitions, rule.child("partitions"));
+      add_texts(grant.partitions, rule.child("partitions"));
     }
   }
   if (std::string_view(node.child("default").text().get()) == "ALLOW") {

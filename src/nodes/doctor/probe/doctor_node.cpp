@@ -45,18 +45,36 @@ struct Subscription {
   dds::sub::cond::ReadCondition has_data;
 };
 
-/// Names the processes that DDS Security refused: those of reported certificates, and those that are there
-/// but whose endpoints it hides. `early` were there when the observation began.
-std::vector<std::string> refused_of(const dds::Discovery& discovery, const Processes& processes,
-                                    const Processes& early) {
+/// Returns the processes without readers and writers. `early` were there when the observation began.
+Processes without_topics(const dds::Discovery& discovery, const Processes& processes,
+                         const Processes& early) {
+  Processes found = processes;
+  found.erase(discovery.own_key());
+  for (const auto& endpoint : discovery.writers()) found.erase(endpoint.participant_key);
+  for (const auto& endpoint : discovery.readers()) found.erase(endpoint.participant_key);
+  std::erase_if(found, [&](const auto& each) { return !early.contains(each.first); });
+  return found;
+}
+
+/// Names the processes that DDS Security refused: those of which it says so, and of the others those whose
+/// topics it hides.
+std::vector<std::string> refused_of(Processes hidden) {
   std::vector<std::string> texts;
-  for (const dds::RefusedPeer& peer : dds::refused_peers()) texts.push_back(dds::text_of(peer));
-  std::set<std::string> admitted{discovery.own_key()};
-  for (const auto& endpoint : discovery.writers()) admitted.insert(endpoint.participant_key);
-  for (const auto& endpoint : discovery.readers()) admitted.insert(endpoint.participant_key);
-  for (const auto& [key, process] : processes) {
-    if (admitted.contains(key) || !early.contains(key)) continue;
-    texts.push_back(observation::text_of(process) + ": it has no certificate of this key store");
+  bool is_any_unknown = false;
+  for (const dds::RefusedPeer& peer : dds::refused_peers()) {
+    const auto is_it = [&](const auto& each) {
+      return !peer.key_prefix.empty() && each.first.starts_with(peer.key_prefix);
+    };
+    const auto found = std::ranges::find_if(hidden, is_it);
+    const bool is_known = found != hidden.end();
+    texts.push_back(is_known ? observation::text_of(found->second) + ": " + peer.reason : dds::text_of(peer));
+    if (is_known) hidden.erase(found);
+    is_any_unknown |= peer.key_prefix.empty();
+  }
+  for (const auto& [key, process] : hidden) {
+    texts.push_back(observation::text_of(process) +
+                    (is_any_unknown ? ": the one of a certificate named before, or it has no certificate"
+                                    : ": it has no certificate of this key store"));
   }
   return texts;
 }
@@ -274,7 +292,9 @@ rules::Observations SystemObserver::run(const process::StopSignal& stop) {
     observations.cut_from_s = options_.duration_s;
   }
   observations.bus = bus_of(options_.domain);
-  if (observations.bus.is_secured) observations.bus.refused = refused_of(discovery_, processes, early);
+  const Processes hidden = without_topics(discovery_, processes, early);
+  observations.bus.without_topics = hidden.size();
+  if (observations.bus.is_secured) observations.bus.refused = refused_of(hidden);
   observations.own_host = process_of(processes, own_key).host;
   observations.native_topics = native_topics();
   observations.writers = others_of(discovery_.writers(), processes, own_key);

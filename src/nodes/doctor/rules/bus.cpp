@@ -45,8 +45,11 @@ void check_security(const BusObservation& bus, Findings& findings) {
                         "let all processes use --security (SECURITY.md), or keep strangers off the network"});
   }
   for (const std::string& text : bus.refused) {
+    const bool is_unsecured = text.find("no certificate") != std::string::npos;
     findings.push_back({Severity::warning, "bus", "DDS Security refused " + text,
-                        "if it is yours, give it --security with the same key store"});
+                        is_unsecured ? "if it is yours, give it --security with the same key store"
+                                     : "if it is yours, run sonopose-security check, copy its enclave from "
+                                       "this key store again, and restart it"});
   }
   for (const std::string& text : bus.expiring) {
     findings.push_back({Severity::warning, "bus", text, "sonopose-security renew, and restart the programs"});
@@ -132,6 +135,15 @@ void check_processes(const Observations& observations, Findings& findings) {
                               : "; other machines are not reachable, because CYCLONEDDS_URI selects loopback";
   if (!any_native_endpoint(observations)) {
     const std::string other_domains = other_domains_text(bus);
+    if (bus.without_topics > 0 && !bus.is_secured) {
+      findings.push_back({Severity::error, "bus",
+                          fmt::format("{} in domain {} {} no topics: secured?",
+                                      text::count_text(bus.without_topics, "process", "processes"),
+                                      bus.domain_id, bus.without_topics == 1 ? "shows" : "show"),
+                          "use --security with their key store" +
+                              (other_domains.empty() ? "" : "; otherwise " + other_domains)});
+      return;
+    }
     findings.push_back(
         {Severity::error, "bus",
          fmt::format("no sonopose process in domain {}{}", bus.domain_id, search_text(bus)),

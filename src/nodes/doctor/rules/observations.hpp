@@ -69,6 +69,7 @@ struct BusObservation {
   bool has_peers = false;             ///< CYCLONEDDS_URI names peers
   bool is_secured = false;            ///< DDS Security is in use
   std::vector<std::string> refused;   ///< one text for each process that it refused, with the reason
+  std::size_t without_topics = 0;     ///< processes that show none: strangers to a secured bus see them so
   std::vector<std::string> expiring;  ///< one text for each enclave of the key store that expires soon
   bool searched_other_domains = false;
   std::vector<DomainObservation> other_domains;

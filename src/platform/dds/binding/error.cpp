@@ -7,7 +7,9 @@ namespace {
 std::string reason_of(dds_return_t code) {
   const std::string text = dds_strretcode(-code);
   if (code != DDS_RETCODE_NOT_ALLOWED_BY_SECURITY) return text;
-  return text + ": the permissions of the enclave do not include it (sonopose-security list)";
+  return text +
+         ": the permissions of the enclave do not include it, or not in this partition (sonopose-security "
+         "list)";
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "dds/binding/participant.hpp"
 
+#include "dds/binding/announced_process.hpp"
 #include "dds/binding/error.hpp"
 #include "dds/binding/logged_errors.hpp"
 #include "dds/binding/security.hpp"
@@ -17,7 +18,7 @@ dds_entity_t create(std::uint32_t domain_id, const DomainOptions& options, dds_q
   const std::string enclave = with_enclave(options).enclave_folder;
   if (enclave.empty()) {
     const std::string enable = "ROS_SECURITY_ENABLE";
-    if (environment_variables({enable})[enable] == "true") {
+    if (is_true(enable, environment_variables({enable})[enable])) {
       report_error(
           "security: ROS_SECURITY_KEYSTORE has no enclave for this process, so it joins without security, as "
           "ROS_SECURITY_STRATEGY=Permissive allows");
@@ -31,6 +32,7 @@ dds_entity_t create(std::uint32_t domain_id, const DomainOptions& options, dds_q
   }
   LoggedErrors logged;
   secure(qos, enclave);
+  announce_process(qos);
   const dds_entity_t participant = dds_create_participant(domain_id, qos, nullptr);
   if (participant < 0) throw Error(call + ", enclave " + enclave + ")", participant, logged.text());
   if (!logged.text().empty()) report_error(logged.text());

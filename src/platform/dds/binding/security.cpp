@@ -6,8 +6,10 @@
 #include <dds/ddsrt/time.h>
 #include <dds/version.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <cctype>
 #include <dlfcn.h>
 #include <filesystem>
 #include <mutex>
@@ -98,9 +100,20 @@ void secure(dds_qos_t* qos, const std::string& enclave_folder) {
     std::error_code absent;
     const std::filesystem::path path = folder / file;
     const bool is_optional = std::string_view(file) == "crl.pem";
-    if (is_optional && !std::filesystem::exists(path, absent)) continue;
+    // A link that leads nowhere is a list that was lost, which Cyclone DDS refuses.
+    const auto status = std::filesystem::symlink_status(path, absent);
+    if (is_optional && !std::filesystem::exists(status)) continue;
     dds_qset_prop(qos, name, ("file:" + path.string()).c_str());
   }
+}
+
+bool is_true(const std::string& name, const std::string& value) {
+  std::string word = value;
+  std::ranges::transform(word, word.begin(), [](unsigned char each) { return std::tolower(each); });
+  if (word == "true") return true;
+  if (word.empty() || word == "false") return false;
+  // ROS 2 takes all but "true" for false, and so joins without security, silently.
+  throw std::invalid_argument(name + " is '" + value + "': must be true or false");
 }
 
 std::string enclave_by_environment(const std::string& name) {
@@ -109,7 +122,7 @@ std::string enclave_by_environment(const std::string& name) {
   const std::string strategy = "ROS_SECURITY_STRATEGY";
   const std::string override = "ROS_SECURITY_ENCLAVE_OVERRIDE";
   auto variables = environment_variables({enable, key_store, strategy, override});
-  if (variables[enable] != "true") return {};
+  if (!is_true(enable, variables[enable])) return {};
   if (variables[key_store].empty()) {
     throw std::invalid_argument(enable + " is true, but " + key_store + " names no key store");
   }

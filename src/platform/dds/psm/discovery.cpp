@@ -22,6 +22,16 @@ std::string property(const dds_qos_t* qos, const char* name) {
   return text;
 }
 
+/// Returns the value of a key in "key=value;key=value;"; empty if there is none.
+std::string value_in(const std::vector<std::uint8_t>& user_data, const std::string& key) {
+  const std::string text = ";" + std::string(user_data.begin(), user_data.end());
+  const std::string mark = ";" + key + "=";
+  const std::size_t at = text.find(mark);
+  if (at == text.npos) return {};
+  const std::size_t begin = at + mark.size();
+  return text.substr(begin, text.find(';', begin) - begin);
+}
+
 FoundParticipant found(const dds_builtintopic_participant_t& sample, InstanceHandle /*handle*/) {
   FoundParticipant participant{.key = ext::text_of(sample.key),
                                .process_name = property(sample.qos, process_name_property),
@@ -31,7 +41,12 @@ FoundParticipant found(const dds_builtintopic_participant_t& sample, InstanceHan
                                .user_data = {}};
   policy::UserData user_data;
   if (core::detail::read(user_data, sample.qos)) participant.user_data = user_data.value();
-  const std::string id = property(sample.qos, process_id_property);
+  std::string id = property(sample.qos, process_id_property);
+  if (participant.process_name.empty() && id.empty()) {  // as announced by announce_process()
+    participant.process_name = value_in(participant.user_data, "process");
+    participant.host_name = value_in(participant.user_data, "host");
+    id = value_in(participant.user_data, "pid");
+  }
   std::uint32_t number = 0;
   if (std::from_chars(id.data(), id.data() + id.size(), number).ec == std::errc()) {
     participant.process_id = number;

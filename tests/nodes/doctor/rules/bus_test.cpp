@@ -37,6 +37,18 @@ TEST_CASE("An empty domain is an error, and the remedy names the domain that is 
         "beacons are published in domain 8: use --domain 8");
 }
 
+TEST_CASE("A domain whose processes show no topics may be secured") {
+  Observations observations = healthy();
+  observations.writers.clear();
+  observations.readers.clear();
+  observations.bus.without_topics = 2;
+  const auto findings = diagnose(observations);
+  CHECK_THAT(found(findings, "2 processes in domain 5 show no topics").remedy, Contains("--security"));
+  CHECK(found(findings, "no sonopose process").what.empty());
+  observations.bus.is_secured = true;
+  CHECK_FALSE(found(diagnose(observations), "no sonopose process").what.empty());
+}
+
 TEST_CASE("A system on loopback beside an empty network is named") {
   Observations observations = healthy();
   observations.writers.clear();
@@ -54,10 +66,13 @@ TEST_CASE("A system on a network without security is a note, which is no failure
   CHECK_THAT(found(diagnose(observations), "no security").remedy, Contains("--security"));
   observations.bus.is_secured = true;
   CHECK_FALSE(has_problems(diagnose(observations)));
-  observations.bus.refused = {"sonopose-monitor (process 812 on rover): it has no certificate"};
+  observations.bus.refused = {"sonopose-monitor (process 812 on rover): it has no certificate",
+                              "sonopose-web (process 813 on rover): its permissions have expired"};
   observations.bus.expiring = {"enclave fusion expires in 12 days, at 2026-12-11T00:00:00"};
   const auto findings = diagnose(observations);
   CHECK_THAT(found(findings, "DDS Security refused sonopose-monitor").what, Contains("no certificate"));
+  CHECK_THAT(found(findings, "refused sonopose-monitor").remedy, Contains("--security"));
+  CHECK_THAT(found(findings, "refused sonopose-web").remedy, Contains("sonopose-security check"));
   CHECK_THAT(found(findings, "enclave fusion expires").remedy, Contains("sonopose-security renew"));
 }
 

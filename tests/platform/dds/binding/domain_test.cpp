@@ -42,6 +42,21 @@ TEST_CASE("Only the word Permissive lets a process without its enclave join with
   CHECK(enclave_by_environment("fusoin").empty());
 }
 
+TEST_CASE("ROS_SECURITY_ENABLE is true or false in any case, and no other word") {
+  const Environment key_store("ROS_SECURITY_KEYSTORE", "/nonexistent/keys");
+  const Environment strategy("ROS_SECURITY_STRATEGY", nullptr);
+  for (const char* const value : {"true", "True", "TRUE"}) {
+    const Environment enable("ROS_SECURITY_ENABLE", value);
+    CHECK(enclave_by_environment("fusion") == "/nonexistent/keys/enclaves/fusion");
+  }
+  for (const char* const value : {"false", "False", ""}) {
+    const Environment enable("ROS_SECURITY_ENABLE", value);
+    CHECK(enclave_by_environment("fusion").empty());
+  }
+  const Environment enable("ROS_SECURITY_ENABLE", "1");
+  CHECK_THROWS_WITH(enclave_by_environment("fusion"), Catch::Contains("ROS_SECURITY_ENABLE is '1'"));
+}
+
 TEST_CASE("An invalid domain is rejected with its name and value") {
   for (const char* const value : {"233", "-1", "x", "4x", " 4", "4.0", "99999999999"}) {
     const Environment environment("ROS_DOMAIN_ID", value);

@@ -1,0 +1,13 @@
+#pragma once
+/// \file
+/// The name of this process for others. Internal to this module.
+
+#include <dds/dds.h>
+
+namespace sonopose::dds {
+
+/// Adds "process=NAME;pid=NUMBER;host=NAME;" to the user data of a participant. Cyclone DDS announces these as
+/// properties, but not beside the properties that make a participant secure.
+void announce_process(dds_qos_t* qos);
+
+}  // namespace sonopose::dds
