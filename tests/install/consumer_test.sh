@@ -79,8 +79,9 @@ build_together() { # NAME FOLDERS CMAKE-ARGUMENTS
   "$cmake" --build "$work/$1/build"
 }
 examples=$source/examples
+cp -r "$examples/c_consumer" "$work/c_consumer"  # outside the source tree, where it finds the installed IDL
 build_together on_the_bus "$examples/autopilot $examples/consumer $examples/producer $examples/ros2_listener_cyclone
-  $examples/c_consumer $work/readme $work/pages $work/types" -DSONOPOSE_IDL="$share/idl/sonopose.idl" -DSONOPOSE_DDS=own
+  $work/c_consumer $work/readme $work/pages $work/types" -DSONOPOSE_DDS=own
 build_together without_dds "$examples/embedded $work/optional" "${eigen_only[@]}"
 bus=$work/on_the_bus/build
 
