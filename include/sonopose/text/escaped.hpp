@@ -7,9 +7,8 @@
 
 namespace sonopose::text {
 
-/// The text with control characters, those of C1 and of the direction of text too, and bytes that are not
-/// UTF-8 as
-/// `\x1b`: a terminal could take them for commands.
+/// The text with control characters (also of C1), line separators, characters that change the direction of
+/// text, and bytes that are not UTF-8 as `\x1b`: a terminal could take them for commands.
 std::string escaped(std::string_view text);
 
 /// Text or JSON of several lines for standard output: the same characters as `\u001b`, which JSON reads as

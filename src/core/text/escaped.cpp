@@ -11,13 +11,13 @@ namespace {
 /// The character at the start of a text.
 struct Character {
   std::size_t bytes = 1;
-  bool is_shown = false;  ///< no control character, not of the direction of the text either, and in UTF-8
+  bool is_shown = false;  ///< no control character, does not break the line, and in UTF-8
   char32_t code = 0;
   bool is_utf8 = false;
 };
 
-/// True for a character that ends a line, or changes the direction of the text after it.
-constexpr bool reorders(char32_t code) {
+/// True for a character that ends a line, or changes the direction of its text.
+constexpr bool breaks_line(char32_t code) {
   return code == 0x061c || code == 0x200e || code == 0x200f || (code >= 0x2028 && code <= 0x202e) ||
          (code >= 0x2066 && code <= 0x2069);
 }
@@ -38,7 +38,7 @@ Character first_of(std::string_view text) {
   constexpr std::array<char32_t, 5> min_codes{0, 0, 0x80, 0x800, 0x10000};
   const bool is_surrogate = code >= 0xd800 && code < 0xe000;
   if (code < min_codes.at(bytes) || code > 0x10ffff || is_surrogate) return {};
-  return {bytes, code > last_of_c1 && !reorders(code), code, true};
+  return {bytes, code > last_of_c1 && !breaks_line(code), code, true};
 }
 
 }  // namespace

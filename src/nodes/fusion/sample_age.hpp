@@ -18,7 +18,8 @@ namespace sonopose::fusion {
 /// second is compared with the least one, because the bridge's host may have another clock. Its drift is
 /// followed. Until one was small, it is the time by the clocks of the two hosts, if that is plausible: a
 /// fusion may be busy from its start. So old samples stay old however long a bridge or this process is
-/// overloaded. Only a delay that stays the same for long counts as a difference of clocks.
+/// overloaded. Only a delay that stays the same for long, or then the least one of each second, counts as a
+/// difference of clocks.
 class SampleAge {
 public:
   /// Times of a sample on its way.
@@ -72,6 +73,29 @@ private:
     SteadyTime began_;
   };
 
+  /// Detects that the least delay of each second stays the same for three seconds, whatever the others.
+  class ConstantLeast {
+  public:
+    bool add(TimeNs delay_ns, SteadyTime now) {
+      constexpr TimeNs second_ns = 1'000'000'000;
+      if (!began_ || now - *began_ >= second_ns) {
+        const TimeNs change_ns = saturated_difference(least_ns_, before_ns_);
+        const bool is_equal = change_ns <= tolerance_ns / 2 && change_ns >= -tolerance_ns / 2;
+        equal_seconds_ = began_ && is_equal ? equal_seconds_ + 1 : 0;
+        before_ns_ = std::exchange(least_ns_, delay_ns);
+        began_ = now;
+      }
+      least_ns_ = std::min(least_ns_, delay_ns);
+      return equal_seconds_ >= 2;
+    }
+
+  private:
+    TimeNs least_ns_ = std::numeric_limits<TimeNs>::max();   ///< of the present second
+    TimeNs before_ns_ = std::numeric_limits<TimeNs>::min();  ///< of the one before
+    int equal_seconds_ = 0;
+    std::optional<SteadyTime> began_;
+  };
+
   /// Time from the bridge to here, by clocks that differ by a constant and drift apart.
   class Transport {
   public:
@@ -86,14 +110,12 @@ private:
       constexpr TimeNs max_drift_ns = 20'000'000;
       constexpr TimeNs per_drift = 1000;  // 1 ms in a second
       constexpr TimeNs max_backlog_ns = 10'000'000'000;
-      constexpr TimeNs other_clock_after_ns = 3'000'000'000;
       const TimeNs elapsed_ns = now - std::exchange(latest_, now);
-      const TimeNs constant_ns = constancy_.lasted_ns(time_ns, now);
-      if (time_ns < usual_ns_ || constant_ns > constant_after_ns) usual_ns_ = time_ns;
+      if (time_ns < usual_ns_ || constancy_.lasted_ns(time_ns, now) > constant_after_ns) usual_ns_ = time_ns;
       const TimeNs excess_ns = saturated_difference(time_ns, usual_ns_);
       if (excess_ns < max_drift_ns) usual_ns_ += std::min(excess_ns, elapsed_ns / per_drift);
       are_clocks_asked_ = are_clocks_asked_ && by_clocks_ns > max_drift_ns && by_clocks_ns < max_backlog_ns &&
-                          constant_ns <= other_clock_after_ns;
+                          !least_.add(time_ns, now);
       return {excess_ns, are_clocks_asked_ ? std::max(excess_ns, by_clocks_ns) : excess_ns};
     }
 
@@ -102,6 +124,7 @@ private:
     bool are_clocks_asked_ = true;  ///< until they show a small time or disagree
     SteadyTime latest_;
     Constancy constancy_;
+    ConstantLeast least_;
   };
 
   /// Time from the stamp to the departure from the bridge.

@@ -51,11 +51,14 @@ Integral::Integral(std::span<const Reading> imu, Vector3d signs) : imu_(imu), si
 }
 
 void Integral::set_biases(const Vector3d& gyro_bias_radps, const Vector3d& accel_bias_mps2) {
-  constexpr double max_change_radps =
-      5e-4;  // over 8 s, what is not linear moves the position by less than 1 mm
+  // What is not linear then moves the position by about 3 mm in 8 s.
+  constexpr double max_gyro_change_radps = 5e-4;
+  constexpr double max_accel_change_mps2 = 0.2;
   gyro_bias_change_radps_ = gyro_bias_radps - gyro_bias_radps_;
   accel_bias_change_mps2_ = accel_bias_mps2 - accel_bias_mps2_;
-  if (gyro_bias_change_radps_.norm() <= max_change_radps) return;
+  if (gyro_bias_change_radps_.norm() <= max_gyro_change_radps &&
+      accel_bias_change_mps2_.norm() <= max_accel_change_mps2)
+    return;
   gyro_bias_radps_ = gyro_bias_radps;
   accel_bias_mps2_ = accel_bias_mps2;
   gyro_bias_change_radps_.setZero();
@@ -88,7 +91,6 @@ IntegralState Integral::at(double since_start_s) const {
       [](double time_s, const IntegralState& state) { return time_s < state.since_start_s; });
   IntegralState state = after == states_.begin() ? states_.front() : *std::prev(after);
   const double dt_s = since_start_s - state.since_start_s;
-  advance(state, Turn(state, state.rate_body_radps, dt_s), state.force_body_mps2, dt_s);
   const Vector3d& gyro = gyro_bias_change_radps_;
   const Vector3d& accel = accel_bias_change_mps2_;
   state.q_body_to_start *= geometry::rotation_by((state.attitude_by_gyro * gyro).eval());
@@ -96,6 +98,10 @@ IntegralState Integral::at(double since_start_s) const {
   state.position_m += state.position_by_gyro * gyro + state.position_by_accel * accel;
   state.rate_body_radps -= gyro;
   state.force_body_mps2 -= accel;
+  state.position_by_gyro += dt_s * state.velocity_by_gyro;
+  state.position_by_accel += dt_s * state.velocity_by_accel;
+  state.attitude_by_gyro.diagonal().array() -= dt_s;
+  advance(state, Turn(state, state.rate_body_radps, dt_s), state.force_body_mps2, dt_s);
   return state;
 }
 

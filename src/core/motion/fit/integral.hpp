@@ -29,8 +29,8 @@ struct IntegralState {
   Eigen::Matrix3d position_by_accel = Eigen::Matrix3d::Zero();
 };
 
-/// Integral of the samples of a segment. In small changes of the gyroscope's biases, and in any of the
-/// accelerometer's, it is linear; only for larger ones it is made again.
+/// Integral of the samples of a segment. It is linear in small changes of the biases, and made again for
+/// larger ones.
 class Integral {
 public:
   /// `signs`: factors of the axes of the specific force, ±1. `imu`, at least one sample, must outlive it.
@@ -39,8 +39,7 @@ public:
   /// Sets the biases, in body axes.
   void set_biases(const Vector3d& gyro_bias_radps, const Vector3d& accel_bias_mps2);
 
-  /// State at a time, from the sample before it, with that sample's derivatives; outside of the segment, from
-  /// the nearest sample.
+  /// State at a time, from the sample before it; outside of the segment, from the nearest sample.
   [[nodiscard]] IntegralState at(double since_start_s) const;
 
   [[nodiscard]] IntegralState at_end() const { return at(states_.back().since_start_s); }

@@ -197,7 +197,7 @@ constexpr const char* different_strengths = "use a different --standby-strength 
 /// Poses of a stronger process instead of those of a fusion that expects no other: a fusion that lacks
 /// --standby-strength, or a process that imitates one. Empty if there is none.
 std::optional<PoseWriterProblem> displacement(const PoseWriter& stronger, const PoseWriter& sole) {
-  if (strength_of(stronger) <= strength_of(sole)) return std::nullopt;
+  if (strength_of(stronger) <= strength_of(sole) || !disqualification(stronger).empty()) return std::nullopt;
   const auto beacon = shared_beacon(stronger.owned, sole.sole);
   if (!beacon) return std::nullopt;
   return PoseWriterProblem{
