@@ -67,7 +67,7 @@ int main(int argc, char** argv) {
   Given given;
   apps::Program app(
       "mavlink",
-      "PX4 and ArduPilot need parameters, which docs/autopilots.md lists. Nothing is sent before "
+      "PX4 and ArduPilot need parameters, which docs/autopilots.md lists. No pose is sent before "
       "the autopilot's heartbeat.");
   add_bus_options(app, bus);
   logging::Level log_level = logging::Level::info;

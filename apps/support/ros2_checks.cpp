@@ -132,6 +132,9 @@ std::optional<ros2::relay::AutopilotOptions> autopilot_options(const Ros2Options
   Autopilot autopilot{.kind = options.px4 ? Autopilot::Kind::px4 : Autopilot::Kind::ardupilot,
                       .name_space = options.px4 ? absolute_namespace("--px4", *options.px4)
                                                 : absolute_namespace("--ardupilot", *options.ardupilot)};
+  if (options.ardupilot && autopilot.name_space.empty() && options.output.tf != ros2::relay::TfMode::off) {
+    throw std::invalid_argument("--ardupilot /: the relay's own transforms are on /tf too; add --tf off");
+  }
   if (options.output.rate_hz > 0) autopilot.rate_hz = options.output.rate_hz;
   autopilot.north_rad = options.north_rad;
   return autopilot;

@@ -1,6 +1,7 @@
 #include "source_options.hpp"
 
 #include "expanded_option.hpp"
+#include "files/error.hpp"
 #include "imu_meaning_option.hpp"
 #include "run.hpp"
 #include "sim/scenario.hpp"
@@ -155,11 +156,16 @@ void check_source_options(const CLI::App& app, const SourceOptions& options) {
 std::unique_ptr<publication::Source> make_source(const SourceOptions& options) {
   const std::size_t max_beacons = options.max_beacons.value_or(default_max_beacons);
   const ImuMeaning imu_meaning = options.imu_meaning.value_or(bridge::default_imu_meaning);
-  if (is_log(options)) {
-    return bridge::make_log_source({required_input(options), options.address, options.rate, options.restamp});
-  }
-  if (options.source == "stream") {
-    return bridge::make_stream_source({required_input(options), options.rate, imu_meaning, max_beacons});
+  try {
+    if (is_log(options)) {
+      return bridge::make_log_source(
+          {required_input(options), options.address, options.rate, options.restamp});
+    }
+    if (options.source == "stream") {
+      return bridge::make_stream_source({required_input(options), options.rate, imu_meaning, max_beacons});
+    }
+  } catch (const files::IoError& error) {
+    throw std::invalid_argument(fmt::format("--input: {}", error.what()));
   }
   const bridge::LiveOptions live{options.capture, imu_meaning, max_beacons};
   if (options.source == "serial") return bridge::make_serial_source(options.serial, live);

@@ -5,6 +5,7 @@
 #include "mavlink/messages.hpp"
 #include "support/bus.hpp"
 #include "support/pseudo_terminal.hpp"
+#include "support/temporary_folder.hpp"
 #include "support/wait_until.hpp"
 #include "transport/udp_peer.hpp"
 
@@ -219,6 +220,19 @@ TEST_CASE("sonopose-mavlink refuses a line that it cannot use") {
   CHECK(refusal({"--udp", udp, "--local-port", "70000"}).find("--local-port: ") != std::string::npos);
   CHECK(refusal({"--udp", udp, "--mount", "0", "0", "nan", "0", "0", "0"}).find("--mount: z is nan") !=
         std::string::npos);
+}
+
+TEST_CASE(
+    "a wrong line in the file of sonopose-mavlink is named, and ends the retries of a service manager") {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "mavlink.toml").string();
+  for (const std::string device : {"/dev/null", "/dev/ttyTHS1:0"}) {
+    write_text(file, "\ndevice = \"" + device + "\"\n");
+    const Result result = run(SONOPOSE_TEST_MAVLINK, {"--config", file}, neutral);
+    CAPTURE(result.error);
+    CHECK(result.code == 78);
+    CHECK(result.error.find(file + ":2: device: --device: ") != std::string::npos);
+  }
 }
 
 }  // namespace mavlink_system_test

@@ -77,6 +77,7 @@ TEST_CASE("The relay refuses invalid frames, mounts and numbers") {
        {{"--odom-in", "/odom//x=7"}, {"--odom-in /odom//x=7: "}},
        {{"--px4", "a b"}, {"--px4: namespace '/a b'", "' '"}},
        {{"--ardupilot", "/ap/"}, {"--ardupilot: namespace '/ap/'"}},
+       {{"--ardupilot", "/"}, {"--ardupilot /", "/tf", "--tf off"}},
        {{"--px4", "/", "--north", "nan"}, {"--north: ", "nan"}},
        {{"--px4", "/", "--north", "361"}, {"--north: ", "361", "360"}},
        {{"--north", "90"}, {"--north needs --px4 or --ardupilot"}},

@@ -15,7 +15,7 @@ enum class Silence : std::uint8_t {
   no_poses,      ///< no pose has arrived for `no_poses_after_ns`
   no_position,   ///< initialising, or the position's deviation is unknown
   late,          ///< the IMU sample of the pose is old
-  doubtful,      ///< stale, untrusted or inconsistent for `silent_after_s`
+  doubtful,      ///< stale, untrusted or inconsistent for `silent_after_s`, or since it is watched
   no_mount,      ///< the pose of the IMU on the vehicle is unknown
   yaw_unknown,   ///< and the axes of the frame mean nothing without it
   no_velocity,   ///< the velocity is unknown, and the autopilot would take NaN
@@ -35,6 +35,8 @@ class PoseWatch {
 public:
   /// Doubt after which nothing is sent. The quality falls linearly until then.
   static constexpr double silent_after_s = 3;
+  /// Time without poses after which they must be good once again, as at the start.
+  static constexpr double pause_s = 1;
   /// Steps between two poses, beyond their motion, that count as a jump.
   static constexpr double jump_m = 0.3;
   static constexpr double jump_rad = 0.17;
@@ -54,6 +56,8 @@ private:
 
   std::optional<FusedPose> last_;  ///< with or without a position
   std::optional<TimeNs> doubtful_since_;
+  bool was_good_ =
+      false;  ///< a pose without doubt, since the start, the last pause and the last position lost
   bool jumped_ = false;
   std::uint8_t reset_counter_ = 0;
 };

@@ -28,6 +28,7 @@
 #include <chrono>
 #include <exception>
 #include <filesystem>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -418,7 +419,7 @@ std::unique_ptr<publication::Source> make_serial_source(const SerialOptions& opt
     try {
       return std::make_unique<transport::SerialPort>(options.device, options.baud);
     } catch (const files::IoError& error) {
-      throw files::IoError(fmt::format("--device: {}", error.what()));
+      throw std::invalid_argument(fmt::format("--device: {}", error.what()));
     }
   }();
   return std::make_unique<LiveSource<marvelmind::Decoder>>(std::move(port), std::move(watch), live);

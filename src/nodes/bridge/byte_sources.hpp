@@ -42,7 +42,7 @@ struct LiveOptions {
       presence::BeaconAdmission::default_max_beacons;  ///< most beacons at a time; others are refused
 };
 
-/// A serial line. Waits for an absent or unplugged device. Throws files::IoError for a path that is no
+/// A serial line. Waits for an absent or unplugged device. Throws std::invalid_argument for a path that is no
 /// device.
 std::unique_ptr<publication::Source> make_serial_source(const SerialOptions& options,
                                                         const LiveOptions& live);
@@ -53,7 +53,8 @@ struct UdpOptions {
 };
 
 /// Datagrams, captured one after the other. Each beacon has one sender; packets from others are refused and
-/// counted. Throws std::invalid_argument for a malformed address, files::IoError if it cannot be bound.
+/// counted. Throws std::invalid_argument for an address that is malformed or needs rights, files::IoError if
+/// it cannot be bound otherwise.
 std::unique_ptr<publication::Source> make_udp_source(const UdpOptions& options, const LiveOptions& live);
 
 }  // namespace sonopose::bridge

@@ -85,7 +85,11 @@ public:
     const asio::ip::udp::endpoint local{address, endpoint.port};
     if (!error) socket_.open(local.protocol(), error);
     if (!error) socket_.bind(local, error);
-    if (error) throw files::IoError("cannot listen on " + text_of(endpoint) + ": " + error.message());
+    if (error) {
+      const std::string cause = "cannot listen on " + text_of(endpoint) + ": " + error.message();
+      if (error == asio::error::access_denied) throw std::invalid_argument("--listen: " + cause);
+      throw files::IoError(cause);
+    }
     // Room for bursts while the reader is busy; the system may grant less.
     socket_.set_option(asio::socket_base::receive_buffer_size(1 << 20), error);
   }

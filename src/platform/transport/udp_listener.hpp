@@ -31,7 +31,7 @@ class UdpListener : public ByteSource {
 public:
   /// Port 0 lets the system choose. With `from`, a numeric address, read() returns `refused` for each
   /// datagram of another address. Throws files::IoError if the address cannot be bound, std::invalid_argument
-  /// if `from` is no address.
+  /// if that needs rights, or `from` is no address.
   explicit UdpListener(const Endpoint& endpoint, const std::optional<std::string>& from = {});
   ~UdpListener() override;
   UdpListener(const UdpListener&) = delete;

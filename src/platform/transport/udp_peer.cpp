@@ -9,6 +9,7 @@
 
 #include <atomic>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
 namespace sonopose::transport {
@@ -23,8 +24,10 @@ public:
     if (!error) socket_.bind({peer_.protocol(), local_port}, error);
     if (!error) socket_.non_blocking(true, error);
     if (error) {
-      throw files::IoError(name_ + ": cannot bind local port " + std::to_string(local_port) + ": " +
-                           error.message());
+      const std::string cause =
+          "cannot bind local port " + std::to_string(local_port) + ": " + error.message();
+      if (error == asio::error::access_denied) throw std::invalid_argument("--local-port: " + cause);
+      throw files::IoError(name_ + ": " + cause);
     }
   }
 

@@ -15,7 +15,8 @@ namespace sonopose::transport {
 /// read() returns `refused` for the datagrams of other machines.
 class UdpPeer : public ByteLink {
 public:
-  /// `local_port`: 0 lets the system choose. Throws files::IoError if it cannot be bound.
+  /// `local_port`: 0 lets the system choose. Throws std::invalid_argument for one that
+  /// needs rights, files::IoError if it cannot be bound otherwise.
   UdpPeer(const Endpoint& peer, std::uint16_t local_port);
   ~UdpPeer() override;
   UdpPeer(const UdpPeer&) = delete;

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
 
 namespace pose_watch_test {
 
@@ -30,6 +31,13 @@ public:
     pose.status = status;
     pose.reset_counter = resets;
     return pose;
+  }
+
+  /// Lets time pass in which the body stands, without poses.
+  void pause(double pause_s) {
+    time_ns_ += static_cast<TimeNs>(pause_s * 1e9);
+    offset_m.x() -= pause_s;
+    turned_rad -= 0.5 * pause_s;
   }
 
   Vector3d offset_m = Vector3d::Zero();
@@ -107,6 +115,18 @@ SCENARIO("a jump raises the reset counter once") {
         CHECK(int{watch.take_reset_counter()} == 1);
       }
     }
+    WHEN("the bridge is away for 8 s, and a fix corrects the stale pose by 2 m 70 ms later") {
+      fusion.pause(8);
+      fusion.status = status_stale | status_imu_gap;
+      for (int i = 0; i < 7; ++i) REQUIRE(watch.on(fusion.next()).silence == Silence::doubtful);
+      fusion.status = status_converging;
+      fusion.offset_m.y() += 2;
+      for (int i = 0; i < 50; ++i) REQUIRE(watch.on(fusion.next()).silence == Silence::doubtful);
+      fusion.status = 0;
+      THEN("it counts once") {
+        CHECK(counter_after(watch, fusion) == 1);
+      }
+    }
     WHEN("an unknown yaw becomes known elsewhere") {
       fusion.status = status_heading_unknown;
       static_cast<void>(counter_after(watch, fusion));
@@ -115,6 +135,35 @@ SCENARIO("a jump raises the reset counter once") {
       fusion.status = 0;
       THEN("that is no jump: there was no yaw before") {
         CHECK(counter_after(watch, fusion) == 0);
+      }
+    }
+  }
+}
+
+SCENARIO("a doubt of unknown age sends nothing") {
+  GIVEN("a watch that begins, or hears poses again, in an outage") {
+    PoseWatch watch;
+    Fusion fusion;
+    const std::string before = GENERATE(values<std::string>({"nothing", "a pause", "no position"}));
+    CAPTURE(before);
+    if (before != "nothing") REQUIRE(watch.on(fusion.next()).silence == Silence::none);
+    if (before == "a pause") fusion.pause(2);
+    if (before == "no position") {
+      fusion.status = status_initialising;
+      watch.on(fusion.next());
+    }
+    fusion.status = status_stale;
+    THEN("the first pose is not sent, nor one that follows") {
+      for (int i = 0; i < 400; ++i) REQUIRE(watch.on(fusion.next()).silence == Silence::doubtful);
+      AND_WHEN("a pose is good, and the next is stale again") {
+        fusion.status = 0;
+        const auto good = watch.on(fusion.next());
+        fusion.status = status_stale;
+        const auto stale = watch.on(fusion.next());
+        THEN("both are sent: that doubt is young") {
+          CHECK(good.silence == Silence::none);
+          CHECK(stale.silence == Silence::none);
+        }
       }
     }
   }

@@ -408,7 +408,7 @@ TEST_CASE("byte sources refuse unusable inputs by name") {
   CHECK_THROWS_WITH(make_stream_source({folder / "none.bin"}), Catch::Contains("none.bin"));
   CHECK_THROWS_AS(make_stream_source({folder.path()}), files::IoError);
   CHECK_THROWS_AS(make_udp_source({.listen = "nonsense"}, {}), std::invalid_argument);
-  CHECK_THROWS_AS(make_serial_source({.device = folder.path().string()}, {}), files::IoError);
+  CHECK_THROWS_AS(make_serial_source({.device = folder.path().string()}, {}), std::invalid_argument);
 }
 
 }  // namespace byte_sources_test

@@ -3,6 +3,7 @@
 #include "autopilot/ardupilot.hpp"
 #include "autopilot/pose_watch.hpp"
 #include "clocks/clocks.hpp"
+#include "files/error.hpp"
 #include "logging/log.hpp"
 #include "mavlink/messages.hpp"
 #include "mavlink/sender/autopilot_watch.hpp"
@@ -23,6 +24,7 @@
 #include <array>
 #include <chrono>
 #include <exception>
+#include <stdexcept>
 #include <thread>
 
 namespace sonopose::mavlink::sender {
@@ -34,7 +36,11 @@ constexpr TimeNs heartbeat_period_ns = 1'000'000'000;
 
 std::unique_ptr<transport::ByteLink> make_link(const SenderOptions& options) {
   if (options.udp) return std::make_unique<transport::UdpPeer>(*options.udp, options.local_port);
-  return std::make_unique<transport::SerialPort>(options.device, options.baud);
+  try {
+    return std::make_unique<transport::SerialPort>(options.device, options.baud);
+  } catch (const files::IoError& error) {
+    throw std::invalid_argument(fmt::format("--device: {}", error.what()));
+  }
 }
 
 /// The line to the autopilot: reads on a thread of its own.

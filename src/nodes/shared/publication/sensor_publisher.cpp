@@ -1,6 +1,7 @@
 #include "publication/sensor_publisher.hpp"
 
 #include "clocks/clocks.hpp"
+#include "files/error.hpp"
 #include "logging/later.hpp"
 #include "logging/log.hpp"
 #include "presence/silence.hpp"
@@ -169,9 +170,12 @@ SensorPublisher::Publisher::Publisher(const PublisherOptions& options,
       others_(participant_, qos_),
       status_last_(clocks::steady_now()) {
   if (lossless_) lossy_fusions_.emplace(participant_, qos_);
-  if (options.record_folder) {
+  if (!options.record_folder) return;
+  try {
     recording_.emplace(*options.record_folder, options.source_settings,
                        lossless_ ? FullQueuePolicy::wait : FullQueuePolicy::lose);
+  } catch (const files::IoError& error) {
+    throw std::invalid_argument(fmt::format("--record: {}", error.what()));
   }
 }
 

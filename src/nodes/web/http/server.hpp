@@ -86,7 +86,8 @@ enum class Loss : std::uint8_t {
 
 class Server {
 public:
-  /// Listens; answers nothing until it is served. Throws std::runtime_error with address and cause.
+  /// Listens; answers nothing until it is served. Throws std::runtime_error with address and cause,
+  /// std::invalid_argument if the port needs rights.
   explicit Server(const ServerOptions& options);
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;

@@ -81,9 +81,10 @@ private:
       acceptor_.bind(endpoint);
       acceptor_.listen();
     } catch (const boost::system::system_error& error) {
-      throw std::runtime_error(fmt::format(
-          "cannot listen on {}: {}{}", place, error.code().message(),
-          error.code() == asio::error::address_in_use ? "; choose another port with --listen" : ""));
+      const std::string cause = fmt::format("cannot listen on {}: {}", place, error.code().message());
+      if (error.code() == asio::error::access_denied) throw std::invalid_argument("--listen: " + cause);
+      const bool is_in_use = error.code() == asio::error::address_in_use;
+      throw std::runtime_error(cause + (is_in_use ? "; choose another port with --listen" : ""));
     }
   }
 

@@ -24,6 +24,8 @@ SCENARIO("a wait set returns the conditions that are true") {
     waitset += guard;
     CHECK((waitset.conditions().size() == 3));
     CHECK((changed.enabled_statuses() == StatusMask::publication_matched()));
+    CHECK((changed.entity().instance_handle() == bus.writer.instance_handle()));
+    CHECK((has_data.data_reader().instance_handle() == bus.reader.instance_handle()));
 
     WHEN("none is true") {
       THEN("waiting times out") {

@@ -58,6 +58,7 @@ SCENARIO("entities know what they belong to") {
   CHECK((bus.publisher.participant() == bus.participant));
   CHECK((bus.topic.name() == "psm"));
   CHECK((bus.topic.type_name() == "psm_test::Sample"));
+  CHECK((bus.participant.default_topic_qos() == dds::topic::qos::TopicQos()));
   CHECK((dds::topic::topic_type_name<Sample>::value() == "psm_test::Sample"));
   const dds::core::Entity entity = bus.reader;
   CHECK((entity == bus.reader));

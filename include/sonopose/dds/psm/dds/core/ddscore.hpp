@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// dds::core. Left out: External, optional, WeakReference, BuiltinTopicTypes.
+/// dds::core. Left out: External, optional, WeakReference, BuiltinTopicTypes, to print an InstanceHandle.
 
 #include "Entity.hpp"
 #include "Exception.hpp"

@@ -28,6 +28,15 @@ namespace sub::qos {
 using SubscriberQos = core::detail::EntityQos<core::detail::SubscriberDefaults, core::policy::Partition>;
 }
 
+namespace topic::qos {
+using TopicQos =
+    core::detail::EntityQos<core::detail::TopicDefaults, core::policy::Durability,
+                            core::policy::DurabilityService, core::policy::Deadline,
+                            core::policy::LatencyBudget, core::policy::Liveliness, core::policy::Reliability,
+                            core::policy::History, core::policy::ResourceLimits,
+                            core::policy::TransportPriority, core::policy::Lifespan, core::policy::Ownership>;
+}
+
 namespace domain {
 
 namespace detail {
@@ -64,6 +73,7 @@ public:
   static qos::DomainParticipantQos default_participant_qos() { return {}; }
   pub::qos::PublisherQos default_publisher_qos() const;
   sub::qos::SubscriberQos default_subscriber_qos() const;
+  topic::qos::TopicQos default_topic_qos() const { return {}; }
 };
 
 }  // namespace domain

@@ -1,8 +1,8 @@
 #pragma once
 /// \file
-/// Publishers and writers. Left out: listeners of publishers, acknowledgements, assert_liveliness, coherent
-/// sets, suspended publications, TopicInstance, writing of ranges and pairs, instance management with a time
-/// stamp, discovery.
+/// Publishers and writers. Left out: listeners of publishers and of AnyDataWriter, acknowledgements,
+/// assert_liveliness, coherent sets, suspended publications, TopicInstance, writing of ranges and pairs,
+/// instances with a time stamp, `writer << qos`, to set default_datawriter_qos, discovery.
 
 #include "../core/detail/Callbacks.hpp"
 #include "../core/detail/EntityQos.hpp"

@@ -1,7 +1,8 @@
 #pragma once
 /// \file
-/// Subscribers and readers. Left out: listeners of subscribers, content filters and queries, next_instance,
-/// coherent access, copying into iterators, the `>>` of readers, TopicInstance, discovery.
+/// Subscribers and readers. Left out: listeners of subscribers and of AnyDataReader, notify_datareaders,
+/// content filters and queries, next_instance, coherent access, copying into iterators, `>>` and `<<` of
+/// readers, to set default_datareader_qos, TopicInstance, discovery.
 
 #include "../core/cond/WaitSet.hpp"
 #include "../core/detail/Callbacks.hpp"
@@ -141,6 +142,7 @@ public:
 class AnyDataReader : public core::Entity {
 public:
   AnyDataReader(core::null_type) : Entity(core::null) {}
+  explicit AnyDataReader(std::shared_ptr<core::detail::Node> node) : Entity(std::move(node)) {}
 
   const Subscriber subscriber() const { return Subscriber(node().owner()); }
   const topic::TopicDescription topic_description() const {
@@ -171,9 +173,6 @@ public:
   core::status::SubscriptionMatchedStatus subscription_matched_status() {
     return read_status<core::status::SubscriptionMatchedStatus>(dds_get_subscription_matched_status);
   }
-
-protected:
-  explicit AnyDataReader(std::shared_ptr<core::detail::Node> node) : Entity(std::move(node)) {}
 };
 
 /// Reads samples of one type.
@@ -312,6 +311,7 @@ public:
     handler(std::move(functor));
   }
   const status::DataState state_filter() const;
+  const AnyDataReader data_reader() const { return AnyDataReader(node().owner()); }
 };
 
 }  // namespace cond

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
 /// Topics of types that the generator made from an IDL file. Left out: listeners, filtered and built-in
-/// topics, TopicInstance, discovery, other names of a type.
+/// topics, AnyTopic, TopicInstance, is_topic_type, discovery, other names of a type.
 
 #include "../core/detail/EntityQos.hpp"
 #include "../domain/ddsdomain.hpp"
@@ -14,15 +14,6 @@
 #include <vector>
 
 namespace dds::inline sonopose_psm::topic {
-
-namespace qos {
-using TopicQos =
-    core::detail::EntityQos<core::detail::TopicDefaults, core::policy::Durability,
-                            core::policy::DurabilityService, core::policy::Deadline,
-                            core::policy::LatencyBudget, core::policy::Liveliness, core::policy::Reliability,
-                            core::policy::History, core::policy::ResourceLimits,
-                            core::policy::TransportPriority, core::policy::Lifespan, core::policy::Ownership>;
-}
 
 /// The name of a type on the wire.
 template <class T>

@@ -1,6 +1,7 @@
 #pragma once
 /// \file
-/// Conditions, and wait sets that wait for them. Left out: WaitSet::wait into a given sequence.
+/// Conditions, and wait sets that wait for them. Left out: WaitSet::wait into a given sequence, and
+/// handlers that take the kind of the condition instead of Condition.
 
 #include "../Entity.hpp"
 #include "../Time.hpp"
@@ -60,6 +61,7 @@ public:
 
   void enabled_statuses(const status::StatusMask& mask) const;
   const status::StatusMask enabled_statuses() const;
+  const Entity entity() const { return Entity(node().owner()); }
 };
 
 /// True while the application sets it.

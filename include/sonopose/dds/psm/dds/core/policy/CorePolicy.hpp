@@ -3,7 +3,8 @@
 /// QoS policies, as values. A setter returns the policy itself. Invalid values are refused when the policy is
 /// put into a QoS: InconsistentPolicyError for a history, otherwise InvalidArgumentError. Left out:
 /// DataRepresentation, DestinationOrder, EntityFactory, GroupData, Presentation, ReaderDataLifecycle,
-/// TimeBasedFilter, TopicData, TypeConsistencyEnforcement, and the durabilities TRANSIENT and PERSISTENT.
+/// TimeBasedFilter, TopicData, TypeConsistencyEnforcement, policy_name, and the durabilities TRANSIENT and
+/// PERSISTENT.
 
 #include "../Time.hpp"
 #include "../status/Status.hpp"
