@@ -33,7 +33,7 @@ const char* text_of(Silence silence) {
     case Silence::late:
       return "the poses are late";
     case Silence::doubtful:
-      return "the poses are stale, untrusted or inconsistent";
+      return "the poses are stale, untrusted or inconsistent, or were just now";
     case Silence::no_mount:
       return "the mount of the IMU is unknown";
     case Silence::yaw_unknown:
@@ -52,23 +52,29 @@ const char* text_of(Silence silence) {
 
 PoseWatch::Verdict PoseWatch::on(const FusedPose& pose) {
   jumped_ = jumped_ || has_jumped(pose);
-  if (last_ && std::abs(seconds_between(last_->time_ns, pose.time_ns)) > pause_s) was_good_ = false;
+  const bool is_after_pause = last_ && std::abs(seconds_between(last_->time_ns, pose.time_ns)) > pause_s;
   last_ = pose;
+  if (is_after_pause || !has_position(pose)) {
+    is_settled_ = false;
+    good_since_.reset();
+  }
   if (!has_position(pose)) {
-    was_good_ = false;
     doubtful_since_.reset();
     return {.silence = Silence::no_position};
   }
   if ((pose.status & doubtful_statuses) == 0) {
-    was_good_ = true;
     doubtful_since_.reset();
-  } else if (!doubtful_since_ || pose.time_ns < *doubtful_since_) {
-    doubtful_since_ = pose.time_ns;
+    if (!good_since_ || pose.time_ns < *good_since_) good_since_ = pose.time_ns;
+    is_settled_ = is_settled_ || seconds_between(*good_since_, pose.time_ns) >= settled_after_s;
+  } else {
+    good_since_.reset();
+    if (!doubtful_since_ || pose.time_ns < *doubtful_since_) doubtful_since_ = pose.time_ns;
   }
   if ((pose.status & status_late) != 0) return {.silence = Silence::late};
   const double doubt_s = doubtful_since_ ? seconds_between(*doubtful_since_, pose.time_ns) : 0.0;
-  // A doubt from before the first pose, or from a pause, may be old.
-  if (!was_good_ || doubt_s >= silent_after_s) return {.silence = Silence::doubtful};
+  is_settled_ = is_settled_ && doubt_s < silent_after_s;
+  // A doubt at the start or after a pause may be old, and the first fixes after it still move the pose.
+  if (!is_settled_) return {.silence = Silence::doubtful};
   const double trust = std::clamp(pose.trust, 0.0, 1.0) * (1 - doubt_s / silent_after_s);
   const double percent = std::isfinite(trust) ? std::round(100 * trust) : 1.0;
   return {.quality_percent = static_cast<std::uint8_t>(std::clamp(percent, 1.0, 100.0))};

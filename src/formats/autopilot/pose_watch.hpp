@@ -35,7 +35,10 @@ class PoseWatch {
 public:
   /// Doubt after which nothing is sent. The quality falls linearly until then.
   static constexpr double silent_after_s = 3;
-  /// Time without poses after which they must be good once again, as at the start.
+  /// Time without doubt before the first pose is sent: at the start, and after such a silence, a pause or a
+  /// lost position. Jumps meanwhile are one.
+  static constexpr double settled_after_s = 0.5;
+  /// Time without poses that is a pause.
   static constexpr double pause_s = 1;
   /// Steps between two poses, beyond their motion, that count as a jump.
   static constexpr double jump_m = 0.3;
@@ -56,8 +59,8 @@ private:
 
   std::optional<FusedPose> last_;  ///< with or without a position
   std::optional<TimeNs> doubtful_since_;
-  bool was_good_ =
-      false;  ///< a pose without doubt, since the start, the last pause and the last position lost
+  std::optional<TimeNs> good_since_;  ///< without doubt
+  bool is_settled_ = false;
   bool jumped_ = false;
   std::uint8_t reset_counter_ = 0;
 };

@@ -51,6 +51,12 @@ private:
   TimeNs time_ns_ = 1'000'000'000;
 };
 
+/// The verdict after the time without doubt that a start needs.
+PoseWatch::Verdict settle(PoseWatch& watch, Fusion& fusion) {
+  for (int i = 0; i < 50; ++i) watch.on(fusion.next());
+  return watch.on(fusion.next());
+}
+
 /// Watches poses for a second; returns the counter afterwards.
 int counter_after(PoseWatch& watch, Fusion& fusion) {
   for (int i = 0; i < 100; ++i) {
@@ -123,7 +129,10 @@ SCENARIO("a jump raises the reset counter once") {
       fusion.offset_m.y() += 2;
       for (int i = 0; i < 50; ++i) REQUIRE(watch.on(fusion.next()).silence == Silence::doubtful);
       fusion.status = 0;
+      for (int i = 0; i < 20; ++i) REQUIRE(watch.on(fusion.next()).silence == Silence::doubtful);
+      fusion.offset_m.y() += 0.5;  // the next fixes
       THEN("it counts once") {
+        REQUIRE(settle(watch, fusion).silence == Silence::none);
         CHECK(counter_after(watch, fusion) == 1);
       }
     }
@@ -146,7 +155,7 @@ SCENARIO("a doubt of unknown age sends nothing") {
     Fusion fusion;
     const std::string before = GENERATE(values<std::string>({"nothing", "a pause", "no position"}));
     CAPTURE(before);
-    if (before != "nothing") REQUIRE(watch.on(fusion.next()).silence == Silence::none);
+    if (before != "nothing") REQUIRE(settle(watch, fusion).silence == Silence::none);
     if (before == "a pause") fusion.pause(2);
     if (before == "no position") {
       fusion.status = status_initialising;
@@ -155,9 +164,10 @@ SCENARIO("a doubt of unknown age sends nothing") {
     fusion.status = status_stale;
     THEN("the first pose is not sent, nor one that follows") {
       for (int i = 0; i < 400; ++i) REQUIRE(watch.on(fusion.next()).silence == Silence::doubtful);
-      AND_WHEN("a pose is good, and the next is stale again") {
+      AND_WHEN("poses are good for half a second, and the next is stale again") {
         fusion.status = 0;
-        const auto good = watch.on(fusion.next());
+        REQUIRE(watch.on(fusion.next()).silence == Silence::doubtful);
+        const auto good = settle(watch, fusion);
         fusion.status = status_stale;
         const auto stale = watch.on(fusion.next());
         THEN("both are sent: that doubt is young") {
@@ -173,7 +183,7 @@ SCENARIO("the quality falls while the poses are doubtful, and then there are non
   GIVEN("poses with a trust of 90 %") {
     PoseWatch watch;
     Fusion fusion;
-    REQUIRE(int{watch.on(fusion.next()).quality_percent} == 90);
+    REQUIRE(int{settle(watch, fusion).quality_percent} == 90);
     WHEN("they are stale, untrusted or inconsistent") {
       fusion.status =
           GENERATE(std::uint32_t{status_stale}, std::uint32_t{status_low_trust},
@@ -192,10 +202,10 @@ SCENARIO("the quality falls while the poses are doubtful, and then there are non
         CHECK(sent == 300);
         CHECK(verdict.silence == Silence::doubtful);
       }
-      AND_WHEN("they are good again") {
+      AND_WHEN("they are good again for half a second") {
         fusion.status = 0;
         THEN("they are sent with full quality") {
-          const auto good = watch.on(fusion.next());
+          const auto good = settle(watch, fusion);
           CHECK(good.silence == Silence::none);
           CHECK(int{good.quality_percent} == 90);
         }
