@@ -15,7 +15,7 @@ enum class Silence : std::uint8_t {
   no_poses,      ///< no pose has arrived for `no_poses_after_ns`
   no_position,   ///< initialising, or the position's deviation is unknown
   late,          ///< the IMU sample of the pose is old
-  doubtful,      ///< stale, untrusted or inconsistent for `silent_after_s`, or since it is watched
+  doubtful,      ///< stale, untrusted or inconsistent for `silent_after_s`, or not settled yet
   no_mount,      ///< the pose of the IMU on the vehicle is unknown
   yaw_unknown,   ///< and the axes of the frame mean nothing without it
   no_velocity,   ///< the velocity is unknown, and the autopilot would take NaN
