@@ -32,7 +32,7 @@ struct AssemblerCounters {
 ///
 /// - A fix waits for its quality for at most `quality_wait_ns`; IMU samples overtake it meanwhile. The
 ///   quality, the next position packet or `flush` releases the fix, followed by its heading.
-/// - Packets are kept until a fitted clock has settled (a quarter of a second).
+/// - Packets are kept until the clock has settled (a quarter of a second).
 /// - A beacon may send one measurement in two kinds of packet (0x11 and 0x81, 0x03 and 0x83). The best kind
 ///   wins (unix time over uptime, millimetres over centimetres). The others are dropped as duplicates until
 ///   it has been silent for `generation_timeout_ns`. When a better kind appears, a fix close to the last

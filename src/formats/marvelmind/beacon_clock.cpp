@@ -156,6 +156,7 @@ void FixedClock::observe(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs 
     begin(stamp, send_delay_ns, arrival_ns);
     return;
   }
+  if (step_) step_->under_way_ns.reset();  // the new time may reach that stamp
   if (take_under_way(stamp, send_delay_ns)) return;
   take_step(stamp, send_delay_ns);
   const std::int64_t sent_ns = unwrapper_.beacon_ns(stamp) + send_delay_ns;
@@ -189,7 +190,8 @@ bool FixedClock::take_under_way(const Stamp& stamp, std::int64_t send_delay_ns) 
   const std::int64_t beacon_ns = unwrapper_.beacon_ns(stamp);
   const std::int64_t ahead_ns = beacon_ns + send_delay_ns - newest_ns_;
   const std::int64_t to_clock_before_ns = std::abs(ahead_ns + step_->size_ns());
-  if (to_clock_before_ns >= overtaken_ns || to_clock_before_ns >= std::abs(ahead_ns)) return false;
+  // A position that is sent late after a short pause is not one of before it.
+  if (to_clock_before_ns >= overtaken_ns || 4 * to_clock_before_ns >= std::abs(ahead_ns)) return false;
   step_->under_way_ns = beacon_ns;
   if (settled_) return true;
   line_ = {step_->line_before.host_ns(step_->newest_before_ns), step_->first_ns};

@@ -143,7 +143,8 @@ private:
 /// every stamp keeps its distance to that. The same bytes always give the same times. After a restart of the
 /// beacon, or if its clock was set, time continues from the newest one. A step ahead by less than a day may
 /// be a pause of the recording: it is one, unless a position with the time before the step is sent after it.
-/// Same interface as `BeaconClock`.
+/// The clock waits for that until the first position, for at most `settling_ns`. Same interface as
+/// `BeaconClock`.
 class FixedClock {
 public:
   /// Shortest step ahead that cannot be a pause of the recording.
@@ -166,6 +167,9 @@ public:
 
   double offset_s() const { return static_cast<double>(line_.origin_ns - line_.first_ns) * 1e-9; }
   double jitter_s() const { return 0; }
+
+  /// Number of steps back and of those ahead by `set_ahead_ns` or more; `steps` also counts shorter ones
+  /// ahead.
   std::uint64_t resets() const { return resets_; }
 
   /// Number of steps of the beacon's clock, and the size of the newest one.

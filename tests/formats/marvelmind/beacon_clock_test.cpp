@@ -342,6 +342,47 @@ TEST_CASE("A file whose clock is set while a position is under way has no gap") 
   CHECK(std::abs(clock.newest_step_ns() - step_ms * 1'000'000) <= 10'000'000);
 }
 
+TEST_CASE("A clock of a file that is set back passes the stamp of a position that was under way") {
+  FixedClock clock;
+  constexpr std::int64_t now_ms = 1'795'000'000'000;
+  const std::int64_t step_ms = GENERATE(400, 10'000);
+  CAPTURE(step_ms);
+  const auto at_ms = [&clock](std::int64_t unix_ms, std::int64_t ahead_ms = 0) {
+    const Stamp stamp{TimeBase::unix_ms, unix_ms};
+    clock.observe(stamp, ahead_ms * 1'000'000, host_start_ns);
+    return (clock.host_ns(stamp) - host_start_ns) / 1'000'000;
+  };
+  for (std::int64_t ms = 0; ms <= 30'000; ms += 10) at_ms(now_ms + ms);
+  std::int64_t newest_ms = at_ms(now_ms + 30'010 - step_ms);
+  CHECK(at_ms(now_ms + 29'960, 68) == 29'960);
+  REQUIRE(clock.steps() == 1);
+  for (std::int64_t ms = 30'020 - step_ms; ms <= 31'000; ms += 10) {
+    CAPTURE(ms);
+    const std::int64_t mapped_ms = at_ms(now_ms + ms);
+    REQUIRE(mapped_ms == newest_ms + 10);
+    newest_ms = mapped_ms;
+  }
+}
+
+TEST_CASE("A short loss of a file is no step, although the first position after it is late") {
+  FixedClock clock;
+  constexpr std::int64_t now_ms = 1'795'000'000'000;
+  const std::int64_t loss_ms = GENERATE(260, 300);
+  const std::int64_t late_ms = GENERATE(0, 130, 160, 200);
+  CAPTURE(loss_ms, late_ms);
+  const auto observe = [&clock](std::int64_t unix_ms, std::int64_t ahead_ms = 0) {
+    clock.observe({TimeBase::unix_ms, unix_ms}, ahead_ms * 1'000'000, host_start_ns);
+  };
+  for (std::int64_t ms = 0; ms <= 30'000; ms += 10) observe(now_ms + ms);
+  const std::int64_t sent_ms = now_ms + 30'000 + loss_ms;
+  observe(sent_ms);
+  observe(sent_ms - 68 - late_ms, 68);
+  observe(sent_ms + 10);
+  CHECK(clock.steps() == 0);
+  CHECK(clock.host_ns({TimeBase::unix_ms, sent_ms + 10}) ==
+        host_start_ns + to_ns(30.01) + loss_ms * 1'000'000);
+}
+
 TEST_CASE("A pause of a file is as long as the stamps say, and waits a quarter of a second for a position") {
   FixedClock clock;
   constexpr std::int64_t now_ms = 1'795'000'000'000;
