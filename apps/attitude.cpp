@@ -97,13 +97,13 @@ evaluation::AttitudeResult run_log(const Path& folder, const Options& options,
 settings::Settings settings_of(const Options& options) {
   apps::ConfigOptions config = options.config;
   const auto set = [&](const std::string& key, const std::string& value) {
-    apps::assign_everywhere(config, options.beacon, key, value);
+    config.chosen.push_back({key, value, options.beacon});
   };
   set("fusion.engine", "documented");  // the engine with these attitude filters
   if (options.filter) set("documented.attitude.filter", *options.filter);
   if (options.magnetometer)
     set("documented.attitude.magnetometer", *options.magnetometer == "on" ? "true" : "false");
-  return apps::configuration(config).for_beacon(options.beacon);
+  return apps::settings_of(apps::configuration(config), options.beacon);
 }
 
 int run_logs(const Options& options) {

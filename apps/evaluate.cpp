@@ -37,8 +37,10 @@ std::vector<settings::Settings> settings_of(const Options& options) {
   std::vector<settings::Settings> all;
   for (const std::string& engine : options.engines) {
     apps::ConfigOptions config = options.config;
-    apps::assign_everywhere(config, options.cases.beacon, "fusion.engine", engine);
-    all.push_back(apps::configuration(config).for_beacon(options.cases.beacon));
+    config.chosen.push_back({"fusion.engine", engine, options.cases.beacon});
+    const config::FusionConfig read = apps::configuration(config);
+    const BeaconAddress beacon = options.cases.beacon;
+    all.push_back(all.empty() ? apps::settings_of(read, beacon) : read.for_beacon(beacon));  // warns once
   }
   return all;
 }

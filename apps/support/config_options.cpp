@@ -25,6 +25,11 @@ void print_settings(const std::string& group) {
                                          text::suggestion(group, config::settings_groups())));
 }
 
+bool has_own(const config::FusionConfig& config, BeaconAddress beacon) {
+  const std::vector<BeaconAddress> own = config.beacons();
+  return std::ranges::find(own, beacon) != own.end();
+}
+
 }  // namespace
 
 void add_config_options(CLI::App& app, ConfigOptions& options) {
@@ -69,26 +74,27 @@ void add_beacon_or_all_option(CLI::App& app, BeaconAddress& beacon) {
       ->option_text("ADDRESS|all");
 }
 
-void assign_everywhere(ConfigOptions& options, BeaconAddress beacon, const std::string& key,
-                       const std::string& value) {
-  options.assignments.push_back(fmt::format("{}={}", key, value));
-  options.assignments.push_back(fmt::format("beacon.{}.{}={}", beacon, key, value));
-}
-
 config::FusionConfig configuration(const ConfigOptions& options) {
   auto config = options.file ? config::FusionConfig::load(*options.file) : config::FusionConfig();
   for (const std::string& assignment : options.assignments) config.assign(assignment);
+  auto other_engine = config::OtherEngine::warned_of;
+  for (const auto& [key, value, beacon] : options.chosen) {
+    config.assign(fmt::format("{}={}", key, value));
+    if (beacon && has_own(config, *beacon))
+      config.assign(fmt::format("beacon.{}.{}={}", *beacon, key, value));
+    if (key == "fusion.engine") other_engine = config::OtherEngine::ignored;
+  }
   config.check();
-  for (const std::string& warning : config.warnings()) logging::warning(warning);
+  for (const std::string& warning : config.warnings(other_engine)) logging::warning(warning);
   return config;
 }
 
 settings::Settings settings_of(const config::FusionConfig& config, BeaconAddress beacon) {
   const std::vector<BeaconAddress> others = config.beacons();
-  if (!others.empty() && std::ranges::find(others, beacon) == others.end()) {
-    logging::warning(fmt::format(
-        "not used: the settings of beacon {}; this is {}; --beacon selects one", fmt::join(others, ", "),
-        beacon == all_beacons ? "no certain beacon" : fmt::format("beacon {}", beacon)));
+  if (!others.empty() && !has_own(config, beacon)) {
+    logging::warning(fmt::format("not used: the settings of beacon {}; {}", fmt::join(others, ", "),
+                                 beacon == all_beacons ? "the beacon is not known; --beacon selects one"
+                                                       : fmt::format("this is beacon {}", beacon)));
   }
   return config.for_beacon(beacon);
 }

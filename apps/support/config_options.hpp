@@ -13,10 +13,18 @@
 
 namespace sonopose::apps {
 
+/// A setting that another option of a program chooses.
+struct ChosenSetting {
+  std::string key;
+  std::string value;
+  std::optional<BeaconAddress> beacon;  ///< also above the own settings of this beacon
+};
+
 /// The sources of the settings.
 struct ConfigOptions {
   std::optional<std::filesystem::path> file;
   std::vector<std::string> assignments;
+  std::vector<ChosenSetting> chosen;  ///< with precedence over --set
 };
 
 /// The group of these options.
@@ -24,10 +32,6 @@ inline constexpr const char* settings_group = "Settings";
 
 /// Adds --config, --set and --help-settings.
 void add_config_options(CLI::App& app, ConfigOptions& options);
-
-/// Sets a key for all beacons and for this one, with precedence over --set.
-void assign_everywhere(ConfigOptions& options, BeaconAddress beacon, const std::string& key,
-                       const std::string& value);
 
 /// Adds --beacon, which selects the settings for events that name no beacon.
 void add_beacon_option(CLI::App& app, BeaconAddress& beacon);
@@ -37,7 +41,8 @@ void add_beacon_option(CLI::App& app, std::optional<BeaconAddress>& beacon);
 /// Adds --beacon, which also takes "all" for all_beacons, the default.
 void add_beacon_or_all_option(CLI::App& app, BeaconAddress& beacon);
 
-/// Reads the settings, with --set above --config, and logs their warnings. Throws config::ConfigError.
+/// Reads the settings, with --set above --config, and logs their warnings. Those of the other engine are no
+/// mistake if an option chooses the engine. Throws config::ConfigError.
 config::FusionConfig configuration(const ConfigOptions& options);
 
 /// Returns the settings of one beacon, or those for all. Warns if other beacons have settings of their own,

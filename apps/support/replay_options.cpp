@@ -84,8 +84,8 @@ config::FusionConfig configuration(const ReplayOptions& options) {
   }
   ConfigOptions config = options.config;
   if (options.engine && *options.engine != ReplayEngine::strapdown) {
-    config.assignments.emplace_back(*options.engine == ReplayEngine::kalman ? "fusion.engine=kalman"
-                                                                            : "fusion.engine=documented");
+    const bool is_kalman = *options.engine == ReplayEngine::kalman;
+    config.chosen.push_back({"fusion.engine", is_kalman ? "kalman" : "documented", std::nullopt});
   }
   return configuration(config);
 }

@@ -5,6 +5,7 @@
 #include <sonopose/samples/live_settings.hpp>
 #include <sonopose/settings/settings_table.hpp>
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <set>
@@ -46,14 +47,19 @@ std::vector<std::string> idle_filter_warnings(const settings::Settings& settings
 /// Returns why an estimator cannot work with these settings, in plain words; empty if it can.
 std::string fault_of(const settings::Settings& settings);
 
+/// Settings that only the other engine reads: a mistake, unless a program chooses the engine itself.
+enum class OtherEngine : std::uint8_t { warned_of, ignored };
+
 /// All warnings about allowed but hardly intended settings.
 std::vector<std::string> warnings_for(const settings::Settings& settings, const Assignments& given,
-                                      std::string_view where = "");
+                                      std::string_view where = "",
+                                      OtherEngine other_engine = OtherEngine::warned_of);
 
 /// Warnings for keys that are `given` for all beacons. `common` applies to beacons without settings of their
 /// own, `own` has the other beacons. Warnings of beacons with another engine name these beacons.
 std::vector<std::string> warnings_for_all(const settings::Settings& common, const Assignments& given,
-                                          const std::map<BeaconAddress, settings::Settings>& own);
+                                          const std::map<BeaconAddress, settings::Settings>& own,
+                                          OtherEngine other_engine = OtherEngine::warned_of);
 
 /// The settings of one estimator. Remembers which of them are the beacon's own.
 class BeaconSettings {

@@ -70,12 +70,16 @@ bool is_kept(const settings::Settings& settings, const Order& order) {
   return smaller < larger || (order.may_be_equal && smaller == larger);
 }
 
+/// Returns the reader of the settings that have no effect with this engine.
+settings::ReadBy other_than(settings::EngineKind engine) {
+  return engine == settings::EngineKind::documented ? settings::ReadBy::kalman : settings::ReadBy::documented;
+}
+
 /// Returns one warning about all `given` keys that differ from their default and that only the other engine
 /// reads; empty if there are none.
 std::string other_engine_warning(const settings::Settings& settings, const Assignments& given,
                                  std::string_view where) {
-  const bool is_documented = settings.engine.engine == settings::EngineKind::documented;
-  const auto unread = is_documented ? settings::ReadBy::kalman : settings::ReadBy::documented;
+  const settings::ReadBy unread = other_than(settings.engine.engine);
   std::vector<std::string> keys;
   for (const auto& entry : given) {
     const settings::SettingInfo& info = settings::setting_info(entry.first);
@@ -146,10 +150,11 @@ std::string fault_of(const settings::Settings& settings) {
 }
 
 std::vector<std::string> warnings_for(const settings::Settings& settings, const Assignments& given,
-                                      std::string_view where) {
+                                      std::string_view where, OtherEngine other_engine) {
   std::vector<std::string> texts;
-  if (std::string text = other_engine_warning(settings, given, where); !text.empty()) {
-    texts.push_back(std::move(text));
+  if (other_engine == OtherEngine::warned_of) {
+    std::string text = other_engine_warning(settings, given, where);
+    if (!text.empty()) texts.push_back(std::move(text));
   }
   if (settings.engine.engine != settings::EngineKind::documented) return texts;
   for (std::string& text : preset_warnings(settings, given, where)) texts.push_back(std::move(text));
@@ -159,17 +164,25 @@ std::vector<std::string> warnings_for(const settings::Settings& settings, const 
 }
 
 std::vector<std::string> warnings_for_all(const settings::Settings& common, const Assignments& given,
-                                          const std::map<BeaconAddress, settings::Settings>& own) {
+                                          const std::map<BeaconAddress, settings::Settings>& own,
+                                          OtherEngine other_engine) {
   std::map<std::string, std::vector<BeaconAddress>> others;  // warnings for beacons with another engine
+  Assignments of_common = given;
   for (const auto& [address, settings] : own) {
     if (settings.engine.engine == common.engine.engine) continue;
     Assignments applied = given;
     std::erase_if(applied, [&, &settings = settings](const auto& entry) {
       return settings::get(settings, entry.first) != settings::get(common, entry.first);
     });
-    for (std::string& text : warnings_for(settings, applied)) others[std::move(text)].push_back(address);
+    std::erase_if(of_common, [&](const auto& entry) {  // this beacon reads them
+      return applied.contains(entry.first) &&
+             settings::setting_info(entry.first).read_by == other_than(common.engine.engine);
+    });
+    for (std::string& text : warnings_for(settings, applied, "", other_engine)) {
+      others[std::move(text)].push_back(address);
+    }
   }
-  std::vector<std::string> texts = warnings_for(common, given);
+  std::vector<std::string> texts = warnings_for(common, of_common, "", other_engine);
   for (const auto& [text, addresses] : others) {
     texts.push_back(fmt::format("beacon {}: {}", fmt::join(addresses, ", "), text));
   }

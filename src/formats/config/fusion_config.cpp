@@ -198,13 +198,16 @@ void FusionConfig::check() const {
   }
 }
 
-std::vector<std::string> FusionConfig::warnings() const {
+std::vector<std::string> FusionConfig::warnings(OtherEngine other_engine) const {
   std::map<BeaconAddress, settings::Settings> of_beacons;
   for (const auto& entry : overrides_) of_beacons.emplace(entry.first, for_beacon(entry.first));
   std::vector<std::string> texts = unused_;
-  for (std::string& text : warnings_for_all(settings_, given_, of_beacons)) texts.push_back(std::move(text));
+  for (std::string& text : warnings_for_all(settings_, given_, of_beacons, other_engine)) {
+    texts.push_back(std::move(text));
+  }
   for (const auto& [address, own] : overrides_) {
-    const auto more = warnings_for(of_beacons.at(address), own, fmt::format("beacon.{}.", address));
+    const auto more =
+        warnings_for(of_beacons.at(address), own, fmt::format("beacon.{}.", address), other_engine);
     texts.insert(texts.end(), more.begin(), more.end());
   }
   return texts;

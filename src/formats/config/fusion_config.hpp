@@ -53,7 +53,7 @@ public:
 
   /// Returns warnings about keys of earlier versions and about valid but probably unintended settings: items
   /// 2–4 with a preset that replaces them, and contradictions.
-  [[nodiscard]] std::vector<std::string> warnings() const;
+  [[nodiscard]] std::vector<std::string> warnings(OtherEngine other_engine = OtherEngine::warned_of) const;
 
   /// The complete configuration as a commented TOML file, which loads back to the same values.
   [[nodiscard]] std::string to_toml() const;

@@ -156,6 +156,30 @@ TEST_CASE("settings of the other engine are warned of in one line, unless they a
   CHECK(warnings_for(settings, given, "beacon.7.").empty());
 }
 
+TEST_CASE("settings for all that only a beacon with the other engine reads are not warned of") {
+  settings::Settings common;
+  common.trust.sigma_m = 0.7;
+  common.trust.n_base = 9;
+  const Assignments given{{"documented.trust.sigma_m", 0.7}, {"documented.trust.n_base", 9}};
+  settings::Settings documented = common;
+  documented.engine.engine = settings::EngineKind::documented;
+  CHECK(warnings_for_all(common, given, {{8, common}}).size() == 1);
+  CHECK(warnings_for_all(common, given, {{7, documented}, {8, common}}).empty());
+  documented.trust.n_base = 8;  // its own
+  const auto warnings = warnings_for_all(common, given, {{7, documented}, {8, common}});
+  REQUIRE(warnings.size() == 1);
+  CHECK_THAT(warnings[0], Contains("documented.trust.n_base has no effect") && !Contains("sigma_m"));
+}
+
+TEST_CASE("settings of the other engine are no mistake where a program chooses the engine") {
+  settings::Settings settings;
+  settings.trust.sigma_m = 0.7;
+  const Assignments given{{"documented.trust.sigma_m", 0.7}};
+  REQUIRE(warnings_for(settings, given).size() == 1);
+  CHECK(warnings_for(settings, given, "", OtherEngine::ignored).empty());
+  CHECK(warnings_for_all(settings, given, {{8, settings}}, OtherEngine::ignored).empty());
+}
+
 TEST_CASE("settings of a magnetometer that is not used are warned of") {
   settings::Settings settings;
   settings.attitude.selection.north_deg = 30.0;
