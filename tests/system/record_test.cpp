@@ -5,6 +5,7 @@
 #include "recorder/messages.hpp"
 #include "support/bus.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/wait_until.hpp"
 #include "system/event_numbers.hpp"
 #include "system/recorded_part.hpp"
 #include "system/recorded_walk.hpp"
@@ -104,14 +105,24 @@ struct RecordedRun {
 SCENARIO("a recording of beacons that are not there fails, and names one that is") {
   const Bus bus;
   const TemporaryFolder folder;
-  const auto record = start_recording(bus, folder / "run.mcap", {"--beacons", "9"});
-  Consumer<sonopose_ImuSample> imu(bus, topics::imu);
+  const fs::path file = folder / "run.mcap";
+  const auto record = start_recording(bus, file, {"--beacons", "9"});
   const auto bridge = bus.bridge({"--address", "7"});
-  REQUIRE(imu.wait_for_count(200));
+  auto participant = dds::ext::participant({.domain_id = bus.domain_id()});
+  auto imu = dds::topics::make_writer(participant, dds::qos::Provider(), topics::imu);
+  REQUIRE(wait_until([&] { return imu.publication_matched_status().current_count() > 0; }));
+  // The recorder keeps the second sample, and has heard the first one before it.
+  for (const BeaconAddress address : {BeaconAddress{7}, all_beacons}) {
+    ImuSample sample;
+    sample.address = address;
+    imu.write(dds::topics::to_idl(sample));
+  }
+  REQUIRE(wait_for_part(file, {"sonopose/imu"}, 1));
+  REQUIRE(wait_for_part(file, {"sonopose/stationary_beacon"}, 4));
   CHECK(record->end_by(SIGINT).code == 1);
   CHECK_THAT(record->text(Stream::error), Contains("nothing of --beacons 9 was heard, but beacon 7 was"));
   // The map is of all beacons, whatever the addresses of those that it consists of.
-  CHECK(of_topic(messages_of(folder / "run.mcap"), "sonopose/stationary_beacon").size() == 4);
+  CHECK(of_topic(messages_of(file), "sonopose/stationary_beacon").size() == 4);
 }
 
 SCENARIO("a recording without a message says so") {
