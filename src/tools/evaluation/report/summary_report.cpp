@@ -75,15 +75,13 @@ std::string prediction_table(const std::vector<Summary>& summaries, std::size_t 
 SummaryTable::SummaryTable(std::size_t name_columns) : width_(std::max<std::size_t>(15, name_columns)) {}
 
 std::string SummaryTable::add(Summary summary) {
-  waiting_ += truth_row(summary, width_);
-  const bool has_truth = summary.has_truth;
+  std::string lines = (rows_.empty() ? truth_header(width_) : "") + truth_row(summary, width_);
   rows_.push_back(std::move(summary));
-  if (!has_truth && !has_header_) return {};
-  return (std::exchange(has_header_, true) ? "" : truth_header(width_)) + std::exchange(waiting_, {});
+  return lines;
 }
 
 std::string SummaryTable::predictions() const {
-  return waiting_ + "\n" + prediction_table(rows_, width_);
+  return "\n" + prediction_table(rows_, width_);
 }
 
 std::string json_of(const std::vector<Summary>& summaries) {

@@ -16,19 +16,16 @@ public:
   /// `name_columns`: length of the longest name.
   explicit SummaryTable(std::size_t name_columns);
 
-  /// Returns the line of one case, the first time below the header. Lines without truth wait for it, since
-  /// without any truth there is no header.
+  /// Returns the line of one case, the first time below the header.
   std::string add(Summary summary);
 
-  /// Returns the lines that still wait, and the table of prediction errors.
+  /// Returns the table of prediction errors.
   [[nodiscard]] std::string predictions() const;
 
   [[nodiscard]] const std::vector<Summary>& rows() const { return rows_; }
 
 private:
   std::size_t width_;
-  bool has_header_ = false;
-  std::string waiting_;  ///< lines without truth, before there is a header
   std::vector<Summary> rows_;
 };
 
