@@ -18,6 +18,10 @@ inline constexpr std::string_view truth_file = "truth.csv";
 inline constexpr std::string_view wheel_speed_file = "wheel_speed.csv";
 inline constexpr std::string_view movement_file = "movement.csv";
 inline constexpr std::string_view meta_file = "meta.toml";
+// Tables that a replay writes, which no program reads.
+inline constexpr std::string_view pose_file = "pose.csv";
+inline constexpr std::string_view fixes_file = "fixes.csv";
+inline constexpr std::string_view covariance_file = "covariance.csv";
 
 inline constexpr std::array<std::string_view, 10> imu_columns{
     "timestamp [ns]", "w_x [rad s^-1]", "w_y [rad s^-1]", "w_z [rad s^-1]", "a_x [m s^-2]",

@@ -15,9 +15,9 @@
 namespace sonopose::recording {
 
 std::vector<std::string> unread_tables(const std::filesystem::path& folder) {
-  constexpr std::array<std::string_view, 10> known{imu_file,    ultrasonic_file,  heading_file,  twist_file,
-                                                   truth_file,  wheel_speed_file, movement_file, "pose.csv",
-                                                   "fixes.csv", "covariance.csv"};
+  constexpr std::array<std::string_view, 10> known{imu_file,   ultrasonic_file,  heading_file,  twist_file,
+                                                   truth_file, wheel_speed_file, movement_file, pose_file,
+                                                   fixes_file, covariance_file};
   std::vector<std::string> names;
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {

@@ -1,6 +1,7 @@
 #include "evaluation/report/output_folder.hpp"
 
 #include "evaluation/score/fix_flag_counts.hpp"
+#include "recording/log_columns.hpp"
 
 #include <array>
 #include <string_view>
@@ -33,10 +34,10 @@ const std::filesystem::path& created(const std::filesystem::path& folder) {
 }  // namespace
 
 OutputFolder::OutputFolder(const std::filesystem::path& folder, Covariances covariances)
-    : covariance_file_(folder / "covariance.csv"),
+    : covariance_file_(folder / recording::covariance_file),
       trajectory_(created(folder) / "trajectory.tum"),
-      poses_{folder / "pose.csv"},
-      fixes_{folder / "fixes.csv"} {
+      poses_{folder / recording::pose_file},
+      fixes_{folder / recording::fixes_file} {
   poses_.rows.header(pose_columns);
   fixes_.rows.header(fix_columns);
   if (covariances == Covariances::no) return;
