@@ -71,7 +71,7 @@ recording::SensorLog read_dashboard_log(const std::filesystem::path& file,
   for (const auto& [beacon, streams] : read.beacons)
     known += (known.empty() ? "" : ", ") + std::to_string(beacon);
   if (!read.has_line && files::is_present(file.parent_path() / recording::imu_file)) {
-    throw files::IoError(fmt::format("{}: is one table of a log folder; give the folder, {}", file.string(),
+    throw files::IoError(fmt::format("{}: is in a log folder; give the folder, {}", file.string(),
                                      file.has_parent_path() ? file.parent_path().string() : "."));
   }
   if (!read.has_line) {
