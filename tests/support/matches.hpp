@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// Regular expressions in texts. <regex> takes the compiler three seconds in every file, so only matches.cpp
-/// includes it.
+/// Regular expressions in texts. <regex> takes the compiler three seconds in every file, so few files but
+/// matches.cpp include it.
 
 #include <string>
 #include <vector>

@@ -1,6 +1,7 @@
 #include "recorder/ros2_topics.hpp"
 
 #include "dds/dds_fixture.hpp"
+#include "support/matches.hpp"
 #include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
@@ -9,7 +10,6 @@
 #include <filesystem>
 #include <map>
 #include <optional>
-#include <regex>
 #include <set>
 #include <string>
 
@@ -53,13 +53,13 @@ SCENARIO("a topic of ROS 2 that DDS refuses does not end the recording") {
 /// Types of the messages that the headers declare as those of topics, by their names in DDS; without those of
 /// the discovery.
 std::set<std::string> message_types() {
-  const std::regex declaration(R"(SONOPOSE_TOPIC_TYPE\((\w+)_msg_dds__(\w+)\))");
   std::set<std::string> types;
   for (const char* const header : {"idl_types.hpp", "service_types.hpp"}) {
     const std::string text = sonopose::test::read_text(std::filesystem::path(SONOPOSE_SOURCE_DIR) /
                                                        "include/sonopose/ros2/messages" / header);
-    for (std::sregex_iterator each(text.begin(), text.end(), declaration), end; each != end; ++each) {
-      if (each->str(1) != "rmw_dds_common") types.insert(each->str(1) + "::msg::dds_::" + each->str(2));
+    for (const auto& groups :
+         sonopose::test::all_matches(text, R"(SONOPOSE_TOPIC_TYPE\((\w+)_msg_dds__(\w+)\))")) {
+      if (groups[1] != "rmw_dds_common") types.insert(groups[1] + "::msg::dds_::" + groups[2]);
     }
   }
   return types;
