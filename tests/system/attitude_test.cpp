@@ -53,6 +53,13 @@ SCENARIO("each filter processes a log, is scored and writes its trajectory") {
         inclination_of({log, "--set", "documented.attitude.filter=mahony", "--json"}));
   CHECK(inclination_of({log, "--filter", "mahony", "--set", "documented.attitude.mahony.kp=2", "--json"}) !=
         inclination_of({log, "--filter", "mahony", "--json"}));
+  THEN("settings of another beacon are named, and those of the Kalman engine are no mistake") {
+    const Result result = run(SONOPOSE_TEST_ATTITUDE, {log, "--set", "kalman.twist.std_mps=0.07", "--set",
+                                                       "beacon.9.documented.attitude.mahony.kp=2"});
+    REQUIRE(result.code == 0);
+    CHECK_THAT(result.error,
+               Contains("not used: the settings of beacon 9") && !Contains("kalman.twist.std_mps"));
+  }
   THEN("it also writes the trajectory on request") {
     const std::string out = (folder / "out").string();
     const Result result = run(SONOPOSE_TEST_ATTITUDE, {log, "--out", out});

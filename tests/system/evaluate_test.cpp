@@ -70,6 +70,17 @@ SCENARIO("--engine scores each engine in a row of its own") {
   CHECK(run(SONOPOSE_TEST_EVALUATE, {"walk", "--engine", "strapdown"}).code != 0);
 }
 
+SCENARIO("--engine warns of another beacon's settings once, and not of the other engine's") {
+  const Result result = run(SONOPOSE_TEST_EVALUATE,
+                            {"rest", "--seeds", "1", "--set", "documented.trust.sigma_m=0.7", "--set",
+                             "beacon.9.documented.trust.sigma_m=5", "--engine", "documented", "kalman"});
+  REQUIRE(result.code == 0);
+  const std::size_t named = result.error.find("not used: the settings of beacon 9");
+  REQUIRE(named != std::string::npos);
+  CHECK(result.error.find("not used: the settings of beacon 9", named + 1) == std::string::npos);
+  CHECK_THAT(result.error, !Contains("has no effect"));
+}
+
 SCENARIO("another first seed gives other runs") {
   const double first = rmse_of({});
   CHECK(rmse_of({"--first-seed", "1"}) == first);
