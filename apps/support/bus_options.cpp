@@ -38,7 +38,7 @@ void log_message(dds::MessageLevel level, std::string_view message) {
 }
 
 /// Throws config::ConfigError for a file of SONOPOSE_QOS that cannot be used. That of --qos is checked
-/// already.
+/// already. A program that joins no bus may start others that use the file.
 void check_qos_of_environment(const BusOptions& options) {
   if (options.qos_file) return;
   try {

@@ -13,8 +13,8 @@
 
 namespace sonopose::dds::qos {
 
-/// An invalid QoS file. `what()` is `file:line: <element>: reason`, after the variable if that names the
-/// file.
+/// An invalid QoS file. `what()` is `file:line: <element>: reason`. It begins with SONOPOSE_QOS if that names
+/// the file.
 class FileError : public std::runtime_error {
 public:
   using std::runtime_error::runtime_error;
