@@ -51,8 +51,8 @@ SCENARIO("--beacon selects the settings that are scored") {
 SCENARIO("the row of a case is printed before the next case ends") {
   Process evaluate(SONOPOSE_TEST_EVALUATE,
                    {"walk", "kart", "forklift", "drone", "spin", "circle", "--seeds", "8"});
-  REQUIRE(evaluate.wait_for_line(Stream::output, "walk"));
-  CHECK_THAT(evaluate.text(Stream::output), !Contains("circle"));
+  REQUIRE(evaluate.wait_for_line(Process::Stream::output, "walk"));
+  CHECK_THAT(evaluate.text(Process::Stream::output), !Contains("circle"));
   CHECK_FALSE(evaluate.wait_for_exit(std::chrono::milliseconds(0)));
 }
 
