@@ -12,7 +12,7 @@ namespace sonopose::observation {
 /// True if its bridge detects another one that publishes it.
 bool has_several_bridges(const BeaconView& view);
 
-/// "IMU upside down", "IMU on its side", or empty: then its mount differs from the settings.
+/// "IMU upside down" or "IMU on its side" if its mount differs from the settings, or empty.
 std::string_view tilt_words(const BeaconView& view);
 
 /// "lost", "silent", or the words of the latest status, after "several bridges", "IMU silent" and those of
