@@ -1,6 +1,7 @@
 #include "security_commands.hpp"
 
 #include "host_seconds.hpp"
+#include "logging/log.hpp"
 #include "output.hpp"
 #include "security/enclave.hpp"
 #include "security/error.hpp"
@@ -90,14 +91,20 @@ int check_store(const SecurityOptions& options) {
 
 int renew_enclaves(const SecurityOptions& options) {
   const security::KeyStore store(options.store);
+  int code = 0;
   for (const std::string& name : options.names.empty() ? store.enclaves() : options.names) {
-    const std::int64_t days = options.days.value_or(earlier_days(store.enclave_folder(name)));
-    store.renew(name, validity(days));
-    security::read_enclave(store.enclave_folder(name), host_now_s());  // throws for what this did not mend
-    print("{}: until {}\n", name, security::date_text(validity(days).not_after_s));
+    try {
+      const std::int64_t days = options.days.value_or(earlier_days(store.enclave_folder(name)));
+      store.renew(name, validity(days));
+      security::read_enclave(store.enclave_folder(name), host_now_s());  // throws for what this did not mend
+      print("{}: until {}\n", name, security::date_text(validity(days).not_after_s));
+    } catch (const security::SecurityError& error) {
+      logging::failure(fmt::format("{}: {}", name, error.what()));
+      code = 1;
+    }
   }
   print("Copy the enclaves to their machines, and restart their programs.\n");
-  return 0;
+  return code;
 }
 
 int revoke_enclaves(const SecurityOptions& options) {

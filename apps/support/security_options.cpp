@@ -51,7 +51,8 @@ std::string variable(const std::string& name) {
 std::string selected_folder(const CLI::App& app, const BusOptions& options) {
   // ROS 2 replaces the name of its command line by the variable; here the command line has precedence.
   const std::string name = options.enclave ? relative(*options.enclave) : own_name(app);
-  if (options.enclave) {
+  const bool is_enabled = CLI::detail::to_lower(variable("ROS_SECURITY_ENABLE")) == "true";
+  if (options.enclave && (options.key_store || is_enabled)) {
     try {
       security::check_enclave_name(name);
     } catch (const security::SecurityError& error) {
@@ -65,7 +66,7 @@ std::string selected_folder(const CLI::App& app, const BusOptions& options) {
   const std::string other = options.enclave ? "" : variable("ROS_SECURITY_ENCLAVE_OVERRIDE");
   const std::string folder = dds::enclave_by_environment(other.empty() ? name : "");
   if (!folder.empty()) return folder;
-  if (CLI::detail::to_lower(variable("ROS_SECURITY_ENABLE")) == "true") {
+  if (is_enabled) {
     logging::warning("security: ROS_SECURITY_KEYSTORE has no enclave " +
                      relative(other.empty() ? name : other) +
                      ", so this program joins without security, as ROS_SECURITY_STRATEGY=Permissive allows");
@@ -83,14 +84,13 @@ bool matches_any(const std::vector<std::string>& patterns, const std::string& na
 
 /// A topic without which a program is of no use. Other topics depend on its options.
 struct Necessity {
-  std::string_view role;
+  std::string_view program;
   bool writes;
   const char* topic;
 };
 constexpr std::array necessities{
-    Necessity{"bridge", true, "sonopose/imu"}, Necessity{"fusion", true, "sonopose/pose"},
-    Necessity{"monitor", false, "sonopose/pose"}, Necessity{"web", false, "sonopose/pose"},
-    Necessity{"autopilot", false, "sonopose/pose"}};
+    Necessity{"sonopose-bridge", true, "sonopose/imu"}, Necessity{"sonopose-fusion", true, "sonopose/pose"},
+    Necessity{"sonopose-web", false, "sonopose/pose"}, Necessity{"sonopose-mavlink", false, "sonopose/pose"}};
 
 /// Throws std::invalid_argument, which names the option, if the enclave is of no use here: Cyclone DDS would
 /// refuse a reader or a writer later, in words that name neither.
@@ -111,14 +111,13 @@ void check_rights(const CLI::App& app, const BusOptions& options, const security
         "--partition {}: the enclave {} may not use it, only {}", partition, folder,
         grant.partitions.empty() ? "no partition" : fmt::format("{}", fmt::join(grant.partitions, ", "))));
   }
-  const std::string role = own_name(app);
   for (const Necessity& each : necessities) {
     const auto& topics = each.writes ? grant.access.writes : grant.access.reads;
-    if (each.role != role || matches_any(topics, each.topic)) continue;
+    if (each.program != app.get_name() || matches_any(topics, each.topic)) continue;
     throw std::invalid_argument(
         fmt::format("--enclave {}: may not {} {}, which {} needs: give it an enclave of the role {} "
                     "(sonopose-security list)",
-                    folder, each.writes ? "write" : "read", each.topic, app.get_name(), role));
+                    folder, each.writes ? "write" : "read", each.topic, app.get_name(), own_name(app)));
   }
 }
 
@@ -137,6 +136,8 @@ void check_enclave(const CLI::App& app, BusOptions& options) {
     options.domain.enclave_folder = selected_folder(app, options);
     if (options.domain.enclave_folder.empty()) return;
     check_rights(app, options, security::read_enclave(options.domain.enclave_folder, host_now_s()));
+  } catch (const security::NotYetValid&) {
+    throw;  // a service that is started again finds a better clock
   } catch (const security::SecurityError& error) {
     throw config::ConfigError(origin_of_enclave(options) + ": " + error.what());
   } catch (const std::invalid_argument& error) {

@@ -33,7 +33,7 @@ const char* text_of(Silence silence) {
     case Silence::late:
       return "the poses are late";
     case Silence::doubtful:
-      return "the poses are stale, untrusted or inconsistent, or were just now";
+      return "the poses are stale, untrusted or inconsistent, or not yet good for 0.5 s";
     case Silence::no_mount:
       return "the mount of the IMU is unknown";
     case Silence::yaw_unknown:

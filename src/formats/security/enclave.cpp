@@ -77,8 +77,8 @@ public:
            is_authority ? "make a new key store with sonopose-security init" : remedy(file));
     }
     if (now_s < validity.not_before_s) {
-      throw SecurityError(fmt::format("{}: not valid before {}: is the clock of this machine right?",
-                                      path(file), date_time_text(validity.not_before_s)));
+      throw NotYetValid(fmt::format("{}: not valid before {}: is the clock of this machine right?",
+                                    path(file), date_time_text(validity.not_before_s)));
     }
   }
 
@@ -97,9 +97,12 @@ public:
 private:
   /// Returns what makes a file good. The enclave has links to those of the whole store, which `renew` makes.
   [[nodiscard]] std::string remedy(const char* file) const {
-    std::error_code error;
-    const bool is_link = fs::is_symlink(folder_ / file, error);
-    if (is_link && std::string_view(file) == governance_file) {
+    const bool is_governance = std::string_view(file) == governance_file;
+    const fs::path shared = store_of(folder_) / (is_governance ? "enclaves" : "public") / file;
+    std::error_code no_link;
+    const fs::path target = fs::read_symlink(folder_ / file, no_link);
+    const bool is_link = !no_link && (folder_ / target).lexically_normal() == shared.lexically_normal();
+    if (is_link && is_governance) {
       return fmt::format("run sonopose-security governance {}", store_of(folder_).string());
     }
     if (is_link && is_certificate_of_authority(file)) {

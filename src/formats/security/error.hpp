@@ -12,4 +12,10 @@ public:
   using std::runtime_error::runtime_error;
 };
 
+/// A certificate or document whose time has not come, or a clock that is behind: it can be used later.
+class NotYetValid : public SecurityError {
+public:
+  using SecurityError::SecurityError;
+};
+
 }  // namespace sonopose::security

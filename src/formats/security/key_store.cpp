@@ -13,6 +13,8 @@
 #include <array>
 #include <cerrno>
 #include <fcntl.h>
+#include <optional>
+#include <set>
 #include <sstream>
 #include <string_view>
 #include <sys/file.h>
@@ -88,28 +90,71 @@ private:
 constexpr std::array enclave_files{key_file,        certificate_file, permissions_file,    permissions_source,
                                    governance_file, identity_ca_file, permissions_ca_file, revocation_file};
 
-/// Returns the list of revoked certificates, or its private copy if that is lost or broken. Empty in a store
-/// of SROS2 that has none.
-std::string revocations(const fs::path& store, const std::string& issuer_pem) {
-  const fs::path list = store / "public" / revocation_file;
-  std::string problem;
-  for (const fs::path& file : {list, store / "private" / revocation_file}) {
-    try {
-      std::string text = read_file(file, "");
-      revoked_serials(text, issuer_pem, file.string());
-      return text;
-    } catch (const SecurityError& error) {
-      if (problem.empty()) problem = error.what();
-    }
+bool is_there(const fs::path& file) {
+  std::error_code error;
+  return fs::exists(fs::symlink_status(file, error));
+}
+
+/// True if a store has, or had, a list of revoked certificates. One of SROS2 need not have.
+bool must_have_list(const fs::path& store, const std::string& issuer_pem) {
+  if (has_own_list(facts_of(issuer_pem, "authority"))) return true;
+  if (is_there(store / "public" / revocation_file) || is_there(store / "private" / revocation_file))
+    return true;
+  return std::ranges::any_of(files_below(store / "enclaves"),
+                             [](const fs::path& file) { return file.filename() == revocation_file; });
+}
+
+struct RevocationList {
+  std::string text;
+  std::set<std::string> serials;
+};
+
+/// Reads a list of revoked certificates. Empty, with the reason in `problem`, if it cannot be used.
+std::optional<RevocationList> read_list(const fs::path& file, const std::string& issuer_pem,
+                                        std::string& problem) {
+  try {
+    std::string text = read_file(file, "");
+    const auto serials = revoked_serials(text, issuer_pem, file.string());
+    return RevocationList{std::move(text), {serials.begin(), serials.end()}};
+  } catch (const SecurityError& error) {
+    if (problem.empty()) problem = error.what();
+    return std::nullopt;
   }
-  std::error_code absent;
-  if (!fs::exists(list, absent) && !has_own_list(facts_of(issuer_pem, "authority"))) return {};
-  throw SecurityError(problem + "; restore it from an enclave of another machine");
+}
+
+/// Returns the list of revoked certificates: the public or the private one, whichever can be read and lacks
+/// no certificate of the other. So an older copy does not admit again what was revoked since. Empty if the
+/// store has none.
+std::string revocations(const fs::path& store, const std::string& issuer_pem) {
+  if (!must_have_list(store, issuer_pem)) return {};
+  const fs::path public_file = store / "public" / revocation_file;
+  const fs::path private_file = store / "private" / revocation_file;
+  std::string problem;
+  const auto list = read_list(public_file, issuer_pem, problem);
+  const auto copy = read_list(private_file, issuer_pem, problem);
+  if (!list && !copy) throw SecurityError(problem + "; restore it from an enclave of another machine");
+  if (!copy || (list && std::ranges::includes(list->serials, copy->serials))) return list->text;
+  if (!list || std::ranges::includes(copy->serials, list->serials)) return copy->text;
+  throw SecurityError(
+      fmt::format("{} and {}: each lacks a certificate that the other revokes; restore one of "
+                  "them from an enclave of another machine",
+                  public_file.string(), private_file.string()));
 }
 
 void write_revocations(const fs::path& store, const std::string& list) {
   files::write_private(store / "private" / revocation_file, list);
   files::write_whole(store / "public" / revocation_file, list);
+}
+
+/// Removes links among the own files of an enclave: what is written through one changes another enclave.
+void remove_links(const fs::path& enclave) {
+  for (const char* const file : {key_file, certificate_file, permissions_file, permissions_source}) {
+    std::error_code error;
+    if (fs::is_symlink(enclave / file, error)) fs::remove(enclave / file, error);
+    if (error && error != std::errc::no_such_file_or_directory) {
+      throw SecurityError(fmt::format("{}: {}", (enclave / file).string(), error.message()));
+    }
+  }
 }
 
 /// Links an enclave to the files of the whole store, after restoring the list of revoked certificates.
@@ -308,6 +353,7 @@ void KeyStore::add(const std::string& name, const EnclaveOptions& options) const
                     .access = access_of(options.roles),
                     .partitions = options.partitions};
   make_folder(folder, fs::perms::owner_all);
+  remove_links(folder);
   link_shared_files(folder_, folder, issuer.certificate_pem);
   files::write_whole(folder / permissions_source, permissions_xml(grant));
   sign(folder / permissions_source, folder / permissions_file);
@@ -321,6 +367,7 @@ void KeyStore::renew(const std::string& name, const Validity& validity) const {
   const KeyPair issuer = authority(identity_authority);
   const std::string permissions = own_permissions(folder_, name);
   const bool is_qualified = grant_of(permissions, source.string()).subject.starts_with("dnQualifier=");
+  remove_links(folder);
   link_shared_files(folder_, folder, issuer.certificate_pem);
   files::write_whole(source, with_validity(permissions, validity, source.string()));
   sign(source, folder / permissions_file);

@@ -176,6 +176,7 @@ std::string governance_xml(Protection protection) {
 std::string protection_in(const std::string& governance, const std::string& origin) {
   pugi::xml_document document;
   if (!document.load_buffer(governance.data(), governance.size())) throw SecurityError(origin + ": no XML");
+  if (!document.select_node("//domain_rule")) throw SecurityError(origin + ": no domain_rule");
   std::string found;
   for (const pugi::xpath_node each : document.select_nodes("//topic_rule")) {
     const std::string kinds = std::string(each.node().child("metadata_protection_kind").text().get()) +

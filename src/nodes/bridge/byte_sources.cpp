@@ -305,11 +305,14 @@ public:
 
   void run(publication::SampleSink& sink, const process::StopSignal& stop) override {
     const TimeNs origin_ns = clocks::host_now();
-    const auto publish = [this, &sink](const Event& event) {
+    bool stopped = false;
+    // Samples after a step of the beacon's clock are kept until it shows whether that was a pause.
+    const auto publish = [&](const Event& event) {
+      stopped = stopped || !pacer_.wait_for(available_at_ns(event), sink, stop);
+      if (stopped) return;
       ++events_;
       pass_on(event, options_.imu_meaning, sink);
     };
-    bool stopped = false;
     // Publish a sample when its packet was sent, not when it was read from the file.
     const auto play = [&](const marvelmind::Packet& packet) {
       if (stopped) return;

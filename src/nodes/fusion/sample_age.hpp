@@ -73,7 +73,8 @@ private:
     SteadyTime began_;
   };
 
-  /// Detects that the least delay of each second stays the same for three seconds, whatever the others.
+  /// Detects that the least delay of each second stays the same for three seconds, with most others near it:
+  /// a network delays a few samples, a busy process most of them.
   class ConstantLeast {
   public:
     bool add(TimeNs delay_ns, SteadyTime now) {
@@ -81,17 +82,23 @@ private:
       if (!began_ || now - *began_ >= second_ns) {
         const TimeNs change_ns = saturated_difference(least_ns_, before_ns_);
         const bool is_equal = change_ns <= tolerance_ns / 2 && change_ns >= -tolerance_ns / 2;
-        equal_seconds_ = began_ && is_equal ? equal_seconds_ + 1 : 0;
+        const bool are_near = 4 * near_ >= 3 * count_;
+        equal_seconds_ = began_ && is_equal && are_near ? equal_seconds_ + 1 : 0;
         before_ns_ = std::exchange(least_ns_, delay_ns);
+        count_ = near_ = 0;
         began_ = now;
       }
       least_ns_ = std::min(least_ns_, delay_ns);
+      ++count_;
+      if (saturated_difference(delay_ns, before_ns_) <= tolerance_ns / 2) ++near_;
       return equal_seconds_ >= 2;
     }
 
   private:
     TimeNs least_ns_ = std::numeric_limits<TimeNs>::max();   ///< of the present second
     TimeNs before_ns_ = std::numeric_limits<TimeNs>::min();  ///< of the one before
+    int count_ = 0;                                          ///< delays of the present second
+    int near_ = 0;  ///< those near the least one of the second before
     int equal_seconds_ = 0;
     std::optional<SteadyTime> began_;
   };

@@ -379,6 +379,7 @@ SCENARIO("A check finds what programs would miss") {
   }
   WHEN("the list of revoked certificates is deleted after a revocation") {
     const std::string serial = store.read("consumer").serial;
+    const std::string older = read_text(store.keys.folder() / "public/crl.pem");
     store.keys.revoke("consumer", now_s);
     fs::remove(store.keys.folder() / "public/crl.pem");
     CHECK_THAT(problem(), Contains("fusion/crl.pem: does not exist; run sonopose-security renew"));
@@ -393,6 +394,15 @@ SCENARIO("A check finds what programs would miss") {
       CHECK(revoked_serials(read_text(store.keys.enclave_folder("fusion") / "crl.pem"),
                             read_text(store.keys.folder() / "public/identity_ca.cert.pem"),
                             "crl.pem") == std::vector<std::string>{serial});
+      AND_WHEN("an older list, without the revocation, takes its place") {
+        write_text(store.keys.folder() / "public/crl.pem", older);
+        store.keys.renew("fusion", year);
+        THEN("the revocation is still known") {
+          CHECK(revoked_serials(read_text(store.keys.folder() / "public/crl.pem"),
+                                read_text(store.keys.folder() / "public/identity_ca.cert.pem"),
+                                "crl.pem") == std::vector<std::string>{serial});
+        }
+      }
       AND_WHEN("its copy is lost as well") {
         fs::remove(store.keys.folder() / "public/crl.pem");
         fs::remove(store.keys.folder() / "private/crl.pem");
@@ -401,6 +411,33 @@ SCENARIO("A check finds what programs would miss") {
       }
     }
   }
+}
+
+SCENARIO("A renewed enclave changes no other one") {
+  const Store store;
+  store.add("fusion", {"fusion"});
+  store.add("consumer", {"consumer"});
+  const std::string before = read_text(store.keys.enclave_folder("fusion") / "key.pem");
+  for (const char* const file : {"cert.pem", "key.pem", "permissions.p7s"}) {
+    const fs::path own = store.keys.enclave_folder("consumer") / file;
+    fs::remove(own);
+    fs::create_symlink("../fusion/" + std::string(file), own);
+  }
+  store.keys.renew("consumer", year);
+  CHECK(read_text(store.keys.enclave_folder("fusion") / "key.pem") == before);
+  CHECK(store.problems().empty());
+}
+
+SCENARIO("A link of an enclave to a wrong place is mended as the refusal says") {
+  const Store store;
+  store.add("fusion", {"fusion"});
+  const std::string file = GENERATE("governance.p7s", "identity_ca.cert.pem", "permissions_ca.cert.pem");
+  const fs::path link = store.keys.enclave_folder("fusion") / file;
+  fs::remove(link);
+  fs::create_symlink("../nowhere/" + file, link);
+  CHECK_THROWS_WITH(store.read("fusion"), Contains(file) && Contains("run sonopose-security renew"));
+  store.keys.renew("fusion", year);
+  CHECK(store.problems().empty());
 }
 
 SCENARIO("A certificate that lets others begin the handshake") {

@@ -51,7 +51,7 @@ Integral::Integral(std::span<const Reading> imu, Vector3d signs) : imu_(imu), si
 }
 
 void Integral::set_biases(const Vector3d& gyro_bias_radps, const Vector3d& accel_bias_mps2) {
-  // What is not linear then moves the position by about 3 mm in 8 s.
+  // What is not linear then moves the position by less than 1 cm in 8 s, less than the noise of a fix.
   constexpr double max_gyro_change_radps = 5e-4;
   constexpr double max_accel_change_mps2 = 0.2;
   gyro_bias_change_radps_ = gyro_bias_radps - gyro_bias_radps_;

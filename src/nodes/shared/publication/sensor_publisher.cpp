@@ -175,6 +175,10 @@ SensorPublisher::Publisher::Publisher(const PublisherOptions& options,
     recording_.emplace(*options.record_folder, options.source_settings,
                        lossless_ ? FullQueuePolicy::wait : FullQueuePolicy::lose);
   } catch (const files::IoError& error) {
+    // A full disk may have space later, and another one may be mounted: such an error is no wrong option.
+    std::error_code code;
+    const bool exists = std::filesystem::exists(*options.record_folder, code);
+    if (!exists && code != std::errc::not_a_directory && code != std::errc::filename_too_long) throw;
     throw std::invalid_argument(fmt::format("--record: {}", error.what()));
   }
 }

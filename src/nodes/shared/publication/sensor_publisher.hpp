@@ -29,8 +29,8 @@ struct PublisherOptions {
 
 class SensorPublisher {
 public:
-  /// Joins the domain. Throws dds::core::Exception, dds::qos::FileError, and std::invalid_argument for a
-  /// folder that cannot be recorded into.
+  /// Joins the domain. Throws dds::core::Exception, dds::qos::FileError, files::IoError, and
+  /// std::invalid_argument for a folder that can never be recorded into.
   SensorPublisher(const dds::DomainOptions& domain, const PublisherOptions& options);
   /// Uses a participant. Throws std::invalid_argument for `lossless` and `batch`, which are also options of
   /// its domain.

@@ -42,7 +42,7 @@ TEST_CASE("Only the word Permissive lets a process without its enclave join with
   CHECK(enclave_by_environment("fusoin").empty());
 }
 
-TEST_CASE("ROS_SECURITY_ENABLE is true or false in any case, and no other word") {
+TEST_CASE("ROS_SECURITY_ENABLE is true or false, in upper or lower case, and no other word") {
   const Environment key_store("ROS_SECURITY_KEYSTORE", "/nonexistent/keys");
   const Environment strategy("ROS_SECURITY_STRATEGY", nullptr);
   for (const char* const value : {"true", "True", "TRUE"}) {
