@@ -58,7 +58,6 @@ SCENARIO("other programs accept the written configuration, and name settings of 
     const Result taken = run(SONOPOSE_TEST_ATTITUDE, {log, "--config", out, "--beacon", "7"});
     CHECK(taken.code == 0);
     CHECK(taken.error.empty() == (std::string(beacon) == "7"));
-    CHECK_THAT(taken.error, !Contains("beacon 7;"));
     if (!taken.error.empty()) CHECK_THAT(taken.error, Contains("not used: the settings of beacon 9"));
   }
 }
