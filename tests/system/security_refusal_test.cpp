@@ -43,7 +43,7 @@ SCENARIO("an enclave that does not fit the program is a mistake of its configura
     refused(SONOPOSE_TEST_FUSION, {"--domain", "231", "--check-config"}, "--domain 231: ");
     refused(SONOPOSE_TEST_BRIDGE, {"--enclave", "fusion", "--scenario", "rest"},
             "may not write sonopose/imu");
-    refused(SONOPOSE_TEST_MONITOR, {"--enclave", "bridge"}, "may not read sonopose/pose");
+    refused(SONOPOSE_TEST_MONITOR, {"--enclave", "bridge"}, "sonopose/pose");
     CHECK_THAT(run(SONOPOSE_TEST_FUSION, {"--security", "", "--check-config"}).error,
                Contains("--security: the path is empty"));
   }

@@ -6,6 +6,7 @@
 #include "security/error.hpp"
 #include "security/revocation.hpp"
 #include "security/signed_document.hpp"
+#include "security/store_revocations.hpp"
 
 #include <fmt/format.h>
 
@@ -13,8 +14,6 @@
 #include <array>
 #include <cerrno>
 #include <fcntl.h>
-#include <optional>
-#include <set>
 #include <sstream>
 #include <string_view>
 #include <sys/file.h>
@@ -89,62 +88,6 @@ private:
 /// Every file of an enclave.
 constexpr std::array enclave_files{key_file,        certificate_file, permissions_file,    permissions_source,
                                    governance_file, identity_ca_file, permissions_ca_file, revocation_file};
-
-bool is_there(const fs::path& file) {
-  std::error_code error;
-  return fs::exists(fs::symlink_status(file, error));
-}
-
-/// True if a store has, or had, a list of revoked certificates. One of SROS2 need not have.
-bool must_have_list(const fs::path& store, const std::string& issuer_pem) {
-  if (has_own_list(facts_of(issuer_pem, "authority"))) return true;
-  if (is_there(store / "public" / revocation_file) || is_there(store / "private" / revocation_file))
-    return true;
-  return std::ranges::any_of(files_below(store / "enclaves"),
-                             [](const fs::path& file) { return file.filename() == revocation_file; });
-}
-
-struct RevocationList {
-  std::string text;
-  std::set<std::string> serials;
-};
-
-/// Reads a list of revoked certificates. Empty, with the reason in `problem`, if it cannot be used.
-std::optional<RevocationList> read_list(const fs::path& file, const std::string& issuer_pem,
-                                        std::string& problem) {
-  try {
-    std::string text = read_file(file, "");
-    const auto serials = revoked_serials(text, issuer_pem, file.string());
-    return RevocationList{std::move(text), {serials.begin(), serials.end()}};
-  } catch (const SecurityError& error) {
-    if (problem.empty()) problem = error.what();
-    return std::nullopt;
-  }
-}
-
-/// Returns the list of revoked certificates: the public or the private one, whichever can be read and lacks
-/// no certificate of the other. So an older copy does not admit again what was revoked since. Empty if the
-/// store has none.
-std::string revocations(const fs::path& store, const std::string& issuer_pem) {
-  if (!must_have_list(store, issuer_pem)) return {};
-  const fs::path public_file = store / "public" / revocation_file;
-  const fs::path private_file = store / "private" / revocation_file;
-  std::string problem;
-  const auto list = read_list(public_file, issuer_pem, problem);
-  const auto copy = read_list(private_file, issuer_pem, problem);
-  if (!list && !copy) throw SecurityError(problem + "; restore it from an enclave of another machine");
-  if (!copy || (list && std::ranges::includes(list->serials, copy->serials))) return list->text;
-  if (!list || std::ranges::includes(copy->serials, list->serials)) return copy->text;
-  throw SecurityError(
-      fmt::format("{} and {}: each lacks a certificate that the other revokes; restore one of "
-                  "them from an enclave of another machine",
-                  public_file.string(), private_file.string()));
-}
-
-void write_revocations(const fs::path& store, const std::string& list) {
-  files::write_private(store / "private" / revocation_file, list);
-  files::write_whole(store / "public" / revocation_file, list);
-}
 
 /// Removes links among the own files of an enclave: what is written through one changes another enclave.
 void remove_links(const fs::path& enclave) {

@@ -34,6 +34,15 @@
 namespace sonopose::publication {
 namespace {
 
+/// True if a folder that cannot be made may be made later: a full disk has space, or another one is mounted.
+bool waiting_may_help(const std::filesystem::path& folder) {
+  std::error_code error;
+  if (std::filesystem::exists(folder, error)) return false;
+  std::filesystem::path parent = folder.parent_path();
+  while (!std::filesystem::exists(parent, error) && parent.has_relative_path()) parent = parent.parent_path();
+  return std::filesystem::is_directory(parent, error);
+}
+
 /// Joins the domain. A live bridge does not wait for a stalled fusion.
 dds::domain::DomainParticipant participant_in(dds::DomainOptions domain, const PublisherOptions& options) {
   domain.wait_for_readers = options.lossless;
@@ -175,10 +184,7 @@ SensorPublisher::Publisher::Publisher(const PublisherOptions& options,
     recording_.emplace(*options.record_folder, options.source_settings,
                        lossless_ ? FullQueuePolicy::wait : FullQueuePolicy::lose);
   } catch (const files::IoError& error) {
-    // A full disk may have space later, and another one may be mounted: such an error is no wrong option.
-    std::error_code code;
-    const bool exists = std::filesystem::exists(*options.record_folder, code);
-    if (!exists && code != std::errc::not_a_directory && code != std::errc::filename_too_long) throw;
+    if (waiting_may_help(std::filesystem::absolute(*options.record_folder))) throw;
     throw std::invalid_argument(fmt::format("--record: {}", error.what()));
   }
 }
