@@ -130,17 +130,17 @@ std::string own_permissions(const fs::path& store, const std::string& name) {
     throw SecurityError(
         fmt::format("{}: no such enclave; run {}", folder.string(), command_for(folder, "enclave")));
   }
-  const std::string anew =
+  const std::string remedy =
       fmt::format("run {}, then {}", command_for(folder, "revoke"), command_for(folder, "enclave"));
   std::string text =
-      fs::exists(source, absent) ? read_file(source, anew) : signed_text(store, folder / permissions_file);
-  if (text.empty()) throw SecurityError(fmt::format("{}: empty or lost; {}", source.string(), anew));
+      fs::exists(source, absent) ? read_file(source, remedy) : signed_text(store, folder / permissions_file);
+  if (text.empty()) throw SecurityError(fmt::format("{}: empty or lost; {}", source.string(), remedy));
   try {
     const std::string subject = grant_of(text, source.string()).subject;
     if (is_subject_of(name, subject)) return text;
     throw SecurityError(fmt::format("{}: of {}, not of this enclave", source.string(), subject));
   } catch (const SecurityError& error) {
-    throw SecurityError(fmt::format("{}; edit it, or {}", error.what(), anew));
+    throw SecurityError(fmt::format("{}; edit it, or {}", error.what(), remedy));
   }
 }
 
