@@ -34,9 +34,9 @@ Access access_of(std::string_view role) {
   }
   // The parameters of the relay's node are the settings of the fusion.
   if (role == "ros2") {
-    return {
-        .writes = {"rt/*", "rq/*", "rr/*", "ros_discovery_info", "sonopose/settings_request", "sonopose/log"},
-        .reads = {"rt/*", "rq/*", "rr/*", "ros_discovery_info", "sonopose/*"}};
+    return {.writes = {"rt/*", "rq/*", "rr/*", "ros_discovery_info", "sonopose/settings_request",
+                       "sonopose/reset", "sonopose/log"},
+            .reads = {"rt/*", "rq/*", "rr/*", "ros_discovery_info", "sonopose/*"}};
   }
   if (role == "recorder") return {.writes = {}, .reads = {"sonopose/*", "rt/*"}};
   if (role == "monitor") return {.writes = {}, .reads = all};

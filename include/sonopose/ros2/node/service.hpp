@@ -6,6 +6,9 @@
 
 #include <sonopose/dds/psm/ext.hpp>
 
+#include <algorithm>
+#include <cstdint>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <string>
@@ -42,7 +45,8 @@ public:
   /// Calls `handle(const Request&, reply)` for every pending request. `handle` calls `reply(Response)` once;
   /// the header is filled in here. If the reply reader of a client is not discovered yet, requests wait for
   /// at most `max_waits` later calls. A client without a reader therefore does not block others. Returns true
-  /// if requests wait.
+  /// if requests wait. If `handle` throws before it replies, the reply is empty; the last exception is thrown
+  /// after all requests are handled.
   template <class Handle>
   bool serve(const Handle& handle) {
     for (const auto& sample : requests_.select().max_samples(max_pending).read()) {
@@ -50,12 +54,22 @@ public:
       if (waits && ++waits_ < max_waits) return true;
     }
     waits_ = 0;
+    std::exception_ptr error;
     dds::ext::take_each(requests_, [&](const Request& request, const dds::sub::SampleInfo&) {
-      handle(request, [&](Response response) {
+      bool has_replied = false;
+      const auto reply = [&](Response response) {
         response.header = request.header;
         dds::ext::try_write(replies_, response);
-      });
+        has_replied = true;
+      };
+      try {
+        handle(request, reply);
+      } catch (...) {  // the client waits for a reply
+        if (!has_replied) reply({});
+        error = std::current_exception();
+      }
     });
+    if (error) std::rethrow_exception(error);
     return false;
   }
 

@@ -359,8 +359,14 @@ std::vector<BeaconAddress> ParameterServer::reset_beacons() {
 }
 
 void ParameterServer::reset(const auto& reply) {
-  const auto beacons = reset_beacons();
-  std::string message = beacons.empty() ? "no fusion has reset a beacon" : "reset";
+  std::vector<BeaconAddress> beacons;
+  std::string message;
+  try {
+    beacons = reset_beacons();
+    message = beacons.empty() ? "no fusion has reset a beacon" : "reset";
+  } catch (const std::exception& error) {  // DDS Security may refuse the topic
+    message = error.what();
+  }
   for (const BeaconAddress address : beacons) message += fmt::format(" {}", address);
   ros2::Trigger::Response response{};
   response.success = !beacons.empty();

@@ -15,7 +15,9 @@
 #include <algorithm>
 #include <chrono>
 #include <set>
+#include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace sonopose::parameter_server_test {
@@ -84,8 +86,9 @@ private:
 template <class S>
 class Client {
 public:
-  Client(const System& system, const std::string& service)
-      : participant_(dds::ext::participant(system.options())),
+  Client(const System& system, const std::string& service) : Client(system.options(), service) {}
+  Client(const dds::DomainOptions& domain, const std::string& service)
+      : participant_(dds::ext::participant(domain)),
         requests_(dds::pub::Publisher(participant_), {participant_, "rq/sonopose/" + service + "Request"},
                   qos()),
         replies_(dds::sub::Subscriber(participant_), {participant_, "rr/sonopose/" + service + "Reply"},
@@ -410,6 +413,31 @@ TEST_CASE("A client resets the fusion, and receives the addresses of the beacons
   const System system;
   Client<ros2::Trigger> reset(system, "reset");
   CHECK(reset_by(reset) == "reset 7");
+}
+
+TEST_CASE("A client receives an empty reply from a service that fails") {
+  ::unsetenv("CYCLONEDDS_URI");
+  const test::TestDomain domain;
+  const dds::DomainOptions options{.domain_id = domain.id()};
+  const dds::qos::Provider qos;
+  ros2::Node node(dds::ext::participant(options), qos, ros2::NameResolver({}), ros2::Distro::jazzy);
+  auto service = node.make_service<ros2::Trigger>("~/reset");
+  node.announce();
+  const std::jthread serving([&](const std::stop_token& end) {
+    while (!end.stop_requested()) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      try {
+        service.serve(
+            [](const auto& /*request*/, const auto& /*reply*/) { throw std::runtime_error("refused"); });
+      } catch (const std::runtime_error&) {
+      }
+    }
+  });
+  Client<ros2::Trigger> client(options, "reset");
+  client.call({}, [](const ros2::Trigger::Response& response) {
+    CHECK_FALSE(response.success);
+    CHECK(std::string(response.message).empty());
+  });
 }
 
 TEST_CASE("With --addresses, a client lists, sets and resets these beacons and no others") {
