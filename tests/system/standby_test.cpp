@@ -164,6 +164,7 @@ SCENARIO("a process that was stopped for a second passes nothing old off as live
           }
           CHECK(marked > 0);
           CHECK(status.wait_for([&](const FusionStatus& latest) { return latest.poses_late >= marked; }, 0));
+          CHECK(fusion->wait_for_line(Process::Stream::error, "old on arrival"));
         }
       }
     }

@@ -39,6 +39,7 @@ void StatusPublisher::publish_all(std::uint64_t unwritten) {
     publish_status(address, unwritten);
     publish_estimate(address);
     log_input_use(address);
+    late_logs_.try_emplace(address);
   }
   log_losses(unwritten, false);
   log_overload();
@@ -116,6 +117,12 @@ void StatusPublisher::log_losses(std::uint64_t unwritten, bool is_last) {
     logging::warning(fmt::format("{} with incompatible QoS; run sonopose-doctor to list them",
                                  text::count_text(*readers, "reader or writer", "readers or writers")));
   }
+  for (auto& [address, log] : late_logs_) {
+    if (const auto late = more(log, pose_publisher_.output_of(address).poses_late)) {
+      logging::warning(fmt::format("beacon {}: {} late: the IMU samples were old on arrival", address,
+                                   text::count_text(*late, "pose was", "poses were")));
+    }
+  }
 }
 
 void StatusPublisher::log_overload() {
@@ -127,6 +134,7 @@ void StatusPublisher::log_overload() {
 }
 
 void StatusPublisher::unregister(BeaconAddress address) noexcept {
+  late_logs_.erase(address);
   sonopose_FusionStatus status{};
   status.address = address;
   status.fusion_id = fusion_id_;

@@ -14,6 +14,7 @@
 #include <sonopose/dds/topics/topics.hpp>
 
 #include <cstdint>
+#include <map>
 
 namespace sonopose::fusion {
 
@@ -37,8 +38,8 @@ public:
   /// of the time since the last call.
   void log_gaps(bool waited_for_consumer);
 
-  /// Logs samples that could not be written, including `unwritten` of other parts; `is_last`: the process
-  /// ends.
+  /// Logs late poses, and samples that could not be written, including `unwritten` of other parts; `is_last`:
+  /// the process ends.
   void log_losses(std::uint64_t unwritten, bool is_last);
 
   /// Unregisters a beacon, so that consumers learn immediately that its status ends.
@@ -63,6 +64,7 @@ private:
   std::uint64_t unwritten_ = 0;  ///< unwritten statuses and estimates
   transitions::IncreaseLog unwritten_log_;
   transitions::IncreaseLog incompatible_log_;
+  std::map<BeaconAddress, transitions::IncreaseLog> late_logs_;
   bool overload_reported_ = false;
 };
 

@@ -56,8 +56,8 @@ private:
 
 /// Status bits that poses of a healthy beacon lack.
 inline constexpr std::uint32_t bad_status = status_stale | status_frozen_track | status_imu_gap |
-                                            status_low_trust | status_overloaded | status_imu_inconsistent |
-                                            status_fixes_inconsistent;
+                                            status_low_trust | status_late | status_overloaded |
+                                            status_imu_inconsistent | status_fixes_inconsistent;
 
 /// Fires when one of these bits appears in a beacon's poses and its previous pose had none.
 class BadStatusTrigger final : public TopicTrigger {

@@ -133,6 +133,9 @@ TEST_CASE("A status that turns bad is a trigger, once for each time") {
   CHECK(trigger.take() == TriggerCause::status);
   poses.on_sample(pose_cdr(7, sonopose_STATUS_STALE));
   CHECK(trigger.take() == TriggerCause::none);  // still bad
+  poses.on_sample(pose_cdr(7, sonopose_STATUS_UNCALIBRATED));
+  poses.on_sample(pose_cdr(7, sonopose_STATUS_LATE));
+  CHECK(trigger.take() == TriggerCause::status);
 }
 
 TEST_CASE("The selected topics") {

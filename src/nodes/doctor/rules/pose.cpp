@@ -56,6 +56,8 @@ constexpr std::array lasting_bits{
     LastingBit{status_overloaded, 0.3, 0.0, Cause::none, "its fusion is overloaded and skips poses",
                "give the fusion more processor time, or share its beacons between several fusions "
                "(docs/realtime.md)"},
+    LastingBit{status_late, 0.3, 0.0, Cause::none, "its IMU samples were old on arrival",
+               "check the network, the load of the machines, and that their clocks agree (docs/realtime.md)"},
 };
 
 /// "0.4", "12".
@@ -77,7 +79,8 @@ void check_pose(double window_s, const BeaconObservation& beacon, Cause cause, F
                         fmt::format("{}: {} ({} of {:.0f} s)", observation::status_words(lasting.bit),
                                     lasting.what, seconds_text(share * window_s), window_s),
                         lasting.remedy});
-    if (lasting.bit == status_initialising) return;  // implies the others
+    // These imply those that follow.
+    if (lasting.bit == status_initialising || lasting.bit == status_overloaded) return;
   }
 }
 

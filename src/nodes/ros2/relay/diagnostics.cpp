@@ -22,7 +22,7 @@ using ros2::Level;
 constexpr double low_battery_v = 3.5;
 constexpr std::uint32_t warning_bits = status_initialising | status_uncalibrated | status_stale |
                                        status_converging | status_heading_unknown | status_frozen_track |
-                                       status_imu_gap | status_low_trust | status_overloaded |
+                                       status_imu_gap | status_low_trust | status_late | status_overloaded |
                                        status_imu_inconsistent | status_fixes_inconsistent;
 
 /// Collects problems. The most severe one determines the level.

@@ -326,6 +326,8 @@ TEST_CASE("Status bits of the poses in the window are reported") {
         Case{status_frozen_track, "repeat one position", Severity::warning},
         Case{status_low_trust, "low trust in the fixes", Severity::warning},
         Case{status_overloaded, "overloaded and skips poses", Severity::warning},
+        Case{status_late, "old on arrival", Severity::warning},
+        Case{status_late | status_overloaded, "old on arrival", Severity::ok},  // a consequence
         Case{status_imu_gap, "stream has gaps", Severity::warning},
         Case{status_initialising, "is initialising", Severity::warning},
         Case{status_rotating_fast | status_converging | status_predicted, "", Severity::ok}}) {

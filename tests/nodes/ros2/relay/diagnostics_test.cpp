@@ -89,11 +89,12 @@ SCENARIO("the diagnostic of a beacon") {
         CHECK(says(diagnose(now, before), "stale"));
       }
     }
-    WHEN("its fusion is overloaded") {
-      now.pose.status = status_overloaded;
+    WHEN("its fusion is overloaded, or its poses are late") {
+      now.pose.status = status_overloaded | status_late;
       THEN("this is a warning") {
         CHECK(diagnose(now, before).level == Level::warning);
         CHECK(says(diagnose(now, before), "overloaded"));
+        CHECK(says(diagnose(now, before), "late"));
       }
     }
     WHEN("its battery is low") {
