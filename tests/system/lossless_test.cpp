@@ -173,6 +173,21 @@ SCENARIO("a log played as fast as possible to a fusion that is not lossless says
   }
 }
 
+SCENARIO("a log whose last reader ends before it fails the bridge") {
+  const Bus bus;
+  const TemporaryFolder folder;
+  const std::string log = (folder / "log").string();
+  REQUIRE(
+      bus.bridge({"--source", "sim", "--rate", "0", "--duration", "200", "--record", log})->wait_for_exit() ==
+      0);
+  const auto fusion = bus.fusion({"--lossless"});
+  const auto bridge = bus.bridge({"--source", "log", "--input", log, "--rate", "0"});
+  REQUIRE(fusion->wait_for_line(Stream::error, "beacon 7: found"));
+  CHECK(fusion->end_by(SIGTERM).code == 0);
+  CHECK(bridge->wait_for_exit() == 1);
+  CHECK_THAT(bridge->text(Stream::error), Catch::Contains("the last reader has ended before the recording"));
+}
+
 SCENARIO("a lossless fusion that missed the first events reports what it waits for") {
   const Bus bus;
   const auto bridge = bus.bridge({"--source", "sim"});

@@ -21,6 +21,7 @@
 #include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cstdint>
 #include <map>
@@ -96,13 +97,18 @@ public:
   }
   void wait_for_readers(const process::StopSignal& stop) {
     writers_.wait_for_readers();
+    awaits_readers_ = lossless_;
     if (lossy_fusions_) lossy_fusions_->warn(stop);
   }
   void wait_until_read(const process::StopSignal& stop) {
-    writers_.wait_until_read();
+    const auto unread = writers_.wait_until_read();
+    check_readers();
     if (lossy_fusions_) lost_by_fusions_ = lossy_fusions_->count_lost(stop);
+    if (unread.empty()) return;
+    logging::warning(fmt::format("a reader has not received all of {}", fmt::join(unread, ", ")));
+    has_unread_ |= lossless_;
   }
-  [[nodiscard]] std::uint64_t lost_by_fusions() const { return lost_by_fusions_; }
+  [[nodiscard]] std::uint64_t lost_by_fusions() const { return lost_by_fusions_ + (has_unread_ ? 1 : 0); }
   /// Throws files::IoError if samples were not recorded.
   void finish_recording() {
     if (recording_) recording_->finish();
@@ -138,6 +144,7 @@ private:
   void publish(const PairHeading& heading, Beacon& beacon);
   void publish(const TwistSample& twist, Beacon& /*beacon*/) { writers_.write(twist); }
   void publish_status(Beacon& beacon, SteadyTime now);
+  void check_readers();
   void publish(LineStatus& line);
   void log(const transitions::Transition& transition, SteadyTime now);
   void log_unwritten(bool is_last = false);
@@ -152,6 +159,8 @@ private:
   OtherBridges others_;
   std::optional<LossyFusions> lossy_fusions_;  ///< empty unless lossless
   std::uint64_t lost_by_fusions_ = 0;
+  bool awaits_readers_ = false;  ///< a lossless recording that has had a reader all the time
+  bool has_unread_ = false;      ///< a part of a lossless recording reached no reader
   std::optional<BackgroundRecording> recording_;
   std::map<BeaconAddress, Beacon> beacons_;
   std::map<BeaconAddress, std::uint64_t> next_sequences_;  ///< numbers for returning beacons
@@ -330,6 +339,15 @@ void SensorPublisher::Publisher::publish_statuses(SteadyTime now) {
   status_last_ = now;
   status_due_ = now + period_ns;
   log_unwritten();
+  check_readers();
+}
+
+/// Warns once if the last reader of a lossless recording has ended: writes without readers succeed.
+void SensorPublisher::Publisher::check_readers() {
+  if (!awaits_readers_ || writers_.has_reader() || writers_.stopped()) return;
+  awaits_readers_ = false;
+  has_unread_ = true;
+  logging::warning("the last reader has ended before the recording: the rest of it is not received");
 }
 
 void SensorPublisher::Publisher::publish_status(Beacon& beacon, SteadyTime now) {

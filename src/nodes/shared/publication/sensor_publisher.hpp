@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// The bridge process: converts, numbers, stamps and publishes the samples of one source, and once a second
-/// the status of each beacon.
+/// Numbers, stamps and publishes the samples of one source, for the bridge and the ROS 2 relay, and once a
+/// second the status of each beacon.
 
 #include "process/stop_signal.hpp"
 #include "publication/source.hpp"
@@ -44,7 +44,8 @@ public:
   /// the source throws.
   void run(Source& source, const process::StopSignal& stop);
 
-  /// Number of events of a lossless recording that fusions have lost, because they are not lossless.
+  /// Number of events of a lossless recording that fusions have lost, because they are not lossless; at least
+  /// 1 if the last reader ended before the recording.
   [[nodiscard]] std::uint64_t lost_by_fusions() const;
 
   /// Waits until a recording is written. Throws files::IoError if samples are missing from it. Call it at the

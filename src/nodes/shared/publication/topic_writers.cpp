@@ -76,19 +76,26 @@ void TopicWriters::wait_for_readers() {
   }
 }
 
-void TopicWriters::wait_until_read() {
-  const auto wait = [this](auto& writer) {
+std::vector<std::string> TopicWriters::wait_until_read() {
+  std::vector<std::string> unread;
+  const auto wait = [&](auto& writer) {
     constexpr std::chrono::milliseconds step{200};
     constexpr int max_steps = 150;
-    for (int i = 0; i < max_steps && !stopped(); ++i) {
-      if (dds::ext::wait_for_acknowledgments(writer, step)) return;
+    for (int i = 0; i < max_steps; ++i) {
+      if (stopped() || dds::ext::wait_for_acknowledgments(writer, step)) return;
     }
+    unread.push_back(writer.topic().name());
   };
   wait(imu_);
   wait(fix_);
   wait(heading_);
   wait(twist_);
   wait(truth_);
+  return unread;
+}
+
+bool TopicWriters::has_reader() {
+  return imu_.publication_matched_status().current_count() > 0;
 }
 
 }  // namespace sonopose::publication

@@ -9,6 +9,8 @@
 #include <sonopose/dds/topics/topics.hpp>
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
 namespace sonopose::publication {
 
@@ -43,8 +45,11 @@ public:
 
   /// Waits until each stream has a reader. Call `obey` before.
   void wait_for_readers();
-  /// Waits until the readers have received everything.
-  void wait_until_read();
+  /// Waits until the readers have received everything, for up to 30 s for each topic. Returns the topics of
+  /// which some have not.
+  std::vector<std::string> wait_until_read();
+  /// True if the IMU stream has a reader.
+  [[nodiscard]] bool has_reader();
 
   [[nodiscard]] const dds::pub::AnyDataWriter& imu() const { return imu_; }
   [[nodiscard]] const dds::pub::AnyDataWriter& fix() const { return fix_; }
@@ -53,6 +58,7 @@ public:
   [[nodiscard]] const process::EndpointCounters& endpoints() const { return endpoints_; }
   /// Number of samples that could not be written.
   [[nodiscard]] std::uint64_t unwritten() const { return unwritten_; }
+  [[nodiscard]] bool stopped() const { return stop_ != nullptr && stop_->requested(); }
 
 private:
   template <class T>
@@ -61,7 +67,6 @@ private:
     if (dds::ext::retry_unless(give_up, [&] { return dds::ext::try_write(writer, sample); }) < 0)
       ++unwritten_;
   }
-  [[nodiscard]] bool stopped() const { return stop_ != nullptr && stop_->requested(); }
 
   const bool lossless_;
   const bool batch_;
