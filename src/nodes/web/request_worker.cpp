@@ -80,14 +80,15 @@ Reply RequestWorker::carry_out(const ChangeRequest& request) {
   settings_client::SettingsClient client(participant_, qos_file_);
   const std::string no_answer = fmt::format(
       "no fusion answered within {} s; is sonopose-fusion running in this domain?", answer_timeout_s);
+  const auto stopped = [this] { return stop_.requested(); };
   Reply reply{.id = request.id, .reason = {}};
   if (request.is_reset) {
-    const auto addresses = client.reset(request.settings.address, answer_timeout_s);
+    const auto addresses = client.reset(request.settings.address, answer_timeout_s, stopped);
     reply.accepted = !addresses.empty();
     reply.reason = reply.accepted ? "" : no_answer;
     return reply;
   }
-  const auto answer = client.change(request.settings, answer_timeout_s);
+  const auto answer = client.change(request.settings, answer_timeout_s, stopped);
   if (!answer) {
     reply.reason = no_answer;
     return reply;
