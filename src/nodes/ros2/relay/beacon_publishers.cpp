@@ -2,7 +2,6 @@
 
 #include "clocks/clocks.hpp"
 #include <sonopose/ros2/messages/borrow.hpp>
-#include <sonopose/settings/settings.hpp>
 
 #include <algorithm>
 #include <charconv>
@@ -26,14 +25,16 @@ std::optional<TimeNs> next_stamp(threads::Guarded<ros2::RisingStamp>& stamp, Tim
 
 }  // namespace
 
-std::optional<double> fix_std_of(const EffectiveSettings& settings) {
+double fix_std_of(const EffectiveSettings& settings) {
+  bool is_documented = false;
+  double std_m = 0;
   for (const auto& [key, value] : settings.values) {
-    if (key != "documented.uncertainty.fix_std_m") continue;
-    double std_m = 0;
-    std::from_chars(value.data(), value.data() + value.size(), std_m);
-    if (std_m > 0) return std_m;
+    if (key == "fusion.engine") is_documented = value == "documented";
+    if (key == "documented.uncertainty.fix_std_m") {
+      std::from_chars(value.data(), value.data() + value.size(), std_m);
+    }
   }
-  return std::nullopt;
+  return is_documented && std_m > 0 ? std_m : unknown_fix_std_m;
 }
 
 BeaconPublishers::BeaconPublishers(ros2::Node& node, const Output& output, BeaconAddress address,
@@ -47,7 +48,7 @@ BeaconPublishers::BeaconPublishers(ros2::Node& node, const Output& output, Beaco
       wakeup_(wakeup),
       publishes_mag_(output.topics.contains("imu/mag")),
       pose_rate_(output.rate_hz),
-      fix_std_m_(settings::UncertaintySettings{}.fix_std_m),
+      fix_std_m_(unknown_fix_std_m),
       detector_(address) {
   if (!output.mount_from_tf) mount_ = output.mount;
   const auto publish = [&]<class T>(dds::pub::DataWriter<T>& writer, const char* topic) {

@@ -23,8 +23,11 @@
 
 namespace sonopose::ros2::relay {
 
-/// The fusion's setting for the standard deviation of a fix without a learned one; empty if missing.
-std::optional<double> fix_std_of(const EffectiveSettings& settings);
+/// Standard deviation of a fix of unknown noise: that with which the Kalman engine starts.
+inline constexpr double unknown_fix_std_m = 0.05;
+
+/// Returns the standard deviation of a fix without a learned one: with the documented engine its setting.
+double fix_std_of(const EffectiveSettings& settings);
 
 /// Publishers of one beacon. `on` runs on Cyclone's receive thread or, for samples that this process
 /// publishes, on the bridge's thread. Locks are held for computations only, never while writing.

@@ -62,13 +62,12 @@ void NativeReceiver::on(const Estimate& estimate) {
 }
 
 void NativeReceiver::on(const EffectiveSettings& settings) {
-  const auto fix_std_m = fix_std_of(settings);
-  if (!fix_std_m) return;
+  const double fix_std_m = fix_std_of(settings);
   {
     const threads::Lock lock(mutex_);
-    fix_stds_m_[settings.address] = *fix_std_m;
+    fix_stds_m_[settings.address] = fix_std_m;
   }
-  if (const auto publishers = targets_.beacons.find(settings.address)) publishers->set_fix_std(*fix_std_m);
+  if (const auto publishers = targets_.beacons.find(settings.address)) publishers->set_fix_std(fix_std_m);
 }
 
 /// Keeps the lock, so that a setting that arrives meanwhile is assigned last.

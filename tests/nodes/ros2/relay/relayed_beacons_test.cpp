@@ -13,6 +13,14 @@ using ros2::relay::RelayedBeacons;
 constexpr TimeNs second_ns = 1'000'000'000;
 const SteadyTime start = SteadyTime{} + second_ns;
 
+SCENARIO("a fix without a learned noise is as uncertain as its engine assumes") {
+  EffectiveSettings settings;
+  settings.values = {{"fusion.engine", "documented"}, {"documented.uncertainty.fix_std_m", "0.1"}};
+  CHECK(ros2::relay::fix_std_of(settings) == 0.1);
+  settings.values.front().value = "kalman";
+  CHECK(ros2::relay::fix_std_of(settings) == 0.05);
+}
+
 SCENARIO("publishers exist from the first sample of a beacon, and are kept for its return") {
   GIVEN("a node") {
     const test::TestDomain domain;
