@@ -32,8 +32,11 @@ public:
     if (rank(level) > rank(level_)) level_ = level;
     problems_.push_back(std::move(problem));
   }
-  void add_increase(std::uint64_t now, std::uint64_t before, std::string_view one, std::string_view several) {
-    if (now > before) add(Level::warning, text::count_text(now - before, one, several));
+  void add_increase(std::uint64_t now, std::uint64_t before, std::string_view one, std::string_view several,
+                    std::string_view process = {}) {
+    if (now <= before) return;
+    add(Level::warning, fmt::format("{}{}{}", process, process.empty() ? "" : ": ",
+                                    text::count_text(now - before, one, several)));
   }
 
   [[nodiscard]] Level level() const { return level_; }
@@ -64,6 +67,18 @@ void check_pose(const observation::BeaconView& view, ProblemList& problems) {
   if (view.wrong_tilt_rad) problems.add(Level::warning, std::string(tilt_words(view)));
 }
 
+/// Adds the counters of problems that have increased.
+template <class Status, std::size_t Size>
+void add_increases(std::string_view process,
+                   const std::array<observation::StatusCounter<Status>, Size>& counters, const Status& now,
+                   const Status& before, ProblemList& problems) {
+  for (const auto& counter : counters) {
+    if (counter.problem.empty()) continue;
+    problems.add_increase(now.*counter.value, before.*counter.value, counter.problem, counter.problems,
+                          process);
+  }
+}
+
 void check_losses(const observation::BeaconView& view, const observation::BeaconView& before,
                   ProblemList& problems) {
   // A reader continues to miss deadlines after the writer is lost.
@@ -72,27 +87,10 @@ void check_losses(const observation::BeaconView& view, const observation::Beacon
                           "pose deadlines missed");
   problems.add_increase(view.losses, before.losses, "loss of the fusion", "losses of the fusion");
   if (view.bridge && before.bridge) {
-    const BeaconStatus& now = *view.bridge;
-    const BeaconStatus& then = *before.bridge;
-    problems.add_increase(now.imu_deadlines_missed, then.imu_deadlines_missed, "IMU deadline missed",
-                          "IMU deadlines missed");
-    problems.add_increase(now.fix_deadlines_missed, then.fix_deadlines_missed, "fix deadline missed",
-                          "fix deadlines missed");
-    problems.add_increase(now.heading_deadlines_missed, then.heading_deadlines_missed,
-                          "heading deadline missed", "heading deadlines missed");
-    problems.add_increase(now.crc_errors, then.crc_errors, "damaged frame", "damaged frames");
-    problems.add_increase(now.samples_unwritten, then.samples_unwritten, "sample not written",
-                          "samples not written");
-    problems.add_increase(now.samples_unrecorded, then.samples_unrecorded, "sample not recorded",
-                          "samples not recorded");
-    problems.add_increase(now.clock_resets, then.clock_resets, "reset of the beacon's clock",
-                          "resets of the beacon's clock");
+    add_increases("bridge", observation::bridge_counters, *view.bridge, *before.bridge, problems);
   }
   if (view.fusion && before.fusion && view.fusion->fusion_id == before.fusion->fusion_id) {
-    problems.add_increase(view.fusion->events_lost, before.fusion->events_lost, "event lost", "events lost");
-    problems.add_increase(view.fusion->samples_invalid, before.fusion->samples_invalid, "sample invalid",
-                          "samples invalid");
-    problems.add_increase(view.fusion->imu_gaps, before.fusion->imu_gaps, "IMU gap", "IMU gaps");
+    add_increases("fusion", observation::fusion_counters, *view.fusion, *before.fusion, problems);
   }
 }
 

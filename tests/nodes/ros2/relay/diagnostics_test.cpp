@@ -75,11 +75,13 @@ SCENARIO("the diagnostic of a beacon") {
     WHEN("two more were missed in this second, and an event lost") {
       now.bridge->imu_deadlines_missed = 2;
       now.fusion->events_lost = 1;
+      now.fusion->poses_unwritten = 3;
       const auto diagnostic = diagnose(now, before);
-      THEN("this is a warning with both counts") {
+      THEN("this is a warning with all counts") {
         CHECK(diagnostic.level == Level::warning);
-        CHECK(says(diagnostic, "2 IMU deadlines missed"));
-        CHECK(says(diagnostic, "1 event lost"));
+        CHECK(says(diagnostic, "bridge: 2 IMU deadlines missed"));
+        CHECK(says(diagnostic, "fusion: 1 event lost"));
+        CHECK(says(diagnostic, "fusion: 3 poses not written"));
       }
     }
     WHEN("its pose is stale or has low trust") {
