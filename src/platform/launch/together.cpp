@@ -120,12 +120,14 @@ public:
     if (pid_ < 0) fail("fork");
     if (pid_ == 0) become(program, signals, parent, writing.get());
     handle_.set(::pidfd_open(pid_, 0));
-    if (handle_.get() < 0) fail("pidfd_open");
+    if (handle_.get() >= 0) return;
+    const int error = errno;
+    end();  // no destructor runs
+    errno = error;
+    fail("pidfd_open");
   }
   ~Child() {
-    if (status_) return;
-    ::kill(pid_, SIGKILL);
-    ::waitpid(pid_, nullptr, 0);
+    if (!status_) end();
   }
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
@@ -175,6 +177,11 @@ public:
   }
 
 private:
+  void end() const {
+    ::kill(pid_, SIGKILL);
+    ::waitpid(pid_, nullptr, 0);
+  }
+
   [[noreturn]] void become(const Program& program, const Signals& signals, pid_t parent, int writing) const {
     ::prctl(PR_SET_PDEATHSIG, SIGTERM);
     if (::getppid() != parent) ::_exit(cannot_execute);  // the parent died before prctl
