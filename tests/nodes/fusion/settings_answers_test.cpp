@@ -1,6 +1,7 @@
 /// Replies to settings requests: warnings, and the event from which a change applies.
 
 #include "fusion/estimators_feeder.hpp"
+#include "settings_client/settings_report.hpp"
 #include <sonopose/settings/preset.hpp>
 
 #include <catch2/catch.hpp>
@@ -113,6 +114,7 @@ SCENARIO("a reply names the beacons whose own value a change for all leaves alon
       const auto reply = ask({{"admission.min_quality_percent", "60"}});
       THEN("only 7 is said to change, and the values that stay are named") {
         CHECK(reply.details == next_of_seven + "; unchanged: 8");
+        CHECK_FALSE(settings_client::changes_no_known_beacon(reply));
         CHECK_THAT(reply.reason,
                    Contains("admission.min_quality_percent") && Contains("beacon 8 (55), 11 (40)"));
       }
@@ -132,7 +134,9 @@ SCENARIO("a reply names the beacons whose own value a change for all leaves alon
     WHEN("7 gets its own one too") {
       feeder.requests.answer(request(7, {{"admission.min_quality_percent", "50"}}));
       THEN("no beacon is said to change") {
-        CHECK(ask({{"admission.min_quality_percent", "60"}}).details == "unchanged: 7, 8");
+        const auto reply = ask({{"admission.min_quality_percent", "60"}});
+        CHECK(reply.details == "unchanged: 7, 8");
+        CHECK(settings_client::changes_no_known_beacon(reply));
       }
     }
   }
