@@ -275,7 +275,7 @@ void FusionNode::run(const process::StopSignal& stop) {
     if (process::ReloadRequest::take()) impl_->reload();
     if (clocks::steady_now() < status_due) continue;
     impl_->publish_statuses();
-    status_due += period_ns;
+    status_due = std::max(status_due + period_ns, clocks::steady_now());  // missed ones are skipped
   } while (!impl_->wait_for_poll(stop, status_due));
   impl_->hand_over();
   impl_->finish_log();
