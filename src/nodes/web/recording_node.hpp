@@ -15,7 +15,7 @@
 namespace sonopose::web {
 
 struct RecordingOptions {
-  /// MCAP files, a log of the vendor's Dashboard, or a sensor-log folder
+  /// MCAP or rosbag2 files, a log of the vendor's Dashboard, or a sensor-log folder
   std::vector<std::filesystem::path> recording;
   std::optional<BeaconAddress> beacon;  ///< selects one beacon of several
   http::ServerOptions server;

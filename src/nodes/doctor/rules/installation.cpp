@@ -44,7 +44,7 @@ constexpr double mount_error_rad = 2.0 * geometry::radians_per_degree;
 constexpr double delay_error_s = 0.003;
 /// Largest share of fixes far from the motion. Beyond it the cause is a wrong track, not the installation.
 constexpr double max_outliers = 0.2;
-/// Range of the estimate of `kalman.delay.estimate`.
+/// Three initial standard deviations of `kalman.delay.estimate`: the engine finds such a delay itself.
 constexpr double estimated_delay_s = 0.06;
 
 /// An angle in whole degrees, from -179 to 180.
