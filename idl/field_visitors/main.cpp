@@ -1,16 +1,16 @@
-// Prints a C++ header with a function for each struct of an IDL file, which calls a visitor with the name and
+// Prints a C++ header with a function for each struct of IDL files, which calls a visitor with the name and
 // the value of each field, in the order of the IDL:
 //
-//   field_visitors sonopose.idl
+//   field_visitors FOLDER FILE.idl ...   # FOLDER of the headers that idlc makes, below <sonopose/idl>
 //
 // So nothing else needs a list of the fields.
 
 #include "../type_hashes/idl_fields.h"
+#include "../type_hashes/idl_text.hpp"
 
 #include <cstdio>
 #include <exception>
-#include <fstream>
-#include <iterator>
+#include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -35,11 +35,15 @@ void on_field(void* user, const idl_field* field) {
   structs.back().second.emplace_back(field->name);
 }
 
-void print(const Structs& structs) {
-  std::puts(
-      "// Generated from sonopose.idl: visit_fields(sample, visitor) calls visitor(name, value) for each "
-      "field.");
-  std::puts("#pragma once\n\n#include <sonopose/idl/sonopose.h>\n\nnamespace sonopose::idl {\n");
+void print(const std::filesystem::path& folder, const std::vector<std::string>& files,
+           const Structs& structs) {
+  std::puts("// Generated: visit_fields(sample, visitor) calls visitor(name, value) for each field.");
+  std::puts("#pragma once\n");
+  for (const std::string& file : files) {
+    const auto header = folder / std::filesystem::path(file).stem();
+    std::printf("#include <sonopose/idl/%s.h>\n", header.c_str());
+  }
+  std::puts("\nnamespace sonopose::idl {\n");
   for (const auto& [name, fields] : structs) {
     std::printf("template <class Visitor>\nvoid visit_fields(const %s& sample, Visitor&& visitor) {\n",
                 name.c_str());
@@ -54,14 +58,14 @@ void print(const Structs& structs) {
 }  // namespace
 
 int main(int argc, char** argv) try {
-  if (argc != 2) throw std::runtime_error("expected one IDL file");
-  std::ifstream stream(argv[1]);
-  if (!stream) throw std::runtime_error(std::string(argv[1]) + ": cannot be read");
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  if (argc < 3) throw std::runtime_error("expected a folder and IDL files");
+  const std::vector<std::string> files(argv + 2, argv + argc);
   Structs structs;
-  if (idl_each_field(text.c_str(), on_field, &structs) != 0) throw std::runtime_error("the IDL is wrong");
-  if (structs.empty()) throw std::runtime_error(std::string(argv[1]) + ": no struct");
-  print(structs);
+  if (idl_each_field(idl_text(files).c_str(), on_field, &structs) != 0) {
+    throw std::runtime_error("the IDL is wrong");
+  }
+  if (structs.empty()) throw std::runtime_error("no struct in what is given");
+  print(argv[1], files, structs);
   return 0;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "field_visitors: %s\n", error.what());

@@ -7,11 +7,10 @@
 // Our IDL has the names of the wire, "pkg::msg::dds_::Name_"; the description has ROS's, "pkg/msg/Name".
 
 #include "idl_fields.h"
+#include "idl_text.hpp"
 
 #include <cstdio>
 #include <exception>
-#include <filesystem>
-#include <fstream>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -19,7 +18,6 @@
 
 namespace {
 
-namespace fs = std::filesystem;
 using Names = std::set<std::string>;
 
 /// The description of one type: its fields in JSON, and the types they consist of.
@@ -32,25 +30,6 @@ using Types = std::map<std::string, Type>;  // by their names in ROS
 
 /// The header of requests and replies, which is not a type of ROS 2.
 const std::string middleware_header = "rmw_cyclonedds/srv/RequestHeader";
-
-/// The file's text with what it includes in front, each file once.
-std::string read(const fs::path& file, std::set<fs::path>& seen) {
-  if (!seen.insert(fs::weakly_canonical(file)).second) return {};
-  std::ifstream stream(file);
-  if (!stream) throw std::runtime_error(file.string() + ": cannot be read");
-  const std::string include = "#include \"";
-  std::string before;
-  std::string own;
-  for (std::string line; std::getline(stream, line);) {
-    if (!line.starts_with(include)) {
-      own += line + "\n";
-      continue;
-    }
-    const std::string name = line.substr(include.size(), line.find('"', include.size()) - include.size());
-    before += read(file.parent_path() / name, seen);
-  }
-  return before + own;
-}
 
 /// "sensor_msgs::msg::dds_::Imu_" → "sensor_msgs/msg/Imu".
 std::string ros_name(const std::string& wire_name) {
@@ -125,9 +104,7 @@ void on_field(void* user, const idl_field* field) {
 }  // namespace
 
 int main(int argc, char** argv) try {
-  std::set<fs::path> seen;
-  std::string text;
-  for (int i = 1; i < argc; ++i) text += read(argv[i], seen);
+  const std::string text = idl_text({argv + 1, argv + argc});
   Reading reading;
   if (idl_each_field(text.c_str(), on_field, &reading) != 0) throw std::runtime_error("the IDL is wrong");
   if (reading.error) std::rethrow_exception(reading.error);

@@ -1,8 +1,8 @@
 #pragma once
 /// \file
-/// ROS 2 messages field by field in the order of the .msg definitions, written by hand as a reference for
-/// generated types.
+/// ROS 2 messages field by field in the order of the IDL, whose hashes are those of ROS 2 (type_hash_test).
 
+#include <sonopose/idl/ros2/field_visitors.hpp>
 #include <sonopose/ros2/messages/idl_types.hpp>
 
 #include <bit>
@@ -15,162 +15,30 @@
 
 namespace sonopose::test {
 
-/// Base of field visitors, for argument-dependent lookup of the messages below. A visitor has `number(x)`,
+/// Visits the fields of a message in order, compound fields recursively. A visitor has `number(x)`,
 /// `text(characters)` and `length(sequence)`.
-class FieldVisitor {};
-
-/// Passes fields to a visitor in order and visits compound fields recursively.
-template <class Visitor, class... Field>
-void visit_all(Visitor& visitor, Field&... fields);
-
 template <class Visitor, class Field>
-void visit_field(Visitor& visitor, Field& field) {
+void visit(Visitor& visitor, Field& field) {
   if constexpr (std::is_arithmetic_v<Field>) {
     visitor.number(field);
   } else if constexpr (std::is_same_v<Field, char*> || std::is_same_v<std::remove_extent_t<Field>, char>) {
     visitor.text(field);
   } else if constexpr (std::is_array_v<Field>) {
-    for (auto& element : field) visit_field(visitor, element);
+    for (auto& element : field) visit(visitor, element);
   } else if constexpr (requires { field._buffer; }) {
     visitor.length(field);
-    for (std::uint32_t i = 0; i < field._length; ++i) visit_field(visitor, field._buffer[i]);
+    for (std::uint32_t i = 0; i < field._length; ++i) visit(visitor, field._buffer[i]);
   } else {
-    visit(visitor, field);
+    // The visitor passes const references to the fields of a non-const object.
+    idl::visit_fields(field, [&visitor](const char*, const auto& each) {
+      visit(visitor, const_cast<std::remove_cvref_t<decltype(each)>&>(each));  // NOLINT(*-const-cast)
+    });
   }
-}
-
-template <class Visitor, class... Field>
-void visit_all(Visitor& visitor, Field&... fields) {
-  (visit_field(visitor, fields), ...);
-}
-
-template <class V>
-void visit(V& v, ros2::Time& m) {
-  visit_all(v, m.sec, m.nanosec);
-}
-template <class V>
-void visit(V& v, ros2::Clock& m) {
-  visit_all(v, m.clock);
-}
-template <class V>
-void visit(V& v, ros2::Header& m) {
-  visit_all(v, m.stamp, m.frame_id);
-}
-template <class V>
-void visit(V& v, ros2::Vector3& m) {
-  visit_all(v, m.x, m.y, m.z);
-}
-template <class V>
-void visit(V& v, ros2::Point& m) {
-  visit_all(v, m.x, m.y, m.z);
-}
-template <class V>
-void visit(V& v, ros2::Quaternion& m) {
-  visit_all(v, m.x, m.y, m.z, m.w);
-}
-template <class V>
-void visit(V& v, ros2::Pose& m) {
-  visit_all(v, m.position, m.orientation);
-}
-template <class V>
-void visit(V& v, ros2::PoseStamped& m) {
-  visit_all(v, m.header, m.pose);
-}
-template <class V>
-void visit(V& v, ros2::PointStamped& m) {
-  visit_all(v, m.header, m.point);
-}
-template <class V>
-void visit(V& v, geometry_msgs_msg_dds__PoseWithCovariance_& m) {
-  visit_all(v, m.pose, m.covariance);
-}
-template <class V>
-void visit(V& v, geometry_msgs_msg_dds__Twist_& m) {
-  visit_all(v, m.linear, m.angular);
-}
-template <class V>
-void visit(V& v, geometry_msgs_msg_dds__TwistWithCovariance_& m) {
-  visit_all(v, m.twist, m.covariance);
-}
-template <class V>
-void visit(V& v, geometry_msgs_msg_dds__Transform_& m) {
-  visit_all(v, m.translation, m.rotation);
-}
-template <class V>
-void visit(V& v, ros2::PoseWithCovarianceStamped& m) {
-  visit_all(v, m.header, m.pose);
-}
-template <class V>
-void visit(V& v, ros2::TransformStamped& m) {
-  visit_all(v, m.header, m.child_frame_id, m.transform);
-}
-template <class V>
-void visit(V& v, ros2::Imu& m) {
-  visit_all(v, m.header, m.orientation, m.orientation_covariance, m.angular_velocity,
-            m.angular_velocity_covariance, m.linear_acceleration, m.linear_acceleration_covariance);
-}
-template <class V>
-void visit(V& v, ros2::MagneticField& m) {
-  visit_all(v, m.header, m.magnetic_field, m.magnetic_field_covariance);
-}
-template <class V>
-void visit(V& v, ros2::Odometry& m) {
-  visit_all(v, m.header, m.child_frame_id, m.pose, m.twist);
-}
-template <class V>
-void visit(V& v, ros2::Path& m) {
-  visit_all(v, m.header, m.poses);
-}
-template <class V>
-void visit(V& v, ros2::TFMessage& m) {
-  visit_all(v, m.transforms);
-}
-template <class V>
-void visit(V& v, ros2::KeyValue& m) {
-  visit_all(v, m.key, m.value);
-}
-template <class V>
-void visit(V& v, ros2::DiagnosticStatus& m) {
-  visit_all(v, m.level, m.name, m.message, m.hardware_id, m.values);
-}
-template <class V>
-void visit(V& v, ros2::VehicleOdometry& m) {
-  visit_all(v, m.timestamp, m.timestamp_sample, m.pose_frame, m.position, m.q, m.velocity_frame, m.velocity,
-            m.angular_velocity, m.position_variance, m.orientation_variance, m.velocity_variance,
-            m.reset_counter, m.quality);
-}
-template <class V>
-void visit(V& v, ros2::DiagnosticArray& m) {
-  visit_all(v, m.header, m.status);
-}
-template <class V>
-void visit(V& v, rmw_dds_common_msg_dds__Gid_& m) {
-  visit_all(v, m.data);
-}
-template <class V>
-void visit(V& v, rmw_dds_common_msg_dds__NodeEntitiesInfo_& m) {
-  visit_all(v, m.node_namespace, m.node_name, m.reader_gid_seq, m.writer_gid_seq);
-}
-template <class V>
-void visit(V& v, ros2::ParticipantEntitiesInfo& m) {
-  visit_all(v, m.gid, m.node_entities_info_seq);
-}
-template <class V>
-void visit(V& v, rmw_dds_common_humble_msg_dds__Gid_& m) {
-  visit_all(v, m.data);
-}
-template <class V>
-void visit(V& v, rmw_dds_common_humble_msg_dds__NodeEntitiesInfo_& m) {
-  visit_all(v, m.node_namespace, m.node_name, m.reader_gid_seq, m.writer_gid_seq);
-}
-template <class V>
-void visit(V& v, ros2::HumbleParticipantEntitiesInfo& m) {
-  visit_all(v, m.gid, m.node_entities_info_seq);
 }
 
 /// Fills every field with a distinct value, special ones included. Allocates strings and sequences with
 /// dds_alloc.
-class Filler : public FieldVisitor {
+class Filler {
 public:
   /// Takes the lengths of the sequences, in order, repeated cyclically.
   explicit Filler(std::vector<std::uint32_t> lengths = {2, 0, 1, 3}) : lengths_(std::move(lengths)) {}
@@ -224,7 +92,7 @@ private:
 
 /// Prints all fields on one line in message order. Doubles are the 16 hexadecimal digits of their bits,
 /// integers decimal, strings quoted; a sequence follows its [length].
-class Describer : public FieldVisitor {
+class Describer {
 public:
   template <class Number>
   void number(Number value) {

@@ -15,7 +15,7 @@ using namespace sonopose::test;
 /// Serializes fields in little-endian XCDR1. A number is aligned to its size, relative to the end of the
 /// encapsulation header. A string is its length with the terminating zero, its characters and the zero. A
 /// sequence is its length and its elements.
-class Layout : public FieldVisitor {
+class Layout {
 public:
   template <class Number>
   void number(Number value) {
