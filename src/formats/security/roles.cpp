@@ -27,7 +27,7 @@ Access access_of(std::string_view role) {
                        "sonopose/settings", "sonopose/changed_settings", "sonopose/settings_reply",
                        "sonopose/log"},
             .reads = {"sonopose/imu", "sonopose/fix", "sonopose/heading", "sonopose/twist", "sonopose/reset",
-                      "sonopose/settings_request", "sonopose/fusion_status"}};
+                      "sonopose/settings_request"}};
   }
   if (role == "operator") {
     return {.writes = {"sonopose/settings_request", "sonopose/reset"}, .reads = all};
@@ -39,8 +39,7 @@ Access access_of(std::string_view role) {
             .reads = {"rt/*", "rq/*", "rr/*", "ros_discovery_info", "sonopose/*"}};
   }
   if (role == "recorder") return {.writes = {}, .reads = {"sonopose/*", "rt/*"}};
-  if (role == "monitor") return {.writes = {}, .reads = all};
-  if (role == "web") return {.writes = {"sonopose/log"}, .reads = all};
+  if (role == "monitor" || role == "web") return {.writes = {}, .reads = all};
   if (role == "autopilot") return {.writes = {"sonopose/log"}, .reads = {"sonopose/pose"}};
   if (role == "consumer") {
     return {.writes = {},

@@ -66,8 +66,8 @@ SCENARIO("Roles have the least privilege") {
     const Access access = access_of({role});
     return std::set<std::string>(access.writes.begin(), access.writes.end());
   };
-  THEN("consumers, monitors and recorders write nothing") {
-    for (const char* const role : {"consumer", "monitor", "recorder"}) CHECK(writes(role).empty());
+  THEN("consumers, monitors, pages and recorders write nothing") {
+    for (const char* const role : {"consumer", "monitor", "web", "recorder"}) CHECK(writes(role).empty());
   }
   THEN("the programs for autopilots read poses, and write their log alone") {
     const std::string role(role_of_program("mavlink"));
