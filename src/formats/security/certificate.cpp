@@ -2,9 +2,10 @@
 
 #include "security/openssl.hpp"
 
-#include <fmt/format.h>
+#include <fmt/chrono.h>
 
 #include <algorithm>
+#include <ctime>
 #include <utility>
 #include <vector>
 
@@ -15,14 +16,6 @@ std::string text_of(const X509_NAME* name) {
   const openssl::Bio text = openssl::writing();
   openssl::check(X509_NAME_print_ex(text.get(), name, 0, XN_FLAG_RFC2253) + 1, "X509_NAME_print_ex");
   return openssl::text_in(text.get());
-}
-
-tm calendar_of(std::int64_t time_s) {
-  const auto time =
-      openssl::owned<openssl::Time>(ASN1_TIME_set(nullptr, static_cast<time_t>(time_s)), "ASN1_TIME_set");
-  tm calendar{};
-  openssl::check(ASN1_TIME_to_tm(time.get(), &calendar), "ASN1_TIME_to_tm");
-  return calendar;
 }
 
 /// Returns all certificates of a file: of a text in PEM with other parts between, or one in DER.
@@ -89,9 +82,7 @@ std::string date_text(std::int64_t time_s) {
 }
 
 std::string date_time_text(std::int64_t time_s) {
-  const tm at = calendar_of(time_s);
-  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}", at.tm_year + 1900, at.tm_mon + 1, at.tm_mday,
-                     at.tm_hour, at.tm_min, at.tm_sec);
+  return fmt::format("{:%Y-%m-%dT%H:%M:%S}", fmt::gmtime(static_cast<std::time_t>(time_s)));
 }
 
 }  // namespace sonopose::security

@@ -1,5 +1,6 @@
 #include "security/key_store.hpp"
 
+#include "files/input_file.hpp"
 #include "files/replacement.hpp"
 #include "security/authority.hpp"
 #include "security/enclave.hpp"
@@ -18,7 +19,6 @@
 #include <string_view>
 #include <sys/file.h>
 #include <system_error>
-#include <unistd.h>
 #include <utility>
 
 namespace sonopose::security {
@@ -65,25 +65,15 @@ void make_folder(const fs::path& folder, fs::perms mode) {
   if (error) throw SecurityError(fmt::format("{}: {}", folder.string(), error.message()));
 }
 
-/// Keeps other processes from changing a store during its lifetime; waits for those that do.
-class WriteLock {
-public:
-  explicit WriteLock(const fs::path& store)
-      : descriptor_(::open(store.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-    if (descriptor_ >= 0 && ::flock(descriptor_, LOCK_EX) == 0) return;
-    const std::string reason = std::generic_category().message(errno);
-    if (descriptor_ >= 0) ::close(descriptor_);
-    throw SecurityError(fmt::format("{}: cannot be locked: {}", store.string(), reason));
+/// Keeps other processes from changing a store as long as the result lives; waits for those that do.
+files::Descriptor locked(const fs::path& store) {
+  files::Descriptor folder(::open(store.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (folder.number() < 0 || ::flock(folder.number(), LOCK_EX) != 0) {
+    throw SecurityError(
+        fmt::format("{}: cannot be locked: {}", store.string(), std::generic_category().message(errno)));
   }
-  ~WriteLock() { ::close(descriptor_); }
-  WriteLock(const WriteLock&) = delete;
-  WriteLock& operator=(const WriteLock&) = delete;
-  WriteLock(WriteLock&&) = delete;
-  WriteLock& operator=(WriteLock&&) = delete;
-
-private:
-  int descriptor_;
-};
+  return folder;
+}
 
 /// Every file of an enclave.
 constexpr std::array enclave_files{key_file,        certificate_file, permissions_file,    permissions_source,
@@ -279,7 +269,7 @@ void KeyStore::sign(const fs::path& document, const fs::path& file) const {
 }
 
 void KeyStore::add(const std::string& name, const EnclaveOptions& options) const {
-  const WriteLock lock(folder_);
+  const files::Descriptor lock = locked(folder_);
   const fs::path folder = enclave_folder(name);
   std::error_code absent;
   const KeyPair issuer = authority(identity_authority);
@@ -304,7 +294,7 @@ void KeyStore::add(const std::string& name, const EnclaveOptions& options) const
 }
 
 void KeyStore::renew(const std::string& name, const Validity& validity) const {
-  const WriteLock lock(folder_);
+  const files::Descriptor lock = locked(folder_);
   const fs::path folder = enclave_folder(name);
   const fs::path source = folder / permissions_source;
   const KeyPair issuer = authority(identity_authority);
@@ -319,7 +309,7 @@ void KeyStore::renew(const std::string& name, const Validity& validity) const {
 }
 
 std::size_t KeyStore::revoke(const std::string& name, std::int64_t now_s) const {
-  const WriteLock lock(folder_);
+  const files::Descriptor lock = locked(folder_);
   const fs::path folder = enclave_folder(name);
   const KeyPair issuer = authority(identity_authority);
   std::error_code absent;
@@ -357,7 +347,7 @@ std::size_t KeyStore::revoke(const std::string& name, std::int64_t now_s) const 
 }
 
 std::string KeyStore::set_protection(std::optional<Protection> protection) const {
-  const WriteLock lock(folder_);
+  const files::Descriptor lock = locked(folder_);
   const fs::path source = folder_ / "enclaves" / governance_source;
   const fs::path signed_one = folder_ / "enclaves" / governance_file;
   const std::string before = signed_text(folder_, signed_one);
