@@ -10,7 +10,6 @@
 #include "threads/mutex.hpp"
 #include "transitions/transition_log.hpp"
 #include "web/foxglove/topic_feed.hpp"
-#include "web/held_events.hpp"
 #include "web/live/event_json.hpp"
 #include "web/live/live_state.hpp"
 #include "web/log_lines.hpp"
@@ -239,7 +238,6 @@ public:
                        .lasted_s = change.lasted_s},
                       now);
     }
-    for (auto& entry : state_.take_transitions()) pose_log_.take(entry.second, now);
     latched_.poll();
     if (site_.pages().empty()) return;
     if (std::string frame = state_.take_frame(clocks::host_now()); !frame.empty()) {
@@ -253,14 +251,11 @@ public:
     site_.metrics().update(second.beacons, clocks::host_now(), clocks::steady_now());
     hook_.update(second, clocks::steady_now());
     silence_log_.update(clocks::steady_now());
-    pose_log_.update(clocks::steady_now());
-    show_held_events();
     report_left_out();
     if (const auto text = log_lines_.refusals()) logging::warning(*text);
     for (const observation::BeaconView& view : second.gone) {
       state_.forget(view.address);
       silence_log_.forget(view.address);
-      pose_log_.forget(view.address);
       site_.pages().broadcast(gone_text(view.address), http::Loss::never);
     }
     site_.worker().report_progress(
@@ -273,10 +268,6 @@ public:
   }
 
 private:
-  static std::string text_of_now(const transitions::Line& line) {
-    return event_text(clocks::host_now(), live::word_of(line.level), line.text);
-  }
-
   /// Shows the latest lines, as far as the limit of this second permits.
   void show(const std::vector<LogLines::Received>& lines) {
     const std::size_t max_lines = max_lines_per_second - lines_in_second_;
@@ -285,7 +276,6 @@ private:
     lines_left_out_ += first;
     for (std::size_t i = 0; i < lines.size(); ++i) {
       const auto& [line, missing] = lines[i];
-      if (live::is_of_fusion(line)) held_events_.on_logged(line.text);
       if (i < first) {
         lines_left_out_ += missing;
       } else {
@@ -294,22 +284,14 @@ private:
     }
   }
 
-  /// Shows the changes seen in the poses that no fusion has logged.
-  void show_held_events() {
-    for (std::string& text : held_events_.take_due()) site_.pages().broadcast_event(std::move(text));
-  }
-
-  /// Reports omitted events, which are bounded because every page receives all.
+  /// Reports omitted lines, which are bounded because every page receives all.
   void report_left_out() {
-    const auto report = [this](std::uint64_t count, std::string_view one, std::string_view several) {
-      if (count == 0) return;
-      const std::string text =
-          fmt::format("{} left out: too many at a time", text::count_text(count, one, several));
-      site_.pages().broadcast_event(event_text(clocks::host_now(), "warning", text));
-    };
-    report(std::exchange(lines_left_out_, 0), "log line was", "log lines were");
-    report(held_events_.take_dropped(), "change of state was", "changes of state were");
     lines_in_second_ = 0;
+    const std::uint64_t count = std::exchange(lines_left_out_, 0);
+    if (count == 0) return;
+    const std::string text = fmt::format("{} left out: too many at a time",
+                                         text::count_text(count, "log line was", "log lines were"));
+    site_.pages().broadcast_event(event_text(clocks::host_now(), "warning", text));
   }
 
   static constexpr std::size_t max_lines_per_second = 500;
@@ -320,14 +302,12 @@ private:
   StatusHook hook_;
   LatchedTopics latched_;
   LogLines log_lines_;
-  HeldEvents held_events_;
   std::size_t lines_in_second_ = 0;
   std::uint64_t lines_left_out_ = 0;  ///< omitted in this second
   /// Silences of poses, which no fusion can log.
-  transitions::TransitionLog silence_log_{
-      [this](const transitions::Line& line) { site_.pages().broadcast_event(text_of_now(line)); }};
-  transitions::TransitionLog pose_log_{
-      [this](const transitions::Line& line) { held_events_.hold(line.text, text_of_now(line)); }};
+  transitions::TransitionLog silence_log_{[this](const transitions::Line& line) {
+    site_.pages().broadcast_event(event_text(clocks::host_now(), live::word_of(line.level), line.text));
+  }};
 };
 
 }  // namespace

@@ -113,21 +113,16 @@ private:
 
 }  // namespace
 
-LiveState::Beacon& LiveState::beacon(BeaconAddress address) {
-  return beacons_.try_emplace(address, address).first->second;
-}
-
 void LiveState::on(const FusedPose& pose) noexcept {
   const threads::Lock lock(mutex_);
-  Beacon& beacon = this->beacon(pose.address);
+  Beacon& beacon = beacons_[pose.address];
   beacon.pose = pose;
   beacon.has_pose = true;
-  beacon.detector.on(pose, beacon.transitions);
 }
 
 void LiveState::on(const TruthSample& truth) noexcept {
   const threads::Lock lock(mutex_);
-  Beacon& beacon = this->beacon(truth.address);
+  Beacon& beacon = beacons_[truth.address];
   beacon.truth = truth;
   beacon.has_truth = true;
 }
@@ -135,8 +130,7 @@ void LiveState::on(const TruthSample& truth) noexcept {
 void LiveState::on(const FixReport& report) noexcept {
   if (report.hypothesis != 0) return;  // poses come from the main hypothesis
   const threads::Lock lock(mutex_);
-  Beacon& beacon = this->beacon(report.address);
-  beacon.detector.on(report, beacon.transitions);
+  Beacon& beacon = beacons_[report.address];
   if (beacon.fixes.size() == max_fixes) beacon.fixes.erase(beacon.fixes.begin());
   beacon.fixes.push_back(report);
 }
@@ -162,17 +156,6 @@ std::string LiveState::latest(TimeNs now_ns) const {
               beacon.truth.time_ns != 0 ? &beacon.truth : nullptr, {});
   }
   return std::move(frame).text();
-}
-
-std::vector<std::pair<BeaconAddress, transitions::TransitionQueue>> LiveState::take_transitions() {
-  std::vector<std::pair<BeaconAddress, transitions::TransitionQueue>> taken;
-  const threads::Lock lock(mutex_);
-  for (auto& [address, beacon] : beacons_) {
-    if (beacon.transitions.empty()) continue;
-    taken.emplace_back(address, beacon.transitions);
-    beacon.transitions.clear();
-  }
-  return taken;
 }
 
 void LiveState::forget(BeaconAddress address) {

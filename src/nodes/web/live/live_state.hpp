@@ -4,13 +4,10 @@
 
 #include "observation/bus/bus_watch.hpp"
 #include "threads/mutex.hpp"
-#include "transitions/transition.hpp"
-#include "transitions/transition_detector.hpp"
 
 #include <cstddef>
 #include <map>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace sonopose::web::live {
@@ -31,9 +28,6 @@ public:
   /// Latest pose and truth of each beacon in the same form, for a new page.
   [[nodiscard]] std::string latest(TimeNs now_ns) const;
 
-  /// Changes of state since the last call, by beacon.
-  std::vector<std::pair<BeaconAddress, transitions::TransitionQueue>> take_transitions();
-
   void forget(BeaconAddress address);
 
 private:
@@ -41,18 +35,12 @@ private:
   static constexpr std::size_t max_fixes = 32;
 
   struct Beacon {
-    explicit Beacon(BeaconAddress address) noexcept : detector(address) {}
-
     FusedPose pose;
     TruthSample truth;
     std::vector<FixReport> fixes;
     bool has_pose = false;  ///< a new pose has arrived
     bool has_truth = false;
-    transitions::TransitionDetector detector;
-    transitions::TransitionQueue transitions;
   };
-
-  Beacon& beacon(BeaconAddress address) SONOPOSE_REQUIRES(mutex_);
 
   mutable threads::Mutex mutex_;
   std::map<BeaconAddress, Beacon> beacons_ SONOPOSE_GUARDED_BY(mutex_);

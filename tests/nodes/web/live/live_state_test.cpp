@@ -163,20 +163,4 @@ SCENARIO("a fix comes with what was done with it") {
   CHECK(fixes[2][11] == static_cast<int>(FixVerdict::down_weighted));
 }
 
-SCENARIO("changes of state are found in the poses") {
-  LiveState state;
-  FusedPose pose = pose_of(7);
-  pose.status = 0;
-  state.on(pose);
-  CHECK(state.take_transitions().size() == 1);  // the initialisation
-  CHECK(state.take_transitions().empty());
-  pose.status = status_stale;
-  state.on(pose);
-  const auto changes = state.take_transitions();
-  REQUIRE(changes.size() == 1);
-  REQUIRE(changes[0].second.values().size() == 1);
-  CHECK(changes[0].second.values()[0].kind == transitions::Kind::stale);
-  CHECK(changes[0].second.values()[0].address == 7);
-}
-
 }  // namespace live_state_test
