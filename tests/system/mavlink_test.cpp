@@ -69,20 +69,20 @@ public:
 private:
   /// A port that was free a moment ago.
   static std::uint16_t free_port() {
-    const transport::UdpListener probe({"127.0.0.1", 0});
-    return probe.endpoint().port;
+    const auto probe = transport::open_udp_listener({"127.0.0.1", 0});
+    return transport::parse_endpoint(probe->name().substr(4)).port;  // "udp 127.0.0.1:…"
   }
 
   void run(const std::stop_token& end) {
-    transport::UdpPeer line({"127.0.0.1", 9}, port);
+    const auto line = transport::open_udp_peer({"127.0.0.1", 9}, port);
     mavlink::Decoder decoder;
     std::array<std::uint8_t, 2048> buffer{};
     std::uint8_t sequence = 0;
     auto due = std::chrono::steady_clock::now();
     while (!end.stop_requested()) {
-      const auto result = line.read(buffer, std::chrono::milliseconds(50));
+      const auto result = line->read(buffer, std::chrono::milliseconds(50));
       if (result.status == transport::ReadStatus::data) {
-        line.answer_last_sender();
+        line->answer_last_sender();
         decoder.feed({buffer.data(), result.size}, [this](const mavlink::Frame& frame) {
           const std::lock_guard lock(mutex_);
           frames_[frame.message_id].push_back(frame);
@@ -92,10 +92,10 @@ private:
       due = std::chrono::steady_clock::now() + std::chrono::milliseconds(200);
       auto heartbeat = mavlink::heartbeat({5, 1});
       heartbeat.payload[5] = kind_;
-      line.send(encode(heartbeat, sequence++));
+      line->send(encode(heartbeat, sequence++));
       mavlink::Frame request{.message_id = timesync_id, .sender = {5, 1}, .payload = {}, .size = 18};
       std::memcpy(request.payload.data() + 8, &own_clock_ns, sizeof own_clock_ns);
-      line.send(encode(request, sequence++));
+      line->send(encode(request, sequence++));
     }
   }
 

@@ -420,7 +420,7 @@ std::unique_ptr<publication::Source> make_serial_source(const SerialOptions& opt
        fmt::format("set {}, or choose another --device", protocol_setting)});
   auto port = [&options] {
     try {
-      return std::make_unique<transport::SerialPort>(options.device, options.baud);
+      return transport::open_serial_port(options.device, options.baud);
     } catch (const files::IoError& error) {
       throw std::invalid_argument(fmt::format("--device: {}", error.what()));
     }
@@ -432,8 +432,8 @@ std::unique_ptr<publication::Source> make_udp_source(const UdpOptions& options, 
   LineWatch watch({"check that the sender uses the Marvelmind protocol",
                    "set the protocol of the sender to Marvelmind, or choose another port"});
   return std::make_unique<LiveSource<marvelmind::DatagramDecoder>>(
-      std::make_unique<transport::UdpListener>(transport::parse_endpoint(options.listen), options.from),
-      std::move(watch), live);
+      transport::open_udp_listener(transport::parse_endpoint(options.listen), options.from), std::move(watch),
+      live);
 }
 
 }  // namespace sonopose::bridge

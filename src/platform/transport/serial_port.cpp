@@ -50,23 +50,22 @@ bool may_be_serial_device(const std::string& path) {
   return !is_other_kind && !is_other_device(path);
 }
 
-}  // namespace
-
-class SerialPort::Line {
+class SerialPort final : public ByteLink {
 public:
-  Line(std::string device, unsigned baud) : device_{std::move(device)}, baud_{baud}, port_{loop_.context()} {
+  SerialPort(std::string device, unsigned baud)
+      : device_{std::move(device)}, baud_{baud}, port_{loop_.context()} {
     if (baud_ == 0) throw files::IoError(device_ + ": a baud rate of 0 closes the line");
     if (!may_be_serial_device(device_))
       throw files::IoError('"' + device_ + "\" is not a serial device; " + serial_devices());
   }
 
-  ReadResult read(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) {
+  ReadResult read(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) override {
     if (loop_.stopped()) return {ReadStatus::stopped};
     return port_.is_open() ? read_open(buffer, timeout) : wait_for_device(timeout);
   }
 
-  void stop() { loop_.stop(); }
-  void send(std::vector<std::uint8_t> bytes) {
+  void stop() override { loop_.stop(); }
+  void send(std::vector<std::uint8_t> bytes) override {
     asio::post(loop_.context(), [this, bytes = std::move(bytes)] {
       if (!port_.is_open()) return;
       const ssize_t written = ::write(port_.native_handle(), bytes.data(), bytes.size());
@@ -74,14 +73,14 @@ public:
       if (is_full) ++unsent_;
     });
   }
-  [[nodiscard]] std::uint64_t unsent() const { return unsent_; }
-  [[nodiscard]] const std::string& name() const { return device_; }
-  [[nodiscard]] std::string description() const {
+  [[nodiscard]] std::uint64_t unsent() const override { return unsent_; }
+  [[nodiscard]] std::string name() const override { return device_; }
+  [[nodiscard]] std::string description() const override {
     const std::string line = device_ + " at " + std::to_string(baud_) + " baud";
     return others_.empty() ? line : line + "; " + others_ + " has it open too and may take bytes";
   }
-  [[nodiscard]] LineState state() const { return state_; }
-  [[nodiscard]] const std::string& last_error() const { return last_error_; }
+  [[nodiscard]] LineState state() const override { return state_; }
+  [[nodiscard]] std::string last_error() const override { return last_error_; }
 
 private:
   ReadResult read_open(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) {
@@ -198,41 +197,10 @@ private:
   std::atomic<std::uint64_t> unsent_ = 0;
 };
 
-SerialPort::SerialPort(std::string device, unsigned baud)
-    : line_{std::make_unique<Line>(std::move(device), baud)} {}
+}  // namespace
 
-SerialPort::~SerialPort() = default;
-
-ReadResult SerialPort::read(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) {
-  return line_->read(buffer, timeout);
-}
-
-void SerialPort::stop() {
-  line_->stop();
-}
-
-void SerialPort::send(std::vector<std::uint8_t> bytes) {
-  line_->send(std::move(bytes));
-}
-
-std::uint64_t SerialPort::unsent() const {
-  return line_->unsent();
-}
-
-std::string SerialPort::name() const {
-  return line_->name();
-}
-
-std::string SerialPort::description() const {
-  return line_->description();
-}
-
-LineState SerialPort::state() const {
-  return line_->state();
-}
-
-std::string SerialPort::last_error() const {
-  return line_->last_error();
+std::unique_ptr<ByteLink> open_serial_port(std::string device, unsigned baud) {
+  return std::make_unique<SerialPort>(std::move(device), baud);
 }
 
 }  // namespace sonopose::transport

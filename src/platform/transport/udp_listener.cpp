@@ -76,9 +76,11 @@ void check_address(const std::string& text) {
   address_of(text);
 }
 
-class UdpListener::Socket {
+namespace {
+
+class UdpListener final : public ByteSource {
 public:
-  Socket(const Endpoint& endpoint, const std::optional<std::string>& from)
+  UdpListener(const Endpoint& endpoint, const std::optional<std::string>& from)
       : from_{parse_sender(from)}, socket_{loop_.context()} {
     asio::error_code error;
     const auto address = asio::ip::make_address(endpoint.address, error);
@@ -94,7 +96,7 @@ public:
     socket_.set_option(asio::socket_base::receive_buffer_size(1 << 20), error);
   }
 
-  ReadResult read(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) {
+  ReadResult read(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) override {
     if (loop_.stopped()) return {ReadStatus::stopped};
     ReadResult result;
     asio::ip::udp::endpoint peer;
@@ -116,38 +118,26 @@ public:
     throw files::IoError(text_of(endpoint()) + ": cannot be read: " + done.error.message());
   }
 
-  void stop() { loop_.stop(); }
+  void stop() override { loop_.stop(); }
 
+  [[nodiscard]] std::string name() const override { return "udp " + text_of(endpoint()); }
+
+private:
   [[nodiscard]] Endpoint endpoint() const {
     const auto local = socket_.local_endpoint();
     return {local.address().to_string(), local.port()};
   }
 
-private:
   std::optional<asio::ip::address_v6::bytes_type> from_;
   StoppableLoop loop_;
   asio::ip::udp::socket socket_;
 };
 
-UdpListener::UdpListener(const Endpoint& endpoint, const std::optional<std::string>& from)
-    : socket_{std::make_unique<Socket>(endpoint, from)} {}
+}  // namespace
 
-UdpListener::~UdpListener() = default;
-
-ReadResult UdpListener::read(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) {
-  return socket_->read(buffer, timeout);
-}
-
-void UdpListener::stop() {
-  socket_->stop();
-}
-
-std::string UdpListener::name() const {
-  return "udp " + text_of(endpoint());
-}
-
-Endpoint UdpListener::endpoint() const {
-  return socket_->endpoint();
+std::unique_ptr<ByteSource> open_udp_listener(const Endpoint& endpoint,
+                                              const std::optional<std::string>& from) {
+  return std::make_unique<UdpListener>(endpoint, from);
 }
 
 }  // namespace sonopose::transport

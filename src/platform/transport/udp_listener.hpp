@@ -25,28 +25,11 @@ Endpoint parse_endpoint(std::string_view text);
 /// Throws std::invalid_argument unless the text is a numeric IPv4 or IPv6 address.
 void check_address(const std::string& text);
 
-/// Returns one datagram per read(). A datagram that exceeds the buffer is truncated; 2048 bytes fit any
-/// frame.
-class UdpListener : public ByteSource {
-public:
-  /// Port 0 lets the system choose. With `from`, a numeric address, read() returns `refused` for each
-  /// datagram of another address. Throws files::IoError if the address cannot be bound, std::invalid_argument
-  /// if that needs rights, or `from` is no address.
-  explicit UdpListener(const Endpoint& endpoint, const std::optional<std::string>& from = {});
-  ~UdpListener() override;
-  UdpListener(const UdpListener&) = delete;
-  UdpListener& operator=(const UdpListener&) = delete;
-
-  ReadResult read(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) override;
-  void stop() override;
-  [[nodiscard]] std::string name() const override;
-
-  /// The local address, with the port that the system chose.
-  [[nodiscard]] Endpoint endpoint() const;
-
-private:
-  class Socket;
-  std::unique_ptr<Socket> socket_;
-};
+/// Makes a source of one datagram per read(). A datagram that exceeds the buffer is truncated; 2048 bytes fit
+/// any frame. Port 0 lets the system choose; name() has the chosen one. With `from`, a numeric address,
+/// read() returns `refused` for each datagram of another address. Throws files::IoError if the address cannot
+/// be bound, std::invalid_argument if that needs rights, or `from` is no address.
+std::unique_ptr<ByteSource> open_udp_listener(const Endpoint& endpoint,
+                                              const std::optional<std::string>& from = {});
 
 }  // namespace sonopose::transport

@@ -13,10 +13,11 @@
 #include <utility>
 
 namespace sonopose::transport {
+namespace {
 
-class UdpPeer::Socket {
+class UdpPeer final : public ByteLink {
 public:
-  Socket(const Endpoint& peer, std::uint16_t local_port)
+  UdpPeer(const Endpoint& peer, std::uint16_t local_port)
       : name_("udp " + peer.address + " port " + std::to_string(peer.port)), socket_{loop_.context()} {
     asio::error_code error;
     peer_ = {asio::ip::make_address(peer.address, error), peer.port};
@@ -31,7 +32,7 @@ public:
     }
   }
 
-  ReadResult read(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) {
+  ReadResult read(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) override {
     if (loop_.stopped()) return {ReadStatus::stopped};
     SteadyTime arrival;
     asio::ip::udp::endpoint sender;
@@ -51,12 +52,12 @@ public:
     return {ReadStatus::data, done.size, arrival};
   }
 
-  void stop() { loop_.stop(); }
-  void answer_last_sender() {
+  void stop() override { loop_.stop(); }
+  void answer_last_sender() override {
     if (last_sender_) peer_ = *last_sender_;
   }
 
-  void send(std::vector<std::uint8_t> bytes) {
+  void send(std::vector<std::uint8_t> bytes) override {
     asio::post(loop_.context(), [this, bytes = std::move(bytes)] {
       asio::error_code error;
       socket_.send_to(asio::buffer(bytes), peer_, 0, error);
@@ -70,12 +71,12 @@ public:
     });
   }
 
-  [[nodiscard]] std::uint64_t unsent() const { return unsent_; }
-  [[nodiscard]] SendFailures send_failures() const {
+  [[nodiscard]] std::uint64_t unsent() const override { return unsent_; }
+  [[nodiscard]] SendFailures send_failures() const override {
     const std::uint64_t count = failures_;
     return {.count = count, .reason = std::errc{failure_.load()}};
   }
-  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] std::string name() const override { return name_; }
 
 private:
   std::string name_;
@@ -88,37 +89,10 @@ private:
   std::atomic<int> failure_ = 0;  ///< errno of the last one, set before it is counted
 };
 
-UdpPeer::UdpPeer(const Endpoint& peer, std::uint16_t local_port)
-    : socket_{std::make_unique<Socket>(peer, local_port)} {}
+}  // namespace
 
-UdpPeer::~UdpPeer() = default;
-
-ReadResult UdpPeer::read(std::span<std::uint8_t> buffer, std::chrono::milliseconds timeout) {
-  return socket_->read(buffer, timeout);
-}
-
-void UdpPeer::stop() {
-  socket_->stop();
-}
-
-void UdpPeer::send(std::vector<std::uint8_t> bytes) {
-  socket_->send(std::move(bytes));
-}
-
-void UdpPeer::answer_last_sender() {
-  socket_->answer_last_sender();
-}
-
-std::uint64_t UdpPeer::unsent() const {
-  return socket_->unsent();
-}
-
-SendFailures UdpPeer::send_failures() const {
-  return socket_->send_failures();
-}
-
-std::string UdpPeer::name() const {
-  return socket_->name();
+std::unique_ptr<ByteLink> open_udp_peer(const Endpoint& peer, std::uint16_t local_port) {
+  return std::make_unique<UdpPeer>(peer, local_port);
 }
 
 }  // namespace sonopose::transport

@@ -80,20 +80,27 @@ SCENARIO("an address to listen on is parsed, or refused with the cause") {
   CHECK_THAT(refusal("::1:80"), Contains("needs brackets"));
 }
 
+/// The port that the system chose.
+std::uint16_t port_of(const ByteSource& listener) {
+  const std::string name = listener.name();
+  REQUIRE(name.starts_with("udp 127.0.0.1:"));
+  return parse_endpoint(name.substr(4)).port;
+}
+
 SCENARIO("datagrams are read one by one, with their arrival time") {
   GIVEN("a listener on loopback, on a port chosen by the system") {
-    UdpListener listener(parse_endpoint("127.0.0.1:0"));
-    REQUIRE(listener.endpoint().port != 0);
-    CHECK(listener.name() == "udp 127.0.0.1:" + std::to_string(listener.endpoint().port));
-    const Sender sender(listener.endpoint().port);
+    const auto listener = open_udp_listener(parse_endpoint("127.0.0.1:0"));
+    const std::uint16_t port = port_of(*listener);
+    REQUIRE(port != 0);
+    const Sender sender(port);
     std::array<std::uint8_t, 2048> buffer{};
     WHEN("nothing is sent") {
       THEN("the read ends in time, and the next one still works") {
         const auto before = std::chrono::steady_clock::now();
-        CHECK(listener.read(buffer, 30ms).status == ReadStatus::timeout);
+        CHECK(listener->read(buffer, 30ms).status == ReadStatus::timeout);
         CHECK(std::chrono::steady_clock::now() - before >= 30ms);
         sender.send("late");
-        CHECK(listener.read(buffer, 60s).size == 4);
+        CHECK(listener->read(buffer, 60s).size == 4);
       }
     }
     WHEN("two datagrams and an empty one are sent") {
@@ -102,48 +109,49 @@ SCENARIO("datagrams are read one by one, with their arrival time") {
       sender.send("");
       sender.send("second one");
       THEN("each is read alone and complete") {
-        const ReadResult first = listener.read(buffer, 60s);
+        const ReadResult first = listener->read(buffer, 60s);
         REQUIRE(first.status == ReadStatus::data);
         CHECK(text_of(std::span(buffer).first(first.size)) == "first");
         CHECK(first.arrival >= before);
         CHECK(first.arrival <= clocks::steady_now());
-        const ReadResult empty = listener.read(buffer, 60s);
+        const ReadResult empty = listener->read(buffer, 60s);
         CHECK(empty.status == ReadStatus::data);
         CHECK(empty.size == 0);
-        const ReadResult second = listener.read(buffer, 60s);
+        const ReadResult second = listener->read(buffer, 60s);
         CHECK(text_of(std::span(buffer).first(second.size)) == "second one");
       }
     }
     WHEN("another listener binds the same port") {
       THEN("it gets the cause") {
-        CHECK_THROWS_WITH(UdpListener(listener.endpoint()),
+        CHECK_THROWS_WITH(open_udp_listener({"127.0.0.1", port}),
                           Contains("cannot listen on 127.0.0.1:") && Contains("already in use"));
       }
     }
     WHEN("another thread stops it") {
       std::thread stopper([&] {
         std::this_thread::sleep_for(50ms);  // lets the read begin
-        listener.stop();
+        listener->stop();
       });
-      const ReadResult result = listener.read(buffer, 1h);
+      const ReadResult result = listener->read(buffer, 1h);
       stopper.join();
       THEN("the read ends, and so does the next one") {
         CHECK(result.status == ReadStatus::stopped);
-        CHECK(listener.read(buffer, 1h).status == ReadStatus::stopped);
+        CHECK(listener->read(buffer, 1h).status == ReadStatus::stopped);
       }
     }
   }
   GIVEN("a listener that accepts this machine only") {
-    UdpListener listener(parse_endpoint("127.0.0.1:0"), "127.0.0.1");
+    const auto listener = open_udp_listener(parse_endpoint("127.0.0.1:0"), "127.0.0.1");
+    const std::uint16_t port = port_of(*listener);
     std::array<std::uint8_t, 2048> buffer{};
     WHEN("two programs of this machine send") {
-      const Sender beacon(listener.endpoint().port);
+      const Sender beacon(port);
       beacon.send("beacon");
-      const Sender forger(listener.endpoint().port);
+      const Sender forger(port);
       forger.send("forged");
       THEN("they are different senders, by their ports") {
-        const ReadResult first = listener.read(buffer, 60s);
-        const ReadResult second = listener.read(buffer, 60s);
+        const ReadResult first = listener->read(buffer, 60s);
+        const ReadResult second = listener->read(buffer, 60s);
         REQUIRE(second.status == ReadStatus::data);
         CHECK(first.sender.port != 0);
         CHECK(first.sender.address == second.sender.address);
@@ -152,7 +160,7 @@ SCENARIO("datagrams are read one by one, with their arrival time") {
     }
   }
   GIVEN("an address of another machine") {
-    CHECK_THROWS_AS(UdpListener(Endpoint{"192.0.2.1", 0}), IoError);
+    CHECK_THROWS_AS(open_udp_listener(Endpoint{"192.0.2.1", 0}), IoError);
   }
 }
 

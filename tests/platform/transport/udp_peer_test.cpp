@@ -77,18 +77,18 @@ std::vector<std::uint8_t> bytes_of(const std::string& text) {
 
 /// The program's end.
 struct Host {
-  UdpPeer peer;
+  std::unique_ptr<ByteLink> peer;
   std::array<std::uint8_t, 2048> buffer{};
 
   /// Sends, which the reading thread does.
   void send(const std::string& text) {
-    peer.send(bytes_of(text));
-    peer.read(buffer, 10ms);
+    peer->send(bytes_of(text));
+    peer->read(buffer, 10ms);
   }
   /// The status and text of the next datagram.
   std::pair<ReadStatus, std::string> next() {
     for (int i = 0; i < 200; ++i) {
-      const ReadResult result = peer.read(buffer, 100ms);
+      const ReadResult result = peer->read(buffer, 100ms);
       if (result.status == ReadStatus::timeout) continue;
       return {result.status,
               std::string(buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(result.size))};
@@ -100,13 +100,13 @@ struct Host {
 SCENARIO("messages go to the endpoint, or to the port that was accepted as theirs") {
   GIVEN("a peer that has sent to an autopilot") {
     Port autopilot;
-    Host host{.peer = {autopilot.endpoint(), 0}};
+    Host host{.peer = open_udp_peer(autopilot.endpoint(), 0)};
     const std::string all_bytes("pose\0\n\xff", 7);
     host.send(all_bytes);
     REQUIRE(autopilot.receive() == all_bytes);
-    CHECK(host.peer.unsent() == 0);
-    CHECK(host.peer.send_failures().count == 0);
-    CHECK(host.peer.name() == "udp 127.0.0.1 port " + std::to_string(autopilot.endpoint().port));
+    CHECK(host.peer->unsent() == 0);
+    CHECK(host.peer->send_failures().count == 0);
+    CHECK(host.peer->name() == "udp 127.0.0.1 port " + std::to_string(autopilot.endpoint().port));
     WHEN("another program of its machine sends") {
       Port other;
       other.send("heartbeat", autopilot.sender());
@@ -115,7 +115,7 @@ SCENARIO("messages go to the endpoint, or to the port that was accepted as their
         host.send("1");
         CHECK(autopilot.receive() == "1");
         AND_WHEN("it is accepted") {
-          host.peer.answer_last_sender();
+          host.peer->answer_last_sender();
           host.send("2");
           THEN("they go there") {
             CHECK(other.receive() == "2");
@@ -128,7 +128,7 @@ SCENARIO("messages go to the endpoint, or to the port that was accepted as their
       stranger.send("heartbeat", autopilot.sender());
       THEN("it is refused, and accepting the last sender does not mean it") {
         CHECK(host.next().first == ReadStatus::refused);
-        host.peer.answer_last_sender();
+        host.peer->answer_last_sender();
         host.send("1");
         CHECK(autopilot.receive() == "1");
       }
@@ -140,31 +140,31 @@ SCENARIO("messages go to the endpoint, or to the port that was accepted as their
       const Port port;
       closed = port.endpoint();
     }
-    Host host{.peer = {closed, 0}};
+    Host host{.peer = open_udp_peer(closed, 0)};
     THEN("sending and reading go on") {
       for (int i = 0; i < 3; ++i) host.send("1");
-      CHECK(host.peer.read(host.buffer, 10ms).status == ReadStatus::timeout);
+      CHECK(host.peer->read(host.buffer, 10ms).status == ReadStatus::timeout);
     }
   }
 }
 
 SCENARIO("a message that cannot be sent is counted, with the cause") {
   GIVEN("a peer at the address of all machines, to which a socket may not send") {
-    Host host{.peer = {{.address = "255.255.255.255", .port = 14550}, 0}};
+    Host host{.peer = open_udp_peer({.address = "255.255.255.255", .port = 14550}, 0)};
     host.send("1");
-    CHECK(host.peer.send_failures().count == 1);
-    CHECK(host.peer.send_failures().reason != std::errc{});
+    CHECK(host.peer->send_failures().count == 1);
+    CHECK(host.peer->send_failures().reason != std::errc{});
   }
   GIVEN("a message that is longer than any datagram") {
     Port autopilot;
-    Host host{.peer = {autopilot.endpoint(), 0}};
+    Host host{.peer = open_udp_peer(autopilot.endpoint(), 0)};
     host.send(std::string(70'000, 'x'));
     THEN("it is counted with its cause, also after one that is sent, and the line is not full") {
       host.send("1");
       CHECK(autopilot.receive() == "1");
-      CHECK(host.peer.send_failures().count == 1);
-      CHECK(host.peer.send_failures().reason == std::errc::message_size);
-      CHECK(host.peer.unsent() == 0);
+      CHECK(host.peer->send_failures().count == 1);
+      CHECK(host.peer->send_failures().reason == std::errc::message_size);
+      CHECK(host.peer->unsent() == 0);
     }
   }
 }
@@ -172,19 +172,19 @@ SCENARIO("a message that cannot be sent is counted, with the cause") {
 SCENARIO("a local port that is in use is refused") {
   const Port taken("0.0.0.0");
   CHECK_THROWS_WITH(
-      UdpPeer({.address = "127.0.0.1", .port = 14550}, taken.endpoint().port),
+      open_udp_peer({.address = "127.0.0.1", .port = 14550}, taken.endpoint().port),
       Contains("udp 127.0.0.1 port 14550: cannot bind local port " + std::to_string(taken.endpoint().port)));
 }
 
 SCENARIO("a stop ends the read of a silent peer") {
   const Port autopilot;
-  UdpPeer peer(autopilot.endpoint(), 0);
+  const auto peer = open_udp_peer(autopilot.endpoint(), 0);
   std::thread stopper([&peer] {
     std::this_thread::sleep_for(50ms);  // lets the read begin
-    peer.stop();
+    peer->stop();
   });
   std::array<std::uint8_t, 16> buffer{};
-  CHECK(peer.read(buffer, 1h).status == ReadStatus::stopped);
+  CHECK(peer->read(buffer, 1h).status == ReadStatus::stopped);
   stopper.join();
 }
 

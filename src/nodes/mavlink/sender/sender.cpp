@@ -35,9 +35,9 @@ using autopilot::Silence;
 constexpr TimeNs heartbeat_period_ns = 1'000'000'000;
 
 std::unique_ptr<transport::ByteLink> make_link(const SenderOptions& options) {
-  if (options.udp) return std::make_unique<transport::UdpPeer>(*options.udp, options.local_port);
+  if (options.udp) return transport::open_udp_peer(*options.udp, options.local_port);
   try {
-    return std::make_unique<transport::SerialPort>(options.device, options.baud);
+    return transport::open_serial_port(options.device, options.baud);
   } catch (const files::IoError& error) {
     throw std::invalid_argument(fmt::format("--device: {}", error.what()));
   }
