@@ -1,6 +1,7 @@
 #include "settings_client/settings_client.hpp"
 
 #include "clocks/clocks.hpp"
+#include "process/random_id.hpp"
 #include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/conversions.hpp>
 #include <sonopose/dds/topics/topics.hpp>
@@ -10,7 +11,6 @@
 #include <map>
 #include <set>
 #include <stdexcept>
-#include <unistd.h>
 #include <utility>
 
 namespace sonopose::settings_client {
@@ -20,7 +20,7 @@ namespace topics = dds::topics;
 
 /// Id that is unique among clients, and never 0.
 std::uint64_t new_request_id() {
-  return static_cast<std::uint64_t>(clocks::host_now()) ^ (static_cast<std::uint64_t>(::getpid()) << 40U);
+  return process::random_id() | 1;
 }
 
 SteadyTime deadline_after(double timeout_s) {
