@@ -8,6 +8,7 @@
 #include "security/roles.hpp"
 #include "security/signed_document.hpp"
 #include "support/temporary_folder.hpp"
+#include <sonopose/dds/topics/serialized_topics.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -85,6 +86,19 @@ SCENARIO("Roles have the least privilege") {
       CHECK(writes(role).contains("sonopose/reset") == (name == "operator" || name == "ros2"));
       CHECK_FALSE(writes(role).contains("*"));
     }
+  }
+  THEN("they name the topics of topics.hpp, of which each has a writer") {
+    std::set<std::string> topics;
+    for (const auto& topic : sonopose::dds::topics::serialized_topics()) topics.emplace(topic.name);
+    std::set<std::string> written;
+    for (const char* const role : role_names) {
+      written.merge(writes(role));
+      for (const std::string& topic : access_of({role}).reads) {
+        if (topic.starts_with("sonopose/") && !topic.ends_with('*')) CHECK(topics.contains(topic));
+      }
+    }
+    std::erase_if(written, [](const std::string& topic) { return !topic.starts_with("sonopose/"); });
+    CHECK(written == topics);
   }
   THEN("two roles have the rights of both") {
     CHECK(access_of({"bridge", "fusion"}).writes.size() == 16);  // 9 and 8, the log is common
