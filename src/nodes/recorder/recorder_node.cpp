@@ -6,12 +6,6 @@
 #include "process/host_name.hpp"
 #include "process/service.hpp"
 #include "recorder/earlier_files.hpp"
-#include "recorder/foreign_topics.hpp"
-#include "recorder/pipeline.hpp"
-#include "recorder/ros2_topics.hpp"
-#include <sonopose/dds/psm/discovery.hpp>
-#include <sonopose/dds/psm/ext.hpp>
-#include <sonopose/dds/qos/provider.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/idl/text.hpp>
 #include <sonopose/text/count_text.hpp>
@@ -172,52 +166,15 @@ std::vector<const topics::SerializedTopic*> checked_topics(const RecorderOptions
 
 }  // namespace
 
-class Recorder::Node {
-public:
-  explicit Node(const RecorderOptions& options);
-
-  void run(const process::StopSignal& stop);
-  Trigger& trigger() { return trigger_; }
-  RecorderReport finish();
-
-private:
-  [[nodiscard]] TapCounts counts() const;
-  [[nodiscard]] bool has_failed() const;
-  void report_begin() const;
-  void report_news();
-  void report_rate();
-  void report_foreign(std::vector<dds::FoundEndpoint> writers);
-  [[nodiscard]] mcap::TextMap foreign_text() const;
-  TopicTrigger* trigger_of(const topics::SerializedTopic& topic);
-
-  RecorderOptions options_;
-  dds::qos::Provider qos_;
-  std::vector<const topics::SerializedTopic*> selected_;
-  process::Wakeup news_;  ///< the disk has failed, or a writer has appeared
-  dds::domain::DomainParticipant participant_;
-  dds::Discovery discovery_;
-  ForeignTopics foreign_;
-  Trigger trigger_;
-  AnySampleTrigger any_sample_{trigger_};
-  BadStatusTrigger bad_status_{trigger_};
-  Pipeline native_;
-  std::optional<Pipeline> ros2_;
-  std::optional<Ros2Topics> ros2_topics_;
-  SteadyTime began_ = clocks::steady_now();
-  TapCounts reported_;
-  std::uint64_t incompatible_reported_ = 0;
-  bool is_rate_reported_ = false;
-  std::exception_ptr failure_;  ///< error other than of the disk; null without one
-};
-
-Recorder::Node::Node(const RecorderOptions& options)
+Recorder::Recorder(const RecorderOptions& options)
     : options_(options),
       qos_(options.qos_file),
       selected_(checked_topics(options)),
       participant_(dds::ext::participant(options.domain)),
       discovery_(participant_, [this] { news_.wake(); }),
       native_(native_settings(options, participant_.domain_id(), channels_of(selected_, qos_)), trigger_,
-              news_) {
+              news_),
+      began_(clocks::steady_now()) {
   if (options.ros2) {
     ros2_.emplace(ros2_settings(options, participant_.domain_id()), trigger_, news_);
     ros2_topics_.emplace(*ros2_, participant_, qos_);
@@ -242,23 +199,23 @@ Recorder::Node::Node(const RecorderOptions& options)
   if (ros2_) ros2_->start();
 }
 
-TopicTrigger* Recorder::Node::trigger_of(const topics::SerializedTopic& topic) {
+TopicTrigger* Recorder::trigger_of(const topics::SerializedTopic& topic) {
   if (!options_.trigger_topic.empty() && &topic == &topic_named(options_.trigger_topic)) return &any_sample_;
   if (options_.trigger_on_status && &topic == &topic_named("pose")) return &bad_status_;
   return nullptr;
 }
 
-TapCounts Recorder::Node::counts() const {
+TapCounts Recorder::counts() const {
   TapCounts sum = native_.counts();
   if (ros2_) sum += ros2_->counts();
   return sum;
 }
 
-bool Recorder::Node::has_failed() const {
+bool Recorder::has_failed() const {
   return native_.failure() || (ros2_ && ros2_->failure());
 }
 
-void Recorder::Node::run(const process::StopSignal& stop) {
+void Recorder::run(const process::StopSignal& stop) {
   const SteadyTime end = options_.duration_s > 0 ? began_ + to_ns(options_.duration_s) : SteadyTime::max();
   report_begin();
   process::report_ready();
@@ -278,7 +235,7 @@ void Recorder::Node::run(const process::StopSignal& stop) {
   }
 }
 
-void Recorder::Node::report_begin() const {
+void Recorder::report_begin() const {
   if (options_.keep_last_s > 0) {
     logging::info(fmt::format("recording the last {} s of {} in memory", options_.keep_last_s,
                               text::count_text(selected_.size(), "topic")));
@@ -288,7 +245,7 @@ void Recorder::Node::report_begin() const {
   }
 }
 
-void Recorder::Node::report_foreign(std::vector<dds::FoundEndpoint> writers) {
+void Recorder::report_foreign(std::vector<dds::FoundEndpoint> writers) {
   if (ros2_topics_) {
     std::erase_if(writers, [this](const auto& writer) { return ros2_topics_->contains(writer.topic_name); });
   }
@@ -299,7 +256,7 @@ void Recorder::Node::report_foreign(std::vector<dds::FoundEndpoint> writers) {
 }
 
 /// Reports news for the user: writers that do not match, and losses.
-void Recorder::Node::report_news() {
+void Recorder::report_news() {
   const std::uint64_t incompatible = native_.incompatible() + (ros2_ ? ros2_->incompatible() : 0);
   if (std::exchange(incompatible_reported_, incompatible) != incompatible) {
     logging::warning("a writer offers incompatible QoS and is not recorded; run sonopose-doctor for details");
@@ -313,7 +270,7 @@ void Recorder::Node::report_news() {
 }
 
 /// Says once how much the recording takes: many beacons fill a disk within hours.
-void Recorder::Node::report_rate() {
+void Recorder::report_rate() {
   constexpr double after_s = 60;
   constexpr double day_s = 86400;
   constexpr double hour_s = 3600;
@@ -332,7 +289,7 @@ void Recorder::Node::report_rate() {
                                               static_cast<double>(space.available) / rate / hour_s)));
 }
 
-mcap::TextMap Recorder::Node::foreign_text() const {
+mcap::TextMap Recorder::foreign_text() const {
   std::string text;
   for (const auto& [topic, writers] : foreign_.writer_counts()) {
     text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", topic, text::count_text(writers, "writer"));
@@ -341,7 +298,7 @@ mcap::TextMap Recorder::Node::foreign_text() const {
   return text.empty() ? mcap::TextMap{} : mcap::TextMap{{"not_recorded", text}};
 }
 
-RecorderReport Recorder::Node::finish() {
+RecorderReport Recorder::finish() {
   const double duration_s = static_cast<double>(clocks::steady_now() - began_) * 1e-9;
   try {
     report_foreign(discovery_.writers());
@@ -367,22 +324,6 @@ RecorderReport Recorder::Node::finish() {
   report.only_left_out = native_.only_left_out();
   report_news();
   return report;
-}
-
-Recorder::Recorder(const RecorderOptions& options) : node_(std::make_unique<Node>(options)) {}
-
-Recorder::~Recorder() = default;
-
-void Recorder::run(const process::StopSignal& stop) {
-  node_->run(stop);
-}
-
-Trigger& Recorder::trigger() {
-  return node_->trigger();
-}
-
-RecorderReport Recorder::finish() {
-  return node_->finish();
 }
 
 }  // namespace sonopose::recorder

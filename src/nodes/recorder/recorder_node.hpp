@@ -5,16 +5,21 @@
 #include "mcap/records.hpp"
 #include "presence/address_set.hpp"
 #include "process/stop_signal.hpp"
+#include "recorder/foreign_topics.hpp"
+#include "recorder/pipeline.hpp"
+#include "recorder/ros2_topics.hpp"
 #include "recorder/topic_tap.hpp"
 #include "recorder/trigger.hpp"
 #include <sonopose/dds/binding/domain.hpp>
+#include <sonopose/dds/psm/discovery.hpp>
+#include <sonopose/dds/psm/ext.hpp>
+#include <sonopose/dds/qos/provider.hpp>
 
 #include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <filesystem>
 #include <map>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -77,21 +82,46 @@ public:
   Recorder& operator=(const Recorder&) = delete;
   Recorder(Recorder&&) = delete;
   Recorder& operator=(Recorder&&) = delete;
-  ~Recorder();
+  ~Recorder() = default;
 
   /// Records until the stop, the end of the duration, or an error, which the report of `finish` contains.
   /// Reports to the log.
   void run(const process::StopSignal& stop);
 
   /// Writes the last seconds when fired, from any thread.
-  Trigger& trigger();
+  Trigger& trigger() { return trigger_; }
 
   /// Ends the recording. Call it once.
   RecorderReport finish();
 
 private:
-  class Node;
-  std::unique_ptr<Node> node_;
+  [[nodiscard]] TapCounts counts() const;
+  [[nodiscard]] bool has_failed() const;
+  void report_begin() const;
+  void report_news();
+  void report_rate();
+  void report_foreign(std::vector<dds::FoundEndpoint> writers);
+  [[nodiscard]] mcap::TextMap foreign_text() const;
+  TopicTrigger* trigger_of(const dds::topics::SerializedTopic& topic);
+
+  RecorderOptions options_;
+  dds::qos::Provider qos_;
+  std::vector<const dds::topics::SerializedTopic*> selected_;
+  process::Wakeup news_;  ///< the disk has failed, or a writer has appeared
+  dds::domain::DomainParticipant participant_;
+  dds::Discovery discovery_;
+  ForeignTopics foreign_;
+  Trigger trigger_;
+  AnySampleTrigger any_sample_{trigger_};
+  BadStatusTrigger bad_status_{trigger_};
+  Pipeline native_;
+  std::optional<Pipeline> ros2_;
+  std::optional<Ros2Topics> ros2_topics_;
+  SteadyTime began_;
+  TapCounts reported_;
+  std::uint64_t incompatible_reported_ = 0;
+  bool is_rate_reported_ = false;
+  std::exception_ptr failure_;  ///< error other than of the disk; null without one
 };
 
 }  // namespace sonopose::recorder
