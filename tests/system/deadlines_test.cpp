@@ -107,7 +107,7 @@ SCENARIO("missed deadlines and lost bridges are counted where they are detected"
           THEN("it counts its own missed deadlines; the monitor counts those of both, and the poses resume") {
             CHECK(
                 beacon.wait_for([](const BeaconStatus& latest) { return latest.imu_deadlines_missed >= 5; }));
-            CHECK(monitor->wait_for_line(Stream::error, "beacon 7: poses again, after"));
+            CHECK(monitor->wait_for_line(Stream::error, "beacon 7: poses arrive again, after"));
             CHECK_FALSE(wait_for_report(*monitor, [](const nlohmann::json& beacons) {
                           return beacons[0]["pose_deadlines_missed"].get<int>() >= 5 &&
                                  beacons[0]["fusion"]["imu_deadlines_missed"].get<int>() >= 5;

@@ -126,7 +126,7 @@ SCENARIO("an autopilot gets the poses of a drone over MAVLink") {
     const auto mavlink = sender(bus, {"--udp", px4.endpoint(), "--north", "90"});
     THEN("it gets heartbeats, and no pose, for a reason") {
       CHECK(px4.wait_for(0, 2));
-      CHECK(mavlink->wait_for_line(Stream::error, "no heartbeats of an autopilot arrive"));
+      CHECK(mavlink->wait_for_line(Stream::error, "no heartbeats from an autopilot"));
       CHECK(px4.count(odometry_id) == 0);
       AND_WHEN("it comes to life") {
         px4.live(true);
@@ -159,11 +159,11 @@ SCENARIO("an autopilot gets the poses of a drone over MAVLink") {
             THEN("the reset counter has risen by one") {
               CHECK(int{px4.frames(odometry_id).back().payload[230]} == before + 1);
               AND_WHEN("it dies") {
-                REQUIRE(mavlink->wait_for_line(Stream::error, "the poses of beacon 7 are sent"));
+                REQUIRE(mavlink->wait_for_line(Stream::error, "sending the poses of beacon 7"));
                 const auto ends = [&] {
                   const auto lines = mavlink->lines(Stream::error);
                   return std::count_if(lines.begin(), lines.end(), [](const std::string& line) {
-                    return line.find("no heartbeats of an autopilot") != std::string::npos;
+                    return line.find("no heartbeats from an autopilot") != std::string::npos;
                   });
                 };
                 const auto before_death = ends();

@@ -152,7 +152,7 @@ SCENARIO("a killed bridge, its return and changed settings are logged") {
       CHECK(bridge->end_by(SIGINT).code == 0);
       REQUIRE(fusion->wait_for_line(Stream::error, "<4>beacon 7: IMU silent: no sample for "));
       const auto another = bus.bridge({"--log-level", "error"});
-      REQUIRE(fusion->wait_for_line(Stream::error, "<6>beacon 7: IMU samples again, after "));
+      REQUIRE(fusion->wait_for_line(Stream::error, "<6>beacon 7: IMU samples arrive again, after "));
       THEN("no bridge is lost") {
         CHECK(count(*fusion, "<3>beacon 7: bridge lost") == earlier);
       }
@@ -171,7 +171,7 @@ SCENARIO("a killed bridge, its return and changed settings are logged") {
       const auto another = bus.bridge({});
       THEN("it was logged once, and the return of a bridge is logged") {
         REQUIRE(fusion->wait_for_line(Stream::error, "<6>beacon 7: a bridge sends again, after "));
-        REQUIRE(fusion->wait_for_line(Stream::error, "<6>beacon 7: IMU samples again, after "));
+        REQUIRE(fusion->wait_for_line(Stream::error, "<6>beacon 7: IMU samples arrive again, after "));
         CAPTURE(fusion->text(Stream::error));
         CHECK(count(*fusion, "<6>beacon 7: found") == 1);
         CHECK(count(*fusion, "<6>settings of all beacons changed") == 1);

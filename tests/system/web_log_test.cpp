@@ -67,7 +67,7 @@ SCENARIO("a page shows the logs of the other processes, each line once") {
       const json message = json::parse(page.next());
       if (message["op"] == "status") ++seconds;
       if (message["op"] != "event" || message.contains("program")) continue;
-      CHECK_THAT(message["text"].get<std::string>(), Contains("no pose") || Contains("poses again"));
+      CHECK_THAT(message["text"].get<std::string>(), Contains("no pose") || Contains("poses arrive again"));
     }
   }
 }

@@ -75,7 +75,8 @@ void InputWatch::on_imu(const ImuSample& raw) {
   const TimeNs step_ns = saturated_difference(imu.sensor_time_ns, last_imu_ns_);
   constexpr TimeNs jitter_ns = 1'000'000'000;
   if (step_ns < 0 && step_ns > -jitter_ns) return;
-  if (step_ns < 0) faulty_until_ns_ = other_clock_until_ns_ = 0;  // else an older recording has them for ever
+  if (step_ns < 0)
+    faulty_until_ns_ = other_clock_until_ns_ = 0;  // otherwise they would outlast a step back of the clock
   if (step_ns < 0 || step_ns > max_step_ns) restart();
   const bool is_first = last_imu_ns_ == 0;
   last_force_body_mps2_ = force;

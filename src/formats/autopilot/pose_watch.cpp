@@ -33,7 +33,7 @@ const char* text_of(Silence silence) {
     case Silence::late:
       return "the poses are late";
     case Silence::doubtful:
-      return "the poses are stale, untrusted or inconsistent, or not yet good for 0.5 s";
+      return "the poses are stale, untrusted or inconsistent, or not yet good for long enough";
     case Silence::no_mount:
       return "the mount of the IMU is unknown";
     case Silence::yaw_unknown:
@@ -41,7 +41,7 @@ const char* text_of(Silence silence) {
     case Silence::no_velocity:
       return "the velocity is unknown; vision_position has none";
     case Silence::no_autopilot:
-      return "no heartbeats of an autopilot arrive";
+      return "no heartbeats from an autopilot";
     case Silence::no_clock:
       return "the autopilot's clock is unknown";
     case Silence::unix_clock:

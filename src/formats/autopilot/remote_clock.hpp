@@ -16,12 +16,12 @@ class RemoteClock {
 public:
   /// Silence after which the clock is lost. PX4 sends a message a second.
   static constexpr TimeNs lost_after_ns = 3'000'000'000;
-  /// Stamps behind by up to this are of this clock, late: PX4's client converts stamps from and to the clock
-  /// of the agent's machine, which is this one. Twice this ends that. Stamps ahead are of another clock.
+  /// Stamps at most this far behind count as late stamps of the host's clock: PX4's client converts stamps
+  /// to the clock of the agent's machine. That ends at twice this. Stamps ahead belong to another clock.
   static constexpr TimeNs same_clock_ns = 50'000'000;
 
-  /// Takes a stamp, with the time of its arrival. One that differs from the others by half a second begins
-  /// again: a clock was set, or the autopilot started again.
+  /// Takes a stamp, with the time of its arrival. One that differs from the others by more than 0.5 s
+  /// discards them: a clock was set, or the autopilot restarted.
   void on(TimeNs stamp_ns, HostTime arrival, SteadyTime now);
 
   /// Converts a time of the host. Empty while the clock is not known.

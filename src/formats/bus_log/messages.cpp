@@ -221,7 +221,7 @@ std::optional<ChosenMessages::Chosen> ChosenMessages::next() {
 void ChosenMessages::require_beacon() const {
   if (!beacon_ || beacon_ == all_beacons || found_beacons_.contains(*beacon_)) return;
   throw files::IoError(fmt::format(
-      "{}: no selected message is of beacon {}; they are of {}", reader_.name(), *beacon_,
+      "{}: no selected message belongs to beacon {}; they belong to {}", reader_.name(), *beacon_,
       found_beacons_.empty() ? std::string("none") : fmt::format("{}", fmt::join(found_beacons_, ", "))));
 }
 

@@ -231,7 +231,7 @@ bool is_bag(const mcap::Reader& reader) {
 /// Warns if topics were chosen for a recording that has none.
 void warn_of_topics(const std::string& name) {
   if (!ros2::bag::chosen_topics().is_given()) return;
-  logging::warning(name + ": is no recording of ROS 2: --imu-in, --fix-in and the like do not apply to it");
+  logging::warning(name + ": not a ROS 2 recording: --imu-in, --fix-in and similar options do not apply");
 }
 
 /// Inputs that a caller needs.

@@ -12,7 +12,7 @@ namespace sonopose::bus_log {
 /// Lists file, times, topics, metadata and damage. `more` adds damage that the reader does not know.
 std::string summary_text(const mcap::Reader& reader, const std::vector<std::string>& more = {});
 
-/// The same as one JSON object.
+/// Formats the summary as one JSON object.
 std::string summary_json(const mcap::Reader& reader, const std::vector<std::string>& more = {});
 
 /// Returns true if the reader, its metadata and `more` have no damage.

@@ -19,7 +19,7 @@ KeyPair make_permissions_authority(const std::string& common_name, const Validit
 /// The side of a handshake that a holder of a certificate takes: DDS Security lets the participant with the
 /// lower GUID begin, and the GUID starts with the hash of the certificate's subject.
 enum class Handshake : std::uint8_t {
-  either,  ///< as the common name falls
+  either,  ///< the hash of the common name decides which side begins
   answers  ///< a qualifier in the subject makes the hash so high that practically every other begins
 };
 

@@ -95,7 +95,7 @@ public:
   }
 
 private:
-  /// Returns what makes a file good. The enclave has links to those of the whole store, which `renew` makes.
+  /// Returns the command that repairs a file. Files of the whole store are links, which `renew` restores.
   [[nodiscard]] std::string remedy(const char* file) const {
     const bool is_governance = std::string_view(file) == governance_file;
     const fs::path shared = store_of(folder_) / (is_governance ? "enclaves" : "public") / file;

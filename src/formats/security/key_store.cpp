@@ -169,7 +169,7 @@ void check_enclave_name(const std::string& name) {
   }
   if (!is_plain || name.empty() || name.find("//") != name.npos ||
       name.find_first_not_of(allowed) != name.npos) {
-    throw SecurityError(fmt::format("'{}': no name of an enclave, such as bridge or hall/robot", name));
+    throw SecurityError(fmt::format("'{}': not an enclave name, such as bridge or hall/robot", name));
   }
 }
 
@@ -205,7 +205,7 @@ KeyStore::KeyStore(const fs::path& folder) : folder_(fs::absolute(folder).lexica
   if (!folder_.has_filename()) folder_ = folder_.parent_path();
   std::error_code error;
   if (!fs::is_directory(folder_ / "enclaves", error) || !fs::is_directory(folder_ / "public", error)) {
-    throw SecurityError(fmt::format("{}: no key store; make one with sonopose-security init {}",
+    throw SecurityError(fmt::format("{}: not a key store; make one with sonopose-security init {}",
                                     folder_.string(), folder_.string()));
   }
 }
@@ -276,8 +276,8 @@ void KeyStore::add(const std::string& name, const EnclaveOptions& options) const
   const fs::path certificate = folder / certificate_file;
   if (fs::exists(certificate, absent) && !is_revoked(folder_, certificate, issuer.certificate_pem)) {
     throw SecurityError(
-        fmt::format("{}: there is such an enclave; sonopose-security renew {} {} gives it "
-                    "a new certificate, revoke removes it",
+        fmt::format("{}: this enclave exists already; sonopose-security renew {} {} gives "
+                    "it a new certificate, revoke removes it",
                     folder.string(), folder_.string(), name));
   }
   const KeyPair identity = issue(issuer, "/" + name, options.validity, options.handshake);

@@ -85,14 +85,14 @@ inline std::string text_in(BIO* bio) {
 /// `origin` names the file in errors.
 inline Cert certificate_of(const std::string& pem, const std::string& origin) {
   return found<Cert>(PEM_read_bio_X509(reading(pem).get(), nullptr, nullptr, nullptr),
-                     origin + ": no certificate");
+                     origin + ": not a certificate");
 }
 
 inline Key key_of(const std::string& pem, const std::string& origin) {
   const char* const no_password = "";
   return found<Key>(
       PEM_read_bio_PrivateKey(reading(pem).get(), nullptr, nullptr, const_cast<char*>(no_password)),
-      origin + ": no private key without a password");
+      origin + ": not a private key, or one with a password");
 }
 
 /// Seconds since 1970.

@@ -58,7 +58,7 @@ void add_rule(pugi::xml_node allow, const char* direction, const std::vector<std
 
 pugi::xml_node grant_in(pugi::xml_document& document, const std::string& xml, const std::string& origin) {
   const pugi::xml_parse_result result = document.load_buffer(xml.data(), xml.size());
-  if (!result) throw SecurityError(fmt::format("{}: no XML: {}", origin, result.description()));
+  if (!result) throw SecurityError(fmt::format("{}: not XML: {}", origin, result.description()));
   const pugi::xml_node grant = document.child("dds").child("permissions").child("grant");
   if (!grant) throw SecurityError(origin + ": no permissions with a grant");
   return grant;
@@ -175,7 +175,7 @@ std::string governance_xml(Protection protection) {
 
 std::string protection_in(const std::string& governance, const std::string& origin) {
   pugi::xml_document document;
-  if (!document.load_buffer(governance.data(), governance.size())) throw SecurityError(origin + ": no XML");
+  if (!document.load_buffer(governance.data(), governance.size())) throw SecurityError(origin + ": not XML");
   if (!document.select_node("//domain_rule")) throw SecurityError(origin + ": no domain_rule");
   std::string found;
   for (const pugi::xpath_node each : document.select_nodes("//topic_rule")) {

@@ -46,7 +46,7 @@ std::vector<std::string> revoked_serials(const std::string& list_pem, const std:
                                          const std::string& origin) {
   const auto list = openssl::found<openssl::Crl>(
       PEM_read_bio_X509_CRL(openssl::reading(list_pem).get(), nullptr, nullptr, nullptr),
-      origin + ": no list of revoked certificates");
+      origin + ": not a list of revoked certificates");
   const openssl::Cert authority = openssl::certificate_of(authority_pem, "authority");
   if (X509_CRL_verify(list.get(), X509_get0_pubkey(authority.get())) != 1) {
     ERR_clear_error();

@@ -22,7 +22,7 @@ std::string verified_document(const std::string& document, const std::string& au
   const openssl::Cert authority = openssl::certificate_of(authority_pem, "authority");
   BIO* content = nullptr;
   const auto signature = openssl::found<openssl::Pkcs7>(
-      SMIME_read_PKCS7(openssl::reading(document).get(), &content), origin + ": no signed document");
+      SMIME_read_PKCS7(openssl::reading(document).get(), &content), origin + ": not a signed document");
   const openssl::Bio owned_content(content);
   const auto store = openssl::owned<openssl::Store>(X509_STORE_new(), "X509_STORE_new");
   openssl::check(X509_STORE_add_cert(store.get(), authority.get()), "X509_STORE_add_cert");

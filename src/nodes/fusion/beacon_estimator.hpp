@@ -105,7 +105,7 @@ public:
   /// The estimator's knowledge of the sensors.
   [[nodiscard]] Estimate estimate();
 
-  /// The same if it is good enough for a later start, and the latest pose is not in doubt.
+  /// Returns the estimate if a later start may use it and the latest pose is not in doubt.
   [[nodiscard]] std::optional<Estimate> learned();
 
   /// Digest of every pose and of the present state. A replay of the same events gives the same digest.
@@ -128,7 +128,7 @@ public:
 private:
   EventOutcome process(const collation::CollatedEvent& collated) noexcept;
   [[nodiscard]] const collation::CollatorCounters& order_counters() const;
-  /// True if a bridge that is no longer alive has not ended in good order.
+  /// True if a bridge lost its liveliness without a regular end.
   [[nodiscard]] bool is_loss_due(SteadyTime now) const {
     constexpr TimeNs end_ns = 300'000'000;
     return bridge_lost_at_ && !loss_is_counted_ && now - *bridge_lost_at_ >= end_ns;

@@ -46,7 +46,8 @@ LearnedSensorsFile::LearnedSensorsFile(const std::filesystem::path& file, const 
     learned_ = config::read_learned(file);
   } catch (const config::ConfigError& error) {
     is_readable_ = false;
-    logging::warning(fmt::format("{}; it is neither used nor replaced: delete it", error.what()));
+    logging::warning(fmt::format("{}; the file is ignored and never overwritten: delete it to start afresh",
+                                 error.what()));
     return;
   }
   std::size_t known = 0;
@@ -102,7 +103,7 @@ void LearnedSensorsFile::report_last() {
 /// Logs an error that is not that of the last time.
 void LearnedSensorsFile::report(const std::string& error) {
   if (!error.empty() && error != reported_) {
-    logging::warning(fmt::format("what was learned of the sensors is not saved: {}", error));
+    logging::warning(fmt::format("cannot save the learned sensor errors: {}", error));
   }
   reported_ = error;
 }

@@ -14,12 +14,11 @@ namespace sonopose::fusion {
 
 /// Age of a beacon's samples: the time until they leave the bridge plus the time from the bridge to here.
 ///
-/// The first is absolute where stamps are times of the bridge's host, as those of live beacons are. The
-/// second is compared with the least one, because the bridge's host may have another clock. Its drift is
-/// followed. Until one was small, it is the time by the clocks of the two hosts, if that is plausible: a
-/// fusion may be busy from its start. So old samples stay old however long a bridge or this process is
-/// overloaded. Only a delay that stays the same for long, or then the least one of each second, counts as a
-/// difference of clocks.
+/// The first part is absolute where stamps are times of the bridge's host, as for live beacons. The second is
+/// measured against the smallest value so far, whose drift is followed, because the bridge's host may have
+/// another clock. Until a small value was seen, the difference of the two hosts' clocks is used if plausible:
+/// a fusion may be busy from its start. So old samples stay old however long a bridge or this process is
+/// overloaded. Only a delay that stays constant, or whose minimum per second does, counts as a clock offset.
 class SampleAge {
 public:
   /// Times of a sample on its way.

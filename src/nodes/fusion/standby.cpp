@@ -38,8 +38,8 @@ Standby::Step Standby::on_pose(BeaconAddress address, std::uint32_t status, Time
 }
 
 /// True while a backlog is taken: samples arrive in one burst, each less late than the previous one. Samples
-/// delayed on their way, or by a clock that was set back, come one by one and equally late. The end of a
-/// backlog is skipped briefly too, since usual poses follow it.
+/// delayed on their way, or by a clock that was set back, come one by one and equally late. The last
+/// samples of a backlog are skipped too, since current poses follow shortly.
 bool Standby::is_backlog(const BeaconClaim& claim, SteadyTime now) const {
   if (claim.role == FusionRole::serving || !claim.backlog) return false;
   return now - claim.backlog->at < stall_ns_ / (is_late(claim) ? 4 : 20);

@@ -66,7 +66,8 @@ void add_pose(Writer& out, const Views& beacons, TimeNs now_ns) {
   };
   out.add("pose_latency_p50_seconds", "gauge", "Median from the bridge's publication to the reception here.",
           latency(&Percentiles::p50_s));
-  out.add("pose_latency_p99_seconds", "gauge", "The same, not exceeded by 99 % of the poses.",
+  out.add("pose_latency_p99_seconds", "gauge",
+          "99th percentile of the latency from the bridge's publication to the reception here.",
           latency(&Percentiles::p99_s));
   out.add("pose_age_seconds", "gauge", "Age of the last pose.",
           [now_ns](const BeaconView& view) -> std::optional<double> {
@@ -81,7 +82,7 @@ void add_pose(Writer& out, const Views& beacons, TimeNs now_ns) {
     out.row("position_std_meters", view, ",axis=\"y\"", std_m.y());
     out.row("position_std_meters", view, ",axis=\"z\"", std_m.z());
   }
-  out.begin("pose_status", "gauge", "1 for each condition of the last pose, as in the table of its bits.");
+  out.begin("pose_status", "gauge", "1 if the last pose has this condition, 0 otherwise.");
   for (const BeaconView& view : beacons) {
     for (std::uint32_t bit = 1; bit != 0 && has_poses(view); bit <<= 1U) {
       const std::string words = observation::status_words(bit);
@@ -90,9 +91,9 @@ void add_pose(Writer& out, const Views& beacons, TimeNs now_ns) {
               (view.pose.status & bit) != 0U ? 1.0 : 0.0);
     }
   }
-  out.add("pose_deadlines_missed_total", "counter", "Deadlines of the poses that passed without one.",
+  out.add("pose_deadlines_missed_total", "counter", "Deadline periods without a pose.",
           [](const BeaconView& view) { return static_cast<double>(view.deadlines_missed); });
-  out.add("pose_losses_total", "counter", "Times that the poses lost their last fusion.",
+  out.add("pose_losses_total", "counter", "Number of times that the pose stream lost its last fusion.",
           [](const BeaconView& view) { return static_cast<double>(view.losses); });
 }
 
@@ -102,7 +103,7 @@ void add_fixes(Writer& out) {
             if (!view.report) return {};
             return view.report->innovation_world_m.norm();
           });
-  out.add("fixes_used_ratio", "gauge", "Used fixes of all since the fusion began.",
+  out.add("fixes_used_ratio", "gauge", "Share of the fixes that were used since the fusion started.",
           [](const BeaconView& view) -> std::optional<double> {
             if (!view.fusion) return {};
             const auto used = static_cast<double>(view.fusion->fixes_used);

@@ -95,7 +95,8 @@ void StatusHook::reap(SteadyTime now) {
   if (::waitpid(running_.process, &status, WNOHANG) == 0) {
     if (!running_.is_slow && now - running_.began > usual_duration_ns) {
       running_.is_slow = true;
-      logging::warning("the command of --on-status runs for more than a minute; no other is started before");
+      logging::warning(
+          "the --on-status command has been running for more than a minute; the next one waits for it");
     }
     return;
   }

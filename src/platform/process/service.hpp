@@ -23,7 +23,8 @@ void report_reloaded(const std::string& status) noexcept;
 /// that does or checks the work.
 void report_progress(SteadyTime now) noexcept;
 
-/// The same. Returns the time of the next call: within a quarter of that period; without a watchdog, never.
+/// Reports progress like report_progress. Returns the time of the next call: within a quarter of the period;
+/// never without a watchdog.
 SteadyTime report_progress_by(SteadyTime now) noexcept;
 
 /// A request to read the settings again: SIGUSR2. SIGHUP ends a program, as the end of its terminal does.

@@ -25,7 +25,7 @@ Line words_of(const Transition& transition) {
     case Kind::initialised:
       return {Level::info, fmt::format("initialised, after {:.1f} s", transition.lasted_s)};
     case Kind::restarted:
-      return {Level::warning, "restarted: the estimate was discarded and restarts"};
+      return {Level::warning, "restarted: the estimate was discarded"};
     case Kind::relocated:
       return {Level::warning,
               fmt::format("relocated: the position jumped by {:.2f} m to the fixes", transition.value)};
@@ -69,13 +69,13 @@ Line words_of(const Transition& transition) {
     case Kind::imu_silent:
       return begun_or_ended(transition, Level::warning,
                             fmt::format("IMU silent: no sample for {:.1f} s", transition.lasted_s),
-                            "IMU samples again");
+                            "IMU samples arrive again");
     case Kind::fixes_silent:
       return begun_or_ended(transition, Level::warning,
-                            fmt::format("no fix for {:.1f} s", transition.lasted_s), "fixes again");
+                            fmt::format("no fix for {:.1f} s", transition.lasted_s), "fixes arrive again");
     case Kind::poses_silent:
       return begun_or_ended(transition, Level::warning,
-                            fmt::format("no pose for {:.1f} s", transition.lasted_s), "poses again");
+                            fmt::format("no pose for {:.1f} s", transition.lasted_s), "poses arrive again");
     case Kind::bridge_lost:
       return begun_or_ended(transition, Level::error,
                             "bridge lost: it crashed, was killed, or cannot be reached",
@@ -83,7 +83,7 @@ Line words_of(const Transition& transition) {
     case Kind::overloaded:
       if (transition.begins) {
         return {Level::warning,
-                "overloaded: it fuses every sample, but skips poses; docs/realtime.md lists remedies"};
+                "overloaded: every sample is fused, but poses are skipped; docs/realtime.md lists remedies"};
       }
       return {Level::info, "no longer overloaded: every pose is written"};
   }

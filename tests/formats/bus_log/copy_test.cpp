@@ -61,7 +61,7 @@ SCENARIO("messages of a recording are selected") {
   GIVEN("another beacon") {
     THEN("there is nothing of it") {
       CHECK_THROWS_WITH(copy({{file}, folder / "none.mcap", {{}, 7}}),
-                        Contains("run.mcap: no selected message is of beacon 7; they are of 12"));
+                        Contains("run.mcap: no selected message belongs to beacon 7; they belong to 12"));
       CHECK_FALSE(exists(folder / "none.mcap"));
     }
   }
@@ -78,7 +78,7 @@ SCENARIO("messages of a recording are selected") {
     }
     THEN("a beacon of which there is nothing else is refused, with those that exist") {
       CHECK_THROWS_WITH(copy({{with_resets}, folder / "of_9.mcap", {{}, 9}}),
-                        Contains("no selected message is of beacon 9; they are of 7, 12"));
+                        Contains("no selected message belongs to beacon 9; they belong to 7, 12"));
       CHECK_FALSE(exists(folder / "of_9.mcap"));
     }
   }

@@ -346,9 +346,9 @@ SCENARIO("A name leads to its own enclave only") {
     const std::string absolute = store.keys.enclave_folder("hall").string();
     THEN("every verb refuses it, and all enclaves stay") {
       for (const std::string& each : {name, absolute}) {
-        CHECK_THROWS_WITH(store.keys.revoke(each, now_s), Contains("no name of an enclave"));
-        CHECK_THROWS_WITH(store.keys.renew(each, year), Contains("no name of an enclave"));
-        CHECK_THROWS_WITH(store.add(each, {"bridge"}), Contains("no name of an enclave"));
+        CHECK_THROWS_WITH(store.keys.revoke(each, now_s), Contains("not an enclave name"));
+        CHECK_THROWS_WITH(store.keys.renew(each, year), Contains("not an enclave name"));
+        CHECK_THROWS_WITH(store.add(each, {"bridge"}), Contains("not an enclave name"));
       }
       CHECK(store.keys.enclaves() == std::vector<std::string>{"hall", "hall/robot"});
       CHECK(store.problems().empty());

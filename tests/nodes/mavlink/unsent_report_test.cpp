@@ -16,7 +16,7 @@ SCENARIO("a line that does not take messages is reported with the cause") {
     const auto news = report.update(0, first);
     REQUIRE(news);
     CHECK(news->is_warning);
-    CHECK_THAT(news->text, Catch::Contains("cannot be sent to: Network is unreachable"));
+    CHECK_THAT(news->text, Catch::Contains("sending fails: Network is unreachable"));
     CHECK_FALSE(report.update(0, {.count = 6, .reason = std::errc::network_unreachable}));
     WHEN("it comes back within a second in which messages still failed") {
       CHECK_FALSE(report.update(0, {.count = 7, .reason = std::errc::network_unreachable}));
@@ -24,7 +24,7 @@ SCENARIO("a line that does not take messages is reported with the cause") {
         const auto again = report.update(0, {.count = 7, .reason = std::errc::network_unreachable});
         REQUIRE(again);
         CHECK_FALSE(again->is_warning);
-        CHECK(again->text == "takes all bytes again");
+        CHECK(again->text == "sending works again");
       }
     }
     WHEN("the cause changes") {

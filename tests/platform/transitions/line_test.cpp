@@ -45,7 +45,7 @@ SCENARIO("a line names its change whatever the figures are") {
 SCENARIO("the name of a change has the beacon") {
   CHECK(change_of("beacon 7: stale: no valid fix for 1.0 s") == "beacon 7: stale");
   CHECK(change_of("beacon 17: no longer gated, after 1 fix") == "beacon 17: no longer gated");
-  CHECK(change_of("overloaded: it fuses every sample") == "overloaded");
+  CHECK(change_of("overloaded: every sample is fused") == "overloaded");
   CHECK(change_of("a: b") == "a");
   CHECK(change_of("beacon 7") == "beacon 7");
   CHECK(change_of("").empty());

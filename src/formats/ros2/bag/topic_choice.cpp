@@ -58,7 +58,8 @@ Parsed parse(const TopicChoice& choice, BeaconAddress address) {
       parsed.inputs.push_back(Input::parse(kind, with_address(text, address)));
       parsed.inputs.back().imu_meaning = choice.imu_meaning;
       if (parsed.inputs.back().imu_type != ImuType::ros) {
-        throw std::invalid_argument(text_of(parsed.inputs.back()) + " is read live alone, by sonopose-ros2");
+        throw std::invalid_argument(text_of(parsed.inputs.back()) +
+                                    " can only be read live, by sonopose-ros2");
       }
     }
   };
@@ -153,12 +154,12 @@ BeaconAddress address_of(const Storage& storage, const Parsed& parsed, std::opti
   for (const AidingInput& aiding : parsed.aidings) addresses.insert(aiding.address);
   if (addresses.empty()) return given.value_or(recording::default_log_address);
   if (!given && addresses.size() > 1) {
-    throw files::IoError(fmt::format("{}: the topics are of {} beacons; choose one with --beacon: {}",
+    throw files::IoError(fmt::format("{}: the topics belong to {} beacons; choose one with --beacon: {}",
                                      storage.name(), addresses.size(), fmt::join(addresses, ", ")));
   }
   if (given && !addresses.contains(*given)) {
-    throw files::IoError(fmt::format("{}: no topic is of beacon {}; they are of {}", storage.name(), *given,
-                                     fmt::join(addresses, ", ")));
+    throw files::IoError(fmt::format("{}: no topic belongs to beacon {}; they belong to {}", storage.name(),
+                                     *given, fmt::join(addresses, ", ")));
   }
   return given.value_or(*addresses.begin());
 }

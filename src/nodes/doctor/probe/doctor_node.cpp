@@ -56,8 +56,7 @@ Processes without_topics(const dds::Discovery& discovery, const Processes& proce
   return found;
 }
 
-/// Names the processes that DDS Security refused: those of which it says so, and of the others those whose
-/// topics it hides.
+/// Names the processes that DDS Security refused: those that it reports, then those without visible topics.
 std::vector<std::string> refused_of(Processes hidden) {
   std::vector<std::string> texts;
   bool is_any_unknown = false;
@@ -73,7 +72,7 @@ std::vector<std::string> refused_of(Processes hidden) {
   }
   for (const auto& [key, process] : hidden) {
     texts.push_back(observation::text_of(process) +
-                    (is_any_unknown ? ": the one of a certificate named before, or it has no certificate"
+                    (is_any_unknown ? ": it has no certificate, or owns one that is named above"
                                     : ": it has no certificate of this key store"));
   }
   return texts;

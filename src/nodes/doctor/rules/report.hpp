@@ -12,8 +12,8 @@ namespace sonopose::doctor::rules {
 /// "ok", "note", "warning" or "error".
 const char* text_of(Severity severity);
 
-/// One line per problem with its remedy below it, the most severe last, and a line with their number. One
-/// line for all that is well, and one for equal notes; with `is_verbose` one per finding, too.
+/// Formats one line per problem with its remedy below it, the most severe last, then the number of problems.
+/// Findings without a problem share one line, and so do equal notes; `is_verbose` prints each separately.
 std::string report_of(std::vector<Finding> findings, bool is_verbose = false);
 
 /// {"ok": …, "findings": [{"severity", "subject", "what", "remedy"}]}, on one line without a newline.

@@ -90,7 +90,7 @@ private:
           logging::warning(link_->name() + ": " + link_->last_error());
         }
         if (result.status == transport::ReadStatus::refused && !refused_) {
-          logging::warning(link_->name() + ": what other machines send is not used");
+          logging::warning(link_->name() + ": ignoring datagrams from other machines");
           refused_ = true;
         }
         if (result.status == transport::ReadStatus::connected) logging::info(link_->name() + ": open");
@@ -168,9 +168,9 @@ public:
     logged_ = state_;
     if (state_ == Silence::none) {
       logging::info(
-          fmt::format("{}: the poses of beacon {} are sent to the autopilot", line_.name(), address_));
+          fmt::format("{}: sending the poses of beacon {} to the autopilot", line_.name(), address_));
     } else {
-      logging::warning(fmt::format("{}: no poses are sent: {}", line_.name(), text_of(*state_)));
+      logging::warning(fmt::format("{}: not sending poses: {}", line_.name(), text_of(*state_)));
     }
   }
 

@@ -13,9 +13,9 @@ std::optional<UnsentReport::News> UnsentReport::update(std::uint64_t full,
   if (state == state_ && reason == reason_) return std::nullopt;
   state_ = state;
   reason_ = reason;
-  if (fails) return News{true, "cannot be sent to: " + std::make_error_code(reason).message()};
-  if (is_full) return News{true, "takes fewer bytes than are sent; use a lower --rate or a faster line"};
-  return News{false, "takes all bytes again"};
+  if (fails) return News{true, "sending fails: " + std::make_error_code(reason).message()};
+  if (is_full) return News{true, "the line is full, messages are dropped: lower --rate or use a faster line"};
+  return News{false, "sending works again"};
 }
 
 }  // namespace sonopose::mavlink::sender

@@ -26,7 +26,7 @@ inline constexpr std::size_t max_text_bytes = 256U << 10U;  ///< names and value
 /// The reason for refusing a request with so many names and bytes; empty if it is within the limits.
 std::string excess_of(std::size_t names, std::size_t bytes);
 
-/// The same for the names and the values that are texts.
+/// Checks the names and the text values of these parameters against the limits.
 std::string excess_of(std::span<const ros2::Parameter> parameters);
 
 /// True when the process ends, so that nothing may wait any longer.

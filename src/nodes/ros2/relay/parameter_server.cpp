@@ -315,7 +315,7 @@ void ParameterServer::set(const ros2::SetParameters::Request& request, const aut
   }
   // One text for all, since there may be any number.
   const auto error_of = [&](std::size_t i) -> const std::string& {
-    static const std::string as_first = "as the first";
+    static const std::string as_first = "see the reason of the first parameter";
     if (!excess.empty()) return i < max_names ? excess : as_first;
     return errors[i];
   };

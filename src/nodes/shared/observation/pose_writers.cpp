@@ -65,7 +65,7 @@ public:
   /// of it before. A fusion that stands by, or warms up, sends one a second.
   [[nodiscard]] bool is_seizure(BeaconAddress address, const PoseWriter& before, const PoseWriter& owner,
                                 SteadyTime taken) const {
-    constexpr TimeNs check_period_ns = 600'000'000;  // owners are looked up so often, and a bit
+    constexpr TimeNs check_period_ns = 600'000'000;  // owners are checked every 0.5 s; with slack
     if (strength_of(before) >= strength_of(owner) || before.participant_key == owner.participant_key)
       return false;
     const auto own = of(owner).find(address);

@@ -33,7 +33,7 @@ public:
   [[nodiscard]] std::optional<BeaconAddress> first() const {
     return ranges_.empty() ? std::nullopt : std::optional(ranges_.front().first);
   }
-  /// The same and another one.
+  /// Returns this set extended by one address.
   [[nodiscard]] AddressSet with(BeaconAddress address) const {
     AddressSet more = *this;
     if (!ranges_.empty()) more.ranges_.emplace_back(address, address);

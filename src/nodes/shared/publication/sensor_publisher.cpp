@@ -58,7 +58,7 @@ const PublisherOptions& without_domain(const PublisherOptions& options) {
   return options;
 }
 
-/// True for a sample that may be of the beacon of another bridge.
+/// True for a sample that may belong to a beacon of another bridge.
 bool is_aiding(const Event& event) {
   const auto* const heading = std::get_if<PairHeading>(&event);
   const auto* const fix = std::get_if<UltrasonicFix>(&event);
@@ -209,7 +209,7 @@ SensorPublisher::Publisher::~Publisher() {
 void SensorPublisher::Publisher::on(const Event& event) {
   Beacon& beacon = beacon_of(address_of(event));
   Event numbered = event;
-  // Aiding alone is of a beacon that another bridge numbers.
+  // A beacon that has only aiding here is numbered by another bridge.
   if (!is_aiding(event)) own(beacon);
   std::visit(
       [&beacon](auto& sample) {

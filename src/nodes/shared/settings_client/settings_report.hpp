@@ -23,9 +23,8 @@ void check_names(const std::vector<std::string>& names);
 /// std::invalid_argument for a name without values.
 EffectiveSettings selected(EffectiveSettings settings, const std::vector<std::string>& names);
 
-/// TOML with the values of `names` (see `selected`): one table per beacon,
-/// [beacon.7]. Settings of all_beacons must be first and are written at the top level. Items 2, 3 and 4 are
-/// commented out if a preset (item 1) sets them.
+/// Formats the values of `names` (see `selected`) as TOML: those of all_beacons, which must be first, at the
+/// top level, then one table per beacon ([beacon.7]). Values that a preset sets are commented out.
 std::string toml_of(const std::vector<EffectiveSettings>& settings,
                     const std::vector<std::string>& names = {});
 

@@ -35,7 +35,7 @@ AttitudeResult mean_of(const std::vector<AttitudeResult>& results);
 /// Writes a table with one row per log and, for several logs, their mean.
 std::string attitude_text(const std::vector<AttitudeResult>& results);
 
-/// The same as a JSON object.
+/// Formats the results as a JSON object.
 std::string attitude_json(const std::vector<AttitudeResult>& results);
 
 }  // namespace sonopose::evaluation

@@ -46,7 +46,7 @@ inline constexpr double lost_m = 1.0;
 struct CaseResult {
   std::string name;
   std::string engine;         ///< value of fusion.engine
-  std::string truth_fault{};  ///< why a truth that is there is of no use; empty: it is of use, or not there
+  std::string truth_fault{};  ///< why the recorded truth cannot be used; empty if it can, or if there is none
   bool has_truth = false;     ///< true position is known; otherwise `fused` and the next two errors are NaN
   Score fused;
   ClearErrors clear;

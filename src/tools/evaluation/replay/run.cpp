@@ -117,10 +117,10 @@ void check_start(const recording::SensorLog& log, const RunOptions& options) {
   if (options.start->sequence > log.events.size()) {
     throw std::invalid_argument("the saved state follows event " + std::to_string(options.start->sequence) +
                                 ", but the recording has only " + std::to_string(log.events.size()) +
-                                " events: it is of another recording");
+                                " events: it comes from another recording");
   }
   if (options.strapdown || estimation::kind_of(options.start->snapshot) != options.settings.engine.engine) {
-    throw std::invalid_argument("the saved state is of another kind of estimator");
+    throw std::invalid_argument("the saved state comes from another kind of estimator");
   }
 }
 

@@ -20,10 +20,10 @@ void check_options(const RunOptions& options) {
     throw std::invalid_argument("only the Kalman engine can be smoothed: set fusion.engine = \"kalman\"");
   }
   if (options.start) {
-    throw std::invalid_argument("a smoothed run begins with the recording: it cannot continue a saved state");
+    throw std::invalid_argument("a smoothed run starts with the recording and cannot continue a saved state");
   }
   if (options.settings.planar.planar) {
-    throw std::invalid_argument("the smoother does not know planar motion: set motion.planar = false");
+    throw std::invalid_argument("the smoother does not support planar motion: set motion.planar = false");
   }
   if (options.settings.delay.estimate) {
     throw std::invalid_argument(

@@ -154,7 +154,8 @@ void check_fits(const SavedState& saved, const recording::SensorLog& log, const 
   if (log.events.empty()) return;
   const auto differs = [&name](const std::string& field, auto stored, auto own) {
     throw StateFileError(name + ": " + field + ": is " + std::to_string(stored) +
-                         ", but the recording's is " + std::to_string(own) + ": it is of another recording");
+                         ", but the recording's is " + std::to_string(own) +
+                         ": it comes from another recording");
   };
   const Event& first = log.events.front();
   if (saved.beacon != address_of(first)) differs("beacon", saved.beacon, address_of(first));

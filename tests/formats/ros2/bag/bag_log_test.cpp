@@ -122,9 +122,9 @@ SCENARIO("topics are chosen as for the relay") {
                         Contains("/tag/point is of type geometry_msgs/msg/PointStamped; --imu-in takes "
                                  "sensor_msgs/msg/Imu"));
       CHECK_THROWS_WITH(read(file, {.imu = {"/imu/data=7"}, .fix = {"/tag/point=8"}}),
-                        Contains("of 2 beacons; choose one with --beacon: 7, 8"));
+                        Contains("belong to 2 beacons; choose one with --beacon: 7, 8"));
       CHECK_THROWS_WITH(read(file, {.imu = {"/imu/data=7"}, .fix = {"/tag/point=7"}}, BeaconAddress{9}),
-                        Contains("no topic is of beacon 9; they are of 7"));
+                        Contains("no topic belongs to beacon 9; they belong to 7"));
       CHECK_THROWS_WITH(ros2::bag::choose_topics({.imu = {"/imu/data=70000"}}), Contains("--imu-in"));
       CHECK_THROWS_WITH(ros2::bag::choose_topics({.fix = {"/a", "/b"}}),
                         Contains("only one source of fixes"));

@@ -158,7 +158,7 @@ TEST_CASE("inputs that cannot be run are refused") {
   const recording::SensorLog log = sample_log("walk", 1.0);
   evaluation::SavedState beyond;
   beyond.sequence = log.events.size() + 1;
-  CHECK_THROWS_WITH(evaluation::run(log, {.start = beyond}), Catch::Contains("of another recording"));
+  CHECK_THROWS_WITH(evaluation::run(log, {.start = beyond}), Catch::Contains("from another recording"));
 }
 
 }  // namespace run_test

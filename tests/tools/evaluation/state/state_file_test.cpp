@@ -98,7 +98,7 @@ TEST_CASE("a state fits the recording of its run, and no other") {
 TEST_CASE("a state fits no other recording that begins at the same time") {
   const evaluation::SavedState saved = evaluation::run(sample_log("walk", 6.0), {.until_s = 5.0}).end;
   CHECK_THROWS_WITH(evaluation::check_fits(saved, sample_log("kart", 6.0), "s.json"),
-                    Contains("s.json: last_event: is ") && Contains("it is of another recording"));
+                    Contains("s.json: last_event: is ") && Contains("it comes from another recording"));
 }
 
 TEST_CASE("numbers that are hard to write come back as they were") {

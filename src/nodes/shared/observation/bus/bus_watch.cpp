@@ -24,7 +24,8 @@ void log_silences(const std::vector<PoseSilence>& changes) {
     if (change.silent) {
       logging::warning(fmt::format("beacon {}: no pose for {:.3f} s", change.address, change.lasted_s));
     } else {
-      logging::info(fmt::format("beacon {}: poses again, after {:.3f} s", change.address, change.lasted_s));
+      logging::info(
+          fmt::format("beacon {}: poses arrive again, after {:.3f} s", change.address, change.lasted_s));
     }
   }
 }
