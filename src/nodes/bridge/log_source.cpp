@@ -36,8 +36,8 @@ public:
       const TimeNs time_ns = available_at_ns(event);
       if (const double step_s = step_back_s(i); step_s > 0.0) {
         logging::warning(
-            fmt::format("the clock of the log was set back by {}; playback continues without "
-                        "a pause",
+            fmt::format("the clock of the log was set back by {}; playback "
+                        "continues without a pause",
                         text::duration_text(step_s)));
         pacer_.restart_at(time_ns);
       }

@@ -16,7 +16,7 @@ namespace sonopose::fusion {
 ///
 /// The first part is absolute where stamps are times of the bridge's host, as for live beacons. The second is
 /// measured against the smallest value so far, whose drift is followed, because the bridge's host may have
-/// another clock. Until a small value was seen, the difference of the two hosts' clocks is used if plausible:
+/// another clock. Until a small value was seen, the time by the clocks of the two hosts is used if plausible:
 /// a fusion may be busy from its start. So old samples stay old however long a bridge or this process is
 /// overloaded. Only a delay that stays constant, or whose minimum per second does, counts as a clock offset.
 class SampleAge {

@@ -66,11 +66,10 @@ struct BusObservation {
   std::string interfaces_in_use;    ///< and why: "lo (127.0.0.1)", "eth0 (10.0.0.2), no other is up"
   bool is_network_missing = false;  ///< none is up, or none has a carrier
   std::vector<InterfaceObservation> interfaces;
-  bool has_peers = false;            ///< CYCLONEDDS_URI names peers
-  bool is_secured = false;           ///< DDS Security is in use
-  std::vector<std::string> refused;  ///< one text for each process that it refused, with the reason
-  std::size_t without_topics =
-      0;  ///< processes without visible topics, as an outsider sees those of a secured bus
+  bool has_peers = false;             ///< CYCLONEDDS_URI names peers
+  bool is_secured = false;            ///< DDS Security is in use
+  std::vector<std::string> refused;   ///< one text for each process that it refused, with the reason
+  std::size_t without_topics = 0;     ///< processes with hidden topics, as on a bus secured against this one
   std::vector<std::string> expiring;  ///< one text for each enclave of the key store that expires soon
   bool searched_other_domains = false;
   std::vector<DomainObservation> other_domains;
