@@ -4,9 +4,9 @@
 
 namespace sonopose::autopilot {
 
-Silence ardupilot_silence(const ExternalOdometry& odometry, bool with_velocity) {
-  if (!odometry.q_body_to_frame) return Silence::yaw_unknown;
-  return with_velocity && !odometry.velocity_body_mps.allFinite() ? Silence::no_velocity : Silence::none;
+NotSent ardupilot_not_sent(const ExternalOdometry& odometry, bool with_velocity) {
+  if (!odometry.q_body_to_frame) return NotSent::yaw_unknown;
+  return with_velocity && !odometry.velocity_body_mps.allFinite() ? NotSent::no_velocity : NotSent::none;
 }
 
 ros2::TransformStamped ardupilot_transform(const ExternalOdometry& odometry, TimeNs measured_ns,

@@ -4,7 +4,7 @@
 /// frame is north, west, up. Source: ArduPilot, AP_DDS_External_Odom.cpp.
 
 #include "autopilot/external_odometry.hpp"
-#include "autopilot/pose_watch.hpp"
+#include "autopilot/external_vision_gate.hpp"
 #include <sonopose/ros2/messages/idl_types.hpp>
 
 #include <string>
@@ -19,7 +19,7 @@ struct ArduPilotFrames {
 
 /// Reason why ArduPilot gets no pose: it would take NaN into its filter. `with_velocity`: the message has
 /// one.
-Silence ardupilot_silence(const ExternalOdometry& odometry, bool with_velocity);
+NotSent ardupilot_not_sent(const ExternalOdometry& odometry, bool with_velocity);
 
 /// The pose with a known yaw. `measured_ns`: its time since the start of the autopilot.
 ros2::TransformStamped ardupilot_transform(const ExternalOdometry& odometry, TimeNs measured_ns,

@@ -21,7 +21,8 @@ struct Seed {
   std::uint32_t message_id;
   std::uint8_t crc_extra;
 };
-constexpr std::array seeds{Seed{0, 50}, Seed{102, 158}, Seed{111, 34}, Seed{331, 91}};
+constexpr std::array seeds{Seed{heartbeat_id, 50}, Seed{vision_position_estimate_id, 158},
+                           Seed{timesync_id, 34}, Seed{odometry_id, 91}};
 
 /// CRC-16/MCRF4XX.
 std::uint16_t crc_of(Bytes bytes, std::uint8_t seed) {

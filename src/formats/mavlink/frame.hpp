@@ -15,6 +15,12 @@ namespace sonopose::mavlink {
 
 inline constexpr std::size_t max_payload = 255;
 
+/// Ids of the messages that this program knows.
+inline constexpr std::uint32_t heartbeat_id = 0;
+inline constexpr std::uint32_t vision_position_estimate_id = 102;
+inline constexpr std::uint32_t timesync_id = 111;
+inline constexpr std::uint32_t odometry_id = 331;
+
 /// Sender of a frame: a vehicle and one of its components.
 struct Identity {
   std::uint8_t system = 1;

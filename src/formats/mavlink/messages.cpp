@@ -10,11 +10,6 @@
 namespace sonopose::mavlink {
 namespace {
 
-constexpr std::uint32_t heartbeat_id = 0;
-constexpr std::uint32_t vision_position_estimate_id = 102;
-constexpr std::uint32_t timesync_id = 111;
-constexpr std::uint32_t odometry_id = 331;
-
 static_assert(std::endian::native == std::endian::little, "MAVLink is little-endian, like our hosts");
 
 /// Appends fields to the payload of a frame.
@@ -91,7 +86,8 @@ std::optional<Frame> timesync_answer(const Frame& request, Identity sender, Time
       .frame();
 }
 
-Frame odometry(const autopilot::ExternalOdometry& odometry, Identity sender, const Sent& sent) {
+Frame odometry(const autopilot::ExternalOdometry& odometry, Identity sender,
+               const PoseMessageFields& fields) {
   constexpr std::uint8_t local_ned = 1;  // MAV_FRAME
   constexpr std::uint8_t body_frd = 12;
   constexpr std::uint8_t local_frd = 20;
@@ -103,34 +99,34 @@ Frame odometry(const autopilot::ExternalOdometry& odometry, Identity sender, con
   autopilot::Matrix6 twist = autopilot::Matrix6::Constant(unknown);
   twist.topLeftCorner<3, 3>() = odometry.velocity_covariance_body;
   return Writer(odometry_id, sender)
-      .add(autopilot::to_us(sent.time_ns))
+      .add(autopilot::to_us(fields.time_ns))
       .add_floats(odometry.position_frame_m)
       .add_floats(q)
       .add_floats(odometry.velocity_body_mps)
       .add_floats(odometry.angular_velocity_body_radps)
       .add_covariance(odometry.pose_covariance)
       .add_covariance(twist)
-      .add(sent.in_ned ? local_ned : local_frd)
+      .add(fields.in_ned ? local_ned : local_frd)
       .add(body_frd)
-      .add(sent.reset_counter)
+      .add(fields.reset_counter)
       .add(vision)
-      .add(static_cast<std::int8_t>(sent.quality_percent))
+      .add(static_cast<std::int8_t>(fields.quality_percent))
       .frame();
 }
 
 Frame vision_position_estimate(const autopilot::ExternalOdometry& odometry, Identity sender,
-                               const Sent& sent) {
+                               const PoseMessageFields& fields) {
   Vector3d angles = Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   if (odometry.q_body_to_frame) {
     const auto euler = geometry::euler_angles_of(*odometry.q_body_to_frame);
     angles = {euler.roll_rad, euler.pitch_rad, euler.yaw_rad};
   }
   return Writer(vision_position_estimate_id, sender)
-      .add(autopilot::to_us(sent.time_ns))
+      .add(autopilot::to_us(fields.time_ns))
       .add_floats(odometry.position_frame_m)
       .add_floats(angles)
       .add_covariance(odometry.pose_covariance)
-      .add(sent.reset_counter)
+      .add(fields.reset_counter)
       .frame();
 }
 

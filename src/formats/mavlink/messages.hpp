@@ -29,7 +29,8 @@ std::optional<std::uint8_t> autopilot_of(const Frame& frame);
 /// Answer to a TIMESYNC request with our time; empty for another message, or for an answer.
 std::optional<Frame> timesync_answer(const Frame& request, Identity sender, TimeNs now_ns);
 
-struct Sent {
+/// Fields of a pose message that are not in ExternalOdometry.
+struct PoseMessageFields {
   TimeNs time_ns = 0;   ///< stamp, in the clock of the answers to TIMESYNC
   bool in_ned = false;  ///< MAV_FRAME_LOCAL_NED, otherwise LOCAL_FRD, the only one that ArduPilot takes
   std::uint8_t reset_counter = 0;
@@ -37,10 +38,10 @@ struct Sent {
 };
 
 /// ODOMETRY: the pose, with the velocity in body axes.
-Frame odometry(const autopilot::ExternalOdometry& odometry, Identity sender, const Sent& sent);
+Frame odometry(const autopilot::ExternalOdometry& odometry, Identity sender, const PoseMessageFields& fields);
 
 /// VISION_POSITION_ESTIMATE: the pose alone, without a quality.
 Frame vision_position_estimate(const autopilot::ExternalOdometry& odometry, Identity sender,
-                               const Sent& sent);
+                               const PoseMessageFields& fields);
 
 }  // namespace sonopose::mavlink

@@ -114,27 +114,27 @@ SCENARIO("what is unknown is NaN, never zero") {
 }
 
 SCENARIO("ArduPilot gets no NaN") {
-  using autopilot::Silence;
+  using autopilot::NotSent;
   FusedPose pose = with_variances(variances, velocity_variances);
-  const auto silence = [&](bool with_velocity) {
-    return ardupilot_silence(external_odometry(pose, {}, half_pi), with_velocity);
+  const auto reason = [&](bool with_velocity) {
+    return ardupilot_not_sent(external_odometry(pose, {}, half_pi), with_velocity);
   };
   GIVEN("a pose with everything") {
     THEN("it is sent") {
-      CHECK(silence(true) == Silence::none);
+      CHECK(reason(true) == NotSent::none);
     }
   }
   GIVEN("one without yaw") {
     pose.status = status_heading_unknown;
     THEN("it is not sent") {
-      CHECK(silence(false) == Silence::yaw_unknown);
+      CHECK(reason(false) == NotSent::yaw_unknown);
     }
   }
   GIVEN("one without velocity") {
     pose.velocity_covariance = {};
     THEN("it is sent only by messages without one") {
-      CHECK(silence(true) == Silence::no_velocity);
-      CHECK(silence(false) == Silence::none);
+      CHECK(reason(true) == NotSent::no_velocity);
+      CHECK(reason(false) == NotSent::none);
     }
   }
 }

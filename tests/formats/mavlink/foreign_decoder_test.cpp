@@ -28,15 +28,15 @@ SCENARIO("node-mavlink decodes every message that we send") {
     return;
   }
   constexpr mavlink::Identity own{5, mavlink::own_component};
-  const mavlink::Sent sent{
+  const mavlink::PoseMessageFields fields{
       .time_ns = flying::stamp_ns, .in_ned = true, .reset_counter = 200, .quality_percent = 100};
   auto without_yaw = flying::odometry();
   without_yaw.q_body_to_frame.reset();
   mavlink::Frame request{.message_id = 111, .sender = {5, 1}};
   request.payload[8] = 77;
-  const std::vector frames{mavlink::heartbeat(own), mavlink::odometry(flying::odometry(), own, sent),
-                           mavlink::odometry(without_yaw, own, sent),
-                           mavlink::vision_position_estimate(flying::odometry(), own, sent),
+  const std::vector frames{mavlink::heartbeat(own), mavlink::odometry(flying::odometry(), own, fields),
+                           mavlink::odometry(without_yaw, own, fields),
+                           mavlink::vision_position_estimate(flying::odometry(), own, fields),
                            *timesync_answer(request, own, flying::stamp_ns)};
   const TemporaryFolder folder;
   const std::filesystem::path file = folder / "sent.bin";

@@ -48,10 +48,10 @@ SCENARIO("an autopilot's time synchronisation is answered") {
 }
 
 SCENARIO("ODOMETRY has the pose in the frames that the autopilot takes") {
-  const mavlink::Sent sent{
+  const mavlink::PoseMessageFields fields{
       .time_ns = flying::stamp_ns, .in_ned = false, .reset_counter = 3, .quality_percent = 80};
   GIVEN("a pose with yaw") {
-    const Frame frame = mavlink::odometry(flying::odometry(), own, sent);
+    const Frame frame = mavlink::odometry(flying::odometry(), own, fields);
     THEN("its fields are where the definition has them") {
       CHECK(frame.size == 233);
       CHECK(at<std::uint64_t>(frame, 0) == flying::stamp_ns / 1000);
@@ -72,8 +72,8 @@ SCENARIO("ODOMETRY has the pose in the frames that the autopilot takes") {
     auto odometry = flying::odometry();
     odometry.q_body_to_frame.reset();
     THEN("its quaternion, and the yaw of the other message, are NaN") {
-      CHECK(std::isnan(at<float>(mavlink::odometry(odometry, own, sent), 20)));
-      CHECK(std::isnan(at<float>(mavlink::vision_position_estimate(odometry, own, sent), 28)));
+      CHECK(std::isnan(at<float>(mavlink::odometry(odometry, own, fields), 20)));
+      CHECK(std::isnan(at<float>(mavlink::vision_position_estimate(odometry, own, fields), 28)));
     }
   }
 }

@@ -37,10 +37,10 @@ private:
 };
 
 /// Thins a stream to an average rate.
-class RateLimit {
+class RateThinner {
 public:
   /// `rate_hz`: 0 means no limit.
-  explicit RateLimit(double rate_hz) : period_ns_(rate_hz > 0 ? to_ns(std::min(1 / rate_hz, 1e6)) : 0) {}
+  explicit RateThinner(double rate_hz) : period_ns_(rate_hz > 0 ? to_ns(std::min(1 / rate_hz, 1e6)) : 0) {}
 
   /// True if the message with this stamp is to be published.
   bool admits(TimeNs stamp_ns);

@@ -32,7 +32,7 @@ std::optional<TimeNs> RisingStamp::next(TimeNs time_ns) {
   return time_ns;
 }
 
-bool RateLimit::admits(TimeNs stamp_ns) {
+bool RateThinner::admits(TimeNs stamp_ns) {
   const TimeNs early_ns = saturated_difference(due_ns_, stamp_ns);
   if (early_ns > 0 && early_ns <= period_ns_) return false;
   // After a gap, and after a step of the clock, the period starts with this message.

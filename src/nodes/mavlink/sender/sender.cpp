@@ -1,12 +1,12 @@
 #include "mavlink/sender/sender.hpp"
 
 #include "autopilot/ardupilot.hpp"
-#include "autopilot/pose_watch.hpp"
+#include "autopilot/external_vision_gate.hpp"
 #include "clocks/clocks.hpp"
 #include "files/error.hpp"
 #include "logging/log.hpp"
 #include "mavlink/messages.hpp"
-#include "mavlink/sender/autopilot_watch.hpp"
+#include "mavlink/sender/heartbeat_tracker.hpp"
 #include "mavlink/sender/unsent_report.hpp"
 #include "presence/beacon_admission.hpp"
 #include "process/service.hpp"
@@ -30,7 +30,7 @@
 namespace sonopose::mavlink::sender {
 namespace {
 
-using autopilot::Silence;
+using autopilot::NotSent;
 
 constexpr TimeNs heartbeat_period_ns = 1'000'000'000;
 
@@ -43,17 +43,17 @@ std::unique_ptr<transport::ByteLink> make_link(const SenderOptions& options) {
   }
 }
 
-/// The line to the autopilot: reads on a thread of its own.
-class Line {
+/// The connection to the autopilot: reads on a thread of its own.
+class AutopilotConnection {
 public:
-  explicit Line(const SenderOptions& options) : link_(make_link(options)) {
+  explicit AutopilotConnection(const SenderOptions& options) : link_(make_link(options)) {
     thread_ = std::jthread([this] { read(); });
   }
-  Line(const Line&) = delete;
-  Line& operator=(const Line&) = delete;
-  Line(Line&&) = delete;
-  Line& operator=(Line&&) = delete;
-  ~Line() { link_->stop(); }
+  AutopilotConnection(const AutopilotConnection&) = delete;
+  AutopilotConnection& operator=(const AutopilotConnection&) = delete;
+  AutopilotConnection(AutopilotConnection&&) = delete;
+  AutopilotConnection& operator=(AutopilotConnection&&) = delete;
+  ~AutopilotConnection() { link_->stop(); }
 
   void send(const Frame& frame) {
     const threads::Lock lock(mutex_);
@@ -66,7 +66,7 @@ public:
   };
   Known known() {
     const threads::Lock lock(mutex_);
-    return {watch_.own(), watch_.kind(clocks::steady_now())};
+    return {tracker_.own(), tracker_.kind(clocks::steady_now())};
   }
 
   [[nodiscard]] std::string name() const { return link_->name(); }
@@ -109,8 +109,8 @@ private:
     {
       const threads::Lock lock(mutex_);
       // Any program of the host can send something, but only the autopilot is to get the poses.
-      if (watch_.on(frame, clocks::steady_now())) link_->answer_last_sender();
-      own = watch_.own();
+      if (tracker_.on(frame, clocks::steady_now())) link_->answer_last_sender();
+      own = tracker_.own();
     }
     if (const auto answer = timesync_answer(frame, own, now_ns)) send(*answer);
   }
@@ -119,7 +119,7 @@ private:
   Decoder decoder_;       ///< used by the reading thread only, like the next one
   bool refused_ = false;  ///< a datagram of another machine
   threads::Mutex mutex_;
-  AutopilotWatch watch_ SONOPOSE_GUARDED_BY(mutex_);
+  HeartbeatTracker tracker_ SONOPOSE_GUARDED_BY(mutex_);
   std::uint8_t sequence_ SONOPOSE_GUARDED_BY(mutex_) = 0;
   std::exception_ptr failure_ SONOPOSE_GUARDED_BY(mutex_);
   std::jthread thread_;  ///< last, so that it ends first
@@ -128,36 +128,38 @@ private:
 /// Decides on each pose and logs why there are none.
 class Sender {
 public:
-  explicit Sender(const SenderOptions& options) : options_(options), line_(options), rate_(options.rate_hz) {}
+  explicit Sender(const SenderOptions& options)
+      : options_(options), connection_(options), rate_(options.rate_hz) {}
 
   void on(const FusedPose& pose) {
     posed_ = clocks::steady_now();
-    const auto verdict = watch_.on(pose);
-    const Line::Known known = line_.known();
+    const auto verdict = gate_.on(pose);
+    const AutopilotConnection::Known known = connection_.known();
     const auto odometry = autopilot::external_odometry(pose, options_.mount, options_.north);
     address_ = pose.address;
     state_ = state_of(verdict, odometry, known);
-    if (state_ != Silence::none || !stamp_.next(pose.time_ns) || !rate_.admits(pose.time_ns)) return;
-    const Sent sent{.time_ns = pose.time_ns,
-                    .in_ned = odometry.is_ned && known.autopilot == autopilot_px4,
-                    .reset_counter = watch_.take_reset_counter(),
-                    .quality_percent = verdict.quality_percent};
-    line_.send(options_.message == Message::odometry ? mavlink::odometry(odometry, known.own, sent)
-                                                     : vision_position_estimate(odometry, known.own, sent));
+    if (state_ != NotSent::none || !stamp_.next(pose.time_ns) || !rate_.admits(pose.time_ns)) return;
+    const PoseMessageFields fields{.time_ns = pose.time_ns,
+                                   .in_ned = odometry.is_ned && known.autopilot == autopilot_px4,
+                                   .reset_counter = gate_.take_reset_counter(),
+                                   .quality_percent = verdict.quality_percent};
+    connection_.send(options_.message == Message::odometry
+                         ? mavlink::odometry(odometry, known.own, fields)
+                         : vision_position_estimate(odometry, known.own, fields));
   }
 
   /// Sends a heartbeat and logs changes. Once a second.
   void tick() {
-    line_.check();
-    const Line::Known known = line_.known();
-    line_.send(heartbeat(known.own));
+    connection_.check();
+    const AutopilotConnection::Known known = connection_.known();
+    connection_.send(heartbeat(known.own));
     if (!known.autopilot) {
-      state_ = Silence::no_autopilot;
+      state_ = NotSent::no_autopilot;
     } else if (clocks::steady_now() - posed_ > autopilot::no_poses_after_ns) {
-      state_ = Silence::no_poses;
+      state_ = NotSent::no_poses;
     }
-    if (const auto news = unsent_report_.update(line_.unsent(), line_.send_failures())) {
-      const std::string text = line_.name() + ": " + news->text;
+    if (const auto news = unsent_report_.update(connection_.unsent(), connection_.send_failures())) {
+      const std::string text = connection_.name() + ": " + news->text;
       if (news->is_warning) {
         logging::warning(text);
       } else {
@@ -166,35 +168,35 @@ public:
     }
     if (state_ == logged_) return;
     logged_ = state_;
-    if (state_ == Silence::none) {
+    if (state_ == NotSent::none) {
       logging::info(
-          fmt::format("{}: sending the poses of beacon {} to the autopilot", line_.name(), address_));
+          fmt::format("{}: sending the poses of beacon {} to the autopilot", connection_.name(), address_));
     } else {
-      logging::warning(fmt::format("{}: not sending poses: {}", line_.name(), text_of(*state_)));
+      logging::warning(fmt::format("{}: not sending poses: {}", connection_.name(), text_of(*state_)));
     }
   }
 
 private:
-  [[nodiscard]] Silence state_of(const autopilot::PoseWatch::Verdict& verdict,
+  [[nodiscard]] NotSent state_of(const autopilot::ExternalVisionGate::Verdict& verdict,
                                  const autopilot::ExternalOdometry& odometry,
-                                 const Line::Known& known) const {
-    if (!known.autopilot) return Silence::no_autopilot;
-    if (verdict.silence != Silence::none) return verdict.silence;
+                                 const AutopilotConnection::Known& known) const {
+    if (!known.autopilot) return NotSent::no_autopilot;
+    if (verdict.not_sent != NotSent::none) return verdict.not_sent;
     if (known.autopilot == autopilot_ardupilot) {
-      return ardupilot_silence(odometry, options_.message == Message::odometry);
+      return ardupilot_not_sent(odometry, options_.message == Message::odometry);
     }
-    return !options_.north && !odometry.q_body_to_frame ? Silence::yaw_unknown : Silence::none;
+    return !options_.north && !odometry.q_body_to_frame ? NotSent::yaw_unknown : NotSent::none;
   }
 
   const SenderOptions& options_;
-  Line line_;
-  autopilot::PoseWatch watch_;
-  ros2::RateLimit rate_;
+  AutopilotConnection connection_;
+  autopilot::ExternalVisionGate gate_;
+  ros2::RateThinner rate_;
   ros2::RisingStamp stamp_{0};
   BeaconAddress address_ = 0;
   SteadyTime posed_ = clocks::steady_now();  ///< last pose, or the start
-  std::optional<Silence> state_;
-  std::optional<Silence> logged_;
+  std::optional<NotSent> state_;
+  std::optional<NotSent> logged_;
   UnsentReport unsent_report_;
 };
 

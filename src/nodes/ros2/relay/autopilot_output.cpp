@@ -9,7 +9,7 @@
 
 namespace sonopose::ros2::relay {
 
-using autopilot::Silence;
+using autopilot::NotSent;
 
 AutopilotOutput::AutopilotOutput(ros2::Node& node, const AutopilotOptions& options)
     : is_px4_(options.kind == AutopilotOptions::Kind::px4),
@@ -69,37 +69,37 @@ std::optional<AutopilotOutput::Due> AutopilotOutput::due(const FusedPose& pose,
   }
   const SteadyTime now = clocks::steady_now();
   posed_ = now;
-  const auto verdict = watch_.on(pose);
-  state_ = verdict.silence == Silence::none && !mount ? Silence::no_mount : verdict.silence;
-  if (state_ != Silence::none) return std::nullopt;
+  const auto verdict = gate_.on(pose);
+  state_ = verdict.not_sent == NotSent::none && !mount ? NotSent::no_mount : verdict.not_sent;
+  if (state_ != NotSent::none) return std::nullopt;
   const auto odometry = autopilot::external_odometry(pose, *mount, north_);
   const auto measured_ns = clock_.at(pose.time_ns, now);
   const auto now_ns = clock_.at(clocks::host_now(), now);
   const bool has_clock = measured_ns && now_ns;
-  state_ = silence_of(odometry, has_clock);
-  if (state_ != Silence::none || !stamp_.next(pose.time_ns) || !rate_.admits(pose.time_ns)) {
+  state_ = reason_not_sent(odometry, has_clock);
+  if (state_ != NotSent::none || !stamp_.next(pose.time_ns) || !rate_.admits(pose.time_ns)) {
     return std::nullopt;
   }
-  return Due{odometry, *measured_ns, *now_ns, watch_.take_reset_counter(), verdict.quality_percent};
+  return Due{odometry, *measured_ns, *now_ns, gate_.take_reset_counter(), verdict.quality_percent};
 }
 
 /// Reason to send nothing that does not lie in the poses.
-Silence AutopilotOutput::silence_of(const autopilot::ExternalOdometry& odometry, bool has_clock) const {
-  if (!has_clock) return Silence::no_clock;
-  if (!is_px4_ && has_unix_clock_) return Silence::unix_clock;
-  if (!is_px4_) return ardupilot_silence(odometry, false);
-  return !north_ && !odometry.q_body_to_frame ? Silence::yaw_unknown : Silence::none;
+NotSent AutopilotOutput::reason_not_sent(const autopilot::ExternalOdometry& odometry, bool has_clock) const {
+  if (!has_clock) return NotSent::no_clock;
+  if (!is_px4_ && has_unix_clock_) return NotSent::unix_clock;
+  if (!is_px4_) return ardupilot_not_sent(odometry, false);
+  return !north_ && !odometry.q_body_to_frame ? NotSent::yaw_unknown : NotSent::none;
 }
 
 /// State of the last pose, unless the poses or the clock have ended since.
-std::optional<Silence> AutopilotOutput::state_at(SteadyTime now) const {
-  if (now - posed_ > autopilot::no_poses_after_ns) return Silence::no_poses;
-  if (state_ == Silence::none && !clock_.at(clocks::host_now(), now)) return Silence::no_clock;
+std::optional<NotSent> AutopilotOutput::state_at(SteadyTime now) const {
+  if (now - posed_ > autopilot::no_poses_after_ns) return NotSent::no_poses;
+  if (state_ == NotSent::none && !clock_.at(clocks::host_now(), now)) return NotSent::no_clock;
   return state_;
 }
 
 void AutopilotOutput::log_changes() {
-  std::optional<Silence> state;
+  std::optional<NotSent> state;
   std::optional<BeaconAddress> other;
   std::optional<BeaconAddress> address;
   {
@@ -117,9 +117,9 @@ void AutopilotOutput::log_changes() {
   }
   if (state == logged_) return;
   logged_ = state;
-  if (state == Silence::none) {
+  if (state == NotSent::none) {
     logging::info(fmt::format("{}: the poses of beacon {} are sent on {}", name_, *address, pose_topic_));
-  } else if (state == Silence::no_clock) {
+  } else if (state == NotSent::no_clock) {
     logging::warning(
         fmt::format("{}: no poses are sent, because its clock is unknown: nothing arrives on {}; "
                     "are autopilot and Micro-XRCE-DDS agent connected?",

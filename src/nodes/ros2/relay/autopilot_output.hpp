@@ -3,7 +3,7 @@
 /// The poses of one beacon for an autopilot, over the agent of uXRCE-DDS.
 
 #include "autopilot/external_odometry.hpp"
-#include "autopilot/pose_watch.hpp"
+#include "autopilot/external_vision_gate.hpp"
 #include "autopilot/remote_clock.hpp"
 #include "ros2/relay/relay.hpp"
 #include "threads/mutex.hpp"
@@ -51,27 +51,27 @@ private:
   void on(const ros2::Clock& message);
   void on_stamp(TimeNs stamp_ns);
   std::optional<Due> due(const FusedPose& pose, const std::optional<ros2::Mount>& mount);
-  [[nodiscard]] std::optional<autopilot::Silence> state_at(SteadyTime now) const SONOPOSE_REQUIRES(mutex_);
-  [[nodiscard]] autopilot::Silence silence_of(const autopilot::ExternalOdometry& odometry,
-                                              bool has_clock) const SONOPOSE_REQUIRES(mutex_);
+  [[nodiscard]] std::optional<autopilot::NotSent> state_at(SteadyTime now) const SONOPOSE_REQUIRES(mutex_);
+  [[nodiscard]] autopilot::NotSent reason_not_sent(const autopilot::ExternalOdometry& odometry,
+                                                   bool has_clock) const SONOPOSE_REQUIRES(mutex_);
 
   bool is_px4_;
   const char* name_;
   std::string pose_topic_;
   std::string clock_topic_;
   autopilot::North north_;
-  std::optional<autopilot::Silence> logged_;  ///< main thread only, like the next one
+  std::optional<autopilot::NotSent> logged_;  ///< main thread only, like the next one
   bool logged_others_ = false;
 
   threads::Mutex mutex_;
-  autopilot::PoseWatch watch_ SONOPOSE_GUARDED_BY(mutex_);
+  autopilot::ExternalVisionGate gate_ SONOPOSE_GUARDED_BY(mutex_);
   autopilot::RemoteClock clock_ SONOPOSE_GUARDED_BY(mutex_);
   bool has_unix_clock_ SONOPOSE_GUARDED_BY(mutex_) = false;
-  ros2::RateLimit rate_ SONOPOSE_GUARDED_BY(mutex_);
+  ros2::RateThinner rate_ SONOPOSE_GUARDED_BY(mutex_);
   ros2::RisingStamp stamp_ SONOPOSE_GUARDED_BY(mutex_){0};
   std::optional<BeaconAddress> address_ SONOPOSE_GUARDED_BY(mutex_);
   std::optional<BeaconAddress> other_ SONOPOSE_GUARDED_BY(mutex_);       ///< a beacon that is not sent
-  std::optional<autopilot::Silence> state_ SONOPOSE_GUARDED_BY(mutex_);  ///< at the last pose, if any
+  std::optional<autopilot::NotSent> state_ SONOPOSE_GUARDED_BY(mutex_);  ///< at the last pose, if any
   SteadyTime posed_ SONOPOSE_GUARDED_BY(mutex_);                         ///< last pose, or the start
 
   dds::ext::SampleListener<ros2::TimesyncStatus> px4_listener_{

@@ -90,7 +90,7 @@ private:
   std::atomic<bool> in_tree_;
   process::Wakeup& wakeup_;
   bool publishes_mag_;
-  ros2::RateLimit pose_rate_;  ///< used on the thread of the poses only
+  ros2::RateThinner pose_rate_;  ///< used on the thread of the poses only
   dds::pub::DataWriter<ros2::Imu> raw_imu_ = dds::core::null;
   dds::pub::DataWriter<ros2::Imu> imu_ = dds::core::null;
   dds::pub::DataWriter<ros2::MagneticField> magnetic_ = dds::core::null;

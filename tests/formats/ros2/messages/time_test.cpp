@@ -65,7 +65,7 @@ SCENARIO("stamps increase strictly") {
 
 SCENARIO("a stream is thinned to a rate on average") {
   constexpr TimeNs ms = 1'000'000;
-  const auto admitted = [](RateLimit& limit, TimeNs from_ns, TimeNs step_ns, int count) {
+  const auto admitted = [](RateThinner& limit, TimeNs from_ns, TimeNs step_ns, int count) {
     int published = 0;
     for (int i = 0; i < count; ++i) published += limit.admits(from_ns + i * step_ns) ? 1 : 0;
     return published;
@@ -73,16 +73,16 @@ SCENARIO("a stream is thinned to a rate on average") {
   const TimeNs ten_s = 10'000 * ms;
   GIVEN("ten seconds at 100 Hz") {
     THEN("30 Hz, which is no divisor, gives 300 messages, and a higher rate all of them") {
-      RateLimit thirty(30);
+      RateThinner thirty(30);
       CHECK(std::abs(admitted(thirty, ten_s, 10 * ms, 1000) - 300) <= 1);
-      RateLimit high(400);
+      RateThinner high(400);
       CHECK(admitted(high, ten_s, 10 * ms, 1000) == 1000);
-      RateLimit none(0);
+      RateThinner none(0);
       CHECK(admitted(none, ten_s, 10 * ms, 1000) == 1000);
     }
   }
   GIVEN("a stream at 1 Hz") {
-    RateLimit one(1);
+    RateThinner one(1);
     REQUIRE(one.admits(ten_s));
     THEN("a gap is not made up for") {
       CHECK(admitted(one, ten_s + 60'000 * ms, 10 * ms, 100) == 1);
@@ -102,7 +102,7 @@ TEST_CASE("Stamps of any value are admitted, and the stream continues") {
     CHECK(stamps.next(-absurd_ns / 2) == -absurd_ns / 2);
     CHECK(stamps.next(absurd_ns) == absurd_ns);
     CHECK(stamps.next(now_ns) == now_ns);
-    RateLimit limit(100);
+    RateThinner limit(100);
     CHECK(limit.admits(absurd_ns));
     CHECK(limit.admits(now_ns));
     CHECK(limit.admits(absurd_ns));

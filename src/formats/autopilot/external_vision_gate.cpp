@@ -1,4 +1,4 @@
-#include "autopilot/pose_watch.hpp"
+#include "autopilot/external_vision_gate.hpp"
 
 #include <sonopose/geometry/rotation.hpp>
 
@@ -22,35 +22,35 @@ bool has_position(const FusedPose& pose) {
 
 }  // namespace
 
-const char* text_of(Silence silence) {
-  switch (silence) {
-    case Silence::none:
+const char* text_of(NotSent reason) {
+  switch (reason) {
+    case NotSent::none:
       break;
-    case Silence::no_poses:
+    case NotSent::no_poses:
       return "no poses arrive";
-    case Silence::no_position:
+    case NotSent::no_position:
       return "no position";
-    case Silence::late:
+    case NotSent::late:
       return "the poses are late";
-    case Silence::doubtful:
+    case NotSent::doubtful:
       return "the poses are stale, untrusted or inconsistent, or not yet good for long enough";
-    case Silence::no_mount:
+    case NotSent::no_mount:
       return "the mount of the IMU is unknown";
-    case Silence::yaw_unknown:
+    case NotSent::yaw_unknown:
       return "the yaw is unknown";
-    case Silence::no_velocity:
+    case NotSent::no_velocity:
       return "the velocity is unknown; vision_position has none";
-    case Silence::no_autopilot:
+    case NotSent::no_autopilot:
       return "no heartbeats from an autopilot";
-    case Silence::no_clock:
+    case NotSent::no_clock:
       return "the autopilot's clock is unknown";
-    case Silence::unix_clock:
+    case NotSent::unix_clock:
       return "the autopilot's clock is not the time since its start; set BRD_RTC_TYPES to 0";
   }
   return "";
 }
 
-PoseWatch::Verdict PoseWatch::on(const FusedPose& pose) {
+ExternalVisionGate::Verdict ExternalVisionGate::on(const FusedPose& pose) {
   jumped_ = jumped_ || has_jumped(pose);
   const bool is_after_pause = last_ && std::abs(seconds_between(last_->time_ns, pose.time_ns)) > pause_s;
   last_ = pose;
@@ -60,7 +60,7 @@ PoseWatch::Verdict PoseWatch::on(const FusedPose& pose) {
   }
   if (!has_position(pose)) {
     doubtful_since_.reset();
-    return {.silence = Silence::no_position};
+    return {.not_sent = NotSent::no_position};
   }
   if ((pose.status & doubtful_statuses) == 0) {
     doubtful_since_.reset();
@@ -70,17 +70,17 @@ PoseWatch::Verdict PoseWatch::on(const FusedPose& pose) {
     good_since_.reset();
     if (!doubtful_since_ || pose.time_ns < *doubtful_since_) doubtful_since_ = pose.time_ns;
   }
-  if ((pose.status & status_late) != 0) return {.silence = Silence::late};
+  if ((pose.status & status_late) != 0) return {.not_sent = NotSent::late};
   const double doubt_s = doubtful_since_ ? seconds_between(*doubtful_since_, pose.time_ns) : 0.0;
   is_settled_ = is_settled_ && doubt_s < silent_after_s;
   // A doubt at the start or after a pause may be old, and the first fixes after it still move the pose.
-  if (!is_settled_) return {.silence = Silence::doubtful};
+  if (!is_settled_) return {.not_sent = NotSent::doubtful};
   const double trust = std::clamp(pose.trust, 0.0, 1.0) * (1 - doubt_s / silent_after_s);
   const double percent = std::isfinite(trust) ? std::round(100 * trust) : 1.0;
   return {.quality_percent = static_cast<std::uint8_t>(std::clamp(percent, 1.0, 100.0))};
 }
 
-bool PoseWatch::has_jumped(const FusedPose& pose) const {
+bool ExternalVisionGate::has_jumped(const FusedPose& pose) const {
   if (!last_) return false;
   if (pose.reset_counter != last_->reset_counter) return true;
   if (!has_position(*last_)) return false;  // a jump since the last position is noted already
@@ -96,7 +96,7 @@ bool PoseWatch::has_jumped(const FusedPose& pose) const {
   return !(expected.angularDistance(pose.q_body_to_world) <= jump_rad);
 }
 
-std::uint8_t PoseWatch::take_reset_counter() {
+std::uint8_t ExternalVisionGate::take_reset_counter() {
   if (std::exchange(jumped_, false)) ++reset_counter_;
   return reset_counter_;
 }

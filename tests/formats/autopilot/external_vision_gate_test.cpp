@@ -1,4 +1,4 @@
-#include "autopilot/pose_watch.hpp"
+#include "autopilot/external_vision_gate.hpp"
 
 #include <sonopose/geometry/rotation.hpp>
 
@@ -8,11 +8,11 @@
 #include <limits>
 #include <string>
 
-namespace pose_watch_test {
+namespace external_vision_gate_test {
 
 using namespace sonopose;
-using autopilot::PoseWatch;
-using autopilot::Silence;
+using autopilot::ExternalVisionGate;
+using autopilot::NotSent;
 
 /// A fusion at 100 Hz: a body on its way along x at 1 m/s that turns left at 0.5 rad/s.
 class Fusion {
@@ -52,127 +52,127 @@ private:
 };
 
 /// The verdict after the time without doubt that a start needs.
-PoseWatch::Verdict settle(PoseWatch& watch, Fusion& fusion) {
-  for (int i = 0; i < 50; ++i) watch.on(fusion.next());
-  return watch.on(fusion.next());
+ExternalVisionGate::Verdict settle(ExternalVisionGate& gate, Fusion& fusion) {
+  for (int i = 0; i < 50; ++i) gate.on(fusion.next());
+  return gate.on(fusion.next());
 }
 
 /// Watches poses for a second; returns the counter afterwards.
-int counter_after(PoseWatch& watch, Fusion& fusion) {
+int counter_after(ExternalVisionGate& gate, Fusion& fusion) {
   for (int i = 0; i < 100; ++i) {
-    watch.on(fusion.next());
-    if (i % 3 == 0) static_cast<void>(watch.take_reset_counter());
+    gate.on(fusion.next());
+    if (i % 3 == 0) static_cast<void>(gate.take_reset_counter());
   }
-  return watch.take_reset_counter();
+  return gate.take_reset_counter();
 }
 
 SCENARIO("a jump raises the reset counter once") {
   GIVEN("a moving body that is watched for a second") {
-    PoseWatch watch;
+    ExternalVisionGate gate;
     Fusion fusion;
-    REQUIRE(counter_after(watch, fusion) == 0);
+    REQUIRE(counter_after(gate, fusion) == 0);
     WHEN("nothing happens") {
       THEN("the counter stays") {
-        CHECK(counter_after(watch, fusion) == 0);
+        CHECK(counter_after(gate, fusion) == 0);
       }
     }
     WHEN("a fix corrects the position by 5 cm") {
       fusion.offset_m = {0, 0.05, 0};
       THEN("that is no jump") {
-        CHECK(counter_after(watch, fusion) == 0);
+        CHECK(counter_after(gate, fusion) == 0);
       }
     }
     WHEN("the estimate moves by a metre") {
       fusion.offset_m = {0, 1, 0};
       THEN("it counts once") {
-        CHECK(counter_after(watch, fusion) == 1);
+        CHECK(counter_after(gate, fusion) == 1);
       }
     }
     WHEN("the yaw turns by 20°") {
       fusion.turned_rad = 0.35;
       THEN("it counts once") {
-        CHECK(counter_after(watch, fusion) == 1);
+        CHECK(counter_after(gate, fusion) == 1);
       }
     }
     WHEN("the engine starts again, is without a position for a second, and is then elsewhere") {
       fusion.resets = 1;
       fusion.status = status_initialising;
-      for (int i = 0; i < 100; ++i) watch.on(fusion.next());
+      for (int i = 0; i < 100; ++i) gate.on(fusion.next());
       fusion.status = 0;
       fusion.offset_m = {3, 1, 0};
       THEN("it counts once") {
-        CHECK(counter_after(watch, fusion) == 1);
+        CHECK(counter_after(gate, fusion) == 1);
       }
     }
     WHEN("another fusion, which has counted no reset either, starts") {
       fusion.status = status_initialising;
-      for (int i = 0; i < 10; ++i) watch.on(fusion.next());
+      for (int i = 0; i < 10; ++i) gate.on(fusion.next());
       fusion.status = 0;
       THEN("it counts once") {
-        CHECK(counter_after(watch, fusion) == 1);
+        CHECK(counter_after(gate, fusion) == 1);
       }
     }
     WHEN("it jumps twice between two messages") {
       fusion.offset_m = {0, 1, 0};
-      watch.on(fusion.next());
+      gate.on(fusion.next());
       fusion.offset_m = {0, 2, 0};
-      watch.on(fusion.next());
+      gate.on(fusion.next());
       THEN("that is one reset for the autopilot") {
-        CHECK(int{watch.take_reset_counter()} == 1);
+        CHECK(int{gate.take_reset_counter()} == 1);
       }
     }
     WHEN("the bridge is away for 8 s, and a fix corrects the stale pose by 2 m 70 ms later") {
       fusion.pause(8);
       fusion.status = status_stale | status_imu_gap;
-      for (int i = 0; i < 7; ++i) REQUIRE(watch.on(fusion.next()).silence == Silence::doubtful);
+      for (int i = 0; i < 7; ++i) REQUIRE(gate.on(fusion.next()).not_sent == NotSent::doubtful);
       fusion.status = status_converging;
       fusion.offset_m.y() += 2;
-      for (int i = 0; i < 50; ++i) REQUIRE(watch.on(fusion.next()).silence == Silence::doubtful);
+      for (int i = 0; i < 50; ++i) REQUIRE(gate.on(fusion.next()).not_sent == NotSent::doubtful);
       fusion.status = 0;
-      for (int i = 0; i < 20; ++i) REQUIRE(watch.on(fusion.next()).silence == Silence::doubtful);
+      for (int i = 0; i < 20; ++i) REQUIRE(gate.on(fusion.next()).not_sent == NotSent::doubtful);
       fusion.offset_m.y() += 0.5;  // the next fixes
       THEN("it counts once") {
-        REQUIRE(settle(watch, fusion).silence == Silence::none);
-        CHECK(counter_after(watch, fusion) == 1);
+        REQUIRE(settle(gate, fusion).not_sent == NotSent::none);
+        CHECK(counter_after(gate, fusion) == 1);
       }
     }
     WHEN("an unknown yaw becomes known elsewhere") {
       fusion.status = status_heading_unknown;
-      static_cast<void>(counter_after(watch, fusion));
+      static_cast<void>(counter_after(gate, fusion));
       fusion.turned_rad = 2;
-      watch.on(fusion.next());
+      gate.on(fusion.next());
       fusion.status = 0;
       THEN("that is no jump: there was no yaw before") {
-        CHECK(counter_after(watch, fusion) == 0);
+        CHECK(counter_after(gate, fusion) == 0);
       }
     }
   }
 }
 
 SCENARIO("a doubt of unknown age sends nothing") {
-  GIVEN("a watch that begins, or hears poses again, in an outage") {
-    PoseWatch watch;
+  GIVEN("a gate that begins, or gets poses again, in an outage") {
+    ExternalVisionGate gate;
     Fusion fusion;
     const std::string before = GENERATE(values<std::string>({"nothing", "a pause", "no position"}));
     CAPTURE(before);
-    if (before != "nothing") REQUIRE(settle(watch, fusion).silence == Silence::none);
+    if (before != "nothing") REQUIRE(settle(gate, fusion).not_sent == NotSent::none);
     if (before == "a pause") fusion.pause(2);
     if (before == "no position") {
       fusion.status = status_initialising;
-      watch.on(fusion.next());
+      gate.on(fusion.next());
     }
     fusion.status = status_stale;
     THEN("the first pose is not sent, nor one that follows") {
-      for (int i = 0; i < 400; ++i) REQUIRE(watch.on(fusion.next()).silence == Silence::doubtful);
+      for (int i = 0; i < 400; ++i) REQUIRE(gate.on(fusion.next()).not_sent == NotSent::doubtful);
       AND_WHEN("poses are good for half a second, and the next is stale again") {
         fusion.status = 0;
-        REQUIRE(watch.on(fusion.next()).silence == Silence::doubtful);
-        const auto good = settle(watch, fusion);
+        REQUIRE(gate.on(fusion.next()).not_sent == NotSent::doubtful);
+        const auto good = settle(gate, fusion);
         fusion.status = status_stale;
-        const auto stale = watch.on(fusion.next());
+        const auto stale = gate.on(fusion.next());
         THEN("both are sent: that doubt is young") {
-          CHECK(good.silence == Silence::none);
-          CHECK(stale.silence == Silence::none);
+          CHECK(good.not_sent == NotSent::none);
+          CHECK(stale.not_sent == NotSent::none);
         }
       }
     }
@@ -181,67 +181,67 @@ SCENARIO("a doubt of unknown age sends nothing") {
 
 SCENARIO("the quality falls while the poses are doubtful, and then there are none") {
   GIVEN("poses with a trust of 90 %") {
-    PoseWatch watch;
+    ExternalVisionGate gate;
     Fusion fusion;
-    REQUIRE(int{settle(watch, fusion).quality_percent} == 90);
+    REQUIRE(int{settle(gate, fusion).quality_percent} == 90);
     WHEN("they are stale, untrusted or inconsistent") {
       fusion.status =
           GENERATE(std::uint32_t{status_stale}, std::uint32_t{status_low_trust},
                    std::uint32_t{status_imu_inconsistent}, std::uint32_t{status_fixes_inconsistent});
       int last = 90;
       int sent = 0;
-      PoseWatch::Verdict verdict;
+      ExternalVisionGate::Verdict verdict;
       for (; sent < 1000; ++sent) {
-        verdict = watch.on(fusion.next());
-        if (verdict.silence != Silence::none) break;
+        verdict = gate.on(fusion.next());
+        if (verdict.not_sent != NotSent::none) break;
         REQUIRE(int{verdict.quality_percent} <= last);
         last = verdict.quality_percent;
       }
-      THEN("the quality falls to 1 %, and after 3 s there is silence") {
+      THEN("the quality falls to 1 %, and after 3 s none is sent") {
         CHECK(last == 1);
         CHECK(sent == 300);
-        CHECK(verdict.silence == Silence::doubtful);
+        CHECK(verdict.not_sent == NotSent::doubtful);
       }
       AND_WHEN("they are good again for half a second") {
         fusion.status = 0;
         THEN("they are sent with full quality") {
-          const auto good = settle(watch, fusion);
-          CHECK(good.silence == Silence::none);
+          const auto good = settle(gate, fusion);
+          CHECK(good.not_sent == NotSent::none);
           CHECK(int{good.quality_percent} == 90);
         }
       }
     }
     WHEN("they are late") {
       fusion.status = status_late;
-      THEN("there is silence at once") {
-        CHECK(watch.on(fusion.next()).silence == Silence::late);
+      THEN("none is sent any more") {
+        CHECK(gate.on(fusion.next()).not_sent == NotSent::late);
       }
     }
     WHEN("there is no position") {
       fusion.status = status_initialising;
-      THEN("there is silence") {
-        CHECK(watch.on(fusion.next()).silence == Silence::no_position);
+      THEN("none is sent") {
+        CHECK(gate.on(fusion.next()).not_sent == NotSent::no_position);
       }
     }
     WHEN("its time or position is impossible") {
       FusedPose pose = fusion.next();
       pose.position_world_m.x() = std::nan("");
-      THEN("there is silence") {
-        CHECK(watch.on(pose).silence == Silence::no_position);
+      THEN("none is sent") {
+        CHECK(gate.on(pose).not_sent == NotSent::no_position);
         pose = fusion.next();
         pose.time_ns = std::numeric_limits<TimeNs>::min();
-        CHECK(watch.on(pose).silence == Silence::no_position);
+        CHECK(gate.on(pose).not_sent == NotSent::no_position);
       }
     }
     WHEN("the trust is zero or no number") {
       THEN("the quality is 1 %, because 0 means unknown") {
         fusion.trust = 0;
-        CHECK(int{watch.on(fusion.next()).quality_percent} == 1);
+        CHECK(int{gate.on(fusion.next()).quality_percent} == 1);
         fusion.trust = std::nan("");
-        CHECK(int{watch.on(fusion.next()).quality_percent} == 1);
+        CHECK(int{gate.on(fusion.next()).quality_percent} == 1);
       }
     }
   }
 }
 
-}  // namespace pose_watch_test
+}  // namespace external_vision_gate_test

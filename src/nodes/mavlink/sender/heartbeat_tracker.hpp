@@ -11,7 +11,7 @@
 namespace sonopose::mavlink::sender {
 
 /// An autopilot by its heartbeats. The first one that is heard, until it is silent. Not thread-safe.
-class AutopilotWatch {
+class HeartbeatTracker {
 public:
   /// Heartbeats come once a second.
   static constexpr TimeNs lost_after_ns = 5'000'000'000;

@@ -10,7 +10,7 @@
 namespace sonopose::autopilot {
 
 /// Reason why an autopilot gets no pose. Its own estimator then coasts, and its failsafe takes over.
-enum class Silence : std::uint8_t {
+enum class NotSent : std::uint8_t {
   none,
   no_poses,      ///< no pose has arrived for `no_poses_after_ns`
   no_position,   ///< initialising, or the position's deviation is unknown
@@ -27,11 +27,11 @@ enum class Silence : std::uint8_t {
 /// Time without poses after which that is logged.
 inline constexpr TimeNs no_poses_after_ns = 3'000'000'000;
 
-/// Text for the log: "no position yet".
-const char* text_of(Silence silence);
+/// Text for the log: "no position".
+const char* text_of(NotSent reason);
 
-/// Watch of the poses of one beacon. Give it each of them, also those that are not sent.
-class PoseWatch {
+/// Lets the good poses of one beacon pass. Give it each of them, also those that are not sent.
+class ExternalVisionGate {
 public:
   /// Doubt after which nothing is sent. The quality falls linearly until then.
   static constexpr double silent_after_s = 3;
@@ -45,7 +45,7 @@ public:
   static constexpr double jump_rad = 0.17;
 
   struct Verdict {
-    Silence silence = Silence::none;
+    NotSent not_sent = NotSent::none;
     std::uint8_t quality_percent = 1;  ///< 1…100
   };
   Verdict on(const FusedPose& pose);

@@ -1,10 +1,10 @@
-#include "mavlink/sender/autopilot_watch.hpp"
+#include "mavlink/sender/heartbeat_tracker.hpp"
 
 #include "mavlink/messages.hpp"
 
 namespace sonopose::mavlink::sender {
 
-bool AutopilotWatch::on(const Frame& frame, SteadyTime now) {
+bool HeartbeatTracker::on(const Frame& frame, SteadyTime now) {
   const auto heard = autopilot_of(frame);
   if (!heard || (kind(now) && frame.sender != autopilot_)) return false;
   autopilot_ = frame.sender;
@@ -13,12 +13,12 @@ bool AutopilotWatch::on(const Frame& frame, SteadyTime now) {
   return true;
 }
 
-std::optional<std::uint8_t> AutopilotWatch::kind(SteadyTime now) const {
+std::optional<std::uint8_t> HeartbeatTracker::kind(SteadyTime now) const {
   if (!heard_ || now - *heard_ > lost_after_ns) return std::nullopt;
   return kind_;
 }
 
-Identity AutopilotWatch::own() const {
+Identity HeartbeatTracker::own() const {
   return {autopilot_.system, own_component};
 }
 
