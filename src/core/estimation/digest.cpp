@@ -62,8 +62,8 @@ void Digest::add(const FusedPose& pose) {
   for (const double component : pose.position_world_m) add(component);
   for (const double component : pose.q_body_to_world.coeffs()) add(component);
   for (const double component : pose.velocity_world_mps) add(component);
-  constexpr std::uint64_t of_input_watch = status_imu_inconsistent | status_fixes_inconsistent;
-  add(pose.status & ~of_input_watch);
+  constexpr std::uint64_t of_sensor_faults = status_imu_inconsistent | status_fixes_inconsistent;
+  add(pose.status & ~of_sensor_faults);
 }
 
 void Digest::add(const AnySnapshot& snapshot) {

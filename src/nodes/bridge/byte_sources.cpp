@@ -4,7 +4,7 @@
 #include "bridge/beacon_clock_log.hpp"
 #include "bridge/capture.hpp"
 #include "bridge/line_beacons.hpp"
-#include "bridge/line_watch.hpp"
+#include "bridge/line_fault_detector.hpp"
 #include "bridge/pacer.hpp"
 #include "bridge/shifted.hpp"
 #include "bridge/step_free_clock.hpp"
@@ -79,10 +79,11 @@ void pass_on_map(const marvelmind::Packet& packet, TimeNs received_ns, publicati
 template <class Decoder>
 class LiveSource final : public publication::Source {
 public:
-  LiveSource(std::unique_ptr<transport::ByteSource> bytes, LineWatch watch, const LiveOptions& options)
+  LiveSource(std::unique_ptr<transport::ByteSource> bytes, LineFaultDetector detector,
+             const LiveOptions& options)
       : imu_meaning_(options.imu_meaning),
         bytes_(std::move(bytes)),
-        watch_(std::move(watch)),
+        detector_(std::move(detector)),
         beacons_(options.max_beacons) {
     if (options.capture) capture_.emplace(*options.capture, publication::FullQueuePolicy::lose);
   }
@@ -107,7 +108,7 @@ public:
           pass_on_map(packet, saturated_sum(arrival_ns, clock_.host_ahead_ns()), sink);
           assembler_.on(packet, arrival_ns, publish);
         });
-        watch_.on_bytes(got);
+        detector_.on_bytes(got);
         if (capture_) capture_->append(got);
       } else if (read.status == ReadStatus::end || read.status == ReadStatus::stopped) {
         break;
@@ -122,13 +123,13 @@ public:
       remove_gone(sink);
       report(assembler_, decoder_.counters(), sink, &clock_);
       for (const std::string& line : clock_log_.update(assembler_)) {
-        watch_.log().write(logging::Level::warning, line, now);
+        detector_.log().write(logging::Level::warning, line, now);
       }
       report_line(sink);
       sink.tick();
     }
     report_line(sink);
-    watch_.log().finish();
+    detector_.log().finish();
   }
 
   void finish() override {
@@ -192,14 +193,14 @@ private:
   void report_line(publication::SampleSink& sink) {
     LineStatus status = line_status();
     const SteadyTime now = clocks::steady_now();
-    watch_.judge(status, now);
+    detector_.judge(status, now);
     sink.on(status);
     if (said_unused_ || decoder_.counters().unused_frames == 0) return;
     said_unused_ = true;
-    watch_.log().write(logging::Level::info,
-                       fmt::format("{}: ignores frames of unused kinds, such as {}", status.name,
-                                   decoder_.counters().first_unused),
-                       now);
+    detector_.log().write(logging::Level::info,
+                          fmt::format("{}: ignores frames of unused kinds, such as {}", status.name,
+                                      decoder_.counters().first_unused),
+                          now);
   }
 
   [[nodiscard]] LineStatus line_status() const {
@@ -219,18 +220,18 @@ private:
   void log_change(ReadStatus status) {
     const SteadyTime now = clocks::steady_now();
     if (status == ReadStatus::connected) {
-      watch_.log().write(logging::Level::info, "reading " + bytes_->description(), now);
+      detector_.log().write(logging::Level::info, "reading " + bytes_->description(), now);
     }
     if (status == ReadStatus::disconnected) {
-      watch_.log().write(logging::Level::warning,
-                         fmt::format("waiting for {} ({})", bytes_->description(), bytes_->last_error()),
-                         now);
+      detector_.log().write(logging::Level::warning,
+                            fmt::format("waiting for {} ({})", bytes_->description(), bytes_->last_error()),
+                            now);
     }
   }
 
   ImuMeaning imu_meaning_;
   std::unique_ptr<transport::ByteSource> bytes_;
-  LineWatch watch_;
+  LineFaultDetector detector_;
   AddressOwners owners_;
   LineBeacons beacons_;
   std::optional<Capture> capture_;
@@ -415,7 +416,7 @@ std::unique_ptr<publication::Source> make_stream_source(const StreamOptions& opt
 
 std::unique_ptr<publication::Source> make_serial_source(const SerialOptions& options,
                                                         const LiveOptions& live) {
-  LineWatch watch(
+  LineFaultDetector detector(
       {fmt::format("check --baud (now {}), and that the device is a Marvelmind beacon", options.baud),
        fmt::format("set {}, or choose another --device", protocol_setting)});
   auto port = [&options] {
@@ -425,14 +426,14 @@ std::unique_ptr<publication::Source> make_serial_source(const SerialOptions& opt
       throw std::invalid_argument(fmt::format("--device: {}", error.what()));
     }
   }();
-  return std::make_unique<LiveSource<marvelmind::Decoder>>(std::move(port), std::move(watch), live);
+  return std::make_unique<LiveSource<marvelmind::Decoder>>(std::move(port), std::move(detector), live);
 }
 
 std::unique_ptr<publication::Source> make_udp_source(const UdpOptions& options, const LiveOptions& live) {
-  LineWatch watch({"check that the sender uses the Marvelmind protocol",
-                   "set the protocol of the sender to Marvelmind, or choose another port"});
+  LineFaultDetector detector({"check that the sender uses the Marvelmind protocol",
+                              "set the protocol of the sender to Marvelmind, or choose another port"});
   return std::make_unique<LiveSource<marvelmind::DatagramDecoder>>(
-      transport::open_udp_listener(transport::parse_endpoint(options.listen), options.from), std::move(watch),
+      transport::open_udp_listener(transport::parse_endpoint(options.listen), options.from), std::move(detector),
       live);
 }
 

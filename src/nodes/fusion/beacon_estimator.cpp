@@ -13,7 +13,7 @@ using transitions::Kind;
 BeaconEstimator::BeaconEstimator(BeaconAddress address, SettingsTimeline timeline, bool lossless)
     : timeline_(std::move(timeline)),
       estimator_(timeline_.settings()),
-      watch_(timeline_.settings()),
+      sensor_faults_(timeline_.settings()),
       detector_(address) {
   counted_.address = address;
   transitions_.add({.address = address, .kind = Kind::found});
@@ -59,9 +59,9 @@ EventOutcome BeaconEstimator::process(const collation::CollatedEvent& collated) 
   last_sequence_ = sequence;
   if (changed) {
     estimator_.configure(timeline_.settings());
-    watch_.configure(timeline_.settings());
+    sensor_faults_.configure(timeline_.settings());
   }
-  watch_.on(event);
+  sensor_faults_.on(event);
   if (first || changed) {
     settings_changed_at_ = sequence;
     outcome.settings_changed = true;
@@ -72,7 +72,7 @@ EventOutcome BeaconEstimator::process(const collation::CollatedEvent& collated) 
     if (limit) refusals_.on_excess(limit->key, limit->value);
   }
   if (const auto* fix = std::get_if<UltrasonicFix>(&event))
-    height_watch_.on(estimator_.settings().planar, *fix);
+    height_check_.on(estimator_.settings().planar, *fix);
   outcome.result = estimation::process(estimator_, event);
   const auto* report = std::get_if<FixReport>(&outcome.result);
   if (report != nullptr) {
@@ -81,8 +81,8 @@ EventOutcome BeaconEstimator::process(const collation::CollatedEvent& collated) 
     refusals_.on(*report);
     detector_.on(*report, transitions_);
   } else if (auto* pose = std::get_if<FusedPose>(&outcome.result)) {
-    watch_.on(*pose);
-    pose->status |= watch_.status(pose->time_ns);
+    sensor_faults_.on(*pose);
+    pose->status |= sensor_faults_.status(pose->time_ns);
     pose_status_ = pose->status;
     detector_.on(*pose, transitions_);
     poses_.add(*pose);
@@ -91,7 +91,7 @@ EventOutcome BeaconEstimator::process(const collation::CollatedEvent& collated) 
 }
 
 std::optional<std::string> BeaconEstimator::height_use() {
-  const auto problem = height_watch_.problem(height_contradicts_);
+  const auto problem = height_check_.problem(height_contradicts_);
   const bool is_known = std::exchange(height_contradicts_, problem.has_value());
   if (!problem || is_known) return std::nullopt;
   return problem->text + ": " + problem->remedy;

@@ -11,9 +11,9 @@
 #include "transitions/transition_detector.hpp"
 #include <sonopose/collation/collator.hpp>
 #include <sonopose/collation/lossless_collator.hpp>
-#include <sonopose/estimation/aiding/height_watch.hpp>
+#include <sonopose/estimation/aiding/height_check.hpp>
 #include <sonopose/estimation/any_estimator.hpp>
-#include <sonopose/estimation/input_watch.hpp>
+#include <sonopose/estimation/sensor_fault_detector.hpp>
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/status.hpp>
 
@@ -137,7 +137,7 @@ private:
   FusionStatus counted_;  ///< counters that nothing else keeps
   SettingsTimeline timeline_;
   estimation::AnyEstimator estimator_;
-  estimation::InputWatch watch_;
+  estimation::SensorFaultDetector sensor_faults_;
   std::variant<collation::Collator, collation::LosslessCollator> collator_;
   std::span<const collation::CollatedEvent> in_order_;  ///< collated, not processed yet
   std::optional<std::uint64_t> last_sequence_;
@@ -149,7 +149,7 @@ private:
   std::optional<SteadyTime> bridge_lost_at_;
   bool loss_is_counted_ = false;
   transitions::FixRefusals refusals_;
-  estimation::aiding::HeightWatch height_watch_;
+  estimation::aiding::HeightCheck height_check_;
   bool height_contradicts_ = false;
   TwistUse twist_use_;
   std::uint32_t pose_status_ = status_initialising;  ///< status of the latest pose

@@ -222,7 +222,7 @@ rules::BeaconObservation BeaconProbe::observation(TimeNs now_ns, const settings:
   beacon.fusion_settings = settings;
   beacon.pair_fixes = pair_fixes_;
   beacon.fix_outcomes = fix_outcomes();
-  estimation::aiding::HeightWatch heights;
+  estimation::aiding::HeightCheck heights;
   for (const auto& [received_ns, fix] : fixes_.entries()) heights.on(settings.planar, fix);
   beacon.height_problem = heights.problem();
   beacon.timed_fixes = timed_fixes_;

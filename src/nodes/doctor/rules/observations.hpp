@@ -10,7 +10,7 @@
 #include "observation/pose_writers.hpp"
 #include <sonopose/calibration/model/calibration.hpp>
 #include <sonopose/dds/psm/qos.hpp>
-#include <sonopose/estimation/aiding/height_watch.hpp>
+#include <sonopose/estimation/aiding/height_check.hpp>
 #include <sonopose/samples/fix_refusal.hpp>
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/samples.hpp>

@@ -3,7 +3,7 @@
 #include "estimation/digest.hpp"
 #include "evaluation/score/comparison.hpp"
 #include <sonopose/estimation/aiding/reading_limits.hpp>
-#include <sonopose/estimation/input_watch.hpp>
+#include <sonopose/estimation/sensor_fault_detector.hpp>
 #include <sonopose/estimation/snapshot_fields.hpp>
 #include <sonopose/samples/outputs.hpp>
 
@@ -171,12 +171,12 @@ void run_through(const recording::SensorLog& log, const RunOptions& options, Res
 void run_engine(const recording::SensorLog& log, const RunOptions& options, Results& results) {
   estimation::AnyEstimator estimator(options.settings);
   if (options.start) estimator.restore(options.start->snapshot);
-  estimation::InputWatch watch(estimator.settings());
-  estimation::aiding::HeightWatch heights;
+  estimation::SensorFaultDetector faults(estimator.settings());
+  estimation::aiding::HeightCheck heights;
   const EstimatorCounters before = estimator.counters();
   run_through(log, options, results, [&](const Event& event) {
     results.predict(event, estimator);
-    watch.on(event);
+    faults.on(event);
     if (const auto* fix = std::get_if<UltrasonicFix>(&event)) heights.on(estimator.settings().planar, *fix);
     if (const auto* imu = std::get_if<ImuSample>(&event)) {
       const auto limit = estimation::aiding::exceeded_limit(estimator.settings().admission, *imu);
@@ -184,8 +184,8 @@ void run_engine(const recording::SensorLog& log, const RunOptions& options, Resu
     }
     auto output = estimation::process(estimator, event);
     if (auto* pose = std::get_if<FusedPose>(&output)) {
-      watch.on(*pose);
-      pose->status |= watch.status(pose->time_ns);
+      faults.on(*pose);
+      pose->status |= faults.status(pose->time_ns);
     }
     estimator.finish_pending_work();  // as in the live fusion
     return output;

@@ -9,7 +9,7 @@
 #include "evaluation/score/score.hpp"
 #include "recording/log_folder.hpp"
 #include "transitions/fix_refusals.hpp"
-#include <sonopose/estimation/aiding/height_watch.hpp>
+#include <sonopose/estimation/aiding/height_check.hpp>
 #include <sonopose/estimation/any_estimator.hpp>
 #include <sonopose/estimation/offline/smoother.hpp>
 #include <sonopose/samples/pose.hpp>

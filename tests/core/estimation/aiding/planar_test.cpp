@@ -2,7 +2,7 @@
 
 #include "sim/scenario.hpp"
 #include "sim/simulator.hpp"
-#include <sonopose/estimation/aiding/height_watch.hpp>
+#include <sonopose/estimation/aiding/height_check.hpp>
 #include <sonopose/estimation/aiding/planar.hpp>
 #include <sonopose/estimation/any_estimator.hpp>
 #include <sonopose/estimation/prediction.hpp>
@@ -194,20 +194,20 @@ SCENARIO("the output of a planar body can be flat") {
 }
 
 SCENARIO("fixes far from the height of a planar body are named with the height to set") {
-  estimation::aiding::HeightWatch watch;
+  estimation::aiding::HeightCheck check;
   settings::PlanarSettings settings{.planar = true, .height_m = 0.5};
   const auto feed = [&](double height_m, double scatter_m = 0.05) {
     for (int i = 0; i < 60; ++i) {
       UltrasonicFix fix;
       fix.position_world_m = {1.0, 2.0, height_m + (i % 2 == 0 ? scatter_m : -scatter_m)};
       fix.point_body_m = {0.0, 0.0, 0.25};
-      watch.on(settings, fix);
+      check.on(settings, fix);
     }
   };
   GIVEN("a tag 0.25 m above the body, and fixes at 2.25 m") {
     feed(2.25);
     THEN("the body is at 2 m instead of 0.5 m") {
-      const auto problem = watch.problem();
+      const auto problem = check.problem();
       REQUIRE(problem);
       CHECK(problem->text == "the fixes are 1.50 m above motion.height_m");
       CHECK(problem->remedy == "set motion.height_m=2.00, or motion.height_from=fixes");
@@ -215,33 +215,33 @@ SCENARIO("fixes far from the height of a planar body are named with the height t
     THEN("nothing is said once the height is set, or the fixes give it, or the body is not planar") {
       settings.height_m = 2.0;
       feed(2.25);
-      CHECK_FALSE(watch.problem());
+      CHECK_FALSE(check.problem());
       settings.height_m = 0.5;
       settings.height_from = settings::HeightSource::fixes;
       feed(2.25);
-      CHECK_FALSE(watch.problem());
+      CHECK_FALSE(check.problem());
       settings = {.height_m = 0.5};
       feed(2.25);
-      CHECK_FALSE(watch.problem());
+      CHECK_FALSE(check.problem());
     }
   }
   GIVEN("fixes below the plane") {
     feed(0.0);
-    CHECK(watch.problem().value().text == "the fixes are 0.75 m below motion.height_m");
+    CHECK(check.problem().value().text == "the fixes are 0.75 m below motion.height_m");
   }
   GIVEN("fixes that scatter widely, as of beacons at one height, or are a little high") {
     feed(1.25, 1.0);
-    CHECK_FALSE(watch.problem());
+    CHECK_FALSE(check.problem());
     feed(0.95);
-    CHECK_FALSE(watch.problem());
+    CHECK_FALSE(check.problem());
   }
   GIVEN("fixes a little nearer than the limit") {
     feed(1.02);
     THEN("a problem that was known lasts until they are clearly nearer") {
-      CHECK_FALSE(watch.problem());
-      CHECK(watch.problem(true));
+      CHECK_FALSE(check.problem());
+      CHECK(check.problem(true));
       feed(0.9);
-      CHECK_FALSE(watch.problem(true));
+      CHECK_FALSE(check.problem(true));
     }
   }
 }

@@ -14,7 +14,8 @@
 
 namespace sonopose::bridge {
 
-class LineWatch {
+/// Detects bytes that are no frames, and silence, on the line of a bridge. Not thread-safe.
+class LineFaultDetector {
 public:
   /// Advice for bytes without a valid frame.
   struct Advice {
@@ -22,7 +23,7 @@ public:
     std::string foreign;  ///< for another protocol, or text
   };
 
-  explicit LineWatch(Advice advice) : advice_(std::move(advice)) {}
+  explicit LineFaultDetector(Advice advice) : advice_(std::move(advice)) {}
 
   /// Keeps the latest bytes, to recognise what they are.
   void on_bytes(std::span<const std::uint8_t> bytes);

@@ -18,7 +18,7 @@ struct HeightProblem {
 };
 
 /// Mean height of the latest fixes above the plane of the settings. Does not allocate, but for `problem`.
-class HeightWatch {
+class HeightCheck {
 public:
   void on(const settings::PlanarSettings& settings, const UltrasonicFix& fix);
 

@@ -1,4 +1,4 @@
-#include "bridge/line_watch.hpp"
+#include "bridge/line_fault_detector.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -6,10 +6,10 @@
 #include <string_view>
 #include <vector>
 
-namespace line_watch_test {
+namespace line_fault_detector_test {
 
 using namespace sonopose;
-using bridge::LineWatch;
+using bridge::LineFaultDetector;
 using Catch::Contains;
 
 constexpr TimeNs tenth_ns = 100'000'000;
@@ -30,18 +30,18 @@ public:
       status_.bytes += bytes;
       status_.frames += frames;
       judged = status_;
-      watch_.judge(judged, now_);
+      detector_.judge(judged, now_);
     }
     return judged;
   }
 
   void set(LineState state) { status_.state = state; }
   void receive(std::string_view bytes) {
-    watch_.on_bytes(std::vector<std::uint8_t>(bytes.begin(), bytes.end()));
+    detector_.on_bytes(std::vector<std::uint8_t>(bytes.begin(), bytes.end()));
   }
 
 private:
-  LineWatch watch_{{"check --baud (now 9600)", "set the protocol to Marvelmind"}};
+  LineFaultDetector detector_{{"check --baud (now 9600)", "set the protocol to Marvelmind"}};
   LineStatus status_;
   SteadyTime now_{1'000'000'000};
 };
@@ -117,4 +117,4 @@ SCENARIO("a line that is open and delivers no frames is reported") {
   }
 }
 
-}  // namespace line_watch_test
+}  // namespace line_fault_detector_test

@@ -1,4 +1,4 @@
-#include "bridge/line_watch.hpp"
+#include "bridge/line_fault_detector.hpp"
 
 #include "marvelmind/foreign_protocol.hpp"
 #include "marvelmind/packet.hpp"
@@ -17,7 +17,7 @@ constexpr TimeNs silence_limit_ns = 3'000'000'000;
 
 }  // namespace
 
-void LineWatch::on_bytes(std::span<const std::uint8_t> bytes) {
+void LineFaultDetector::on_bytes(std::span<const std::uint8_t> bytes) {
   bytes = bytes.last(std::min(bytes.size(), latest_.size()));
   const std::size_t kept = std::min(latest_size_, latest_.size() - bytes.size());
   const auto to_drop = static_cast<std::ptrdiff_t>(latest_size_ - kept);
@@ -26,12 +26,12 @@ void LineWatch::on_bytes(std::span<const std::uint8_t> bytes) {
   latest_size_ = kept + bytes.size();
 }
 
-std::string LineWatch::advice() const {
+std::string LineFaultDetector::advice() const {
   const std::string foreign = marvelmind::foreign_protocol(std::span(latest_).first(latest_size_));
   return foreign.empty() ? advice_.unknown : fmt::format("they are {}; {}", foreign, advice_.foreign);
 }
 
-void LineWatch::judge(LineStatus& line, SteadyTime now) {
+void LineFaultDetector::judge(LineStatus& line, SteadyTime now) {
   const bool was_open = std::exchange(is_open_, line.state == LineState::open);
   if (!was_open || !is_open_) begin(now);
   if (line.bytes != bytes_.count) bytes_ = {line.bytes, now};
@@ -56,7 +56,7 @@ void LineWatch::judge(LineStatus& line, SteadyTime now) {
 }
 
 /// Restarts both silences. Bytes since the previous call count: the line was open already.
-void LineWatch::begin(SteadyTime now) {
+void LineFaultDetector::begin(SteadyTime now) {
   bytes_.since = now;
   frames_.since = now;
   bytes_at_frame_ = bytes_.count;
@@ -64,7 +64,7 @@ void LineWatch::begin(SteadyTime now) {
   logged_ = LineState::open;
 }
 
-void LineWatch::log_change(const LineStatus& line, SteadyTime now) {
+void LineFaultDetector::log_change(const LineStatus& line, SteadyTime now) {
   if (std::exchange(logged_, line.state) == line.state) return;
   const bool is_good = line.text.empty();
   log_.write(is_good ? logging::Level::info : logging::Level::warning,

@@ -3,7 +3,7 @@
 #include "sim/simulator.hpp"
 #include "support/seeds.hpp"
 #include <sonopose/estimation/any_estimator.hpp>
-#include <sonopose/estimation/input_watch.hpp>
+#include <sonopose/estimation/sensor_fault_detector.hpp>
 #include <sonopose/geometry/rotation.hpp>
 
 #include <catch2/catch.hpp>
@@ -15,14 +15,14 @@
 #include <string>
 #include <vector>
 
-namespace input_watch_test {
+namespace sensor_fault_detector_test {
 
 using namespace sonopose;
 
 using Change = std::function<void(ImuSample&)>;
 
-/// Seconds from the begin of the motion, at 3 s, to the first pose with one of the bits by the watch, or of
-/// `engine_bits` by the engine; infinite without one.
+/// Seconds from the begin of the motion, at 3 s, to the first pose with one of the bits by the detector, or
+/// of `engine_bits` by the engine; infinite without one.
 double found_after_s(const std::string& scenario, std::uint64_t seed, bool has_headings, const Change& change,
                      std::uint32_t bits = ~0U, double mount_rad = 0, std::uint32_t engine_bits = 0) {
   constexpr double begin_s = 3.0;
@@ -33,17 +33,17 @@ double found_after_s(const std::string& scenario, std::uint64_t seed, bool has_h
   const std::vector<Event> events = sim::record(drawn, run).events;
   const settings::Settings settings;
   estimation::AnyEstimator estimator(settings);
-  estimation::InputWatch watch(settings);
+  estimation::SensorFaultDetector detector(settings);
   const TimeNs begin_ns = available_at_ns(events.front()) + to_ns(begin_s);
   for (Event event : events) {
     auto* const imu = std::get_if<ImuSample>(&event);
     if (imu != nullptr) change(*imu);
-    watch.on(event);
+    detector.on(event);
     const auto result = estimation::process(estimator, event);
     const auto* const pose = std::get_if<FusedPose>(&result);
     if (pose == nullptr) continue;
-    watch.on(*pose);
-    if ((watch.status(pose->time_ns) & bits) != 0 || (pose->status & engine_bits) != 0)
+    detector.on(*pose);
+    if ((detector.status(pose->time_ns) & bits) != 0 || (pose->status & engine_bits) != 0)
       return seconds_between(begin_ns, pose->time_ns);
   }
   return std::numeric_limits<double>::infinity();
@@ -72,7 +72,7 @@ double found_between_tags_after_s(const char* scenario, bool has_headings, int i
   const sim::Recording recording = sim::record(drawn, run);
   const settings::Settings settings;
   estimation::AnyEstimator estimator(settings);
-  estimation::InputWatch watch(settings);
+  estimation::SensorFaultDetector detector(settings);
   int fixes = 0;
   for (Event event : recording.events) {
     if (auto* const fix = std::get_if<UltrasonicFix>(&event)) {
@@ -83,12 +83,12 @@ double found_between_tags_after_s(const char* scenario, bool has_headings, int i
     } else if (auto* const imu = std::get_if<ImuSample>(&event)) {
       imu->angular_velocity_body_radps.z() *= yaw_rate_factor;
     }
-    watch.on(event);
+    detector.on(event);
     const auto result = estimation::process(estimator, event);
     const auto* const pose = std::get_if<FusedPose>(&result);
     if (pose == nullptr) continue;
-    watch.on(*pose);
-    if (watch.status(pose->time_ns) != 0)
+    detector.on(*pose);
+    if (detector.status(pose->time_ns) != 0)
       return seconds_between(recording.truth.front().time_ns, pose->time_ns) - begin_s;
   }
   return std::numeric_limits<double>::infinity();
@@ -133,7 +133,7 @@ TEST_CASE("an axis that keeps its value is found within three seconds") {
 }
 
 TEST_CASE("a fault ends with its cause, and with a clock that is set back") {
-  estimation::InputWatch watch{settings::Settings{}};
+  estimation::SensorFaultDetector detector{settings::Settings{}};
   TimeNs time_ns = 1'700'000'000'000'000'000;
   const auto feed = [&](int samples, double noise) {
     for (int i = 0; i < samples; ++i, time_ns += 10'000'000) {
@@ -141,9 +141,9 @@ TEST_CASE("a fault ends with its cause, and with a clock that is set back") {
       imu.sensor_time_ns = time_ns;
       imu.specific_force_body_mps2 = {i % 7 * noise, i % 5 * 1e-3, standard_gravity_mps2};
       imu.angular_velocity_body_radps = {i % 7 * 1e-3, i % 5 * 1e-3, i % 3 * 1e-3};
-      watch.on(imu);
+      detector.on(imu);
     }
-    return watch.status(time_ns);
+    return detector.status(time_ns);
   };
   CHECK(feed(300, 1e-3) != 0);  // z of the accelerometer keeps its value
   time_ns -= 3'600'000'000'000;
@@ -190,10 +190,10 @@ TEST_CASE("a mount that is turned by 90 degrees is found within four seconds of 
         imu.angular_velocity_body_radps = turned * imu.angular_velocity_body_radps;
         imu.specific_force_body_mps2 = turned * imu.specific_force_body_mps2;
       };
-      // Where the engine distrusts the IMU first, its poses show the watch no accelerations to compare.
+      // Where the engine distrusts the IMU first, its poses show the detector no accelerations to compare.
       CHECK(found_after_s(scenario, 3, true, turn, ~0U, 0, status_imu_inconsistent) < 4.0);
     }
   }
 }
 
-}  // namespace input_watch_test
+}  // namespace sensor_fault_detector_test

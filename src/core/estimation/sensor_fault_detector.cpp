@@ -1,5 +1,5 @@
 #include <sonopose/estimation/aiding/delay.hpp>
-#include <sonopose/estimation/input_watch.hpp>
+#include <sonopose/estimation/sensor_fault_detector.hpp>
 #include <sonopose/geometry/rotation.hpp>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ std::complex<double> horizontal(const Vector3d& vector) {
 
 }  // namespace
 
-void InputWatch::configure(const settings::Settings& settings) {
+void SensorFaultDetector::configure(const settings::Settings& settings) {
   delay_ = settings.delay;
   calibration_ = calibration::Calibration(settings.calibration);
   mount_rad_ = settings.heading.mount_offset_deg * geometry::radians_per_degree;
@@ -26,7 +26,7 @@ void InputWatch::configure(const settings::Settings& settings) {
 }
 
 /// Forgets everything but a fault.
-void InputWatch::restart() {
+void SensorFaultDetector::restart() {
   last_imu_ns_ = last_pose_ns_ = known_since_ns_ = headings_wrong_ns_ = 0;
   block_ = {};
   bad_blocks_ = wrong_turns_ = right_turns_ = turned_in_row_ = 0;
@@ -41,11 +41,11 @@ void InputWatch::restart() {
   imu_square_ = fix_square_ = judged_ = 0;
 }
 
-void InputWatch::fault(TimeNs time_ns) {
+void SensorFaultDetector::fault(TimeNs time_ns) {
   faulty_until_ns_ = time_ns + memory_of_fault_ns;
 }
 
-void InputWatch::on(const Event& event) {
+void SensorFaultDetector::on(const Event& event) {
   if (const auto* imu = std::get_if<ImuSample>(&event)) {
     on_imu(*imu);
   } else if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
@@ -65,7 +65,7 @@ void InputWatch::on(const Event& event) {
   }
 }
 
-void InputWatch::on_imu(const ImuSample& raw) {
+void SensorFaultDetector::on_imu(const ImuSample& raw) {
   constexpr double max_rate_radps = 20.0;
   constexpr double memory_s = 2.0;
   const ImuSample imu = calibration_.corrected(raw);
@@ -103,7 +103,7 @@ void InputWatch::on_imu(const ImuSample& raw) {
   judge_block(imu.sensor_time_ns);
 }
 
-void InputWatch::judge_block(TimeNs time_ns) {
+void SensorFaultDetector::judge_block(TimeNs time_ns) {
   constexpr TimeNs min_ns = 1'000'000'000;
   constexpr std::size_t min_samples = 100;
   constexpr double stuck_share = 0.98;
@@ -129,7 +129,7 @@ void InputWatch::judge_block(TimeNs time_ns) {
   block_ = {.begin_ns = time_ns};
 }
 
-void InputWatch::on(const FusedPose& pose) {
+void SensorFaultDetector::on(const FusedPose& pose) {
   constexpr TimeNs min_step_ns = 4'000'000;  // the ring then holds two seconds
   const TimeNs step_ns = saturated_difference(pose.time_ns, last_pose_ns_);
   last_pose_ns_ = pose.time_ns;
@@ -159,7 +159,7 @@ void InputWatch::on(const FusedPose& pose) {
 }
 
 /// Interpolates the integrals. Returns false outside of the moments.
-bool InputWatch::moment_at(TimeNs time_ns, Moment& moment) const {
+bool SensorFaultDetector::moment_at(TimeNs time_ns, Moment& moment) const {
   for (std::size_t i = 0; i + 1 < moments_.size(); ++i) {
     const Moment& after = moments_.back(i);
     const Moment& before = moments_.back(i + 1);
@@ -176,7 +176,7 @@ bool InputWatch::moment_at(TimeNs time_ns, Moment& moment) const {
   return false;
 }
 
-void InputWatch::on_fix(TimeNs time_ns, const UltrasonicFix& fix) {
+void SensorFaultDetector::on_fix(TimeNs time_ns, const UltrasonicFix& fix) {
   constexpr double step_s = 0.4;
   constexpr double max_step_s = 1.0;
   constexpr double min_step_m = 0.2;  // well above the noise of fixes
@@ -210,7 +210,7 @@ void InputWatch::on_fix(TimeNs time_ns, const UltrasonicFix& fix) {
 
 /// Compares the change of speed by the fixes with that by the IMU. With a turned mount they have the same
 /// size and another direction.
-void InputWatch::on_place(const Place& last) {
+void SensorFaultDetector::on_place(const Place& last) {
   constexpr double step_s = 0.5;
   constexpr double max_step_s = 0.8;
   constexpr double memory = 0.96;  // two to three seconds of fixes
@@ -253,7 +253,7 @@ void InputWatch::on_place(const Place& last) {
 }
 
 /// Adds a direction, and judges the latest turn that is large and smooth enough.
-void InputWatch::on_direction(TimeNs time_ns, double angle_rad, int min_turns) {
+void SensorFaultDetector::on_direction(TimeNs time_ns, double angle_rad, int min_turns) {
   constexpr double min_s = 0.5;
   constexpr double max_s = 2.0;
   constexpr double max_gap_s = 0.6;
@@ -279,7 +279,7 @@ void InputWatch::on_direction(TimeNs time_ns, double angle_rad, int min_turns) {
 }
 
 /// Suspects another clock if the gyroscope turns as the headings do, but at another time.
-void InputWatch::on_heading(TimeNs time_ns, double heading_rad) {
+void SensorFaultDetector::on_heading(TimeNs time_ns, double heading_rad) {
   constexpr TimeNs step_ns = 100'000'000;
   constexpr double gain = 1.0 / 32.0;
   constexpr double min_count = 30.0;
@@ -311,7 +311,7 @@ void InputWatch::on_heading(TimeNs time_ns, double heading_rad) {
 }
 
 /// Suspects the mount if headings keep contradicting a pose whose yaw is known from the motion.
-void InputWatch::judge_mount(TimeNs time_ns, double body_heading_rad) {
+void SensorFaultDetector::judge_mount(TimeNs time_ns, double body_heading_rad) {
   constexpr double wrong_rad = 30.0 * geometry::radians_per_degree;
   constexpr double min_s = 3.0;
   constexpr double max_gap_s = 1.0;
@@ -331,8 +331,8 @@ void InputWatch::judge_mount(TimeNs time_ns, double body_heading_rad) {
   }
 }
 
-void InputWatch::judge_turn(const Direction& from, const Direction& middle, const Direction& to,
-                            int min_turns) {
+void SensorFaultDetector::judge_turn(const Direction& from, const Direction& middle, const Direction& to,
+                                     int min_turns) {
   constexpr double max_bend = 0.35;  // a half for a jump, as by outliers
   constexpr double wrong_gain = -0.6;
   constexpr double min_gain = -20.0;  // of rates in deg/s

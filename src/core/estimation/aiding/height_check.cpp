@@ -1,4 +1,4 @@
-#include <sonopose/estimation/aiding/height_watch.hpp>
+#include <sonopose/estimation/aiding/height_check.hpp>
 #include <sonopose/estimation/aiding/planar.hpp>
 #include <sonopose/text/number_text.hpp>
 
@@ -7,7 +7,7 @@
 
 namespace sonopose::estimation::aiding {
 
-void HeightWatch::on(const settings::PlanarSettings& settings, const UltrasonicFix& fix) {
+void HeightCheck::on(const settings::PlanarSettings& settings, const UltrasonicFix& fix) {
   constexpr std::size_t memory = 40;
   if (settings.height_m != settings_.height_m || !ignores_height(settings)) count_ = 0;
   settings_ = settings;
@@ -23,7 +23,7 @@ void HeightWatch::on(const settings::PlanarSettings& settings, const UltrasonicF
   variance_m2_ = (1.0 - share) * (variance_m2_ + share * deviation_m * deviation_m);
 }
 
-std::optional<HeightProblem> HeightWatch::problem(bool is_known) const {
+std::optional<HeightProblem> HeightCheck::problem(bool is_known) const {
   constexpr std::size_t min_count = 20;
   const double hysteresis = is_known ? 0.7 : 1.0;
   const double min_mean_m = hysteresis * 0.3;  // above what beacons at one height leave open

@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// A watch on the sensors of one beacon beside its engine: faults of the IMU that need no filter to be seen.
+/// Detects, beside the engine of one beacon, faults of the IMU that need no filter to be seen.
 
 #include <sonopose/calibration/model/calibration.hpp>
 #include <sonopose/samples/pose.hpp>
@@ -21,9 +21,9 @@ namespace sonopose::estimation {
 /// wrong sign (by headings, or by the direction of travel), a mount that is turned (by the accelerations, or
 /// by headings that the engine does not follow), and stamps of the IMU that are ahead of those of the
 /// headings.
-class InputWatch {
+class SensorFaultDetector {
 public:
-  explicit InputWatch(const settings::Settings& settings) { configure(settings); }
+  explicit SensorFaultDetector(const settings::Settings& settings) { configure(settings); }
 
   void configure(const settings::Settings& settings);
   /// Takes an event before the engine does.
