@@ -91,7 +91,7 @@ SCENARIO("two additional consumers at once are served like the first") {
       REQUIRE(prints(*other, printed + 2));
       THEN("the other monitor and the first consumer still receive a pose for each IMU sample") {
         // A busy fusion skips some, but not in each second.
-        double least_error = 1e9;
+        double min_error = 1e9;
         TimeNs latest_ns = 0;
         for (const std::string& line : other->lines(Stream::output)) {
           const auto report = nlohmann::json::parse(line);
@@ -99,9 +99,9 @@ SCENARIO("two additional consumers at once are served like the first") {
           const auto& beacon = report["beacons"][0];
           const TimeNs previous_ns = std::exchange(latest_ns, beacon["pose_time_ns"].get<TimeNs>());
           const double error = beacon["poses"].get<double>() - 100 * seconds_between(previous_ns, latest_ns);
-          if (previous_ns != 0) least_error = std::min(least_error, std::abs(error));
+          if (previous_ns != 0) min_error = std::min(min_error, std::abs(error));
         }
-        CHECK(least_error <= 2);
+        CHECK(min_error <= 2);
         REQUIRE(first.wait_for_more(50));
         check_missing(first, status);
       }

@@ -131,7 +131,7 @@ SCENARIO("sonopose-security lists and renews enclaves") {
     CHECK_THAT(command("governance", {}).output, Contains("encrypt → encrypt"));
     CHECK_THAT(command("list", {}).output, Contains("(encrypt)") && !Contains("(sign)"));
   }
-  THEN("no success is reported for what was not mended") {
+  THEN("no success is reported for what was not repaired") {
     write_text(keys.store.folder() / "enclaves/governance.p7s", "garbage");
     const Result renewed = command("renew", {"web"});
     CHECK(renewed.code == 1);

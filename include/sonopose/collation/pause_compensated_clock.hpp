@@ -18,15 +18,15 @@ public:
 
   /// Registers that the process takes events at `now`. Returns the time of this clock.
   SteadyTime on_poll(SteadyTime now) {
-    time_ += std::min(now - looked_, longest_ns);
-    looked_ = now;
+    time_ += std::min(now - polled_at_, longest_ns);
+    polled_at_ = now;
     return time_;
   }
 
   [[nodiscard]] SteadyTime time() const { return time_; }
 
 private:
-  SteadyTime looked_;
+  SteadyTime polled_at_;
   SteadyTime time_;
 };
 

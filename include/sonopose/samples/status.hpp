@@ -56,7 +56,8 @@ enum class LineState : std::uint32_t {
 
 inline namespace native {
 
-/// One serial line or socket of one bridge, known before any beacon address. Counters start with the bridge.
+/// One line of one bridge, which is its connection to beacons: a serial device or UDP socket, known before
+/// any beacon address. Counters start with the bridge.
 struct LineStatus {
   std::string name;             ///< such as "/dev/ttyACM0"; DDS cuts it at 128 bytes
   std::uint64_t bridge_id = 0;  ///< random id of the process: two bridges may use the same name

@@ -22,7 +22,7 @@ namespace sonopose::bus_log {
 recording::SensorLog read_sensor_log(const std::filesystem::path& log,
                                      std::optional<BeaconAddress> address = {});
 
-/// The same for several MCAP files, or folders of them, which are one recording.
+/// Reads several MCAP files, or folders of them, as one recording.
 recording::SensorLog read_sensor_log(const std::vector<std::filesystem::path>& paths,
                                      std::optional<BeaconAddress> address = {});
 

@@ -42,7 +42,7 @@ public:
   /// The settings of one beacon's estimator.
   [[nodiscard]] settings::Settings for_beacon(BeaconAddress address) const;
 
-  /// The same, including which keys are the beacon's own. For all_beacons: the common settings.
+  /// The settings of one beacon, with the keys that are its own. For all_beacons: the common settings.
   [[nodiscard]] BeaconSettings beacon(BeaconAddress address) const;
 
   /// The beacons with settings of their own.
@@ -81,9 +81,9 @@ private:
 /// The table of all settings as a page of the docs.
 std::string settings_page();
 
-/// The same as lines for a program's help: key, default, what is allowed, and the document's item if there is
-/// one. `group` selects a group with its subgroups ("heading", "documented.attitude") or a single key;
-/// without it, all. Empty if the name is unknown.
+/// The settings as lines for a program's help: key, default, what is allowed, and the document's item if
+/// there is one. `group` selects a group with its subgroups ("heading", "documented.attitude") or a single
+/// key; without it, all. Empty if the name is unknown.
 std::string settings_help(const std::string& group = {});
 
 /// The names of all groups, such as "heading" and "documented.attitude.mahony".

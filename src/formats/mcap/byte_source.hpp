@@ -12,6 +12,7 @@
 
 namespace sonopose::mcap {
 
+/// The bytes of one recording, for reading in any order.
 class ByteSource {
 public:
   virtual ~ByteSource() = default;
@@ -23,6 +24,7 @@ public:
   virtual void read(std::uint64_t offset, std::span<std::byte> to) const = 0;
 };
 
+/// A file as a ByteSource.
 class FileSource final : public ByteSource {
 public:
   /// Throws files::IoError if the file cannot be opened.

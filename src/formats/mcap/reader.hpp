@@ -44,7 +44,7 @@ public:
 
   /// Reads all metadata records, in file order. Throws FormatError.
   [[nodiscard]] std::vector<Metadata> metadata() const;
-  /// The same, but leaves out damaged records and describes them in `damages`.
+  /// Reads the sound metadata records, and describes damaged ones in `damages`.
   [[nodiscard]] std::vector<Metadata> metadata(std::vector<std::string>& damages) const;
 
   /// Reads the content of an attachment record. Throws FormatError, also if its checksum does not match.

@@ -67,7 +67,7 @@ public:
   [[nodiscard]] Prefix prefix(std::uint64_t offset, std::uint64_t end) const;
   /// Reads the content of the record at `offset`, which must be of that kind.
   [[nodiscard]] Bytes content(std::uint64_t offset, Opcode opcode) const;
-  /// The same for a record of known length; another length is refused.
+  /// Reads the content of a record of known length; another length is refused.
   [[nodiscard]] Bytes content(const Extent& record, Opcode opcode) const;
 
   /// Reads, decompresses and checks a block. Throws FormatError. A cut block has the messages before the cut.

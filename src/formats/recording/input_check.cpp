@@ -151,13 +151,13 @@ std::optional<std::string> InputCheck::shift(const char* what, const Stamps& sta
   const auto [first, last] = std::ranges::minmax(stamps);
   const double begin_s = seconds_between(first_other, first);
   const double end_s = seconds_between(last_other, last);
-  const double least_s = std::min(std::abs(begin_s), std::abs(end_s));
-  if (begin_s * end_s <= 0.0 || least_s < other.min_s || std::abs(begin_s - end_s) > other.max_difference_s)
+  const double min_s = std::min(std::abs(begin_s), std::abs(end_s));
+  if (begin_s * end_s <= 0.0 || min_s < other.min_s || std::abs(begin_s - end_s) > other.max_difference_s)
     return std::nullopt;
   return fmt::format("the {} begin {} and end {} {} the {}: are their stamps of one clock?{}", what,
                      seconds_text(std::abs(begin_s)), seconds_text(std::abs(end_s)),
                      begin_s > 0 ? "after" : "before", other.what,
-                     std::abs(least_s - leap_seconds_s) < 1.0 ? " GPS time is 18 s ahead of UTC." : "");
+                     std::abs(min_s - leap_seconds_s) < 1.0 ? " GPS time is 18 s ahead of UTC." : "");
 }
 
 /// Suspects times of reception that do not belong to those of emission.

@@ -221,9 +221,9 @@ SensorLog merged(const std::string& name, ImuSamples imu_samples, const OpenImu&
       twists.begin_next();
       continue;
     }
-    const TimeNs least_ns = std::min({next_ns(imu), next_ns(fixes), next_ns(headings), next_ns(twists)});
+    const TimeNs next_event_ns = std::min({next_ns(imu), next_ns(fixes), next_ns(headings), next_ns(twists)});
     const auto is_next = [&](const auto& samples) {
-      return samples.current() != nullptr && next_ns(samples) == least_ns;
+      return samples.current() != nullptr && next_ns(samples) == next_event_ns;
     };
     if (is_next(imu)) {
       append(imu);

@@ -24,7 +24,7 @@ public:
 
   /// Gives the part its final name. Throws files::IoError.
   void commit() const;
-  /// The same for the only subfolder of the part, which replaces it.
+  /// Gives the final name to the only subfolder of the part, which replaces it. Throws files::IoError.
   void commit(const std::filesystem::path& subfolder) const;
 
 private:

@@ -109,12 +109,12 @@ std::optional<std::string> of_orientations(const std::vector<TruthSample>& truth
   constexpr TimeNs step_ns = 100'000'000;
   constexpr int max_steps = 30;
   if (turn_error(truth, window, 0).value_or(0.0) <= max_error) return std::nullopt;
-  double least_error = same_error;
+  double min_error = same_error;
   TimeNs shift_ns = 0;
   for (int step = -max_steps; step <= max_steps; ++step) {
     const auto error = turn_error(truth, window, step * step_ns);
-    if (!error || *error >= least_error) continue;
-    least_error = *error;
+    if (!error || *error >= min_error) continue;
+    min_error = *error;
     shift_ns = step * step_ns;
   }
   if (shift_ns != 0) {

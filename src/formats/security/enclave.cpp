@@ -37,10 +37,10 @@ bool is_present(const fs::path& path) {
   return fs::exists(fs::symlink_status(path, error));
 }
 
-/// The files of one enclave, with the errors that name them, and the command that mends them.
-class Files {
+/// The files of one enclave, with the errors that name them, and the command that repairs them.
+class EnclaveFiles {
 public:
-  explicit Files(const fs::path& folder) : folder_(folder) {
+  explicit EnclaveFiles(const fs::path& folder) : folder_(folder) {
     std::error_code error;
     if (fs::is_directory(folder, error)) return;
     throw SecurityError(
@@ -116,7 +116,7 @@ private:
 
 /// Returns the first date after which a file of an enclave is invalid, whether or not that has passed.
 std::int64_t expiry_of(const fs::path& folder) {
-  const Files files(folder);
+  const EnclaveFiles files(folder);
   const std::string signer = files.read(permissions_ca_file);
   const std::string permissions = files.path(permissions_file);
   std::int64_t first_s =
@@ -153,8 +153,8 @@ std::string command_for(const fs::path& folder, const std::string& verb) {
 namespace {
 
 /// Throws SecurityError if the certificate is on the list of the store, or the list is missing.
-void check_revocation(const Files& files, const std::string& identity_ca, const CertificateFacts& authority,
-                      const CertificateFacts& own) {
+void check_revocation(const EnclaveFiles& files, const std::string& identity_ca,
+                      const CertificateFacts& authority, const CertificateFacts& own) {
   const bool needs_list = has_own_list(authority);
   if (!needs_list && !is_present(files.path(revocation_file))) return;
   const auto revoked = files.parsed(revocation_file, files.read(revocation_file),
@@ -166,7 +166,7 @@ void check_revocation(const Files& files, const std::string& identity_ca, const 
 }
 
 /// Returns the rights in a signed document.
-Grant signed_grant(const Files& files, const std::string& permissions_ca) {
+Grant signed_grant(const EnclaveFiles& files, const std::string& permissions_ca) {
   const std::string text = files.parsed(permissions_file, files.read(permissions_file),
                                         [&](const std::string& document, const std::string& path) {
                                           return verified_document(document, permissions_ca, path);
@@ -182,7 +182,7 @@ Grant signed_grant(const Files& files, const std::string& permissions_ca) {
 }  // namespace
 
 Enclave read_enclave(const fs::path& folder, std::int64_t now_s) {
-  const Files files(folder);
+  const EnclaveFiles files(folder);
   const std::string identity_ca = files.read(identity_ca_file);
   const std::string permissions_ca = files.read(permissions_ca_file);
   const std::string certificate = files.read(certificate_file);

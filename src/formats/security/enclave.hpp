@@ -43,7 +43,7 @@ struct Enclave {
 /// Days before the expiry from which on programs warn.
 inline constexpr std::int64_t warning_days = 30;
 
-/// Reads and checks the files of an enclave. Throws SecurityError with the file and the verb that mends it:
+/// Reads and checks the files of an enclave. Throws SecurityError with the file and the verb that repairs it:
 /// a file is missing or unreadable, the key is readable by others, a certificate or the permissions are not
 /// valid now, or files do not belong together. Only a store of SROS2 may lack crl.pem.
 Enclave read_enclave(const std::filesystem::path& folder, std::int64_t now_s);

@@ -13,6 +13,7 @@
 
 namespace sonopose::bridge {
 
+/// A file of raw bytes, written on a thread of its own.
 class Capture {
 public:
   /// Throws files::IoError if the file cannot be opened. Later errors end the capture and are logged.

@@ -8,6 +8,7 @@
 
 namespace sonopose::bridge {
 
+/// Waits until recorded times are due.
 class Pacer {
 public:
   /// `rate`: 1 is real time, 10 is ten times as fast, 0 is as fast as possible. Throws std::invalid_argument

@@ -74,27 +74,27 @@ private:
 
   /// Detects that the least delay of each second stays the same for three seconds, with most others near it:
   /// a network delays a few samples, a busy process most of them.
-  class ConstantLeast {
+  class ConstantMinimum {
   public:
     bool add(TimeNs delay_ns, SteadyTime now) {
       constexpr TimeNs second_ns = 1'000'000'000;
       if (!began_ || now - *began_ >= second_ns) {
-        const TimeNs change_ns = saturated_difference(least_ns_, before_ns_);
+        const TimeNs change_ns = saturated_difference(min_ns_, before_ns_);
         const bool is_equal = change_ns <= tolerance_ns / 2 && change_ns >= -tolerance_ns / 2;
         const bool are_near = 4 * near_ >= 3 * count_;
         equal_seconds_ = began_ && is_equal && are_near ? equal_seconds_ + 1 : 0;
-        before_ns_ = std::exchange(least_ns_, delay_ns);
+        before_ns_ = std::exchange(min_ns_, delay_ns);
         count_ = near_ = 0;
         began_ = now;
       }
-      least_ns_ = std::min(least_ns_, delay_ns);
+      min_ns_ = std::min(min_ns_, delay_ns);
       ++count_;
       if (saturated_difference(delay_ns, before_ns_) <= tolerance_ns / 2) ++near_;
       return equal_seconds_ >= 2;
     }
 
   private:
-    TimeNs least_ns_ = std::numeric_limits<TimeNs>::max();   ///< of the present second
+    TimeNs min_ns_ = std::numeric_limits<TimeNs>::max();     ///< of the present second
     TimeNs before_ns_ = std::numeric_limits<TimeNs>::min();  ///< of the one before
     int count_ = 0;                                          ///< delays of the present second
     int near_ = 0;  ///< those near the least one of the second before
@@ -121,7 +121,7 @@ private:
       const TimeNs excess_ns = saturated_difference(time_ns, usual_ns_);
       if (excess_ns < max_drift_ns) usual_ns_ += std::min(excess_ns, elapsed_ns / per_drift);
       are_clocks_asked_ = are_clocks_asked_ && by_clocks_ns > max_drift_ns && by_clocks_ns < max_backlog_ns &&
-                          !least_.add(time_ns, now);
+                          !minimum_.add(time_ns, now);
       return {excess_ns, are_clocks_asked_ ? std::max(excess_ns, by_clocks_ns) : excess_ns};
     }
 
@@ -130,7 +130,7 @@ private:
     bool are_clocks_asked_ = true;  ///< until they show a small time or disagree
     SteadyTime latest_;
     Constancy constancy_;
-    ConstantLeast least_;
+    ConstantMinimum minimum_;
   };
 
   /// Time from the stamp to the departure from the bridge.
@@ -151,21 +151,21 @@ private:
       const bool is_never_small = stamps_ == Stamps::unknown && now - *began_ > unknown_for_ns;
       if (age_ns >= -tolerance_ns && age_ns <= tolerance_ns) {
         stamps_ = Stamps::of_the_host;
-        least_ns_ = 0;
+        min_ns_ = 0;
       } else if (age_ns < 0 || age_ns > max_backlog_ns || is_constant || is_never_small) {
         stamps_ = Stamps::of_another_clock;
-        least_ns_ = age_ns;
+        min_ns_ = age_ns;
       } else if (stamps_ == Stamps::of_another_clock) {
-        least_ns_ = std::min(least_ns_, age_ns);
+        min_ns_ = std::min(min_ns_, age_ns);
       }
-      return std::max<TimeNs>(saturated_difference(age_ns, least_ns_), 0);
+      return std::max<TimeNs>(saturated_difference(age_ns, min_ns_), 0);
     }
 
   private:
     enum class Stamps { unknown, of_the_host, of_another_clock };
 
     Stamps stamps_ = Stamps::unknown;
-    TimeNs least_ns_ = 0;  ///< 0 unless of another clock
+    TimeNs min_ns_ = 0;  ///< 0 unless of another clock
     std::optional<SteadyTime> began_;
     Constancy constancy_;
   };

@@ -16,6 +16,7 @@ enum class Output : std::uint8_t {
   screen  ///< full-screen, with keys; requires a terminal (terminal::is_screen)
 };
 
+/// The output of the monitor in one of its forms.
 class Display {
 public:
   Display() = default;

@@ -80,9 +80,9 @@ std::uint64_t monitor(const MonitorOptions& options, process::StopSignal& stop) 
     }
     bus.poll();
     if (clocks::steady_now() < next) continue;
-    observation::bus::BusSnapshot second = bus.take_snapshot();
-    gone.add(std::move(second.gone));
-    display->show(std::move(second.beacons), std::move(second.warnings));
+    observation::bus::BusSnapshot snapshot = bus.take_snapshot();
+    gone.add(std::move(snapshot.gone));
+    display->show(std::move(snapshot.beacons), std::move(snapshot.warnings));
     next = after(next, period_ns);
   }
   stop.wait_until(std::min(end, next));

@@ -15,7 +15,7 @@ namespace sonopose::monitor {
 namespace {
 
 using terminal::Key;
-using terminal::Line;
+using terminal::Row;
 using terminal::Style;
 
 constexpr std::string_view table_keys =
@@ -138,10 +138,10 @@ std::size_t Screen::body_rows() const {
   return size_.rows > table_begin + footer_rows ? size_.rows - table_begin - footer_rows : 0;
 }
 
-std::vector<Line> Screen::lines(terminal::Size size) {
+std::vector<Row> Screen::lines(terminal::Size size) {
   size_ = size;
-  const std::vector<Line> body = page_ ? page_lines() : table_lines();
-  std::vector<Line> lines{{{fitted(title(), size.columns), Style::bold}}};
+  const std::vector<Row> body = page_ ? page_lines() : table_lines();
+  std::vector<Row> lines{{{fitted(title(), size.columns), Style::bold}}};
   lines.insert(lines.end(), body.begin(), body.end());
   lines.resize(std::max(size.rows, footer_rows) - footer_rows);
   lines.push_back(hint_line());
@@ -170,13 +170,13 @@ std::string Screen::title() const {
   return text;
 }
 
-std::vector<Line> Screen::table_lines() {
-  std::vector<Line> lines{table_heading(size_.columns)};
+std::vector<Row> Screen::table_lines() {
+  std::vector<Row> lines{table_heading(size_.columns)};
   const std::size_t rows = body_rows();
   if (views_.empty()) {
     lines.push_back({{fitted("no beacon yet; sonopose-doctor says why", size_.columns), Style::dim}});
     // Without a beacon there is no page for them.
-    for (Line& line : wrapped(warnings_, size_.columns)) lines.push_back(std::move(line));
+    for (Row& line : wrapped(warnings_, size_.columns)) lines.push_back(std::move(line));
     lines.resize(std::min(lines.size(), rows + 1));
     return lines;
   }
@@ -190,12 +190,12 @@ std::vector<Line> Screen::table_lines() {
   return lines;
 }
 
-std::vector<Line> Screen::page_lines() {
+std::vector<Row> Screen::page_lines() {
   const auto found = std::find_if(views_.begin(), views_.end(), [this](const observation::BeaconView& view) {
     return view.address == *page_;
   });
   if (found == views_.end()) return {{{fitted("the beacon is gone", size_.columns), Style::dim}}};
-  std::vector<Line> lines = page_of(*found, warnings_, size_.columns);
+  std::vector<Row> lines = page_of(*found, warnings_, size_.columns);
   const std::size_t rows = body_rows() + 1;  // a page has no heading
   page_row_ = std::min(page_row_, lines.size() > rows ? lines.size() - rows : 0);
   lines.erase(lines.begin(), lines.begin() + static_cast<std::ptrdiff_t>(page_row_));
@@ -203,7 +203,7 @@ std::vector<Line> Screen::page_lines() {
   return lines;
 }
 
-Line Screen::hint_line() const {
+Row Screen::hint_line() const {
   if (shows_keys_) return {{fitted(page_ ? page_keys : table_keys, size_.columns), Style::dim}};
   if (warnings_.empty()) return {{fitted("? keys   q quit", size_.columns), Style::dim}};
   const std::string first = "warning: " + warnings_.front();

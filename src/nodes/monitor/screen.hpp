@@ -30,7 +30,7 @@ public:
   Command on_key(terminal::Key key);
 
   /// Lines of the screen: at most one per row, each at most as long as there are columns.
-  std::vector<terminal::Line> lines(terminal::Size size);
+  std::vector<terminal::Row> lines(terminal::Size size);
 
 private:
   static constexpr std::size_t table_begin = 2;  ///< rows above the table
@@ -44,9 +44,9 @@ private:
   [[nodiscard]] std::size_t selected_index() const;
   [[nodiscard]] std::size_t body_rows() const;
   [[nodiscard]] std::string title() const;
-  std::vector<terminal::Line> table_lines();
-  std::vector<terminal::Line> page_lines();
-  [[nodiscard]] terminal::Line hint_line() const;
+  std::vector<terminal::Row> table_lines();
+  std::vector<terminal::Row> page_lines();
+  [[nodiscard]] terminal::Row hint_line() const;
 
   std::vector<observation::BeaconView> views_;  ///< by row
   std::vector<std::string> warnings_;

@@ -23,7 +23,7 @@ namespace sonopose::monitor {
 namespace {
 
 using observation::BeaconView;
-using terminal::Line;
+using terminal::Row;
 using terminal::Style;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -83,7 +83,7 @@ public:
     for (const std::string& warning : warnings) add_wrapped("  " + warning + "\n", Style::warning);
   }
 
-  std::vector<Line> take() { return std::move(lines_); }
+  std::vector<Row> take() { return std::move(lines_); }
 
 private:
   void wrap(std::string_view text, Style style) {
@@ -101,7 +101,7 @@ private:
   }
 
   std::size_t columns_;
-  std::vector<Line> lines_;
+  std::vector<Row> lines_;
 };
 
 void add_pose(Page& page, const BeaconView& view) {
@@ -184,8 +184,8 @@ void add_fusions(Page& page, const BeaconView& view) {
 
 }  // namespace
 
-std::vector<Line> page_of(const BeaconView& view, const std::vector<std::string>& warnings,
-                          std::size_t columns) {
+std::vector<Row> page_of(const BeaconView& view, const std::vector<std::string>& warnings,
+                         std::size_t columns) {
   Page page(columns);
   const int severity = severity_of(view);
   const Style style = severity >= bad_severity ? Style::bad : severity > 0 ? Style::warning : Style::good;
@@ -207,7 +207,7 @@ std::vector<Line> page_of(const BeaconView& view, const std::vector<std::string>
   return page.take();
 }
 
-std::vector<Line> wrapped(const std::vector<std::string>& warnings, std::size_t columns) {
+std::vector<Row> wrapped(const std::vector<std::string>& warnings, std::size_t columns) {
   Page page(columns);
   page.add_warnings(warnings);
   return page.take();

@@ -12,10 +12,10 @@
 namespace sonopose::monitor {
 
 /// All lines of the page, of at most this many columns. Longer problems and warnings are wrapped.
-std::vector<terminal::Line> page_of(const observation::BeaconView& view,
-                                    const std::vector<std::string>& warnings, std::size_t columns);
+std::vector<terminal::Row> page_of(const observation::BeaconView& view,
+                                   const std::vector<std::string>& warnings, std::size_t columns);
 
 /// Warnings as lines of at most this many columns.
-std::vector<terminal::Line> wrapped(const std::vector<std::string>& warnings, std::size_t columns);
+std::vector<terminal::Row> wrapped(const std::vector<std::string>& warnings, std::size_t columns);
 
 }  // namespace sonopose::monitor

@@ -129,7 +129,7 @@ std::string fitted(std::string_view text, std::size_t columns) {
   return result;
 }
 
-terminal::Line table_heading(std::size_t columns) {
+terminal::Row table_heading(std::size_t columns) {
   const Choice choice = choose(columns);
   std::string text;
   for (std::size_t i = 0; i < columns_by_position.size(); ++i) {
@@ -140,7 +140,7 @@ terminal::Line table_heading(std::size_t columns) {
   return {{padded(std::move(text), columns), Style::heading}};
 }
 
-terminal::Line table_row(const BeaconView& view, std::size_t columns, bool selected) {
+terminal::Row table_row(const BeaconView& view, std::size_t columns, bool selected) {
   const Choice choice = choose(columns);
   std::string values;
   for (std::size_t i = 0; i < columns_by_position.size(); ++i) {

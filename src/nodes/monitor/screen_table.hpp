@@ -18,9 +18,9 @@ using text::columns_of;
 std::string fitted(std::string_view text, std::size_t columns);
 
 /// Titles of the columns that fit. The status is last and gets the remaining width.
-terminal::Line table_heading(std::size_t columns);
+terminal::Row table_heading(std::size_t columns);
 
 /// Row of one beacon under a table_heading of the same width.
-terminal::Line table_row(const observation::BeaconView& view, std::size_t columns, bool selected);
+terminal::Row table_row(const observation::BeaconView& view, std::size_t columns, bool selected);
 
 }  // namespace sonopose::monitor

@@ -19,6 +19,7 @@ namespace sonopose::player {
 /// none.
 std::string obstacle_to(const mcap::Channel& channel, const mcap::Schema* schema);
 
+/// Writers of the topics of a recording, which publish its messages as they are, but for their times.
 class Republisher {
 public:
   /// Creates one writer for each native topic among the names. Throws dds::core::Exception.
@@ -38,7 +39,7 @@ public:
 
   struct Readers {
     std::size_t all = 0;  ///< total of all writers
-    std::size_t min = 0;  ///< least number of one writer
+    std::size_t min = 0;  ///< smallest number of one writer
   };
   [[nodiscard]] Readers readers();
   /// Waits until the readers have received everything, for at most ten seconds per topic, or until the stop.

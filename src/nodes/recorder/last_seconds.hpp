@@ -13,6 +13,7 @@
 
 namespace sonopose::recorder {
 
+/// Chunks of the last seconds, bounded by time and memory.
 class LastSeconds {
 public:
   struct Kept {

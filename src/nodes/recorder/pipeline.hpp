@@ -22,6 +22,7 @@
 
 namespace sonopose::recorder {
 
+/// Queues the samples of the recorded topics, and writes them to files on its own thread.
 class Pipeline {
 public:
   struct Settings {

@@ -73,6 +73,7 @@ struct RecorderReport {
 /// The topics that the options select. Throws std::invalid_argument for an unknown one, and if none is left.
 std::vector<const dds::topics::SerializedTopic*> selected_topics(const RecorderOptions& options);
 
+/// Records the selected topics from its construction on.
 class Recorder {
 public:
   /// Starts recording; leaves no file if it throws. Throws dds::core::Exception, dds::qos::FileError,

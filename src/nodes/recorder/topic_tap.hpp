@@ -50,6 +50,7 @@ struct TapTarget {
   std::uint16_t ends_channel_id;  ///< 0: ends are not recorded
 };
 
+/// Puts the samples of one topic into the queue, without decoding them.
 class TopicTap final : public dds::sub::NoOpDataReaderListener<dds::Serialized> {
 public:
   /// The references in `target` must outlive it.

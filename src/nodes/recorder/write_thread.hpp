@@ -20,6 +20,7 @@
 
 namespace sonopose::recorder {
 
+/// Takes the messages of the queue and writes them, or the last seconds of them at a trigger.
 class WriteThread {
 public:
   /// Its collaborators; the references must outlive it.

@@ -13,6 +13,7 @@
 
 namespace sonopose::web {
 
+/// The constant answers of the server, read once.
 class SiteFiles {
 public:
   /// Throws files::IoError if the plotting library is not installed.

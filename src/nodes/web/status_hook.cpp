@@ -70,14 +70,14 @@ pid_t start_shell(const std::string& command, std::vector<std::string> environme
 
 StatusHook::StatusHook(std::string command) : command_(std::move(command)) {}
 
-void StatusHook::update(const observation::bus::BusSnapshot& second, SteadyTime now) {
+void StatusHook::update(const observation::bus::BusSnapshot& snapshot, SteadyTime now) {
   if (command_.empty()) return;
   reap(now);
-  for (const observation::BeaconView& view : second.beacons) {
+  for (const observation::BeaconView& view : snapshot.beacons) {
     Beacon& beacon = beacons_[view.address];
     beacon.words = observation::stream_words(view);
   }
-  for (const observation::BeaconView& view : second.gone) beacons_[view.address].words = "gone";
+  for (const observation::BeaconView& view : snapshot.gone) beacons_[view.address].words = "gone";
   if (running_.process != 0) return;
   const auto is_due = [now](const auto& entry) {
     return entry.second.words != entry.second.reported && now >= entry.second.due;

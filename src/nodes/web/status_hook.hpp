@@ -24,7 +24,7 @@ public:
   ~StatusHook() = default;
 
   /// Call it once a second. Logs a command that fails or runs for more than a minute.
-  void update(const observation::bus::BusSnapshot& second, SteadyTime now);
+  void update(const observation::bus::BusSnapshot& snapshot, SteadyTime now);
 
 private:
   struct Beacon {

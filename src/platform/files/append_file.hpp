@@ -10,6 +10,7 @@
 
 namespace sonopose::files {
 
+/// A file that grows at its end only. Bytes are in the operating system when `append` returns.
 class AppendFile {
 public:
   enum class Existing { refuse, extend, replace };

@@ -12,6 +12,7 @@
 
 namespace sonopose::files {
 
+/// A regular file, open for reading in any order.
 class RandomAccessFile {
 public:
   /// Throws IoError if the file cannot be opened or is not a regular file.

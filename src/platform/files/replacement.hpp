@@ -35,7 +35,7 @@ private:
 /// cannot be written.
 void write_whole(const std::filesystem::path& file, std::string_view text);
 
-/// The same for a file that only its owner can read and write, from its creation on.
+/// Writes a text like write_whole to a file that only its owner can read and write, from its creation on.
 void write_private(const std::filesystem::path& file, std::string_view text);
 
 }  // namespace sonopose::files

@@ -65,9 +65,10 @@ public:
 
   /// Sleeps until `deadline` or the stop. Returns true if the stop came.
   bool wait_until(SteadyTime deadline) const;
-  /// The same, but also returns, once, after `wakeup`. One thread per wakeup.
+  /// Sleeps until `deadline`, the stop or, once, `wakeup`. Returns true if the stop came. One thread per
+  /// wakeup.
   bool wait_until(SteadyTime deadline, Wakeup& wakeup) const;
-  /// The same with an alarm.
+  /// Sleeps until `deadline`, the stop or the alarm. Returns true if the stop came.
   bool wait_until(SteadyTime deadline, Alarm& alarm) const;
 
 private:

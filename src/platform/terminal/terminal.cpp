@@ -138,10 +138,10 @@ public:
     ::delscreen(screen_);
   }
 
-  void draw(const std::vector<Line>& lines) {
+  void draw(const std::vector<Row>& rows) {
     ::werase(stdscr);
-    for (std::size_t row = 0; row < lines.size() && static_cast<int>(row) < ::getmaxy(stdscr); ++row) {
-      draw(static_cast<int>(row), lines[row]);
+    for (std::size_t row = 0; row < rows.size() && static_cast<int>(row) < ::getmaxy(stdscr); ++row) {
+      draw(static_cast<int>(row), rows[row]);
     }
     ::wrefresh(stdscr);
   }
@@ -174,7 +174,7 @@ private:
     return A_NORMAL;
   }
 
-  void draw(int row, const Line& line) {
+  void draw(int row, const Row& line) {
     int columns_left = ::getmaxx(stdscr);
     ::wmove(stdscr, row, 0);
     for (const Span& span : line) {
@@ -215,8 +215,8 @@ Size Terminal::size() const {
   return {static_cast<std::size_t>(::getmaxx(stdscr)), static_cast<std::size_t>(::getmaxy(stdscr))};
 }
 
-void Terminal::draw(const std::vector<Line>& lines) {
-  curses_->draw(lines);
+void Terminal::draw(const std::vector<Row>& rows) {
+  curses_->draw(rows);
 }
 
 }  // namespace sonopose::terminal

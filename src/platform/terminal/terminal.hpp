@@ -42,7 +42,7 @@ public:
   [[nodiscard]] Size size() const;
 
   /// Shows these lines from the top, and cuts the rest.
-  void draw(const std::vector<Line>& lines);
+  void draw(const std::vector<Row>& rows);
 
   /// Returns the lines that were written to standard error since the last call.
   std::vector<std::string> messages() { return errors_->take(); }

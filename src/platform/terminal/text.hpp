@@ -11,14 +11,14 @@ namespace sonopose::terminal {
 /// The style of a text. Colours appear only if the terminal has them and the user wants them.
 enum class Style : std::uint8_t { plain, bold, dim, heading, selected, good, warning, bad };
 
-/// A part of a line, UTF-8.
+/// A part of a row, UTF-8.
 struct Span {
   std::string text;
   Style style = Style::plain;
 };
 
-/// The parts of a line from left to right.
-using Line = std::vector<Span>;
+/// The parts of a row of the screen, from left to right.
+using Row = std::vector<Span>;
 
 struct Size {
   std::size_t columns = 80;

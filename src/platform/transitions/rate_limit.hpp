@@ -13,10 +13,10 @@ namespace sonopose::transitions {
 class RateLimit {
 public:
   /// Two beginnings and two ends: a state that changes more often is flapping.
-  static constexpr std::uint64_t default_most_lines = 4;
+  static constexpr std::uint64_t default_max_lines = 4;
   static constexpr TimeNs window_ns = 60'000'000'000;
 
-  explicit RateLimit(std::uint64_t max_lines = default_most_lines) noexcept : max_lines_(max_lines) {}
+  explicit RateLimit(std::uint64_t max_lines = default_max_lines) noexcept : max_lines_(max_lines) {}
 
   /// Returns true if a line may be logged at `now`; otherwise counts it as suppressed.
   bool admits(SteadyTime now) noexcept {

@@ -130,7 +130,7 @@ SCENARIO("Permissions read back as they were written") {
   CHECK(protection_in(governance_xml(Protection::encrypt), "governance.xml") == "encrypt");
 }
 
-SCENARIO("An unusable enclave is refused with the file and the verb that mends it") {
+SCENARIO("An unusable enclave is refused with the file and the verb that repairs it") {
   const Store store;
   store.add("fusion", {"fusion"});
   store.add("consumer", {"consumer"});
@@ -145,7 +145,7 @@ SCENARIO("An unusable enclave is refused with the file and the verb that mends i
                                       "identity_ca.cert.pem", "permissions_ca.cert.pem");
     fs::remove(enclave / file);
     refusal(file, "sonopose-security renew " + store.keys.folder().string() + " fusion");
-    THEN("that verb mends it") {
+    THEN("that verb repairs it") {
       store.keys.renew("fusion", year);
       CHECK(store.problems().empty());
     }
@@ -157,7 +157,7 @@ SCENARIO("An unusable enclave is refused with the file and the verb that mends i
     write_text(file == "crl.pem" ? shared : enclave / file, garbage);
     refusal(file, "sonopose-security renew ");
     CHECK_THROWS_WITH(store.read("fusion"), !Contains("error:"));
-    THEN("that verb mends it") {
+    THEN("that verb repairs it") {
       store.keys.renew("fusion", year);
       CHECK_NOTHROW(store.read("fusion"));
       CHECK(store.problems().empty());
@@ -300,7 +300,7 @@ SCENARIO("A renewed enclave changes no other one") {
   CHECK(store.problems().empty());
 }
 
-SCENARIO("A link of an enclave to a wrong place is mended as the refusal says") {
+SCENARIO("A link of an enclave to a wrong place is repaired as the refusal says") {
   const Store store;
   store.add("fusion", {"fusion"});
   const std::string file = GENERATE("governance.p7s", "identity_ca.cert.pem", "permissions_ca.cert.pem");

@@ -17,7 +17,7 @@ using namespace sonopose::monitor;
 using Catch::Contains;
 using observation::BeaconView;
 using terminal::Key;
-using terminal::Line;
+using terminal::Row;
 using terminal::Size;
 
 constexpr TimeNs now_ns = 1'700'000'000'123'456'789;
@@ -65,21 +65,21 @@ std::vector<BeaconView> good_views(BeaconAddress count) {
   return views;
 }
 
-std::string text_of(const Line& line) {
+std::string text_of(const Row& line) {
   std::string text;
   for (const terminal::Span& span : line) text += span.text;
   return text;
 }
 
-std::vector<std::string> texts_of(const std::vector<Line>& lines) {
+std::vector<std::string> texts_of(const std::vector<Row>& lines) {
   std::vector<std::string> texts;
-  for (const Line& line : lines) texts.push_back(text_of(line));
+  for (const Row& line : lines) texts.push_back(text_of(line));
   return texts;
 }
 
-std::string joined(const std::vector<Line>& lines) {
+std::string joined(const std::vector<Row>& lines) {
   std::string text;
-  for (const Line& line : lines) text += text_of(line) + "\n";
+  for (const Row& line : lines) text += text_of(line) + "\n";
   return text;
 }
 
@@ -221,11 +221,11 @@ SCENARIO("a long warning is wrapped on the page of a beacon") {
   GIVEN("a warning of 200 letters") {
     std::string warning;
     for (int i = 0; i < 40; ++i) warning += fmt::format("w{:03} ", i);
-    const std::vector<Line> lines = page_of(silent_view(21), {warning}, 60);
+    const std::vector<Row> lines = page_of(silent_view(21), {warning}, 60);
     THEN("all of it is there, and no line is too long") {
       const std::string page = joined(lines);
       for (int i = 0; i < 40; ++i) CHECK_THAT(page, Contains(fmt::format("w{:03}", i)));
-      for (const Line& line : lines) CHECK(columns_of(text_of(line)) <= 60);
+      for (const Row& line : lines) CHECK(columns_of(text_of(line)) <= 60);
     }
   }
 }

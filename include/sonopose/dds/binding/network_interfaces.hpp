@@ -46,7 +46,7 @@ struct NetworkChoice {
 /// interfaces are named. Throws std::invalid_argument if the options and CYCLONEDDS_URI list interfaces.
 NetworkChoice choose_network(const DomainOptions& options, const UserNetwork& user,
                              const std::vector<NetworkInterface>& available);
-/// The same for this machine, and the CYCLONEDDS_URI of this process.
+/// Chooses among the interfaces of this machine, with the CYCLONEDDS_URI of this process.
 NetworkChoice choose_network(const DomainOptions& options);
 
 /// The configuration of a domain on the chosen network; see domain.hpp.

@@ -32,7 +32,7 @@ struct ForbiddenError : core::IllegalOperationError {
   using IllegalOperationError::IllegalOperationError;
 };
 
-/// The same type under another name on the wire, without the type information, which contains the old name.
+/// Returns a type under another name on the wire, without the type information, which has the old name.
 inline dds_topic_descriptor_t renamed(const dds_topic_descriptor_t& descriptor, const char* type_name) {
   return {.m_size = descriptor.m_size,
           .m_align = descriptor.m_align,
@@ -63,7 +63,8 @@ inline dds_entity_t handle(const core::Reference& entity) {
   return core::detail::Access::handle(entity);
 }
 
-/// The same without exceptions; negative for an entity that is closed, or ends meanwhile, and for null.
+/// The handle in C, without exceptions; negative for an entity that is closed or ends meanwhile, and for
+/// null.
 inline dds_entity_t try_handle(const core::Reference& entity) noexcept {
   return core::detail::Access::try_handle(entity);
 }
@@ -80,7 +81,7 @@ domain::DomainParticipant participant(const DomainOptions& options = {}, const Q
 /// Makes the publisher of a writer with this QoS. Its partition is that of the options, otherwise that of the
 /// writer's profile.
 pub::Publisher publisher_of(const domain::DomainParticipant& participant, const Qos& writer_qos);
-/// The same for a reader.
+/// Makes the subscriber of a reader with this QoS, with a partition as for publisher_of.
 sub::Subscriber subscriber_of(const domain::DomainParticipant& participant, const Qos& reader_qos);
 
 /// Longest duration; waits for ever.

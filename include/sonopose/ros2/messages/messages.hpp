@@ -20,8 +20,8 @@ Header header_of(TimeNs stamp_ns, const std::string& frame_id);
 /// (REP-145).
 Imu raw_imu(const ImuSample& sample, TimeNs stamp_ns, const FrameNames& frames, const Noise& noise);
 
-/// The same sample with the fused orientation body → map, and without the gyro bias. `pose` is the pose at
-/// this sample.
+/// The sample with the fused orientation body → map, and without the gyro bias. `pose` is the pose at this
+/// sample.
 Imu fused_imu(const ImuSample& sample, const FusedPose& pose, TimeNs stamp_ns, const FrameNames& frames,
               const Noise& noise);
 

@@ -36,7 +36,7 @@ public:
 
   /// Reads the processes other than the own participant. Call it after every change, and later while
   /// `is_undecided`. Throws dds::core::Exception.
-  Graph look(SteadyTime now);
+  Graph observe(SteadyTime now);
 
 private:
   /// Evidence in the endpoints of a process, including those that it has removed: one that ends removes them

@@ -42,7 +42,7 @@ public:
   /// Makes one pass over each log.
   [[nodiscard]] std::vector<Pass> passes(const Eigen::VectorXd& unknowns) const;
 
-  /// The same after a change of one unknown, where a start yaw changes only the pass of its log.
+  /// Makes the passes again after a change of one unknown; a start yaw changes only the pass of its log.
   [[nodiscard]] std::vector<Pass> passes_after_change(const std::vector<Pass>& before,
                                                       const Eigen::VectorXd& unknowns,
                                                       Eigen::Index changed) const;

@@ -32,11 +32,11 @@ void hold_tilt(Filter& filter, double std_rad) {
 }
 
 void hold_vertical_speed(Filter& filter, double tilt_std_rad) {
-  constexpr double least_std_mps = 0.01;
+  constexpr double min_std_mps = 0.01;
   const double slope_mps = std::tan(tilt_std_rad) * filter.velocity_world_mps.head<2>().norm();
   StateVector h = StateVector::Zero();
   h[at_velocity + 2] = 1.0;
-  hold(filter, h, -filter.velocity_world_mps.z(), least_std_mps + slope_mps);
+  hold(filter, h, -filter.velocity_world_mps.z(), min_std_mps + slope_mps);
 }
 
 }  // namespace

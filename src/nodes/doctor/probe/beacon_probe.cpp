@@ -115,8 +115,8 @@ void BeaconProbe::on(const UltrasonicFix& fix, const Arrival& arrival) {
   pair_losses_.on_fix(arrival.time_ns);
   fixes_.add(arrival.time_ns, fix);
   if (fix.measured_delay_s) ++timed_fixes_;
-  least_fix_delay_s_ = std::min(least_fix_delay_s_.value_or(std::numeric_limits<double>::max()),
-                                seconds_between(fix.emission_time_ns, fix.received_time_ns));
+  min_fix_delay_s_ = std::min(min_fix_delay_s_.value_or(std::numeric_limits<double>::max()),
+                              seconds_between(fix.emission_time_ns, fix.received_time_ns));
   if ((fix.flags & ultrasonic_flag_pair_centre) != 0U) ++pair_fixes_;
 }
 
@@ -226,7 +226,7 @@ rules::BeaconObservation BeaconProbe::observation(TimeNs now_ns, const settings:
   for (const auto& [received_ns, fix] : fixes_.entries()) heights.on(settings.planar, fix);
   beacon.height_problem = heights.problem();
   beacon.timed_fixes = timed_fixes_;
-  beacon.least_fix_delay_s = least_fix_delay_s_.value_or(0.0);
+  beacon.min_fix_delay_s = min_fix_delay_s_.value_or(0.0);
   beacon.imu = imu_.observation(began_ns_, now_ns);
   beacon.fix = fix_.observation(began_ns_, now_ns);
   beacon.heading = heading_.observation(began_ns_, now_ns);

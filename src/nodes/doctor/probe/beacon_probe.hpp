@@ -109,7 +109,7 @@ private:
   std::uint64_t valid_headings_ = 0;
   PairLosses pair_losses_;
   std::uint64_t timed_fixes_ = 0;
-  std::optional<double> least_fix_delay_s_;
+  std::optional<double> min_fix_delay_s_;
   std::uint64_t pair_fixes_ = 0;
   rules::StatusCounts status_counts_;
   Latest<Outcome> outcomes_;

@@ -50,7 +50,7 @@ public:
         participant_(dds::ext::participant(options)),
         discovery_(participant_) {}
 
-  void look() {
+  void visit() {
     for (const auto& writer : discovery_.writers()) {
       domain_.beacons = domain_.beacons || writer.topic_name == dds::topics::imu.name;
       domain_.poses = domain_.poses || writer.topic_name == dds::topics::pose.name;
@@ -189,7 +189,7 @@ std::size_t visit_first(std::deque<std::uint32_t>& ids, const dds::DomainOptions
   constexpr TimeNs discovery_ns = 300'000'000;  // takes 10 … 50 ms on one machine
   if (!visits.empty()) stop.wait_until(clocks::steady_now() + discovery_ns);
   for (Visit& each : visits) {
-    each.look();
+    each.visit();
     if (each.domain().ours) bus.other_domains.push_back(each.domain());
   }
   return visits.size();

@@ -88,7 +88,7 @@ public:
   /// Reports a wrong sign. Returns false if there is none.
   [[nodiscard]] bool signs() const { return report_sign(inverted_axes()); }
 
-  /// The same for axis Z alone.
+  /// Reports a wrong sign of axis Z alone. Returns false if it is right, or if another is wrong too.
   [[nodiscard]] bool sign_of_z() const {
     const std::vector<std::size_t> axes = inverted_axes();
     return axes == std::vector<std::size_t>{2} && report_sign(axes);
@@ -278,13 +278,13 @@ private:
     report_age(error, Severity::warning, "");
   }
 
-  /// Setting that corrects the age of the fixes, and the value that does. Below `least_s` the fusion would
+  /// Setting that corrects the age of the fixes, and the value that does. Below `min_s` the fusion would
   /// refuse fixes as from the future.
   struct AgeSetting {
     std::string key;
     double value_s = 0;
-    double least_s = 0;
-    double most_s = 0;
+    double min_s = 0;
+    double max_s = 0;
   };
 
   [[nodiscard]] AgeSetting age_setting(const Measured& error) const {
@@ -293,14 +293,14 @@ private:
         settings.source == settings::DelaySource::measured && 2 * beacon_.timed_fixes > beacon_.fix.samples;
     const std::string key = own ? "delay.correction_s" : "delay.processing_s";
     const settings::SettingInfo& limits = settings::setting_info(key);
-    const double least_s =
-        -estimation::aiding::admission::future_tolerance_s - (own ? beacon_.least_fix_delay_s : 0.0);
+    const double min_s =
+        -estimation::aiding::admission::future_tolerance_s - (own ? beacon_.min_fix_delay_s : 0.0);
     return {key, (own ? settings.correction_s : settings.processing_s) + error.value,
-            std::max(std::get<double>(limits.minimum), least_s), std::get<double>(limits.maximum)};
+            std::max(std::get<double>(limits.minimum), min_s), std::get<double>(limits.maximum)};
   }
 
   static bool can_set(const AgeSetting& setting) {
-    return setting.value_s >= setting.least_s && setting.value_s <= setting.most_s;
+    return setting.value_s >= setting.min_s && setting.value_s <= setting.max_s;
   }
 
   /// Reports the age of the fixes beyond what the fusion assumes, with the setting that corrects it.
@@ -318,7 +318,7 @@ private:
                            "the stamps "
                            "of the fixes in their driver; {} allows only {} to {} s",
                            text::number_text(-error.value, 3), setting.key,
-                           text::number_text(setting.least_s, 2), text::number_text(setting.most_s, 2))});
+                           text::number_text(setting.min_s, 2), text::number_text(setting.max_s, 2))});
   }
 
   const BeaconObservation& beacon_;

@@ -152,7 +152,7 @@ struct BeaconObservation {
   std::uint64_t pair_fixes = 0;            ///< fixes that are the centre of a pair
   settings::Settings fusion_settings;      ///< settings of its fusion; the defaults if unknown
   std::uint64_t timed_fixes = 0;           ///< fixes whose delay was measured by the hardware
-  double least_fix_delay_s = 0;            ///< least time from emission to receipt
+  double min_fix_delay_s = 0;              ///< minimum time from emission to receipt
   std::vector<motion::fit::Piece> pieces;  ///< fits of the installation to IMU and fixes
   motion::ImuSummary imu_summary;          ///< summary with the calibration applied
   motion::TurnGain turn_gain;              ///< gain of the calibrated gyroscope

@@ -65,19 +65,19 @@ std::string text_of(const Group& group) {
   return text;
 }
 
-/// One line for all that is well. Of several subjects, those with a problem are not.
-std::string line_of_well(const std::vector<Finding>& findings) {
+/// Formats one line for the findings without a problem. Of several subjects it leaves out those with one.
+std::string line_of_ok(const std::vector<Finding>& findings) {
   std::vector<Group> groups;
-  std::set<std::string> unwell;
+  std::set<std::string> with_problem;
   for (const Finding& finding : findings) {
     if (finding.severity == Severity::ok) add_to(groups, finding, [](const Finding&) { return true; });
-    if (finding.severity >= Severity::warning) unwell.insert(finding.subject);
+    if (finding.severity >= Severity::warning) with_problem.insert(finding.subject);
   }
   std::string text;
   bool is_short = false;
   for (Group& group : groups) {
     if (group.by_subject.size() > 1) {
-      std::erase_if(group.by_subject, [&](const auto& entry) { return unwell.contains(entry.first); });
+      std::erase_if(group.by_subject, [&](const auto& entry) { return with_problem.contains(entry.first); });
     }
     if (group.by_subject.empty()) continue;
     text += (text.empty() ? "" : "; ") + text_of(group);
@@ -127,7 +127,7 @@ std::string report_of(std::vector<Finding> findings, bool is_verbose) {
   escape(findings);
   std::string text;
   if (!is_verbose) {
-    text = line_of_well(findings);
+    text = line_of_ok(findings);
     findings = without_details(findings);
   }
   std::stable_sort(findings.begin(), findings.end(),

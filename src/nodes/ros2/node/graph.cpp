@@ -42,7 +42,7 @@ void GraphObserver::Process::add(const dds::FoundEndpoint& endpoint) {
   if (endpoint.topic_name == discovery_topic) discovery_has_hash = has_hash;
 }
 
-Graph GraphObserver::look(SteadyTime now) {
+Graph GraphObserver::observe(SteadyTime now) {
   Graph graph;
   std::set<std::string> members;
   const std::string own = discovery_.own_key();

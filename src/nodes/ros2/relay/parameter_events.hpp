@@ -10,6 +10,7 @@
 
 namespace sonopose::ros2::relay {
 
+/// The publisher of /parameter_events.
 class ParameterEvents {
 public:
   /// Throws dds::core::Exception.

@@ -29,7 +29,7 @@ PeerMonitor::PeerMonitor(const RelayOptions& options, const dds::domain::DomainP
 void PeerMonitor::observe() {
   report_namesake();
   if (!changed_.exchange(false)) return;
-  const ros2::Graph graph = graph_.look(clocks::steady_now());
+  const ros2::Graph graph = graph_.observe(clocks::steady_now());
   if (graph.is_undecided) changed_ = true;
   select_layout(graph);
   offer_services(graph);

@@ -16,6 +16,7 @@
 
 namespace sonopose::publication {
 
+/// Knows which other bridges publish the beacons of this one, by their statuses.
 class OtherBridges {
 public:
   OtherBridges(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos);

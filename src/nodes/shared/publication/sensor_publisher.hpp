@@ -27,6 +27,7 @@ struct PublisherOptions {
   bool publishes_log = true;
 };
 
+/// Publishes one source on the bus, with its threads, statuses and recording.
 class SensorPublisher {
 public:
   /// Joins the domain. Throws dds::core::Exception, dds::qos::FileError, files::IoError, and

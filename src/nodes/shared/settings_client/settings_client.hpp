@@ -15,6 +15,7 @@
 
 namespace sonopose::settings_client {
 
+/// A client of the fusions of one domain. Each call makes its endpoints and waits for the answers.
 class SettingsClient {
 public:
   /// Joins the domain. Throws dds::core::Exception, dds::qos::FileError.

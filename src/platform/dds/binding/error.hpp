@@ -13,7 +13,7 @@ namespace sonopose::dds {
 class Error : public std::runtime_error {
 public:
   Error(const std::string& call, dds_return_t code);
-  /// The same with another text for the reason.
+  /// Gives another text than Cyclone's for the reason.
   Error(const std::string& call, dds_return_t code, const std::string& reason);
 
   /// `DDS_RETCODE_…`; negative.

@@ -26,7 +26,7 @@ const RosProcess::Writers lone_relay{{"ros_discovery_info", ""}, {"rt/odom", a_t
 class Observed {
 public:
   [[nodiscard]] std::uint32_t domain_id() const { return domain_.id(); }
-  ros2::Graph look(SteadyTime now) { return observer_.look(now); }
+  ros2::Graph observe(SteadyTime now) { return observer_.observe(now); }
   [[nodiscard]] int changes() const { return changes_; }
 
 private:
@@ -41,7 +41,7 @@ SCENARIO("the layout follows the other ROS 2 processes") {
   ::unsetenv("CYCLONEDDS_URI");
   GIVEN("an observer") {
     Observed graph;
-    const auto layout = [&](SteadyTime now) { return ros2::layout_for(graph.look(now)); };
+    const auto layout = [&](SteadyTime now) { return ros2::layout_for(graph.observe(now)); };
     const SteadyTime start{second};
     WHEN("it is alone, or with a process that is not of ROS 2") {
       const RosProcess native(graph.domain_id(), {{"sonopose/imu", ""}}, "");
@@ -65,9 +65,9 @@ SCENARIO("the layout follows the other ROS 2 processes") {
       const RosProcess silent(graph.domain_id(), {});
       THEN("it is of Humble after 2 s") {
         CHECK(layout(start) == std::nullopt);
-        CHECK(graph.look(start).is_undecided);
+        CHECK(graph.observe(start).is_undecided);
         CHECK(layout(start + 2 * second) == Distro::humble);
-        CHECK_FALSE(graph.look(start + 2 * second).is_undecided);
+        CHECK_FALSE(graph.observe(start + 2 * second).is_undecided);
       }
     }
     WHEN("a process has only topics, with type hashes") {

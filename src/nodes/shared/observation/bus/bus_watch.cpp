@@ -57,10 +57,10 @@ public:
   }
 
   BusSnapshot take_snapshot() {
-    BusSnapshot second;
+    BusSnapshot snapshot;
     const SteadyTime now = clocks::steady_now();
-    second.gone = observers_.remove_gone(now, clocks::host_now());
-    for (const BeaconView& view : second.gone) {
+    snapshot.gone = observers_.remove_gone(now, clocks::host_now());
+    for (const BeaconView& view : snapshot.gone) {
       admission_.forget(view.address);  // others may take its place
       logging::info(fmt::format("beacon {}: gone", view.address));
       free_memory_.on_freed();
@@ -72,12 +72,12 @@ public:
     }
     logging::report_left_out();
     lines_.take();
-    second.warnings = lines_.warnings();
-    second.warnings.insert(second.warnings.end(), pose_writers_.warnings().begin(),
-                           pose_writers_.warnings().end());
-    if (auto text = admission_.warning()) second.warnings.push_back(*std::move(text));
-    second.beacons = observers_.take_windows(clocks::host_now());
-    return second;
+    snapshot.warnings = lines_.warnings();
+    snapshot.warnings.insert(snapshot.warnings.end(), pose_writers_.warnings().begin(),
+                             pose_writers_.warnings().end());
+    if (auto text = admission_.warning()) snapshot.warnings.push_back(*std::move(text));
+    snapshot.beacons = observers_.take_windows(clocks::host_now());
+    return snapshot;
   }
 
   std::vector<BeaconView> summaries() {

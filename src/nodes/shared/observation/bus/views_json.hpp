@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Formats one second of observations as JSON.
+/// Formats a BusSnapshot as JSON.
 
 #include "observation/beacon_observer.hpp"
 

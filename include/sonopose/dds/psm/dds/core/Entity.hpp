@@ -40,7 +40,7 @@ public:
 
   /// The handle in C. Throws AlreadyClosedError after `close()` of this node or of one that it belongs to.
   dds_entity_t handle() const;
-  /// The same without exceptions; negative after a close.
+  /// The handle in C, without exceptions; negative after a close.
   dds_entity_t try_handle() const noexcept {
     const dds_entity_t handle = handle_;  // read once: another thread may close the entity
     const bool is_open = handle > 0 && (owner_ == nullptr || !owner_->is_closed());
