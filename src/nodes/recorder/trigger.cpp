@@ -4,7 +4,7 @@
 
 namespace sonopose::recorder {
 
-const char* words_of(TriggerCause cause) {
+const char* text_of(TriggerCause cause) {
   switch (cause) {
     case TriggerCause::none:
       return "no trigger";

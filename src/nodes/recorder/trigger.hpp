@@ -16,7 +16,7 @@ namespace sonopose::recorder {
 enum class TriggerCause : std::uint8_t { none, signal, topic, status };
 
 /// Text for people and for the file's metadata, such as "a signal".
-const char* words_of(TriggerCause cause);
+const char* text_of(TriggerCause cause);
 
 /// Fired by any thread, taken by one.
 class Trigger {

@@ -96,16 +96,16 @@ void WriteThread::keep(const mcap::Chunk& chunk, const ArrivalSpan& taken) {
 
 void WriteThread::write_last(TriggerCause cause) {
   if (parts_.last->chunks().empty()) {
-    logging::warning(fmt::format("triggered by {}, but there is nothing to write", words_of(cause)));
+    logging::warning(fmt::format("triggered by {}, but there is nothing to write", text_of(cause)));
     return;
   }
   const bool is_short = parts_.last->is_short();
   const TapCounts counts = parts_.counts();
   write_kept(counts);
   parts_.series.finish("trigger", counts,
-                       {{"trigger", words_of(cause)}, {"is_short", is_short ? "true" : "false"}});
+                       {{"trigger", text_of(cause)}, {"is_short", is_short ? "true" : "false"}});
   logging::info(
-      fmt::format("triggered by {}: {}{}", words_of(cause), parts_.series.files().back().string(),
+      fmt::format("triggered by {}: {}{}", text_of(cause), parts_.series.files().back().string(),
                   is_short ? "; the memory was too small for all of the time (--keep-memory)" : ""));
 }
 
