@@ -247,13 +247,13 @@ public:
 
   /// Sends statuses. Call it once a second.
   void send_second() {
-    const observation::bus::BusSnapshot second = bus_.take_snapshot();
-    site_.metrics().update(second.beacons, clocks::host_now(), clocks::steady_now());
-    hook_.update(second, clocks::steady_now());
+    const observation::bus::BusSnapshot snapshot = bus_.take_snapshot();
+    site_.metrics().update(snapshot.beacons, clocks::host_now(), clocks::steady_now());
+    hook_.update(snapshot, clocks::steady_now());
     silence_log_.update(clocks::steady_now());
     report_left_out();
     if (const auto text = log_lines_.refusals()) logging::warning(*text);
-    for (const observation::BeaconView& view : second.gone) {
+    for (const observation::BeaconView& view : snapshot.gone) {
       state_.forget(view.address);
       silence_log_.forget(view.address);
       site_.pages().broadcast(gone_text(view.address), http::Loss::never);
@@ -263,7 +263,7 @@ public:
     site_.send_time();
     if (site_.pages().empty()) return;
     site_.pages().broadcast(
-        status_text(observation::bus::json_of(second.beacons, second.warnings, clocks::host_now())),
+        status_text(observation::bus::json_of(snapshot.beacons, snapshot.warnings, clocks::host_now())),
         http::Loss::allowed);
   }
 
@@ -305,7 +305,7 @@ private:
   std::size_t lines_in_second_ = 0;
   std::uint64_t lines_left_out_ = 0;  ///< omitted in this second
   /// Silences of poses, which no fusion can log.
-  transitions::TransitionLog silence_log_{[this](const transitions::Line& line) {
+  transitions::TransitionLog silence_log_{[this](const transitions::LogText& line) {
     site_.pages().broadcast_event(event_text(clocks::host_now(), live::word_of(line.level), line.text));
   }};
 };

@@ -11,14 +11,14 @@ namespace {
 using logging::Level;
 
 /// Returns the line of a state: level and words of its beginning, or the words of its end.
-Line begun_or_ended(const Transition& transition, Level level, const std::string& begun,
-                    std::string_view ended) {
+LogText begun_or_ended(const Transition& transition, Level level, const std::string& begun,
+                       std::string_view ended) {
   if (transition.begins) return {level, begun};
   return {level == Level::debug ? Level::debug : Level::info,
           fmt::format("{}, after {:.1f} s", ended, transition.lasted_s)};
 }
 
-Line words_of(const Transition& transition) {
+LogText words_of(const Transition& transition) {
   switch (transition.kind) {
     case Kind::found:
       return {Level::info, "found"};
@@ -92,8 +92,8 @@ Line words_of(const Transition& transition) {
 
 }  // namespace
 
-Line line_of(const Transition& transition) {
-  Line line = words_of(transition);
+LogText line_of(const Transition& transition) {
+  LogText line = words_of(transition);
   if (transition.address != all_beacons) {
     line.text = fmt::format("beacon {}: {}", transition.address, line.text);
   }

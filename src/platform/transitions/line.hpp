@@ -10,15 +10,15 @@
 
 namespace sonopose::transitions {
 
-struct Line {
+struct LogText {
   logging::Level level = logging::Level::info;
   std::string text;
 
-  bool operator==(const Line&) const = default;
+  bool operator==(const LogText&) const = default;
 };
 
 /// Returns a line such as "beacon 7: stale: no valid fix for 1.0 s", with its level.
-Line line_of(const Transition& transition);
+LogText line_of(const Transition& transition);
 
 /// Returns the part of such a line that names the change, without reasons and figures: "beacon 7: stale". Two
 /// processes that see the same change measure slightly different figures.

@@ -10,7 +10,7 @@
 namespace sonopose::transitions {
 
 TransitionLog::TransitionLog()
-    : TransitionLog([](const Line& line) { logging::write(line.level, line.text); }) {}
+    : TransitionLog([](const LogText& line) { logging::write(line.level, line.text); }) {}
 
 TransitionLog::TransitionLog(Write write) : write_(std::move(write)) {}
 
@@ -31,7 +31,7 @@ void TransitionLog::take(TransitionQueue& pending, SteadyTime now) {
 }
 
 void TransitionLog::report(Flapping& flapping) {
-  Line line = line_of(flapping.latest);
+  LogText line = line_of(flapping.latest);
   const std::uint64_t others = flapping.limit.take_suppressed() - 1;
   if (others > 0) {
     line.text += fmt::format(" ({} not logged)",

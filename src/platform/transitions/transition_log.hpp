@@ -17,7 +17,7 @@ namespace sonopose::transitions {
 /// thread-safe.
 class TransitionLog {
 public:
-  using Write = std::function<void(const Line&)>;
+  using Write = std::function<void(const LogText&)>;
 
   /// Writes to the log of the process.
   TransitionLog();

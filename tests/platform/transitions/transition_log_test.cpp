@@ -18,7 +18,7 @@ constexpr TimeNs second_ns = 1'000'000'000;
 SCENARIO("a change is logged with its beacon, its reason and its level") {
   struct Case {
     Transition transition;
-    Line line;
+    LogText line;
   };
   const auto [transition, line] = GENERATE(
       Case{{.address = 7, .kind = Kind::found}, {Level::info, "beacon 7: found"}},
@@ -40,7 +40,7 @@ SCENARIO("a change is logged with its beacon, its reason and its level") {
 SCENARIO("every kind has words for its beginning and its end") {
   for (std::size_t i = 0; i < kind_count; ++i) {
     for (const bool begins : {true, false}) {
-      const Line line = line_of({.address = 7, .kind = static_cast<Kind>(i), .begins = begins});
+      const LogText line = line_of({.address = 7, .kind = static_cast<Kind>(i), .begins = begins});
       CAPTURE(i, begins);
       CHECK(line.text.size() > std::string("beacon 7: ").size());
     }
@@ -48,8 +48,8 @@ SCENARIO("every kind has words for its beginning and its end") {
 }
 
 SCENARIO("what a flapping state did last is logged when its beacon or the process ends") {
-  std::vector<Line> lines;
-  TransitionLog log([&](const Line& line) { lines.push_back(line); });
+  std::vector<LogText> lines;
+  TransitionLog log([&](const LogText& line) { lines.push_back(line); });
   const SteadyTime begin{100 * second_ns};
   for (const BeaconAddress address : {BeaconAddress{7}, BeaconAddress{8}}) {
     for (int i = 0; i < 10; ++i) {
@@ -68,8 +68,8 @@ SCENARIO("what a flapping state did last is logged when its beacon or the proces
 }
 
 SCENARIO("a flapping state does not flood the log, and its last state is logged") {
-  std::vector<Line> lines;
-  TransitionLog log([&](const Line& line) { lines.push_back(line); });
+  std::vector<LogText> lines;
+  TransitionLog log([&](const LogText& line) { lines.push_back(line); });
   const SteadyTime begin{100 * second_ns};
   const auto flap = [&](BeaconAddress address, int changes) {
     for (int i = 0; i < changes; ++i) {
@@ -95,8 +95,8 @@ SCENARIO("a flapping state does not flood the log, and its last state is logged"
 }
 
 SCENARIO("a change that is logged late counts as logged") {
-  std::vector<Line> lines;
-  TransitionLog log([&](const Line& line) { lines.push_back(line); });
+  std::vector<LogText> lines;
+  TransitionLog log([&](const LogText& line) { lines.push_back(line); });
   for (int i = 0; i < 5; ++i) {
     log.on({.address = 7, .kind = Kind::stale, .begins = i % 2 == 0, .lasted_s = 0.1}, SteadyTime{second_ns});
   }
@@ -106,8 +106,8 @@ SCENARIO("a change that is logged late counts as logged") {
 }
 
 SCENARIO("changes that were dropped before they were logged are reported") {
-  std::vector<Line> lines;
-  TransitionLog log([&](const Line& line) { lines.push_back(line); });
+  std::vector<LogText> lines;
+  TransitionLog log([&](const LogText& line) { lines.push_back(line); });
   TransitionQueue pending;
   for (int i = 0; i < 40; ++i) {
     pending.add({.address = static_cast<BeaconAddress>(i), .kind = Kind::found});

@@ -102,7 +102,7 @@ Document::Beacon::Beacon(BeaconAddress address, TimeNs begin_ns, TimeNs min_peri
 Document::Document(double duration_s, std::optional<BeaconAddress> beacon)
     : min_period_ns_(to_ns(duration_s / static_cast<double>(max_rows_of_beacon))),
       beacon_(beacon),
-      transition_log_([this](const transitions::Line& line) {
+      transition_log_([this](const transitions::LogText& line) {
         keep(changes_, {now_ns_, 1, std::string(transitions::change_of(line.text)),
                         live::event_json(now_ns_, live::word_of(line.level), line.text).dump()});
       }) {}
