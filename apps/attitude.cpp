@@ -33,23 +33,23 @@ struct Options {
   bool json = false;
 };
 
-void add_options(CLI::App& app, Options& options) {
+void add_options(apps::CommandLine& app, Options& options) {
   std::vector<std::string> filters;
   for (const std::string_view name : choices_of(attitude::FilterKind{})) filters.emplace_back(name);
   app.add_option("LOG", options.logs,
                  "Log folders, MCAP files or folders of them; the score uses the truth and movement.csv")
-      ->required()
-      ->type_name("PATH");
+      .required()
+      .type_name("PATH");
   app.add_option("--filter", options.filter, "Attitude filter; overrides the settings")
-      ->check(CLI::IsMember(filters));
+      .check(apps::one_of(filters));
   app.add_option("--magnetometer", options.magnetometer,
                  "Use the magnetometer for the heading; overrides the settings")
-      ->check(CLI::IsMember({"on", "off"}));
+      .check(apps::one_of({"on", "off"}));
   apps::add_bag_options(app);
   apps::add_config_options(app, options.config);
   apps::add_beacon_option(app, options.beacon);
   app.add_option("--out", options.out, "Write LOG.tum for each log to this folder, with position 0")
-      ->type_name("DIR");
+      .type_name("DIR");
   app.add_flag("--json", options.json, "Print one JSON object instead of the table");
 }
 

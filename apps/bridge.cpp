@@ -30,7 +30,7 @@ void finish(publication::Source& source, publication::SensorPublisher& node) {
   node.finish();
 }
 
-int serve(const CLI::App& app, const Options& options) {
+int serve(const apps::CommandLine& app, const Options& options) {
   const logging::Session log(options.log_level);
   apps::check_publisher(options.bus);
   apps::check_source_options(app, options.source);
@@ -62,7 +62,7 @@ int main(int argc, char** argv) {
   apps::add_log_option(app, options.log_level);
   apps::add_source_options(app, options.source);
   app.add_option("--record", options.record, "Write the published samples to a new sensor-log folder")
-      ->type_name("DIR");
+      .type_name("DIR");
   apps::add_options_file(app);
   return apps::run(app, argc, argv, [&] { return serve(app, options); });
 }

@@ -30,27 +30,28 @@ struct Options {
   bool json = false;
 };
 
-CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& what, Options& options) {
-  CLI::App* const command = app.add_subcommand(name, what);
+apps::CommandLine add_command(apps::CommandLine& app, const std::string& name, const std::string& what,
+                              Options& options) {
+  apps::CommandLine command = app.add_subcommand(name, what);
   command
-      ->add_option("LOG", options.log, "Sensor-log folder, of which only imu.csv is read, or MCAP or rosbag2")
-      ->required()
-      ->type_name("DIR");
-  apps::add_expanded_option(*command);
-  apps::add_bag_options(*command);
-  command->add_flag("--json", options.json, "Print one JSON object instead of text");
+      .add_option("LOG", options.log, "Sensor-log folder, of which only imu.csv is read, or MCAP or rosbag2")
+      .required()
+      .type_name("DIR");
+  apps::add_expanded_option(command);
+  apps::add_bag_options(command);
+  command.add_flag("--json", options.json, "Print one JSON object instead of text");
   return command;
 }
 
-void add_output(CLI::App& command, Options& options) {
+void add_output(apps::CommandLine& command, Options& options) {
   command
       .add_option("--out", options.out,
                   "Write the TOML tables to this file, replace it if it exists, and print only the report")
-      ->type_name("FILE");
+      .type_name("FILE");
   command
       .add_option("--beacon", options.beacon,
                   "Write the settings for this beacon only; the one to read from a file of several")
-      ->check(CLI::Range(0, all_beacons - 1));
+      .check(apps::number_between(0, all_beacons - 1));
 }
 
 /// Returns the result of a potentially long fit, and shows its progress.
@@ -90,33 +91,34 @@ int main(int argc, char** argv) {
       "calibrate",
       "Recordings contain raw readings. For a calibration from a drive, --config and --set say how the IMU's "
       "samples are corrected and which fixes are accepted.");
-  app.require_subcommand(1);
-  CLI::App* const imu = add_command(
+  app.require_subcommand();
+  apps::CommandLine imu = add_command(
       app, "imu",
       "Accelerometer and gyroscope: hold the sensor still for 2 s in each of 12 or more "
       "orientations (at least nine for all errors, six for offset and sensitivity), and turn it by "
       "more than 17 degrees in between",
       options);
-  CLI::App* const gyroscope =
+  apps::CommandLine gyroscope =
       add_command(app, "gyroscope", "Offset of the gyroscope: keep the sensor at rest", options);
-  CLI::App* const magnetometer = add_command(
+  apps::CommandLine magnetometer = add_command(
       app, "magnetometer", "Hard and soft iron: turn the sensor slowly through all directions", options);
-  CLI::App* const allan =
+  apps::CommandLine allan =
       add_command(app, "allan", "Noise as Allan deviation: keep the sensor at rest for hours", options);
-  for (CLI::App* const command : {imu, gyroscope, magnetometer}) add_output(*command, options);
+  for (apps::CommandLine command : {imu, gyroscope, magnetometer}) add_output(command, options);
   magnetometer
-      ->add_option("--field-ut", options.field_ut,
-                   "Strength of the local magnetic field in microtesla (default: from the readings)")
-      ->check(apps::number_between(1.0, 1000.0));
-  allan->add_option("--plot", options.plot, "Draw the curves to a .svg or .png file (needs gnuplot)")
-      ->type_name("FILE");
+      .add_option("--field-ut", options.field_ut,
+                  "Strength of the local magnetic field in microtesla (default: from the readings)")
+      .check(apps::number_between(1.0, 1000.0));
+  allan.add_option("--plot", options.plot, "Draw the curves to a .svg or .png file (needs gnuplot)")
+      .type_name("FILE");
   const apps::DriveCommands drive(app);
   return apps::run(app, argc, argv, [&] {
     if (drive.is_given()) return drive.run();
-    if (*allan) return analyse(options);
+    if (allan.parsed()) return analyse(options);
     return print_result(options, shown(options, [&] {
-                          if (*imu) return evaluation::calibrate_imu(options.log, options.beacon);
-                          if (*gyroscope) return evaluation::calibrate_gyroscope(options.log, options.beacon);
+                          if (imu.parsed()) return evaluation::calibrate_imu(options.log, options.beacon);
+                          if (gyroscope.parsed())
+                            return evaluation::calibrate_gyroscope(options.log, options.beacon);
                           return evaluation::calibrate_magnetometer(options.log, options.field_ut,
                                                                     options.beacon);
                         }));

@@ -19,12 +19,12 @@ int main(int argc, char** argv) {
   bool verbose = false;
   sonopose::apps::Program app("doctor", "The exit code is 0 if no problems are found, 1 otherwise.");
   add_bus_options(app, bus);
-  auto* const as_json = app.add_flag("--json", json, "Print one JSON object instead of text");
-  app.add_flag("--verbose", verbose, "Print what is well of each beacon and line, too")->excludes(as_json);
+  auto as_json = app.add_flag("--json", json, "Print one JSON object instead of text");
+  app.add_flag("--verbose", verbose, "Print what is well of each beacon and line, too").excludes(as_json);
   add_max_beacons(app, "Examine", options.max_beacons);
   app.add_option("--duration", options.duration_s, "Seconds to observe the system")
-      ->check(sonopose::apps::number_between(0.5, 3600.0))
-      ->capture_default_str();
+      .check(sonopose::apps::number_between(0.5, 3600.0))
+      .capture_default_str();
   return sonopose::apps::run(app, argc, argv, [&] {
     options.domain = bus.domain;
     options.qos_file = bus.qos_file;

@@ -130,18 +130,18 @@ int main(int argc, char** argv) {
                     "need no truth.");
   apps::add_case_options(app, options.cases);
   apps::add_config_options(app, options.config);
-  auto* const engines = app.add_option("--engine", options.engines,
-                                       "Engines to score, each in rows of its own, instead of fusion.engine")
-                            ->check(CLI::IsMember({"documented", "kalman"}));
+  auto engines = app.add_option("--engine", options.engines,
+                                "Engines to score, each in rows of its own, instead of fusion.engine")
+                     .check(apps::one_of({"documented", "kalman"}));
   app.add_option(
          "--compare", options.compared,
          "Put two files of settings side by side: the error of each case, or its prediction error if it "
          "has no truth")
-      ->expected(2)
-      ->allow_extra_args(false)
-      ->type_name("FILE FILE")
-      ->excludes(engines)
-      ->excludes("--config");
+      .expected(2)
+      .allow_extra_args(false)
+      .type_name("FILE FILE")
+      .excludes(engines)
+      .excludes(app.option("--config"));
   app.add_flag("--json", options.json, "Print JSON instead of tables");
   return apps::run(app, argc, argv, [&] { return evaluate(options); });
 }

@@ -36,37 +36,37 @@ struct Options {
   bool print_settings_page = false;
 };
 
-void add_options(CLI::App& app, Options& options) {
+void add_options(sonopose::apps::CommandLine& app, Options& options) {
   app.add_option("--addresses", options.addresses,
                  "Serve only these beacons: 7, 7-131 or 7-131,200 (default: all)")
-      ->check(sonopose::apps::readable_by(sonopose::presence::AddressSet::parse))
-      ->type_name("LIST");
+      .check(sonopose::apps::readable_by(sonopose::presence::AddressSet::parse))
+      .type_name("LIST");
   sonopose::apps::add_max_beacons(app, "Serve", options.max_beacons);
-  auto* strength = app.add_option(
+  auto strength = app.add_option(
       "--standby-strength", options.standby_strength,
       "Share the beacons with other fusions: the strongest one that receives a beacon serves it");
-  strength->check(CLI::Range(1, sonopose::max_fusion_strength))->type_name("N");
+  strength.check(sonopose::apps::number_between(1, sonopose::max_fusion_strength)).type_name("N");
   app.add_option("--warm-up", options.warm_up_s,
                  "With --standby-strength: seconds of good poses before this fusion claims a beacon")
-      ->check(sonopose::apps::number_between(0.0, 600.0))
-      ->needs(strength)
-      ->capture_default_str();
-  auto* learned =
+      .check(sonopose::apps::number_between(0.0, 600.0))
+      .needs(strength)
+      .capture_default_str();
+  auto learned =
       app.add_option(
              "--learned", options.learned_file,
              "Keep what is learned of the sensors in this file, and begin with it: Kalman engine only")
-          ->type_name("FILE");
+          .type_name("FILE");
   app.add_flag("--lossless", options.lossless,
                "Keep every event and pose and wait for slow consumers; use it for a log played at --rate 0")
-      ->excludes(strength)
-      ->excludes(learned);
+      .excludes(strength)
+      .excludes(learned);
   app.add_flag("--print-config", options.print_config,
                "Print settings and options as commented TOML and exit");
   app.add_flag("--check-config", options.check_config,
                "Report what is wrong with settings and options and exit");
   app.add_flag("--print-settings-page", options.print_settings_page,
                "Print the table of all settings as a page of the docs and exit")
-      ->group("");  // for those who change the table
+      .group("");  // for those who change the table
 }
 
 sonopose::fusion::FusionOptions node_options(
@@ -95,7 +95,7 @@ void check_learned(const std::filesystem::path& file) {
                                          std::generic_category().message(errno)));
 }
 
-int serve(const CLI::App& app, const Options& options) {
+int serve(const sonopose::apps::CommandLine& app, const Options& options) {
   if (options.print_settings_page) {
     sonopose::apps::print("{}", sonopose::config::settings_page());
     return 0;

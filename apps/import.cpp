@@ -29,31 +29,31 @@ struct Options {
   BeaconAddress beacon = recording::default_log_address;
 };
 
-void add_options(CLI::App& app, Options& options) {
+void add_options(apps::CommandLine& app, Options& options) {
   app.add_option("--imu", options.files.imu, "Table of angular velocities w_x … and specific forces a_x …")
-      ->required()
-      ->type_name("FILE");
+      .required()
+      .type_name("FILE");
   app.add_option("--positions", options.files.positions,
                  "Table of positions x, y, z, and if known received and quality; it may be the IMU's table")
-      ->required()
-      ->type_name("FILE");
+      .required()
+      .type_name("FILE");
   app.add_option("--truth", options.files.truth, "Table of true positions p_x …, and if known q_w …, v_x …")
-      ->type_name("FILE");
+      .type_name("FILE");
   app.add_option(
          "--column", options.columns,
          "A column with another name, and its unit if the header has none: \"w_x [deg s^-1]=Gyro 1\"; may "
          "be repeated")
-      ->type_name("NAME=COLUMN")
-      ->allow_extra_args(false);
+      .type_name("NAME=COLUMN")
+      .allow_extra_args(false);
   app.add_option("--shift", options.shift_s,
                  "Added to the times of the positions, if their clock differs [s]")
-      ->check(apps::number_between(-max_shift_s, max_shift_s));
+      .check(apps::number_between(-max_shift_s, max_shift_s));
   app.add_option("--tag", options.files.tag,
                  "The device to read, if a column names several (default: that of --beacon)")
-      ->type_name("ID");
+      .type_name("ID");
   app.add_option("--out", options.out, "New sensor-log folder; an existing recording is never overwritten")
-      ->required()
-      ->type_name("DIR");
+      .required()
+      .type_name("DIR");
   apps::add_beacon_option(app, options.beacon);
 }
 
@@ -62,10 +62,10 @@ files::ColumnNames names_of(const std::vector<std::string>& columns) {
   for (const std::string& text : columns) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
-      throw CLI::ValidationError("--column", "\"" + text + "\" is not NAME=COLUMN");
+      apps::refuse_option("--column", "\"" + text + "\" is not NAME=COLUMN");
     }
     if (!names.own_by_given.emplace(text.substr(equals + 1), text.substr(0, equals)).second) {
-      throw CLI::ValidationError("--column", "\"" + text.substr(equals + 1) + "\" is given twice");
+      apps::refuse_option("--column", "\"" + text.substr(equals + 1) + "\" is given twice");
     }
   }
   return names;

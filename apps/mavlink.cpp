@@ -72,33 +72,33 @@ int main(int argc, char** argv) {
   add_bus_options(app, bus);
   logging::Level log_level = logging::Level::info;
   apps::add_log_option(app, log_level);
-  auto* const udp =
+  auto udp =
       app.add_option("--udp", given.udp,
                      "Send to this endpoint, and then to the port of its host that heartbeats come from")
-          ->check(apps::readable_by(transport::parse_endpoint))
-          ->option_text("ADDRESS:PORT");
+          .check(apps::readable_by(transport::parse_endpoint))
+          .option_text("ADDRESS:PORT");
   app.add_option("--local-port", options.local_port, "With --udp: receive on this port; 0: any")
-      ->check(CLI::Range(0, 65535))
-      ->capture_default_str()
-      ->type_name("PORT")
-      ->needs(udp);
+      .check(apps::number_between(0, 65535))
+      .capture_default_str()
+      .type_name("PORT")
+      .needs(udp);
   app.add_option("--device", given.device, "Serial line to the autopilot (default: 921600 baud)")
-      ->option_text("PATH[:BAUD]")
-      ->excludes(udp);
+      .option_text("PATH[:BAUD]")
+      .excludes(udp);
   app.add_option("--addresses", given.addresses,
                  "Send the poses of the first of these beacons that is heard: 7 or 7-131 (default: all)")
-      ->check(apps::readable_by(presence::AddressSet::parse))
-      ->type_name("LIST");
+      .check(apps::readable_by(presence::AddressSet::parse))
+      .type_name("LIST");
   apps::add_choice<Message>(app, "--message", options.message,
                             {{"odometry", Message::odometry}, {"vision_position", Message::vision_position}},
                             "ODOMETRY, or VISION_POSITION_ESTIMATE, which has neither velocity nor quality");
   app.add_option("--rate", options.rate_hz, "Poses per second")
-      ->check(apps::number_between(1.0, 1000.0))
-      ->capture_default_str()
-      ->type_name("HZ");
+      .check(apps::number_between(1.0, 1000.0))
+      .capture_default_str()
+      .type_name("HZ");
   apps::add_north_option(app, options.north);
   app.add_option("--mount", given.mount, "Pose of the IMU on the vehicle: x y z (m) roll pitch yaw (deg)")
-      ->type_name("N");
+      .type_name("N");
   apps::add_options_file(app);
   return apps::run(app, argc, argv, [&] {
     apply(given, options);

@@ -86,35 +86,35 @@ int export_files(const Options& options) {
   return 0;
 }
 
-void add_beacon(CLI::App& command, Options& options, const char* description) {
-  command.add_option("--beacon", options.choice.beacon, description)->check(CLI::Range(0, 65534));
+void add_beacon(apps::CommandLine& command, Options& options, const char* description) {
+  command.add_option("--beacon", options.choice.beacon, description).check(apps::number_between(0, 65534));
 }
 
-void add_choice_options(CLI::App& command, Options& options) {
+void add_choice_options(apps::CommandLine& command, Options& options) {
   command.add_option("--topics", options.choice.topics, "Only these topics: imu,fix or sonopose/imu")
-      ->delimiter(',')
-      ->type_name("TOPIC,...");
+      .delimiter(',')
+      .type_name("TOPIC,...");
   add_beacon(command, options, "Only the messages of this beacon");
   apps::add_span_options(command, options.choice.start, options.choice.end);
 }
 
-CLI::App* add_command(CLI::App& app, Options& options, const char* name, const char* description,
-                      int max_files = CLI::detail::expected_max_vector_size) {
-  auto* command = app.add_subcommand(name, description);
-  command->add_option("FILE", options.files, max_files == 1 ? "MCAP file" : "MCAP files or a folder of them")
-      ->required()
-      ->expected(1, max_files)
-      ->type_name("FILE");
-  apps::add_expanded_option(*command);
+apps::CommandLine add_command(apps::CommandLine& app, Options& options, const char* name,
+                              const char* description, int max_files = apps::any_number) {
+  auto command = app.add_subcommand(name, description);
+  command.add_option("FILE", options.files, max_files == 1 ? "MCAP file" : "MCAP files or a folder of them")
+      .required()
+      .expected(1, max_files)
+      .type_name("FILE");
+  apps::add_expanded_option(command);
   return command;
 }
 
-void add_output(CLI::App& command, Options& options, bool is_file) {
+void add_output(apps::CommandLine& command, Options& options, bool is_file) {
   command
       .add_option("--out", options.out,
                   is_file ? "The file to write; it must not exist" : "The folder to write")
-      ->required()
-      ->type_name(is_file ? "FILE" : "DIR");
+      .required()
+      .type_name(is_file ? "FILE" : "DIR");
   if (is_file) apps::add_compression_option(command, options.compression);
 }
 
@@ -124,27 +124,27 @@ int main(int argc, char** argv) {
   using enum mcap::Selection::Damaged;
   Options options;
   apps::Program app("mcap");
-  app.require_subcommand(1);
-  auto* const shown = add_command(app, options, "info", "Print what files have: times, topics, metadata");
-  shown->add_flag("--json", options.json, "Print one JSON object for each file");
-  shown->add_flag("--verify", options.verify, "Read all of a file; the exit code is 1 if it is damaged");
-  auto* const lines = add_command(app, options, "cat", "Print each message as a line of JSON, by time");
-  add_choice_options(*lines, options);
-  auto* const filter = add_command(app, options, "filter", "Write some of the messages to another file");
-  add_choice_options(*filter, options);
-  add_output(*filter, options, true);
-  auto* const merge = add_command(app, options, "merge", "Write several files to one, by time");
-  add_output(*merge, options, true);
-  auto* const recover = add_command(app, options, "recover", "Write what is readable of a damaged file", 1);
-  add_output(*recover, options, true);
-  auto* const exporting =
+  app.require_subcommand();
+  auto shown = add_command(app, options, "info", "Print what files have: times, topics, metadata");
+  shown.add_flag("--json", options.json, "Print one JSON object for each file");
+  shown.add_flag("--verify", options.verify, "Read all of a file; the exit code is 1 if it is damaged");
+  auto lines = add_command(app, options, "cat", "Print each message as a line of JSON, by time");
+  add_choice_options(lines, options);
+  auto filter = add_command(app, options, "filter", "Write some of the messages to another file");
+  add_choice_options(filter, options);
+  add_output(filter, options, true);
+  auto merge = add_command(app, options, "merge", "Write several files to one, by time");
+  add_output(merge, options, true);
+  auto recover = add_command(app, options, "recover", "Write what is readable of a damaged file", 1);
+  add_output(recover, options, true);
+  auto exporting =
       add_command(app, options, "export", "Write one beacon as CSV log folder, and its poses as TUM");
-  add_beacon(*exporting, options, "The beacon, if the file has several");
-  add_output(*exporting, options, false);
-  apps::add_bag_options(*exporting);
+  add_beacon(exporting, options, "The beacon, if the file has several");
+  add_output(exporting, options, false);
+  apps::add_bag_options(exporting);
   return apps::run(app, argc, argv, [&] {
-    if (shown->parsed() || lines->parsed()) return shown->parsed() ? info(options) : cat(options);
-    if (exporting->parsed()) return export_files(options);
-    return copy(options, recover->parsed() ? skip : refuse, filter->parsed());
+    if (shown.parsed() || lines.parsed()) return shown.parsed() ? info(options) : cat(options);
+    if (exporting.parsed()) return export_files(options);
+    return copy(options, recover.parsed() ? skip : refuse, filter.parsed());
   });
 }

@@ -25,23 +25,23 @@ int main(int argc, char** argv) {
   add_bus_options(app, bus);
   logging::Level log_level = logging::Level::info;
   apps::add_log_option(app, log_level);
-  CLI::Option* json_option = app.add_flag("--json", json, "Print one JSON object per second");
+  apps::Option json_option = app.add_flag("--json", json, "Print one JSON object per second");
   add_max_beacons(app, "Show", options.max_beacons);
   app.add_option("--duration", duration_s, "Exit after this many seconds; 0: run until stopped")
-      ->check(apps::number_between(0.0))
-      ->capture_default_str();
-  CLI::Option* topic =
+      .check(apps::number_between(0.0))
+      .capture_default_str();
+  apps::Option topic =
       app.add_option("--echo", echo.topic, "Print each sample of a topic as a JSON object on a line")
-          ->check(apps::topic_name())
-          ->type_name("TOPIC")
-          ->excludes(json_option);
+          .check(apps::topic_name())
+          .type_name("TOPIC")
+          .excludes(json_option);
   app.add_option("--beacon", echo.beacon, "With --echo: only the samples of this beacon")
-      ->type_name("ADDRESS")
-      ->needs(topic);
+      .type_name("ADDRESS")
+      .needs(topic);
   app.add_option("--count", echo.count, "With --echo: exit after this many samples; 0: no limit")
-      ->check(apps::natural_number())
-      ->type_name("N")
-      ->needs(topic);
+      .check(apps::number_between(0, 1e9))
+      .type_name("N")
+      .needs(topic);
   return apps::run(app, argc, argv, [&] {
     process::use_batch_scheduling();  // each sample wakes the monitor and the fusion at the same time
     const logging::Session log(log_level);

@@ -66,29 +66,29 @@ int main(int argc, char** argv) {
   apps::Program app("play",
                     "On a terminal the space bar pauses and continues, s plays one message, q quits.");
   app.add_option("file", player.recording, "The recording: MCAP files, or a folder of them")
-      ->required()
-      ->type_name("FILE");
+      .required()
+      .type_name("FILE");
   apps::add_bus_options(app, options.bus);
   apps::add_log_option(app, options.log_level);
   app.add_option("--rate", player.rate,
                  "1: real time; 10: ten times as fast; 0: as fast as the readers (a fusion needs --lossless)")
-      ->check(apps::number_between(0.0, 1e6))
-      ->capture_default_str();
+      .check(apps::number_between(0.0, 1e6))
+      .capture_default_str();
   app.add_flag("--loop", player.loop, "Restart at the end, until stopped");
   apps::add_span_options(app, player.start, player.end);
   apps::add_expanded_option(app);
   app.add_option("--max-gap", player.max_gap_s, "Shorten longer times without a message to this one")
-      ->check(apps::number_between(0.0, 1e9))
-      ->type_name("S");
+      .check(apps::number_between(0.0, 1e9))
+      .type_name("S");
   app.add_option("--topics", player.topics, "Only these topics")
-      ->delimiter(',')
-      ->check(apps::topic_name())
-      ->type_name("TOPIC,...");
+      .delimiter(',')
+      .check(apps::topic_name())
+      .type_name("TOPIC,...");
   app.add_flag("--restamp", player.restamp, "Move all times in the messages to now");
-  auto* const no_wait = app.add_flag("--no-wait", options.no_wait, "Do not wait for the first reader");
+  auto no_wait = app.add_flag("--no-wait", options.no_wait, "Do not wait for the first reader");
   app.add_option("--readers", player.readers, "Wait until each played topic has this many readers")
-      ->check(CLI::Range(1, 1000))
-      ->type_name("N")
-      ->excludes(no_wait);
+      .check(apps::number_between(1, 1000))
+      .type_name("N")
+      .excludes(no_wait);
   return apps::run(app, argc, argv, [&] { return serve(options); });
 }

@@ -101,25 +101,25 @@ int main(int argc, char** argv) {
   Options options;
   recorder::RecorderOptions& recording = options.recorder;
   apps::Program app("record", "Ctrl-C ends the recording.");
-  app.add_option("file", recording.file, "The file to write [sonopose_DATE_TIME.mcap]")->type_name("FILE");
+  app.add_option("file", recording.file, "The file to write [sonopose_DATE_TIME.mcap]").type_name("FILE");
   apps::add_bus_options(app, options.bus);
   apps::add_log_option(app, options.log_level);
   app.add_option("--topics", recording.topics, "Only these topics")
-      ->delimiter(',')
-      ->check(apps::topic_name())
-      ->type_name("TOPIC,...");
+      .delimiter(',')
+      .check(apps::topic_name())
+      .type_name("TOPIC,...");
   app.add_option("--exclude", recording.exclude, "Not these topics")
-      ->delimiter(',')
-      ->check(apps::topic_name())
-      ->type_name("TOPIC,...");
+      .delimiter(',')
+      .check(apps::topic_name())
+      .type_name("TOPIC,...");
   app.add_option("--beacons", options.beacons, "Only these beacons, such as 7-131,200")
-      ->check(apps::readable_by(presence::AddressSet::parse))
-      ->type_name("LIST");
+      .check(apps::readable_by(presence::AddressSet::parse))
+      .type_name("LIST");
   app.add_flag("--ros2", recording.ros2,
                "Also the topics of ROS 2, to FILE_ros2.mcap, which its own player plays");
   app.add_option("--duration", recording.duration_s, "End after this many seconds; 0: record until stopped")
-      ->check(apps::number_between(0.0, 1e9))
-      ->capture_default_str();
+      .check(apps::number_between(0.0, 1e9))
+      .capture_default_str();
   apps::add_file_options(app, recording);
   apps::add_last_options(app, recording);
   apps::add_options_file(app);

@@ -32,7 +32,7 @@ Arguments joined(Arguments all, const Arguments& more) {
   return all;
 }
 
-int run(const CLI::App& app, const Options& options) {
+int run(const apps::CommandLine& app, const Options& options) {
   apps::check_publisher(options.bus);
   apps::check_source_options(app, options.source);
   const Arguments bus = apps::option_arguments(app, apps::bus_group);
@@ -63,7 +63,7 @@ int main(int argc, char** argv) {
   apps::add_log_option(app, options.log_level);
   apps::add_source_options(app, options.source);
   app.add_option("--record", options.record, "Write the published samples to a new sensor-log folder")
-      ->type_name("DIR");
+      .type_name("DIR");
   app.add_flag("--json", options.json, "The monitor prints one JSON object per second instead of the table");
   apps::add_config_options(app, options.config);
   apps::add_bus_options(app, options.bus);

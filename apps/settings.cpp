@@ -104,9 +104,10 @@ int reset(const Options& options) {
   return 0;
 }
 
-CLI::App* add_command(CLI::App& app, Options& options, const char* name, const char* description) {
-  auto* command = app.add_subcommand(name, description);
-  apps::add_beacon_or_all_option(*command, options.address);
+apps::CommandLine add_command(apps::CommandLine& app, Options& options, const char* name,
+                              const char* description) {
+  auto command = app.add_subcommand(name, description);
+  apps::add_beacon_or_all_option(command, options.address);
   return command;
 }
 
@@ -117,34 +118,32 @@ int main(int argc, char** argv) {
   apps::Program app("settings");
   add_bus_options(app, options.bus);
   app.add_option("--timeout", options.timeout_s, "Seconds to wait for an answer (get, set, save, reset)")
-      ->check(apps::number_between(0.001, 1e6))
-      ->capture_default_str();
-  app.require_subcommand(1)->fallthrough();  // lets the program's options follow the command
-  auto* getting = add_command(app, options, "get", "Print the settings in use");
-  getting->add_option("KEY", options.words, "Keys (documented.drift.jump_alpha) or groups (default: all)");
-  getting->add_flag("--json", options.json, "Print a JSON array with one object per beacon instead of TOML");
-
-  auto* setting = add_command(app, options, "set", "Change settings: all of the given ones, or none");
-  setting->add_option("KEY=VALUE", options.words, "New values")->required();
-  setting->add_option("--from-event", options.from_event, "First event that uses them (default: the next)")
-      ->check(apps::natural_number(1'000'000'000'000'000));
-
-  auto* watching = add_command(app, options, "watch", "Print each change when it takes effect");
-  watching->add_flag("--json", options.json, "Print one JSON object per change");
-  watching->add_option("--duration", options.duration_s, "Exit after this many seconds; 0: run until stopped")
-      ->check(apps::number_between(0.0, 1e9));
-
-  auto* saving = app.add_subcommand("save", "Keep the settings for the next start of the fusion");
-  saving->add_option("FILE", options.file, "What differs from the defaults (default: a drop-in)");
-  saving->add_option("--config", options.base, "Write its drop-in 90-saved.toml: what differs from it")
-      ->option_text("FILE (default: " + options.base.string() + ")");
+      .check(apps::number_between(0.001, 1e6))
+      .capture_default_str();
+  app.require_subcommand();
+  app.fallthrough();  // lets the program's options follow the command
+  auto getting = add_command(app, options, "get", "Print the settings in use");
+  getting.add_option("KEY", options.words, "Keys (documented.drift.jump_alpha) or groups (default: all)");
+  getting.add_flag("--json", options.json, "Print a JSON array with one object per beacon instead of TOML");
+  auto setting = add_command(app, options, "set", "Change settings: all of the given ones, or none");
+  setting.add_option("KEY=VALUE", options.words, "New values").required();
+  setting.add_option("--from-event", options.from_event, "First event that uses them (default: the next)")
+      .check(apps::number_between(0, 1e15));
+  auto watching = add_command(app, options, "watch", "Print each change when it takes effect");
+  watching.add_flag("--json", options.json, "Print one JSON object per change");
+  watching.add_option("--duration", options.duration_s, "Exit after this many seconds; 0: run until stopped")
+      .check(apps::number_between(0.0, 1e9));
+  auto saving = app.add_subcommand("save", "Keep the settings for the next start of the fusion");
+  saving.add_option("FILE", options.file, "What differs from the defaults (default: a drop-in)");
+  saving.add_option("--config", options.base, "Write its drop-in 90-saved.toml: what differs from it")
+      .option_text("FILE (default: " + options.base.string() + ")");
   add_command(app, options, "reset", "Restart the engines and wait until they have restarted");
 
   return apps::run(app, argc, argv, [&] {
     const logging::Session log(logging::Level::info);
-    if (getting->parsed()) return get(options);
-    if (setting->parsed()) return set(options);
-    if (saving->parsed()) return save(options);
-    return watching->parsed() ? watch(options) : reset(options);
+    if (getting.parsed()) return get(options);
+    if (setting.parsed()) return set(options);
+    if (saving.parsed()) return save(options);
+    return watching.parsed() ? watch(options) : reset(options);
   });
 }

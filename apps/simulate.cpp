@@ -36,28 +36,28 @@ struct Options {
   bool list = false;
 };
 
-void add_options(CLI::App& app, Options& options) {
-  app.add_option("SCENARIO", options.scenario, "Scenario to simulate; --list shows all")->type_name("");
+void add_options(apps::CommandLine& app, Options& options) {
+  app.add_option("SCENARIO", options.scenario, "Scenario to simulate; --list shows all").type_name("");
   app.add_option("--out", options.folder, "New sensor-log folder; an existing recording is never overwritten")
-      ->type_name("DIR");
+      .type_name("DIR");
   app.add_option("--seed", options.seed, "Seed of the noise; the same seed gives the same bytes")
-      ->check(apps::natural_number())
-      ->capture_default_str();
+      .check(apps::number_between(0, 1e9))
+      .capture_default_str();
   app.add_option("--duration", options.duration_s, "Length in seconds (default: the scenario's)")
-      ->check(apps::number_between(0.01, 1e5));
-  const CLI::Validator metres = apps::number_between(-10.0, 10.0);
+      .check(apps::number_between(0.01, 1e5));
+  const apps::Check metres = apps::number_between(-10.0, 10.0);
   app.add_option("--mount-offset-deg", options.mount_offset_deg,
                  "Angle from body X to the axis of the pair, to the left (default: the scenario's)")
-      ->check(apps::number_between(-180.0, 180.0));
+      .check(apps::number_between(-180.0, 180.0));
   app.add_option("--delay-error-ms", options.delay_error_ms,
                  "By how much fixes and headings are older than their stamps (default: the scenario's)")
-      ->check(apps::number_between(-1000.0, 1000.0));
+      .check(apps::number_between(-1000.0, 1000.0));
   app.add_option("--lever-arm-m", options.lever_arm_body_m,
                  "Place of the IMU, seen from the tracked point, in body axes (default: the scenario's)")
-      ->expected(3)
-      ->allow_extra_args(false)
-      ->type_name("X Y Z")
-      ->check(metres);
+      .expected(3)
+      .allow_extra_args(false)
+      .type_name("X Y Z")
+      .check(metres);
   apps::add_wheel_options(app, options.wheels);
   app.add_flag("--list", options.list, "List the scenarios and exit");
 }
@@ -103,9 +103,9 @@ recording::LogSettings settings_of(const Options& options, const sim::Scenario& 
 }
 
 int write(const Options& options) {
-  if (options.scenario.empty()) throw CLI::RequiredError("SCENARIO");
+  if (options.scenario.empty()) apps::require_option("SCENARIO");
   sim::Scenario scenario = sim::find_scenario(options.scenario);
-  if (options.folder.empty()) throw CLI::RequiredError("--out");
+  if (options.folder.empty()) apps::require_option("--out");
   const double duration_s = options.duration_s.value_or(scenario.duration_s);
   const sim::Run run{.seed = options.seed, .duration_s = duration_s};
   sim::SensorSettings sensors = sensors_of(options, scenario, run);

@@ -30,18 +30,18 @@ struct Options {
   std::uint64_t search_seed = 1;
 };
 
-void add_options(CLI::App& app, Options& options) {
+void add_options(apps::CommandLine& app, Options& options) {
   apps::add_case_options(app, options.cases);
   apps::add_config_options(app, options.config);
   app.add_option("--vary", options.vary,
                  "Setting to search: GROUP.KEY or GROUP.KEY=LOW..HIGH; may be repeated")
-      ->required()
-      ->type_name("KEY=LOW..HIGH")
-      ->allow_extra_args(false);
+      .required()
+      .type_name("KEY=LOW..HIGH")
+      .allow_extra_args(false);
   app.add_option("--rounds", options.rounds, "Number of random settings to try")
-      ->check(CLI::Range(1, 1'000'000))
-      ->capture_default_str();
-  app.add_option("--search-seed", options.search_seed, "Seed of the search")->capture_default_str();
+      .check(apps::number_between(1, 1'000'000))
+      .capture_default_str();
+  app.add_option("--search-seed", options.search_seed, "Seed of the search").capture_default_str();
 }
 
 /// Throws ConfigError for a setting that the chosen engine does not read.

@@ -54,59 +54,57 @@ int main(int argc, char** argv) {
   web::WebOptions options;
   Given given;
   apps::Program app("web", "Only this machine can open the page unless --listen says otherwise.");
-  auto* const recording =
+  auto recording =
       app.add_option("recording", given.recording,
                      "Show this instead of the bus: MCAP or rosbag2 files or a sensor-log folder");
   apps::add_expanded_option(app);
   apps::add_bag_options(app);
   app.add_option("--beacon", given.beacon,
                  "Only this beacon; required if the recording has several and no poses")
-      ->type_name("ADDRESS")
-      ->needs(recording);
+      .type_name("ADDRESS")
+      .needs(recording);
   add_bus_options(app, bus);
   logging::Level log_level = logging::Level::info;
   apps::add_log_option(app, log_level);
   add_max_beacons(app, "Show", options.max_beacons);
   app.add_option("--listen", given.listen, "Where to serve the page")
-      ->check(apps::readable_by(web::http::parse_endpoint))
-      ->type_name("ADDRESS:PORT")
-      ->default_str(text_of(options.server.endpoint));
+      .check(apps::readable_by(web::http::parse_endpoint))
+      .type_name("ADDRESS:PORT")
+      .default_str(text_of(options.server.endpoint));
   app.add_option("--token", options.server.token,
                  "Secret in the page's URL; if other machines can connect, a random token is generated")
-      ->check(apps::readable_by(web::http::check_token))
-      ->type_name("TEXT");
+      .check(apps::readable_by(web::http::check_token))
+      .type_name("TEXT");
   app.add_option("--allow-origin", options.server.origins,
                  "A page elsewhere that may use Foxglove's protocol; file:// for local ones")
-      ->check(apps::readable_by(web::http::parse_origin))
-      ->type_name("URL");
+      .check(apps::readable_by(web::http::parse_origin))
+      .type_name("URL");
   app.add_flag("--allow-changes", options.allows_changes,
                "The page may change settings and reset estimators");
   app.add_option("--max-clients", options.server.max_clients, "Pages and Foxglove clients at a time")
-      ->check(apps::number_between(1, 1000))
-      ->capture_default_str();
+      .check(apps::number_between(1, 1000))
+      .capture_default_str();
   app.add_option("--on-status", options.on_status,
                  "Run this with sh when a beacon's status changes, at most every 10 s; see docs/web.md")
-      ->type_name("COMMAND");
-  auto* const plan =
-      app.add_option("--floor-plan", given.floor_plan, "A picture under the map: PNG, JPEG or SVG")
-          ->check(apps::readable_by(web::read_picture))
-          ->type_name("FILE");
+      .type_name("COMMAND");
+  auto plan = app.add_option("--floor-plan", given.floor_plan, "A picture under the map: PNG, JPEG or SVG")
+                  .check(apps::readable_by(web::read_picture))
+                  .type_name("FILE");
   app.add_option("--floor-plan-area", given.floor_plan_area_m,
                  "Where its lower left and upper right corners are, in m")
-      ->type_name("X0 Y0 X1 Y1")
-      ->expected(4)
-      ->needs(plan);
-  plan->needs(app.get_option("--floor-plan-area"));
+      .type_name("X0 Y0 X1 Y1")
+      .expected(4)
+      .needs(plan);
+  plan.needs(app.option("--floor-plan-area"));
   app.add_option("--geofence", given.geofence, "The corners of an area, as CSV with the header # x_m,y_m")
-      ->check(apps::readable_by(web::read_geofence))
-      ->type_name("FILE");
+      .check(apps::readable_by(web::read_geofence))
+      .type_name("FILE");
   apps::add_options_file(app);
-  for (const CLI::Option* const option : app.get_options()) {
-    const bool is_of_bus = option->get_group() == apps::bus_group;
-    const bool is_of_live_page = option->check_lname("allow-changes") || option->check_lname("max-beacons") ||
-                                 option->check_lname("on-status");
-    if (is_of_bus || is_of_live_page)
-      recording->excludes(app.get_option("--" + option->get_lnames().front()));
+  for (const apps::Option& option : app.options()) {
+    const bool is_of_bus = option.group_name() == apps::bus_group;
+    const bool is_of_live_page = option.has_name("--allow-changes") || option.has_name("--max-beacons") ||
+                                 option.has_name("--on-status");
+    if (is_of_bus || is_of_live_page) recording.excludes(option);
   }
   return apps::run(app, argc, argv, [&] {
     process::use_batch_scheduling();  // only watches

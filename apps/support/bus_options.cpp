@@ -50,36 +50,37 @@ void check_qos_of_environment(const BusOptions& options) {
 
 }  // namespace
 
-void add_bus_options(CLI::App& app, BusOptions& options) {
+void add_bus_options(CommandLine& app, BusOptions& options) {
   dds::send_messages_to(log_message);
   app.add_option_function<std::uint32_t>(
          "--domain", [&options](std::uint32_t id) { options.domain.domain_id = id; },
          "DDS domain (default: ROS_DOMAIN_ID, else 0)")
-      ->check(CLI::Range(0U, dds::max_domain_id))
-      ->group(bus_group);
+      .check(number_between(0U, dds::max_domain_id))
+      .group(bus_group);
   add_choice<dds::Network>(app, "--network", options.domain.network,
                            {{"loopback", dds::Network::loopback}, {"lan", dds::Network::lan}},
                            "loopback: only this machine; lan: the interface with the default route, else "
                            "the most likely one (CYCLONEDDS_URI overrides both)")
-      ->group(bus_group);
+      .group(bus_group);
   app.add_option("--interface", options.domain.interfaces,
                  "Use this network interface instead, such as wlan0, or lo for this machine; may be repeated")
-      ->type_name("NAME")
-      ->check([](const std::string& name) {
-        return name.empty() ? std::string("the name of an interface is empty") : std::string();
-      })
-      ->group(bus_group)
-      ->allow_extra_args(false);
+      .type_name("NAME")
+      .check({[](const std::string& name) {
+                return name.empty() ? std::string("the name of an interface is empty") : std::string();
+              },
+              ""})
+      .group(bus_group)
+      .allow_extra_args(false);
   app.add_option(
          "--partition", options.domain.partition,
          "DDS partition to read and write; a reader may use a pattern: hall-* (default: no partition)")
-      ->type_name("NAME")
-      ->group(bus_group);
+      .type_name("NAME")
+      .group(bus_group);
   app.add_option("--qos", options.qos_file,
                  "File of QoS policies that override the project's (default: SONOPOSE_QOS, else none)")
-      ->check(readable_by([](const std::string& file) { dds::qos::Provider{file}; }))
-      ->type_name("FILE")
-      ->group(bus_group);
+      .check(readable_by([](const std::string& file) { dds::qos::Provider{file}; }))
+      .type_name("FILE")
+      .group(bus_group);
   add_security_options(app, options);
   app.final_callback([&app, &options] {
     check_qos_of_environment(options);
@@ -120,12 +121,12 @@ bool wait_for_network(const dds::DomainOptions& domain, const process::StopSigna
   return true;
 }
 
-void add_max_beacons(CLI::App& app, const std::string& verb, std::size_t& max_beacons) {
+void add_max_beacons(CommandLine& app, const std::string& verb, std::size_t& max_beacons) {
   app.add_option("--max-beacons", max_beacons,
                  verb + " at most this many beacons at a time: the first ones that are heard")
-      ->check(CLI::Range(std::size_t{1}, std::size_t{all_beacons}))
-      ->type_name("N")
-      ->capture_default_str();
+      .check(number_between(std::size_t{1}, std::size_t{all_beacons}))
+      .type_name("N")
+      .capture_default_str();
 }
 
 void check_publisher(const BusOptions& options) {

@@ -30,7 +30,7 @@ inline constexpr const char* bus_group = "Bus";
 
 /// Adds --domain, --network, --interface, --partition, --qos, --security and --enclave. From now on, messages
 /// of DDS are lines of the log.
-void add_bus_options(CLI::App& app, BusOptions& options);
+void add_bus_options(CommandLine& app, BusOptions& options);
 
 /// Waits until the network is there: with `--network lan` any interface besides loopback, with --interface
 /// the named ones. Meanwhile, it reports to the service manager. Logs what is missing, then the interfaces
@@ -40,6 +40,6 @@ bool wait_for_network(const dds::DomainOptions& domain, const process::StopSigna
                       double duration_s = 0.0);
 
 /// Adds --max-beacons. `verb` says what the program does with beacons: "Serve".
-void add_max_beacons(CLI::App& app, const std::string& verb, std::size_t& max_beacons);
+void add_max_beacons(CommandLine& app, const std::string& verb, std::size_t& max_beacons);
 
 }  // namespace sonopose::apps

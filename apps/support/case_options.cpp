@@ -18,27 +18,27 @@
 
 namespace sonopose::apps {
 
-void add_case_options(CLI::App& app, CaseOptions& options) {
+void add_case_options(CommandLine& app, CaseOptions& options) {
   app.add_option(
          "CASE", options.named,
          "Scenarios, and recordings: folders or MCAP files; NAME_001.mcap, NAME_002.mcap, ... are one "
          "(default: all scenarios but the harder ones)")
-      ->type_name("");
+      .type_name("");
   add_expanded_option(app);
   add_bag_options(app);
   app.add_flag("--harder", options.harder,
                "Score the harder scenarios, which differ from run to run, and CASE if any");
   app.add_option("--seeds", options.seeds, "Number of runs of each scenario")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
+      .check(number_between(1, 1000))
+      .capture_default_str();
   app.add_option("--first-seed", options.first_seed, "Seed of the first run; another seed gives other runs")
-      ->check(natural_number())
-      ->capture_default_str();
+      .check(number_between(0, 1e9))
+      .capture_default_str();
   app.add_option("--recordings", options.recordings, "Also score every recording in this folder")
-      ->type_name("DIR")
-      ->envname("SONOPOSE_RECORDINGS");
+      .type_name("DIR")
+      .envname("SONOPOSE_RECORDINGS");
   add_beacon_option(app, options.beacon);
-  app.get_option("--beacon")->each([&options](const std::string&) { options.is_beacon_given = true; });
+  app.option("--beacon").each([&options](const std::string&) { options.is_beacon_given = true; });
 }
 
 namespace {

@@ -1,10 +1,9 @@
 #pragma once
 // The choice of cases, common to all programs that score.
 
+#include "command_line.hpp"
 #include "evaluation/replay/cases.hpp"
 #include "recording/log_folder.hpp"
-
-#include <CLI/CLI.hpp>
 
 #include <cstdint>
 #include <filesystem>
@@ -27,7 +26,7 @@ struct CaseOptions {
 };
 
 /// Adds CASE..., --harder, --seeds, --first-seed, --recordings and --beacon.
-void add_case_options(CLI::App& app, CaseOptions& options);
+void add_case_options(CommandLine& app, CaseOptions& options);
 
 /// A case that is about to be created.
 struct CasePlace {

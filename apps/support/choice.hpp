@@ -1,7 +1,10 @@
 #pragma once
 // An option that takes one of a few words.
 
-#include <CLI/CLI.hpp>
+#include "command_line.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <string>
@@ -10,17 +13,14 @@
 
 namespace sonopose::apps {
 
-/// Accepts only these words; its error lists them.
-CLI::Validator one_of(const std::vector<std::string>& words);
-
 template <class Value>
 using Words = std::vector<std::pair<std::string, Value>>;
 
 /// Adds an option whose words stand for values. (CLI11's CheckedTransformer also takes the values' numbers,
 /// and shows an enum of one byte as a character.) `value` must outlive the parsing; its word is the default.
 template <class Value>
-CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value, const Words<Value>& words,
-                        const std::string& help) {
+Option add_choice(CommandLine& app, const std::string& name, Value& value, const Words<Value>& words,
+                  const std::string& help) {
   std::vector<std::string> texts;
   std::string default_word;
   for (const auto& [word, meaning] : words) {
@@ -32,9 +32,9 @@ CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value, co
     value = std::find_if(words.begin(), words.end(), is_it)->second;
   };
   return app.add_option_function<std::string>(name, set, help)
-      ->check(one_of(texts))
-      ->option_text(CLI::detail::join(texts, "|") +
-                    (default_word.empty() ? "" : " (default: " + default_word + ")"));
+      .check(one_of(texts))
+      .option_text(fmt::format("{}", fmt::join(texts, "|")) +
+                   (default_word.empty() ? "" : " (default: " + default_word + ")"));
 }
 
 }  // namespace sonopose::apps

@@ -4,7 +4,7 @@
 
 namespace sonopose::apps {
 
-CLI::Option* add_compression_option(CLI::App& app, mcap::Compression& compression) {
+Option add_compression_option(CommandLine& app, mcap::Compression& compression) {
   using mcap::Compression;
   return add_choice<Compression>(
       app, "--compression", compression,

@@ -1,13 +1,12 @@
 #pragma once
 // The option --compression, common to all programs that write MCAP files.
 
+#include "command_line.hpp"
 #include "mcap/compression.hpp"
-
-#include <CLI/CLI.hpp>
 
 namespace sonopose::apps {
 
 /// Adds --compression; `compression` is the default.
-CLI::Option* add_compression_option(CLI::App& app, mcap::Compression& compression);
+Option add_compression_option(CommandLine& app, mcap::Compression& compression);
 
 }  // namespace sonopose::apps

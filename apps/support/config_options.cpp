@@ -20,9 +20,8 @@ void print_settings(const std::string& group) {
   constexpr std::size_t column_of_ranges = 54;
   const std::string text = config::settings_help(group);
   if (!text.empty()) throw Printed(wrapped_lines(text, column_of_ranges));
-  throw CLI::ValidationError(settings_option,
-                             fmt::format("{}: no settings have this name{}", group,
-                                         text::suggestion(group, config::settings_groups())));
+  refuse_option(settings_option, fmt::format("{}: no settings have this name{}", group,
+                                             text::suggestion(group, config::settings_groups())));
 }
 
 bool has_own(const config::FusionConfig& config, BeaconAddress beacon) {
@@ -32,46 +31,47 @@ bool has_own(const config::FusionConfig& config, BeaconAddress beacon) {
 
 }  // namespace
 
-void add_config_options(CLI::App& app, ConfigOptions& options) {
-  app.add_option("--config", options.file, "TOML file with settings")
-      ->type_name("FILE")
-      ->group(settings_group);
+void add_config_options(CommandLine& app, ConfigOptions& options) {
+  app.add_option("--config", options.file, "TOML file with settings").type_name("FILE").group(settings_group);
   app.add_option("--set", options.assignments,
                  "One setting: GROUP.KEY=VALUE, or beacon.7.GROUP.KEY=VALUE for one beacon; may be repeated")
-      ->type_name("KEY=VALUE")
-      ->group(settings_group)
-      ->allow_extra_args(false);
+      .type_name("KEY=VALUE")
+      .group(settings_group)
+      .allow_extra_args(false);
   app.add_option_function<std::string>(settings_option, print_settings,
                                        "Print the settings for --set, all or those of a group, and exit")
-      ->type_name("[GROUP]")
-      ->group(settings_group)
-      ->expected(0, 1)
-      ->trigger_on_parse();
+      .type_name("[GROUP]")
+      .group(settings_group)
+      .expected(0, 1)
+      .trigger_on_parse();
 }
 
-void add_beacon_option(CLI::App& app, BeaconAddress& beacon) {
+void add_beacon_option(CommandLine& app, BeaconAddress& beacon) {
   app.add_option("--beacon", beacon,
                  "Beacon whose own settings apply, and which is read from a file of several")
-      ->check(CLI::Range(0, 65534))
-      ->capture_default_str();
+      .check(number_between(0, 65534))
+      .capture_default_str();
 }
 
-void add_beacon_option(CLI::App& app, std::optional<BeaconAddress>& beacon) {
+void add_beacon_option(CommandLine& app, std::optional<BeaconAddress>& beacon) {
   app.add_option(
          "--beacon", beacon,
          "Beacon whose own settings apply, and which is read from an MCAP file of several (default: the one "
          "in meta.toml of the log, else 7)")
-      ->check(CLI::Range(0, 65534));
+      .check(number_between(0, 65534));
 }
 
-void add_beacon_or_all_option(CLI::App& app, BeaconAddress& beacon) {
+void add_beacon_or_all_option(CommandLine& app, BeaconAddress& beacon) {
   app.add_option("--beacon", beacon, "Address of one beacon (default: all)")
-      ->transform([](const std::string& text) {
-        if (text == "all") return std::to_string(all_beacons);
-        if (CLI::Range(0, all_beacons - 1)(text).empty()) return text;
-        throw CLI::ValidationError(fmt::format("{}: must be all or 0 … {}", text, all_beacons - 1));
-      })
-      ->option_text("ADDRESS|all");
+      .transform({[](std::string& text) {
+                    const bool is_all = text == "all";
+                    if (is_all) text = std::to_string(all_beacons);
+                    return is_all || number_between(0, all_beacons - 1).mistake_in(text).empty()
+                               ? std::string()
+                               : fmt::format("{}: must be all or 0 … {}", text, all_beacons - 1);
+                  },
+                  ""})
+      .option_text("ADDRESS|all");
 }
 
 config::FusionConfig configuration(const ConfigOptions& options) {

@@ -1,10 +1,9 @@
 #pragma once
 // The options --config, --set and --help-settings, common to all programs with fusion settings.
 
+#include "command_line.hpp"
 #include "config/fusion_config.hpp"
 #include <sonopose/samples/samples.hpp>
-
-#include <CLI/CLI.hpp>
 
 #include <filesystem>
 #include <optional>
@@ -31,15 +30,15 @@ struct ConfigOptions {
 inline constexpr const char* settings_group = "Settings";
 
 /// Adds --config, --set and --help-settings.
-void add_config_options(CLI::App& app, ConfigOptions& options);
+void add_config_options(CommandLine& app, ConfigOptions& options);
 
 /// Adds --beacon, which selects the settings for events that name no beacon.
-void add_beacon_option(CLI::App& app, BeaconAddress& beacon);
+void add_beacon_option(CommandLine& app, BeaconAddress& beacon);
 /// The same for a log that may name its beacon, which is the default.
-void add_beacon_option(CLI::App& app, std::optional<BeaconAddress>& beacon);
+void add_beacon_option(CommandLine& app, std::optional<BeaconAddress>& beacon);
 
 /// Adds --beacon, which also takes "all" for all_beacons, the default.
-void add_beacon_or_all_option(CLI::App& app, BeaconAddress& beacon);
+void add_beacon_or_all_option(CommandLine& app, BeaconAddress& beacon);
 
 /// Reads the settings, with --set above --config, and logs their warnings. Those of the other engine are no
 /// mistake if an option chooses the engine. Throws config::ConfigError.

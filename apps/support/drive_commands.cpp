@@ -49,7 +49,7 @@ void write_settings(const std::filesystem::path& file, const std::vector<files::
 
 }  // namespace
 
-DriveCommands::DriveCommands(CLI::App& app) {
+DriveCommands::DriveCommands(CommandLine& app) {
   add(app, "mount", "From a drive: the angle from body X to the axis of the paired beacons",
       {Quantity::mount});
   add(app, "delay", "From a drive: by how much the delay that fixes carry is wrong", {Quantity::delay});
@@ -59,41 +59,41 @@ DriveCommands::DriveCommands(CLI::App& app) {
       "From a drive: all of these. Drive for two minutes, with curves both ways and changes of speed", all());
 }
 
-void DriveCommands::add(CLI::App& app, const char* name, const char* what, std::vector<Quantity> wanted) {
-  CLI::App* const command = app.add_subcommand(name, what);
+void DriveCommands::add(CommandLine& app, const char* name, const char* what, std::vector<Quantity> wanted) {
+  CommandLine command = app.add_subcommand(name, what);
   command
-      ->add_option("LOG", logs_,
-                   "Sensor-log folders or MCAP files of one installation; no ground truth is needed")
-      ->required()
-      ->type_name("DIR");
-  add_bag_options(*command);
+      .add_option("LOG", logs_,
+                  "Sensor-log folders or MCAP files of one installation; no ground truth is needed")
+      .required()
+      .type_name("DIR");
+  add_bag_options(command);
   command
-      ->add_option("--out", out_,
-                   "Write the settings to this file, replace it if it exists, and print only the report")
-      ->type_name("FILE");
-  command->add_option("--plot", plot_, "Draw the likelihood to a .svg or .png file (needs gnuplot)")
-      ->type_name("FILE");
+      .add_option("--out", out_,
+                  "Write the settings to this file, replace it if it exists, and print only the report")
+      .type_name("FILE");
+  command.add_option("--plot", plot_, "Draw the likelihood to a .svg or .png file (needs gnuplot)")
+      .type_name("FILE");
   command
-      ->add_option("--beacon", beacon_,
-                   "Use and write the settings of this beacon only; the one to read from a file of several")
-      ->check(CLI::Range(0, all_beacons - 1));
-  command->add_flag("--json", json_, "Print one JSON object instead of text");
-  add_config_options(*command, config_);
+      .add_option("--beacon", beacon_,
+                  "Use and write the settings of this beacon only; the one to read from a file of several")
+      .check(number_between(0, all_beacons - 1));
+  command.add_flag("--json", json_, "Print one JSON object instead of text");
+  add_config_options(command, config_);
   const bool has_settings = wanted.front() == Quantity::mount || wanted.front() == Quantity::delay;
   if (has_settings) {
     command
-        ->add_option("--write", write_,
-                     "Change these settings in an existing TOML file, or create it. All other lines and "
-                     "comments stay; its "
-                     "settings apply unless --config names another file")
-        ->type_name("FILE");
+        .add_option("--write", write_,
+                    "Change these settings in an existing TOML file, or create it. All other lines and "
+                    "comments stay; its "
+                    "settings apply unless --config names another file")
+        .type_name("FILE");
   }
   commands_.push_back({command, std::move(wanted)});
 }
 
 bool DriveCommands::is_given() const {
   return std::any_of(commands_.begin(), commands_.end(),
-                     [](const Command& command) { return command.app->parsed(); });
+                     [](const Command& command) { return command.app.parsed(); });
 }
 
 evaluation::DriveCalibration DriveCommands::calibrated(const Command& command) const {
@@ -114,8 +114,8 @@ evaluation::DriveCalibration DriveCommands::calibrated(const Command& command) c
 }
 
 int DriveCommands::run() const {
-  const auto command = std::find_if(commands_.begin(), commands_.end(),
-                                    [](const Command& each) { return each.app->parsed(); });
+  const auto command =
+      std::find_if(commands_.begin(), commands_.end(), [](const Command& each) { return each.app.parsed(); });
   std::optional<plots::LikelihoodPlot> plot;
   if (plot_) plot.emplace(*plot_);
   const evaluation::DriveCalibration result = calibrated(*command);

@@ -1,10 +1,9 @@
 #pragma once
 // The commands of sonopose-calibrate that calibrate an installation from a drive.
 
+#include "command_line.hpp"
 #include "config_options.hpp"
 #include "evaluation/calibration/drive_calibration.hpp"
-
-#include <CLI/CLI.hpp>
 
 #include <filesystem>
 #include <optional>
@@ -15,7 +14,7 @@ namespace sonopose::apps {
 class DriveCommands {
 public:
   /// Adds the commands mount, delay, lever-arm, noise and all.
-  explicit DriveCommands(CLI::App& app);
+  explicit DriveCommands(CommandLine& app);
 
   /// Returns true if one of the commands was given.
   [[nodiscard]] bool is_given() const;
@@ -25,11 +24,11 @@ public:
 
 private:
   struct Command {
-    CLI::App* app;
+    CommandLine app;
     std::vector<calibration::drive::Quantity> wanted;
   };
 
-  void add(CLI::App& app, const char* name, const char* what,
+  void add(CommandLine& app, const char* name, const char* what,
            std::vector<calibration::drive::Quantity> wanted);
   [[nodiscard]] evaluation::DriveCalibration calibrated(const Command& command) const;
 

@@ -49,7 +49,7 @@ std::string brief(const std::string& text, std::size_t columns) {
   return text;
 }
 
-/// Returns "N" for "UINT:INT in [0 - 65534]", and no default.
+/// Returns "N" for "UINT:[0 - 65534]", and no default.
 std::string short_type(const CLI::Option& option) {
   const std::string& text = option.get_option_text();
   if (!text.empty()) return text.substr(0, text.find(" ("));
@@ -59,7 +59,8 @@ std::string short_type(const CLI::Option& option) {
   return first == "FLOAT" ? "X" : first;
 }
 
-/// Describes allowed values: "1 … 65535" for "N:UINT in [1 - 65535]", "0 or more", "documented, kalman".
+}  // namespace
+
 std::string allowed(const CLI::Option& option) {
   if (!option.get_option_text().empty() || option.get_type_size() == 0) return {};
   const std::string type = option.get_type_name();
@@ -78,6 +79,8 @@ std::string allowed(const CLI::Option& option) {
   }
   return text;
 }
+
+namespace {
 
 std::string names_of(const std::set<CLI::Option*>& options) {
   std::vector<std::string> names;

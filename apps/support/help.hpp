@@ -18,6 +18,9 @@ std::string wrapped(std::string_view text, std::size_t begin, std::size_t indent
 /// Wraps every overlong line of a text, and continues it at `indent`.
 std::string wrapped_lines(std::string_view text, std::size_t indent);
 
+/// Describes allowed values: "1 … 65535" for "N:[1 - 65535]", "0 or more", "documented, kalman".
+std::string allowed(const CLI::Option& option);
+
 /// Shows everything if it fits on a page. Otherwise shows one line per option, and --help-all shows
 /// everything.
 class HelpFormatter : public CLI::Formatter {

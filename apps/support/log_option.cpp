@@ -4,7 +4,7 @@
 
 namespace sonopose::apps {
 
-CLI::Option* add_log_option(CLI::App& app, logging::Level& level) {
+Option add_log_option(CommandLine& app, logging::Level& level) {
   using logging::Level;
   return add_choice<Level>(app, "--log-level", level,
                            {{"debug", Level::debug},
@@ -12,7 +12,7 @@ CLI::Option* add_log_option(CLI::App& app, logging::Level& level) {
                             {"warning", Level::warning},
                             {"error", Level::error}},
                            "Log only lines of this level and above")
-      ->group(log_group);
+      .group(log_group);
 }
 
 }  // namespace sonopose::apps

@@ -1,9 +1,8 @@
 #pragma once
 // The option --log-level, common to all programs that serve.
 
+#include "command_line.hpp"
 #include "logging/log.hpp"
-
-#include <CLI/CLI.hpp>
 
 namespace sonopose::apps {
 
@@ -11,6 +10,6 @@ namespace sonopose::apps {
 inline constexpr const char* log_group = "Log";
 
 /// Adds --log-level; `level` is the default.
-CLI::Option* add_log_option(CLI::App& app, logging::Level& level);
+Option add_log_option(CommandLine& app, logging::Level& level);
 
 }  // namespace sonopose::apps

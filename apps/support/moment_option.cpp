@@ -30,8 +30,8 @@ std::optional<Moment> moment_of(const std::string& text) {
   return time_ns;
 }
 
-void add(CLI::App& app, const char* name, std::optional<Moment>& moment, const char* description) {
-  const CLI::Validator is_moment{
+void add(CommandLine& app, const char* name, std::optional<Moment>& moment, const char* description) {
+  const Check is_moment{
       [](const std::string& text) {
         if (moment_of(text)) return std::string();
         return fmt::format(
@@ -42,13 +42,13 @@ void add(CLI::App& app, const char* name, std::optional<Moment>& moment, const c
       ""};
   app.add_option_function<std::string>(
          name, [&moment](const std::string& text) { moment = moment_of(text); }, description)
-      ->check(is_moment)
-      ->type_name("TIME");
+      .check(is_moment)
+      .type_name("TIME");
 }
 
 }  // namespace
 
-void add_span_options(CLI::App& app, std::optional<Moment>& start, std::optional<Moment>& end) {
+void add_span_options(CommandLine& app, std::optional<Moment>& start, std::optional<Moment>& end) {
   add(app, "--start", start,
       "From this time on: seconds after the first message, a UTC time or a log time in ns");
   add(app, "--end", end, "To this time");

@@ -4,13 +4,13 @@
 
 namespace sonopose::apps {
 
-void add_realtime_option(CLI::App& app, int& priority) {
+void add_realtime_option(CommandLine& app, int& priority) {
   app.add_flag(
          "--realtime{50}", priority,
          "Use real-time priority 50 (or --realtime=PRIORITY), lock the memory and keep the cores awake; "
          "reports and skips what the system refuses")
-      ->check(CLI::Range(1, 99))
-      ->group(realtime_group);
+      .check(number_between(1, 99))
+      .group(realtime_group);
 }
 
 process::Realtime realtime(int priority) {

@@ -1,9 +1,8 @@
 #pragma once
 // The option --realtime, common to all programs between a sample and its pose.
 
+#include "command_line.hpp"
 #include "process/realtime.hpp"
-
-#include <CLI/CLI.hpp>
 
 namespace sonopose::apps {
 
@@ -11,7 +10,7 @@ namespace sonopose::apps {
 inline constexpr const char* realtime_group = "Real time";
 
 /// Adds --realtime[=PRIORITY]; `priority` stays 0 without it.
-void add_realtime_option(CLI::App& app, int& priority);
+void add_realtime_option(CommandLine& app, int& priority);
 
 /// Applies the option if it was given, and logs what was applied or refused. Call it after the node is
 /// created, and keep the result until the end.

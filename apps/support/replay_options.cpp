@@ -16,12 +16,12 @@
 
 namespace sonopose::apps {
 
-void add_replay_options(CLI::App& app, ReplayOptions& options) {
-  const CLI::Validator seconds = number_between(0.0, 1e9);
+void add_replay_options(CommandLine& app, ReplayOptions& options) {
+  const Check seconds = number_between(0.0, 1e9);
   app.add_option("LOG", options.logs,
                  "Sensor-log folder, or files of a recording (MCAP, rosbag2) or a folder of them")
-      ->required()
-      ->type_name("PATH");
+      .required()
+      .type_name("PATH");
   add_expanded_option(app);
   add_bag_options(app);
   add_config_options(app, options.config);
@@ -30,52 +30,52 @@ void add_replay_options(CLI::App& app, ReplayOptions& options) {
          "--out", options.out,
          "Write trajectory.tum, pose.csv and fixes.csv, with --smooth also covariance.csv, to this folder; "
          "replaces those of an earlier run")
-      ->type_name("DIR");
+      .type_name("DIR");
   app.add_option("--after", options.run.after_s,
                  "Score the poses from this many seconds after the first event")
-      ->check(seconds)
-      ->capture_default_str();
+      .check(seconds)
+      .capture_default_str();
   app.add_option("--until", options.run.until_s, "Stop this many seconds after the first event")
-      ->check(seconds);
+      .check(seconds);
   app.add_flag("--json", options.json,
                "Print JSON instead of text: one object, or with --compare one for each file, in their order");
   app.add_option(
          "--plot", options.plot,
          "Draw path, errors, innovations, height, yaw and more to a .svg or .png file (needs gnuplot)")
-      ->type_name("FILE");
+      .type_name("FILE");
   app.add_option("--compare", options.compared,
                  "Run with each of two settings files instead of --config, print both results, and draw both "
                  "into one plot")
-      ->expected(2)
-      ->allow_extra_args(false)
-      ->type_name("FILE FILE")
-      ->excludes("--config")
-      ->excludes("--out");
-  auto* const engine = add_choice<std::optional<ReplayEngine>>(
+      .expected(2)
+      .allow_extra_args(false)
+      .type_name("FILE FILE")
+      .excludes(app.option("--config"))
+      .excludes(app.option("--out"));
+  auto engine = add_choice<std::optional<ReplayEngine>>(
       app, "--engine", options.engine,
       {{"documented", ReplayEngine::documented},
        {"kalman", ReplayEngine::kalman},
        {"strapdown", ReplayEngine::strapdown}},
       "Instead of fusion.engine; strapdown: only the IMU, integrated from the truth");
   app.add_option("--init", "Start of strapdown: the first complete truth of the log")
-      ->check(CLI::IsMember({"truth"}))
-      ->needs(engine);
+      .check(one_of({"truth"}))
+      .needs(engine);
   using evaluation::strapdown::Rule;
   add_choice<Rule>(app, "--integration", options.integration,
                    {{"previous", Rule::previous}, {"mean", Rule::mean}},
                    "What strapdown integrates over a step: the previous sample, or the mean of both samples")
-      ->needs(engine);
-  auto* const smooth = app.add_flag("--smooth", options.smooth,
-                                    "Poses, scores and files from all measurements, those before and those "
-                                    "after each moment (Kalman engine)");
+      .needs(engine);
+  auto smooth = app.add_flag("--smooth", options.smooth,
+                             "Poses, scores and files from all measurements, those before and those "
+                             "after each moment (Kalman engine)");
   app.add_option("--save-state", options.save_state, "Write the final state of the engine to a JSON file")
-      ->type_name("FILE")
-      ->excludes("--compare");
+      .type_name("FILE")
+      .excludes(app.option("--compare"));
   app.add_option("--load-state", options.load_state,
                  "Continue from a saved state with the events that follow it")
-      ->type_name("FILE")
-      ->excludes("--compare")
-      ->excludes(smooth);
+      .type_name("FILE")
+      .excludes(app.option("--compare"))
+      .excludes(smooth);
 }
 
 config::FusionConfig configuration(const ReplayOptions& options) {

@@ -1,10 +1,9 @@
 #pragma once
 // The options of sonopose-replay.
 
+#include "command_line.hpp"
 #include "config_options.hpp"
 #include "evaluation/replay/run.hpp"
-
-#include <CLI/CLI.hpp>
 
 #include <filesystem>
 #include <optional>
@@ -31,7 +30,7 @@ struct ReplayOptions {
   bool json = false;
 };
 
-void add_replay_options(CLI::App& app, ReplayOptions& options);
+void add_replay_options(CommandLine& app, ReplayOptions& options);
 
 /// Reads the configuration, with --engine instead of fusion.engine. Throws config::ConfigError.
 config::FusionConfig configuration(const ReplayOptions& options);

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <optional>
 #include <stdexcept>
 
 namespace sonopose::apps {
@@ -24,25 +25,23 @@ std::string option_name(const std::string& parameter) {
 }
 
 /// True unless ROS 2 has another argument for this option.
-bool is_parameter(const CLI::Option& option) {
+bool is_parameter(const Option& option) {
   constexpr std::array others{"--name", "--namespace", "--remap", "--enclave", "--security"};
   return is_key(option) &&
-         std::ranges::none_of(others, [&](const char* name) { return option.check_name(name); });
+         std::ranges::none_of(others, [&](const char* name) { return option.has_name(name); });
 }
 
-/// Returns the option of a parameter; null if there is none.
-CLI::Option* option_of(Ros2Program& program, const Parameter& parameter) {
-  CLI::Option* const option = program.app.get_option_no_throw(option_name(parameter.name));
-  return option != nullptr && is_parameter(*option) ? option : nullptr;
+std::optional<Option> option_of(const Ros2Program& program, const Parameter& parameter) {
+  const std::string name = option_name(parameter.name);
+  if (!program.app.has_option(name) || !is_parameter(program.app.option(name))) return std::nullopt;
+  return program.app.option(name);
 }
 
 /// Gives an option its values, in place of those of a file.
-void assign(CLI::Option& option, const Parameter& parameter) {
-  if (parameter.values.empty()) return;  // an empty list
+void assign_parameter(Option option, const Parameter& parameter) {
   try {
-    give(option, parameter.values);
-    option.run_callback();
-  } catch (const CLI::ParseError& error) {
+    assign(option, parameter.values);  // none of an empty list
+  } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(fmt::format("{}: {}", parameter.origin, error.what()));
   }
 }
@@ -128,8 +127,8 @@ OtherParameters apply_parameters(const Arguments& arguments, Ros2Program& progra
   OtherParameters others;
   for (const Parameter& parameter : selected) {
     if (parameter.name == "start_type_description_service") continue;  // of every node of Jazzy; we have none
-    if (CLI::Option* const option = option_of(program, parameter)) {
-      if (!is_given(*option, own)) assign(*option, parameter);
+    if (const auto option = option_of(program, parameter)) {
+      if (!is_given(*option, own)) assign_parameter(*option, parameter);
     } else if (ros2::relay::setting_named(parameter.name)) {
       others.settings.push_back(setting_of(parameter));
     } else if (add_override(parameter, others.qos_overrides)) {
@@ -145,19 +144,18 @@ OtherParameters apply_parameters(const Arguments& arguments, Ros2Program& progra
 
 ros2::relay::OptionParameters option_parameters(const Ros2Program& program) {
   ros2::relay::OptionParameters parameters;
-  for (const CLI::Option* option : program.app.get_options()) {
-    if (!is_parameter(*option)) continue;
-    std::string name = option->get_single_name();
+  for (const Option& option : program.app.options()) {
+    if (!is_parameter(option)) continue;
+    std::string name = option.single_name();
     std::replace(name.begin(), name.end(), '-', '_');
-    const bool is_flag = option->get_items_expected_max() == 0;
-    if (option->count() == 0) {
-      const std::string text = is_flag ? "false" : option->get_default_str();
+    const bool is_flag = option.max_values() == 0;
+    if (option.count() == 0) {
+      const std::string text = is_flag ? "false" : option.default_text();
       if (!text.empty()) parameters[name] = scalar_of(text);
-    } else if (option->get_items_expected_max() > 1) {
-      parameters[name] = list_of(option->results());
+    } else if (option.max_values() > 1) {
+      parameters[name] = list_of(option.results());
     } else {
-      const std::string& text = option->results().back();
-      parameters[name] = scalar_of(text);
+      parameters[name] = scalar_of(option.results().back());
     }
   }
   return parameters;

@@ -1,10 +1,9 @@
 #pragma once
 // Command-line options of the relay.
 
+#include "command_line.hpp"
 #include "ros2/relay/relay.hpp"
 #include <sonopose/ros2/node/environment.hpp>
-
-#include <CLI/CLI.hpp>
 
 #include <array>
 #include <optional>
@@ -40,7 +39,7 @@ struct Ros2Options {
 };
 
 /// Adds the options. Call it after add_bus_options(), since it changes the description of --network.
-void add_ros2_options(CLI::App& app, Ros2Options& options);
+void add_ros2_options(CommandLine& app, Ros2Options& options);
 
 /// Returns the name of the node after remapping. Throws std::invalid_argument with the option.
 ros2::NodeName node_name(const Ros2Options& options);

@@ -9,13 +9,12 @@
 #include "verbs.hpp"
 #include "version.hpp"
 #include <sonopose/text/nearest.hpp>
-#include <sonopose/text/size_text.hpp>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -32,6 +31,8 @@
 
 namespace sonopose::apps {
 namespace {
+
+static_assert(wrong_option == static_cast<int>(CLI::ExitCodes::ValidationError));
 
 std::string description_of(std::string_view verb) {
   const auto* const found =
@@ -240,7 +241,8 @@ bool is_configuration_error(const std::exception& error) {
 }
 
 /// Reports the error that ended a program. Returns the exit code.
-int report_end(const std::exception& error, const CLI::App& app, const std::vector<FileOption>& of_file) {
+int report_end(const std::exception& error, const CommandLine& program,
+               const std::vector<FileOption>& of_file) {
   const auto* const of_parser = dynamic_cast<const CLI::ParseError*>(&error);
   const bool is_mistake =
       of_parser != nullptr || dynamic_cast<const std::invalid_argument*>(&error) != nullptr;
@@ -248,7 +250,7 @@ int report_end(const std::exception& error, const CLI::App& app, const std::vect
   const std::string origin = is_mistake || is_of_configuration ? origin_of(error, of_file) : "";
   logging::failure(origin + reason_of(error));
   if (!origin.empty() || is_of_configuration) return wrong_configuration;
-  if (!is_mistake || !has_options_file(app)) return 1;
+  if (!is_mistake || !has_options_file(program)) return 1;
   return of_parser != nullptr ? of_parser->get_exit_code() : wrong_option;
 }
 
@@ -273,64 +275,20 @@ std::string restart_words() {
 }  // namespace
 
 Program::Program(std::string_view verb, const std::string& details)
-    : CLI::App(description_of(verb) + (details.empty() ? "" : "\n" + details),
-               fmt::format("sonopose-{}", verb)) {
+    : Program(std::make_unique<CLI::App>(description_of(verb) + (details.empty() ? "" : "\n" + details),
+                                         fmt::format("sonopose-{}", verb))) {
   const auto help = std::make_shared<HelpFormatter>();
   help->label("SUBCOMMAND", "COMMAND");
-  formatter(help);  // later commands inherit it
-  set_help_all_flag("--help-all", "Print everything about every option and exit");
-  set_version_flag("--version", get_name() + " " + std::string(apps::version_text()),
-                   "Print the version and exit");
-  add_completions(*this);
+  app_->formatter(help);  // later commands inherit it
+  app_->set_help_all_flag("--help-all", "Print everything about every option and exit");
+  app_->set_version_flag("--version", name() + " " + std::string(apps::version_text()),
+                         "Print the version and exit");
+  add_completions(*app_);
 }
+
+Program::Program(std::unique_ptr<CLI::App> app) : CommandLine(*app), app_(std::move(app)) {}
 
 Program::~Program() = default;
-
-CLI::Validator number_between(double min, double max) {
-  const bool open = max == std::numeric_limits<double>::max();
-  const std::string range = open ? fmt::format("{} or more", min) : fmt::format("{} - {}", min, max);
-  return {[=](const std::string& text) {
-            double value = 0.0;
-            if (!CLI::detail::lexical_cast(text, value)) return fmt::format("'{}' is not a number", text);
-            const bool good = value >= min && value <= max;
-            return good ? std::string() : fmt::format("Value {} not in range [{}]", text, range);
-          },
-          "[" + range + "]"};
-}
-
-CLI::Validator size_between(double min_bytes, double max_bytes) {
-  return {[=](std::string& text) {
-            const auto bytes = text::bytes_of(text);
-            if (!bytes) {
-              return fmt::format("'{}' is not a size, such as 0.5MB, 2GiB or 1000000", text);
-            }
-            if (*bytes < min_bytes) {
-              return fmt::format("'{}' is less than {}, the minimum", text, text::size_text(min_bytes));
-            }
-            if (*bytes > max_bytes) {
-              return fmt::format("'{}' is more than {}, the maximum", text, text::size_text(max_bytes));
-            }
-            text = fmt::format("{:.0f}", std::floor(*bytes));
-            return std::string();
-          },
-          ""};
-}
-
-CLI::Validator readable_by(std::function<void(const std::string&)> read) {
-  return {[read = std::move(read)](const std::string& text) {
-            try {
-              read(text);
-            } catch (const std::exception& error) {
-              return std::string(error.what());
-            }
-            return std::string();
-          },
-          ""};
-}
-
-CLI::Validator natural_number(std::uint64_t max) {
-  return CLI::Range(std::uint64_t{0}, max);
-}
 
 void count_as_configuration_error(std::function<bool(const std::exception&)> is_one) {
   is_foreign_configuration_error() = std::move(is_one);
@@ -351,10 +309,10 @@ void serve(const std::function<void()>& node) {
   is_serving = false;
 }
 
-int run(CLI::App& app, int argc, char** argv, const std::function<int()>& body) {
+int run(Program& program, int argc, char** argv, const std::function<int()>& body) {
   RosArguments ros;
   const auto arguments = without_ros_arguments({argv + 1, argv + argc}, ros);
-  return run(app, arguments, [&] {
+  return run(program, arguments, [&] {
     if (ros.has_parameters) {
       logging::warning(fmt::format("not used: {}; only sonopose-ros2 reads parameters of ROS 2", ros.text));
     } else if (!ros.text.empty()) {
@@ -364,14 +322,15 @@ int run(CLI::App& app, int argc, char** argv, const std::function<int()>& body) 
   });
 }
 
-int run(CLI::App& app, const std::vector<std::string>& arguments, const std::function<int()>& body) {
+int run(Program& program, const std::vector<std::string>& arguments, const std::function<int()>& body) {
+  CLI::App& app = program.cli();
   program_name() = app.get_name();
   logging::set_program(app.get_name());
   prepare_process();
   std::vector<FileOption> of_file;
   try {
-    of_file = file_options(app, arguments);
-    for (const FileOption& each : of_file) give(*app.get_option(each.name), each.values);
+    of_file = file_options(program, arguments);
+    for (const FileOption& each : of_file) give(program.option(each.name), each.values);
     std::vector<std::string> words = with_joined_values(app, arguments);
     std::reverse(words.begin(), words.end());  // CLI11 takes arguments in reverse order
     app.parse(std::move(words));
@@ -388,7 +347,7 @@ int run(CLI::App& app, const std::vector<std::string>& arguments, const std::fun
                                  app.get_name()));
     return origin.empty() ? error.get_exit_code() : wrong_configuration;
   } catch (const std::exception& error) {
-    return report_end(error, app, of_file);
+    return report_end(error, program, of_file);
   }
   std::set_terminate(end_by_exception);
   try {
@@ -396,7 +355,7 @@ int run(CLI::App& app, const std::vector<std::string>& arguments, const std::fun
     flush_output();
     return code == 0 ? code_of_success.load() : code;
   } catch (const std::exception& error) {
-    return report_end(error, app, of_file);
+    return report_end(error, program, of_file);
   }
 }
 

@@ -25,6 +25,7 @@
 #include <mutex>
 #include <stop_token>
 #include <string_view>
+#include <strings.h>
 #include <system_error>
 #include <thread>
 #include <unistd.h>
@@ -33,9 +34,9 @@ namespace sonopose::apps {
 namespace {
 
 /// Returns the name of the enclave of a program that is given none: its role.
-std::string own_name(const CLI::App& app) {
+std::string own_name(const CommandLine& app) {
   constexpr std::string_view prefix = "sonopose-";
-  return std::string(security::role_of_program(app.get_name().substr(prefix.size())));
+  return std::string(security::role_of_program(app.name().substr(prefix.size())));
 }
 
 std::string relative(std::string name) {
@@ -48,10 +49,10 @@ std::string variable(const std::string& name) {
 }
 
 /// Returns the folder of the enclave; empty without security.
-std::string selected_folder(const CLI::App& app, const BusOptions& options) {
+std::string selected_folder(const CommandLine& app, const BusOptions& options) {
   // ROS 2 replaces the name of its command line by the variable; here the command line has precedence.
   const std::string name = options.enclave ? relative(*options.enclave) : own_name(app);
-  const bool is_enabled = CLI::detail::to_lower(variable("ROS_SECURITY_ENABLE")) == "true";
+  const bool is_enabled = ::strcasecmp(variable("ROS_SECURITY_ENABLE").c_str(), "true") == 0;
   if (options.enclave && (options.key_store || is_enabled)) {
     try {
       security::check_enclave_name(name);
@@ -94,7 +95,7 @@ constexpr std::array necessities{
 
 /// Throws std::invalid_argument, which names the option, if the enclave is of no use here: Cyclone DDS would
 /// refuse a reader or a writer later, in words that name neither.
-void check_rights(const CLI::App& app, const BusOptions& options, const security::Enclave& enclave) {
+void check_rights(const CommandLine& app, const BusOptions& options, const security::Enclave& enclave) {
   constexpr std::uint32_t highest_secured_domain = 230;  // of Cyclone DDS
   const std::uint32_t domain = dds::resolve_domain_id(options.domain);
   if (domain > highest_secured_domain) {
@@ -113,11 +114,11 @@ void check_rights(const CLI::App& app, const BusOptions& options, const security
   }
   for (const Necessity& each : necessities) {
     const auto& topics = each.writes ? grant.access.writes : grant.access.reads;
-    if (each.program != app.get_name() || matches_any(topics, each.topic)) continue;
+    if (each.program != app.name() || matches_any(topics, each.topic)) continue;
     throw std::invalid_argument(
         fmt::format("--enclave {}: may not {} {}, which {} needs: give it an enclave of the role {} "
                     "(sonopose-security list)",
-                    folder, each.writes ? "write" : "read", each.topic, app.get_name(), own_name(app)));
+                    folder, each.writes ? "write" : "read", each.topic, app.name(), own_name(app)));
   }
 }
 
@@ -131,7 +132,7 @@ std::string origin_of_enclave(const BusOptions& options) {
 }
 
 /// Selects the enclave and checks its files. Throws config::ConfigError.
-void check_enclave(const CLI::App& app, BusOptions& options) {
+void check_enclave(const CommandLine& app, BusOptions& options) {
   try {
     options.domain.enclave_folder = selected_folder(app, options);
     if (options.domain.enclave_folder.empty()) return;
@@ -188,23 +189,23 @@ private:
 
 }  // namespace
 
-void add_security_options(CLI::App& app, BusOptions& options) {
+void add_security_options(CommandLine& app, BusOptions& options) {
   count_as_configuration_error([](const std::exception& error) {
     return dynamic_cast<const dds::ForbiddenError*>(&error) != nullptr;  // a topic is not permitted
   });
   app.add_option("--security", options.key_store,
                  "Key store of DDS Security (default: ROS_SECURITY_KEYSTORE if ROS_SECURITY_ENABLE is true, "
                  "else no security)")
-      ->type_name("DIR")
-      ->group(bus_group);
+      .type_name("DIR")
+      .group(bus_group);
   if (options.joins_bus) {
     app.add_option("--enclave", options.enclave, "Enclave in the key store (default: the program's role)")
-        ->type_name("NAME")
-        ->group(bus_group);
+        .type_name("NAME")
+        .group(bus_group);
   }
 }
 
-void check_security(const CLI::App& app, BusOptions& options) {
+void check_security(const CommandLine& app, BusOptions& options) {
   if (options.joins_bus) check_enclave(app, options);
 }
 

@@ -2,17 +2,16 @@
 // The options of DDS Security, common to all programs on the bus (SECURITY.md).
 
 #include "bus_options.hpp"
-
-#include <CLI/CLI.hpp>
+#include "command_line.hpp"
 
 namespace sonopose::apps {
 
 /// Adds --security and --enclave. `options` must outlive the parsing.
-void add_security_options(CLI::App& app, BusOptions& options);
+void add_security_options(CommandLine& app, BusOptions& options);
 
 /// Selects the enclave and checks its files, after the parsing. Throws config::ConfigError, which names the
 /// option or variable, the file that cannot be used, and the verb that mends it.
-void check_security(const CLI::App& app, BusOptions& options);
+void check_security(const CommandLine& app, BusOptions& options);
 
 /// Returns the name of the enclave for ROS 2: that in use, without security the given one, "/" if there is
 /// none.

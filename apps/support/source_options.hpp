@@ -5,9 +5,8 @@
 #include "bridge/byte_sources.hpp"
 #include "bridge/log_source.hpp"
 #include "bridge/simulator_source.hpp"
+#include "command_line.hpp"
 #include "given_options.hpp"
-
-#include <CLI/CLI.hpp>
 
 #include <filesystem>
 #include <memory>
@@ -39,15 +38,15 @@ struct SourceOptions {
 inline constexpr const char* source_group = "Source";
 
 /// Adds --source and the options of all sources.
-void add_source_options(CLI::App& app, SourceOptions& options);
+void add_source_options(CommandLine& app, SourceOptions& options);
 
 /// Returns the description of the source for a recording: the given options, and the important ones.
-NamedValues source_settings(const CLI::App& app, const SourceOptions& options);
+NamedValues source_settings(const CommandLine& app, const SourceOptions& options);
 
 /// Throws std::invalid_argument if a given option does not apply to the source.
-void check_source_options(const CLI::App& app, const SourceOptions& options);
+void check_source_options(const CommandLine& app, const SourceOptions& options);
 
-/// Creates the source. Throws its exceptions, and CLI::RequiredError.
+/// Creates the source. Throws its exceptions, and the error of a missing option.
 std::unique_ptr<publication::Source> make_source(const SourceOptions& options);
 
 }  // namespace sonopose::apps

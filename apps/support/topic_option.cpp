@@ -11,7 +11,7 @@
 
 namespace sonopose::apps {
 
-CLI::Validator topic_name() {
+Check topic_name() {
   return {[](const std::string& text) {
             if (dds::topics::find_topic(text) != nullptr) return std::string();
             std::vector<std::string> names;

@@ -1,11 +1,11 @@
 #pragma once
 // Options that name a topic.
 
-#include <CLI/CLI.hpp>
+#include "command_line.hpp"
 
 namespace sonopose::apps {
 
 /// Accepts only native topics. The error names the nearest one and all others.
-CLI::Validator topic_name();
+Check topic_name();
 
 }  // namespace sonopose::apps

@@ -4,20 +4,19 @@
 
 namespace sonopose::apps {
 
-void add_wheel_options(CLI::App& app, WheelOptions& options) {
-  auto* const rate =
-      app.add_option("--twist", options.rate_hz,
-                     "Rate in Hz of the speed of wheels, along body X (default: the scenario's)")
-          ->check(number_between(1.0, 1000.0))
-          ->type_name("HZ");
+void add_wheel_options(CommandLine& app, WheelOptions& options) {
+  auto rate = app.add_option("--twist", options.rate_hz,
+                             "Rate in Hz of the speed of wheels, along body X (default: the scenario's)")
+                  .check(number_between(1.0, 1000.0))
+                  .type_name("HZ");
   app.add_option("--twist-scale-error", options.scale_error_percent,
                  "By how many percent that speed is too high")
-      ->check(number_between(-50.0, 50.0))
-      ->needs(rate);
+      .check(number_between(-50.0, 50.0))
+      .needs(rate);
   app.add_option("--twist-slip", options.slip_percent,
                  "By how many percent the wheels slip for a second, every ten seconds")
-      ->check(number_between(-100.0, 1000.0))
-      ->needs(rate);
+      .check(number_between(-100.0, 1000.0))
+      .needs(rate);
 }
 
 void add_wheels(const WheelOptions& options, double duration_s, sim::SensorSettings& sensors,

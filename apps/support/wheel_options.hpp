@@ -17,7 +17,7 @@ struct WheelOptions {
   double slip_percent = 0;
 };
 
-void add_wheel_options(CLI::App& app, WheelOptions& options);
+void add_wheel_options(CommandLine& app, WheelOptions& options);
 
 /// Adds the wheels, and slips of a second every ten seconds.
 void add_wheels(const WheelOptions& options, double duration_s, sim::SensorSettings& sensors,

@@ -223,7 +223,7 @@ SCENARIO("a bridge refuses an invalid input") {
   }
   WHEN("the seed is negative") {
     THEN("option, value and limits are named") {
-      CHECK_THAT(refused({"--seed", "-1"}), Contains("--seed: Value -1 not in range 0 to 1000000000"));
+      CHECK_THAT(refused({"--seed", "-1"}), Contains("--seed: Value -1 not in range [0 - 1000000000]"));
     }
   }
   WHEN("the device is not a serial line") {
