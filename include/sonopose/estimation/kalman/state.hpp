@@ -68,6 +68,7 @@ struct FixGate {
   int since_start = 0;  ///< number of fixes used, up to proven_fixes
   int rejected_in_row = 0;
   int misfits_in_row = 0;                        ///< fixes in a row that fit badly, used or not
+  double first_rejected_m = 0;                   ///< innovation of the first fix rejected in the row
   double trust = 1;                              ///< share of recent fixes that were used
   double quality_percent = -1;                   ///< quality of the last fix used; negative: unknown
   Vector3d rejected_world_m = Vector3d::Zero();  ///< latest rejected fix

@@ -94,6 +94,19 @@ void end_comparison(State& state) {
   state.imu_fault.is_undecided = false;
 }
 
+/// True if this fix belongs to the track to which the fixes have jumped: that track explains it better than
+/// the best hypothesis, which accepts it only because it has become uncertain meanwhile. If the fixes have
+/// parted from the best hypothesis slowly, that one was probably wrong.
+bool is_of_other_track(State& state, const JudgedFix& judged, const Innovation& innovation) {
+  constexpr double min_jump_share = 0.5;
+  const Hypothesis* const other = find_other_track(state);
+  return other != nullptr && state.phase == Phase::tracking &&
+         state.fixes.rejected_in_row >= min_rejected_in_row && other->explained >= min_track_fixes &&
+         other->missed_in_row == 0 &&
+         state.fixes.first_rejected_m > min_jump_share * innovation.value_world_m.norm() &&
+         log_likelihood(judged.innovation_of(state.bank, *other)) > log_likelihood(innovation);
+}
+
 FixOutcome judge(State& state, const settings::Settings& settings, const FixMeasurement& fix) {
   JudgedFix judged{.settings = settings,
                    .fix = fix,
@@ -111,7 +124,8 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
                      .has_innovation = true,
                      .covariance_world_m2 = judged.covariance_m2,
                      .test_ratio = innovation.squared_norm / chi2_reject_threshold};
-  const bool is_used = innovation.squared_norm <= chi2_reject_threshold;
+  const bool is_used =
+      innovation.squared_norm <= chi2_reject_threshold && !is_of_other_track(state, judged, innovation);
   constexpr double trust_memory = 8.0;
   state.fixes.trust += ((is_used ? 1.0 : 0.0) - state.fixes.trust) / trust_memory;
   const bool fits_badly = innovation.squared_norm > chi2_huber_threshold;
@@ -135,7 +149,7 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
       if (fits_badly) switch_to_distrustful_model(state);
     }
   } else {
-    ++state.fixes.rejected_in_row;
+    if (++state.fixes.rejected_in_row == 1) state.fixes.first_rejected_m = innovation.value_world_m.norm();
     if (state.fixes.rejected_in_row >= min_rejected_in_row) state.imu_fault.is_undecided = true;
     correct_distrustful(state, judged);
     if (switch_to_distrustful_model(state)) {

@@ -117,15 +117,13 @@ void add_missed_turn(State& state, const Vector3d& missed_body_radps, double dur
   }
 }
 
-/// Noise of a model. A rough IMU is at least as noisy as its samples show.
+/// Noise of a model: at least what the samples show. `quiet` takes that for a vibration, whose integral is
+/// small, and a distrustful model has noise enough.
 ProcessNoise process_noise(const ImuInput& imu, ImuModel model) {
   ProcessNoise noise = parameters_of(model).noise;
-  if (model == ImuModel::rough) {
-    noise.accel_mps2_rthz = std::max(noise.accel_mps2_rthz, imu.shocks.density_rthz());
-  }
-  if (model == ImuModel::rough || model == ImuModel::rough_gyro) {
-    noise.gyro_radps_rthz = std::max(noise.gyro_radps_rthz, imu.turn_shocks.density_rthz());
-  }
+  if (model == ImuModel::quiet || is_distrustful(model)) return noise;
+  noise.accel_mps2_rthz = std::max(noise.accel_mps2_rthz, imu.shocks.density_rthz());
+  noise.gyro_radps_rthz = std::max(noise.gyro_radps_rthz, imu.turn_shocks.density_rthz());
   return noise;
 }
 
@@ -145,8 +143,11 @@ void bound_dead_reckoning(State& state, ImuOutcome& outcome) {
       now_ns - state.last_zero_velocity_ns < period_ns || outcome.zero_velocity_variance > 0.0)
     return;
   state.last_zero_velocity_ns = now_ns;
-  outcome.zero_velocity_variance = square(parameters_of(state.bank.best().imu).dead_reckoning_mps_rts) /
-                                   (1e-9 * static_cast<double>(period_ns));
+  // Noise that the samples show, such as the vibration of a drive, does not make their integral worthless.
+  const double shown_mps_rts = parameters_of(ImuModel::rough_gyro).dead_reckoning_mps_rts;
+  const double model_mps_rts = parameters_of(state.bank.best().imu).dead_reckoning_mps_rts;
+  const double mps_rts = shown_mps_rts + unexplained_share(state) * (model_mps_rts - shown_mps_rts);
+  outcome.zero_velocity_variance = square(mps_rts) / (1e-9 * static_cast<double>(period_ns));
 }
 
 void update_zero_velocity(State& state, double variance_m2ps2) {

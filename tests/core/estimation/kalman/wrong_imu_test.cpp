@@ -64,6 +64,21 @@ double largest_error_m(const std::vector<Moment>& moments, double from_s) {
   return largest_m;
 }
 
+SCENARIO("a vibrating vehicle finds its fixes again after a gap") {
+  const std::string name = GENERATE("kart", "drone");
+  const std::uint64_t seed = GENERATE(7101U, 7102U, 7103U);
+  GIVEN("a " << name << " that vibrates, and no fixes for 2.5 s, seed " << seed) {
+    const auto moments = moments_of(name, seed, [&](sim::Scenario& scenario) {
+      scenario.disturbances.imu_faults = {
+          {.begin_s = 5.0, .duration_s = without_end_s, .vibration_mps2 = 0.7}};
+      scenario.disturbances.outages = {{.begin_s = 20.0, .duration_s = 2.5}};
+    });
+    THEN("it is within decimetres of the track a second later, and stays there") {
+      CHECK(largest_error_m(moments, 23.5) < 0.3);
+    }
+  }
+}
+
 SCENARIO("a gyro axis that dies or turns round while the body walks is found") {
   const double factor = GENERATE(0.0, -1.0);
   const std::uint64_t seed = GENERATE(7001U, 7002U, 7003U);

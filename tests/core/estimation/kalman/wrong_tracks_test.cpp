@@ -102,6 +102,20 @@ SCENARIO("the pose returns from a track that drifted away") {
   }
 }
 
+SCENARIO("a short reflection does not take the pose away from the fixes that follow it") {
+  const std::uint64_t seed = GENERATE(range(std::uint64_t{31}, std::uint64_t{37}));
+  GIVEN("a walk with reflections of 1.6 s, 0.5 m off, every 5 s, seed " << seed) {
+    sim::Scenario scenario = sim::find_scenario("walk");
+    scenario.duration_s = 35.0;
+    const auto errors = errors_in(scenario, seed, [](UltrasonicFix& fix, double time_s) {
+      if (time_s > 10.0 && std::fmod(time_s, 5.0) < 1.6) fix.position_world_m.x() += 0.5;
+    });
+    THEN("the pose follows none of them") {
+      CHECK(largest_m(errors, 8.0, 35.0) < 0.3);
+    }
+  }
+}
+
 TEST_CASE("the duration of wrong tracks fades, and others wait at most 1.6 s") {
   constexpr TimeNs now_ns = 1'700'000'000'000'000'000;
   const TimeNs later_ns = now_ns + to_ns(60.0);  // one time constant
