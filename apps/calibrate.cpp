@@ -34,7 +34,8 @@ apps::CommandLine add_command(apps::CommandLine& app, const std::string& name, c
                               Options& options) {
   apps::CommandLine command = app.add_subcommand(name, what);
   command
-      .add_option("LOG", options.log, "Sensor-log folder, of which only imu.csv is read, or MCAP or rosbag2")
+      .add_option("LOG", options.log,
+                  "Sensor-log folder (only imu.csv is read), MCAP file or rosbag2 recording")
       .required()
       .type_name("DIR");
   apps::add_expanded_option(command);

@@ -52,9 +52,8 @@ void add_options(sonopose::apps::CommandLine& app, Options& options) {
       .needs(strength)
       .capture_default_str();
   auto learned =
-      app.add_option(
-             "--learned", options.learned_file,
-             "Keep what is learned of the sensors in this file, and begin with it: Kalman engine only")
+      app.add_option("--learned", options.learned_file,
+                     "Save learned sensor errors to this file, and start from them (Kalman engine only)")
           .type_name("FILE");
   app.add_flag("--lossless", options.lossless,
                "Keep every event and pose and wait for slow consumers; use it for a log played at --rate 0")

@@ -44,7 +44,7 @@ int serve(Options& options) {
   const auto report = player::play(options.player, control, stop);
   apps::print("played {} in {:.1f} s\n", text::count_text(report.played, "message"), report.duration_s);
   if (report.refused > 0) {
-    apps::print("refused, not of the type of their topic: {}\n", text::count_text(report.refused, "message"));
+    apps::print("refused (wrong type for the topic): {}\n", text::count_text(report.refused, "message"));
   }
   if (report.shortened_gaps > 0) {
     apps::print("shortened: {}, by {:.1f} s\n", text::count_text(report.shortened_gaps, "gap"),

@@ -87,8 +87,8 @@ int serve(Options& options, const std::string& command) {
                                  sonopose::dds::resolve_domain_id(recording.domain)));
   }
   if (report.only_left_out) {
-    logging::error(fmt::format("nothing of --beacons {} was heard, but beacon {} was", options.beacons,
-                               *report.only_left_out));
+    logging::error(fmt::format("no message of --beacons {} arrived, but some of beacon {} did",
+                               options.beacons, *report.only_left_out));
     return 1;
   }
   return report.is_complete() ? 0 : 1;

@@ -136,11 +136,12 @@ int tune(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  apps::Program app("tune",
-                    "It prints what it changed as a TOML file; Ctrl-C ends the search and prints the best so "
-                    "far. A case without "
-                    "truth counts with its prediction errors. To search items 2, 3 and 4, add --set "
-                    "documented.imu_weight=user.");
+  apps::Program app(
+      "tune",
+      "It prints what it changed as a TOML file; Ctrl-C ends the search and prints the best so "
+      "far. A case without "
+      "truth counts with its prediction errors. To search settings that the preset sets, add --set "
+      "documented.imu_weight=user.");
   add_options(app, options);
   return apps::run(app, argc, argv, [&] { return tune(options); });
 }

@@ -39,7 +39,7 @@ void apply(const Given& given, web::WebOptions& options) {
   auto& server = options.server;
   if (!given.listen.empty()) server.endpoint = web::http::parse_endpoint(given.listen);
   for (std::string& origin : server.origins) origin = web::http::parse_origin(origin);
-  // The token controls access: its holder may look, and change settings if that is allowed.
+  // The token controls access: its holder sees the page, and changes settings with --allow-changes.
   if (server.token.empty() && !is_loopback(server.endpoint)) server.token = web::http::random_token();
   if (!given.floor_plan.empty()) {
     options.map.floor_plan = web::read_floor_plan(given.floor_plan, given.floor_plan_area_m);
@@ -119,7 +119,7 @@ int main(int argc, char** argv) {
         if (has_token || log_level > logging::Level::info) apps::print("{}\n", url);
         std::fflush(stdout);
         logging::info("the page is at " + url.substr(0, url.find('?')) +
-                      (has_token ? " with the token that is printed" : ""));
+                      (has_token ? "; its token is on standard output" : ""));
       }
     };
     process::StopSignal stop;

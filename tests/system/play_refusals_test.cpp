@@ -64,7 +64,7 @@ SCENARIO("what cannot be played is named") {
               "sonopose/reset is not played: its type is not sonopose::ResetCommand but sonopose::Other") &&
           Contains("sonopose/fix is not played: its type sonopose::UltrasonicFix differs"));
   CHECK_THAT(play->text(Stream::output), Contains("played 1 message in") &&
-                                             Contains("refused, not of the type of their topic: 1 message"));
+                                             Contains("refused (wrong type for the topic): 1 message"));
 }
 
 SCENARIO("a damaged chunk is left out and named") {
