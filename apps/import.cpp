@@ -42,7 +42,7 @@ void add_options(apps::CommandLine& app, Options& options) {
   app.add_option(
          "--column", options.columns,
          "A column with another name, and its unit if the header has none: \"w_x [deg s^-1]=Gyro 1\"; may "
-         "be repeated")
+         "be repeated, and begin with the file: \"imu.csv:timestamp [ms]=t\"")
       .type_name("NAME=COLUMN")
       .allow_extra_args(false);
   app.add_option("--shift", options.shift_s,
@@ -64,8 +64,10 @@ files::ColumnNames names_of(const std::vector<std::string>& columns) {
     if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
       apps::refuse_option("--column", "\"" + text + "\" is not NAME=COLUMN");
     }
-    if (!names.own_by_given.emplace(text.substr(equals + 1), text.substr(0, equals)).second) {
-      apps::refuse_option("--column", "\"" + text.substr(equals + 1) + "\" is given twice");
+    const std::size_t colon = text.rfind(':', equals) + 1;  // 0 without a file
+    const std::string given = text.substr(0, colon) + text.substr(equals + 1);
+    if (!names.own_by_given.emplace(given, text.substr(colon, equals - colon)).second) {
+      apps::refuse_option("--column", "\"" + given + "\" is given twice; FILE:NAME=COLUMN is of a file");
     }
   }
   return names;
@@ -82,7 +84,9 @@ recording::Tables read(const Options& options, files::ColumnNames& names) {
     for (const files::MissingColumn& missing : error.columns()) {
       std::string_view before = proposal.empty() ? "; try --column" : " --column";
       for (const std::string& candidate : missing.candidates) {
-        proposal += fmt::format("{} \"{}={}\"", before, missing.column, candidate);
+        const std::string option = fmt::format("\"{}={}\"", missing.column, candidate);
+        if (proposal.find(option) != std::string::npos) continue;  // of the other table
+        proposal += fmt::format("{} {}", before, option);
         before = " or";
       }
     }

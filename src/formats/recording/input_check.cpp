@@ -92,8 +92,7 @@ std::string InputCheck::how_to_name(std::string_view unit, Table table,
                                        : "The header of a log folder's file names the unit:";
   for (const std::string_view column : columns) {
     if (names_ != nullptr) {
-      const auto& names = names_->columns_by_reader.at(static_cast<std::size_t>(table));
-      text += fmt::format(" --column \"{} [{}]={}\"", column, unit, names.at(std::string(column)));
+      text += " " + names_->option(static_cast<std::size_t>(table), std::string(column), unit);
     } else {
       text += fmt::format("{} {} [{}]", text.ends_with(':') ? "" : ",", column, unit);
     }
@@ -118,14 +117,17 @@ std::optional<std::string> InputCheck::unit_of_time(const char* what, const Stam
   const double found_hz = rate_hz(static_cast<double>(quantile(steps_ns, 0.5)));
   if (found_hz >= min_rate_hz && found_hz <= max_rate_hz) return std::nullopt;
   const std::string text = fmt::format("the {} come at {:.6g} Hz by their stamps", what, found_hz);
-  constexpr std::array<std::pair<const char*, double>, 3> units{{{"us", 1e3}, {"ms", 1e6}, {"s", 1e9}}};
-  for (const auto& [unit, factor] : units) {
+  const bool are_seconds =
+      names_ != nullptr && names_->readers_in_seconds.contains(static_cast<std::size_t>(table));
+  using Units = std::array<std::pair<const char*, double>, 3>;
+  for (const auto& [unit, factor] : are_seconds ? Units{{{"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}}}
+                                                : Units{{{"us", 1e3}, {"ms", 1e6}, {"s", 1e9}}}) {
     const double would_be_hz = found_hz / factor;
     if (would_be_hz < min_rate_hz || would_be_hz > max_rate_hz) continue;
     return text + fmt::format("; are these in {}? Then they come at {:.3g} Hz. {}", unit, would_be_hz,
                               how_to_name(unit, table, {"timestamp"}));
   }
-  return text + "; check the unit that the header names";
+  return text + "; check their unit";
 }
 
 /// Suspects another clock or unit if most stamps are before or after nearly all IMU samples.

@@ -41,9 +41,11 @@ public:
   [[nodiscard]] const ImuSample* current() const { return at_end_ ? nullptr : &sample_; }
 
   void step() {
-    for (;; ++left_out_) {
+    for (;;) {
       at_end_ = !rows_.next_row();
-      if (at_end_ || !is_table_ || rows_.all_filled(1, 6)) break;
+      if (at_end_ || !is_table_ || rows_.filled(0, 7) == 7) break;
+      ++left_out_;
+      if (rows_.filled(1, 6) > 0) ++incomplete_;
     }
     if (at_end_) return;
     sample_.sensor_time_ns = rows_.time_ns(0);
@@ -57,13 +59,15 @@ public:
   }
 
   [[nodiscard]] std::size_t expected_count() const { return at_end_ ? 0 : rows_.rows_like_this(); }
-  /// Number of rows without IMU values so far.
+  /// Number of rows without all IMU values so far, and of those that have some.
   [[nodiscard]] std::size_t left_out() const { return left_out_; }
+  [[nodiscard]] std::size_t incomplete() const { return incomplete_; }
 
 private:
   files::CsvReader rows_;
   bool is_table_;  ///< has rows of other measurements
   std::size_t left_out_ = 0;
+  std::size_t incomplete_ = 0;
   ImuSample sample_;
   bool at_end_ = false;
 };
@@ -344,6 +348,7 @@ ImuTable read_imu_table(const std::filesystem::path& file, BeaconAddress address
   ImuRows rows(file, address, ImuMeaning::unknown, layout);
   for (; rows.current() != nullptr; rows.step()) table.samples.push_back(*rows.current());
   table.rows_without_values = rows.left_out();
+  table.incomplete_rows = rows.incomplete();
   return table;
 }
 

@@ -77,7 +77,8 @@ void leave_far_ahead_out(const std::string& name, SensorLog& log);
 /// The IMU samples of a table.
 struct ImuTable {
   std::vector<ImuSample> samples;
-  std::size_t rows_without_values = 0;  ///< rows that lack a vector, which are left out
+  std::size_t rows_without_values = 0;  ///< rows that lack the time or a value, which are left out
+  std::size_t incomplete_rows = 0;      ///< those of them that have a part of the vectors
 };
 
 /// Read single files, in file order and without sequence numbers. Each throws files::IoError. Only a layout

@@ -27,6 +27,7 @@ constexpr std::size_t position_columns_required = 3;
 /// Added while reading, since a table may begin at zero or before.
 constexpr TimeNs reading_offset_ns = 1'000'000'000'000'000'000;
 constexpr TimeNs first_ns = 1'000'000'000;  ///< first time of tables that begin at zero
+constexpr std::size_t max_tags = 64;        ///< of devices in a table
 
 constexpr files::CsvLayout position_layout() {
   return layout_of(position_columns, position_columns_required);
@@ -75,12 +76,17 @@ std::map<std::string, std::size_t> rows_by_tag(const std::filesystem::path& file
   return rows_by_tag;
 }
 
-/// The device whose rows are read, if the table has several or one is given; else empty. Counts the rows of
-/// the others. Numbers of rows are no devices.
+/// What the tables have of the device that --tag names.
+struct Choice {
+  bool is_found = false;
+  std::vector<std::string> refusals{};  ///< of tables that have only another device
+};
+
+/// The device whose rows are read, if the table has several; else empty. Counts the rows of the others.
+/// Numbers of rows are no devices.
 std::string chosen_tag(const std::filesystem::path& file, const TableFiles& files,
                        const files::ColumnNames& names, BeaconAddress address, std::size_t& others,
-                       bool& was_chosen) {
-  constexpr std::size_t max_tags = 64;
+                       Choice& choice) {
   const auto by_tag = rows_by_tag(file, names);
   if (files.tag.empty() && (by_tag.size() < 2 || by_tag.size() > max_tags)) return {};
   if (by_tag.empty()) return {};
@@ -90,12 +96,15 @@ std::string chosen_tag(const std::filesystem::path& file, const TableFiles& file
     for (const auto& entry : by_tag) {
       if (listed.size() < max_tags) listed.push_back(entry.first);
     }
-    throw files::IoError(fmt::format(
+    std::string refusal = fmt::format(
         "{}: has rows of the devices {}{}{}", file.string(), fmt::join(listed, ", "),
         by_tag.size() > max_tags ? ", …" : "",
-        files.tag.empty() ? "; choose one with --tag" : ", and none of the device \"" + files.tag + "\""));
+        files.tag.empty() ? "; choose one with --tag" : ", and none of the device \"" + files.tag + "\"");
+    if (by_tag.size() > 1) throw files::IoError(refusal);
+    choice.refusals.push_back(std::move(refusal));
+    return {};
   }
-  was_chosen = true;
+  choice.is_found = true;
   for (const auto& [tag, rows] : by_tag) others += tag == own ? 0 : rows;
   return own;
 }
@@ -107,7 +116,7 @@ std::vector<UltrasonicFix> read_positions(const std::filesystem::path& file, con
   const std::size_t coordinates = tables.has_height ? 3 : 2;
   std::vector<UltrasonicFix> fixes;
   while (rows.next_row()) {
-    if (!rows.all_filled(1, coordinates)) {
+    if (rows.filled(0, 1 + coordinates) != 1 + coordinates) {
       ++tables.rows_without_position;
       continue;
     }
@@ -176,6 +185,49 @@ private:
   std::optional<files::MissingColumns> missing_;
 };
 
+/// The words in a column, if there are several which come again, as the names of devices do.
+std::vector<std::string> repeated_words(const std::filesystem::path& file, const std::string& column) {
+  static constexpr std::array<std::string_view, 1> word_column{"word"};
+  files::ColumnNames names;
+  names.own_by_given = {{column, "word"}};
+  files::CsvLayout layout = layout_of(word_column, 1);
+  layout.given_names = &names;
+  std::map<std::string, std::size_t> rows_by_word;
+  for (files::CsvReader rows(file, layout); rows.next_row();) {
+    if (rows.is_empty(0)) continue;
+    if (files::parse_number(rows.text(0)) || rows_by_word.size() > max_tags) return {};
+    ++rows_by_word[std::string(rows.text(0))];
+  }
+  std::vector<std::string> words;
+  for (const auto& [word, rows] : rows_by_word) {
+    if (rows > 1) words.push_back(word);
+  }
+  return words.size() == rows_by_word.size() && words.size() > 1 ? words : std::vector<std::string>{};
+}
+
+/// Warnings about columns that may name the devices of a table.
+std::vector<std::string> possible_devices(const files::ColumnNames& names) {
+  std::vector<std::string> texts;
+  for (std::size_t reader = 0; reader < names.file_by_reader.size(); ++reader) {
+    const std::filesystem::path& file = names.file_by_reader[reader];
+    if (names.columns_by_reader[reader].contains("tag")) continue;
+    for (const std::string& column : names.unused_by_file.at(file.string()).front()) {
+      std::vector<std::string> words;
+      try {
+        words = repeated_words(file, column);
+      } catch (const files::IoError&) {
+        continue;  // its name is not as in the header, since it has a unit, or is there twice
+      }
+      if (words.empty()) continue;
+      std::string text =
+          fmt::format(R"({}: if the column "{}" names devices ({}), choose one: --column "tag={}" --tag {})",
+                      file.string(), column, fmt::join(words, ", "), column, words.front());
+      if (std::ranges::find(texts, text) == texts.end()) texts.push_back(std::move(text));
+    }
+  }
+  return texts;
+}
+
 /// The columns that no reader of their file has.
 std::vector<std::string> unused_columns(const files::ColumnNames& names) {
   std::vector<std::string> unused;
@@ -203,10 +255,10 @@ Tables read_tables(const TableFiles& given_files, files::ColumnNames& names, Bea
   ImuTable imu_table;
   std::vector<UltrasonicFix> fixes;
   MissingInAll missing;
-  bool has_chosen_tag = false;
+  Choice choice;
   const auto table_for = [&](const std::filesystem::path& file, const files::CsvLayout& layout) {
     files::CsvLayout table = table_of(layout, names);
-    table.last_value = chosen_tag(file, files, names, address, tables.rows_of_other_tags, has_chosen_tag);
+    table.last_value = chosen_tag(file, files, names, address, tables.rows_of_other_tags, choice);
     return table;
   };
   missing.collect([&] {
@@ -225,12 +277,24 @@ Tables read_tables(const TableFiles& given_files, files::ColumnNames& names, Bea
   });
   missing.check();
   check_given_names(names);
-  if (!files.tag.empty() && !has_chosen_tag) {
-    throw files::IoError("no table has a column that names devices, so there is none for --tag " + files.tag);
+  if (!files.tag.empty() && !choice.is_found) {
+    throw files::IoError(choice.refusals.empty()
+                             ? "no table has a column that names devices, so there is none for --tag " +
+                                   files.tag
+                             : choice.refusals.front());
   }
+  for (const std::string& refusal : choice.refusals)
+    tables.log.warnings.push_back(refusal + "; all its rows are read");
+  std::ranges::move(possible_devices(names), std::back_inserter(tables.log.warnings));
   std::vector<ImuSample>& imu = imu_table.samples;
-  if (!is_one_file) tables.rows_without_imu = imu_table.rows_without_values;
-  if (imu.empty()) throw files::IoError(files.imu.string() + ": has no row with IMU values");
+  tables.rows_without_imu = is_one_file ? imu_table.incomplete_rows : imu_table.rows_without_values;
+  if (imu.empty()) {
+    throw files::IoError(fmt::format(
+        "{}: has no row with IMU values{}", files.imu.string(),
+        imu_table.incomplete_rows == 0
+            ? ""
+            : fmt::format("; {} have only some: join rates and forces by time", imu_table.incomplete_rows)));
+  }
   if (fixes.empty()) throw files::IoError(files.positions.string() + ": has no row with a position");
   if (files.truth && tables.log.truth.empty()) throw files::IoError(files.truth->string() + ": has no row");
   tables.unused_columns = unused_columns(names);

@@ -24,8 +24,8 @@ struct TableFiles {
 
 struct Tables {
   SensorLog log;
-  std::size_t rows_without_imu = 0;              ///< rows of the IMU's own table without one of its values
-  std::size_t rows_without_position = 0;         ///< rows of the positions' table without x, y and z
+  std::size_t rows_without_imu = 0;              ///< rows that lack an IMU value; of a common table, some
+  std::size_t rows_without_position = 0;         ///< rows of the positions' table that lack time, x, y or z
   std::size_t rows_of_other_tags = 0;            ///< rows that name another device
   bool has_height = true;                        ///< false if the positions have no z, which is then 0
   std::size_t repeated_positions = 0;            ///< rows that repeat the position of the row before

@@ -23,12 +23,26 @@ struct Column {
   std::string_view axis{};  ///< of an element of an array
 };
 
-/// Splits `x [mm]`, `x (mm)`, `x_mm`, `x mm` or `a_x_m_s2`.
-Column column_of(std::string_view cell) {
-  const std::size_t open = cell.find_first_of("[(");
-  if (open != std::string_view::npos && (cell.back() == ']' || cell.back() == ')')) {
-    return {trimmed(cell.substr(0, open)), trimmed(cell.substr(open + 1, cell.size() - open - 2))};
+/// The place of the bracket that opens what the text ends with: 6 in `w_x (m/(s))`.
+std::size_t last_bracket(std::string_view text) {
+  int depth = 0;
+  for (std::size_t place = text.size(); place-- > 0;) {
+    if (text[place] == ']' || text[place] == ')') ++depth;
+    if (text[place] == '[' || text[place] == '(') --depth;
+    if (depth <= 0) return depth == 0 && place + 1 < text.size() ? place : std::string_view::npos;
   }
+  return std::string_view::npos;
+}
+
+/// Splits `x [mm]`, `x (mm)`, `x_mm`, `x mm` or `a_x_m_s2`. Other brackets beside that of a unit are notes.
+Column column_of(std::string_view cell) {
+  Column bracketed{cell};
+  for (std::size_t open = last_bracket(cell); open != std::string_view::npos; open = last_bracket(cell)) {
+    const std::string_view content = trimmed(cell.substr(open + 1, cell.size() - open - 2));
+    cell = bracketed.name = trimmed(cell.substr(0, open));
+    if (!bracketed.unit || (!is_unit(*bracketed.unit) && is_unit(content))) bracketed.unit = content;
+  }
+  if (bracketed.unit) return bracketed;
   const std::size_t last = cell.find_last_of("_ ");
   if (last == std::string_view::npos || last == 0) return {cell};
   for (const std::size_t separator : {cell.find_last_of("_ ", last - 1), last}) {
@@ -213,20 +227,45 @@ MissingColumns::MissingColumns(const MissingColumns& one, const MissingColumns& 
   columns_.insert(columns_.end(), other.columns_.begin(), other.columns_.end());
 }
 
+const std::pair<const std::string, std::string>* ColumnNames::find(const std::filesystem::path& file,
+                                                                   const std::string& name) const {
+  for (const std::string& key : {file.string() + ":" + name, file.filename().string() + ":" + name, name}) {
+    if (const auto entry = own_by_given.find(key); entry != own_by_given.end()) return &*entry;
+  }
+  return nullptr;
+}
+
+std::string ColumnNames::option(std::size_t reader, const std::string& column, std::string_view unit) const {
+  const std::string& name = columns_by_reader.at(reader).at(column);
+  bool is_in_other = false;
+  for (std::size_t other = 0; other < file_by_reader.size(); ++other) {
+    if (file_by_reader[other] == file_by_reader[reader]) continue;
+    is_in_other |= std::ranges::any_of(columns_by_reader[other],
+                                       [&name](const auto& entry) { return entry.second == name; });
+  }
+  std::string text = "--column \"";
+  if (is_in_other) text += file_by_reader[reader].filename().string() + ":";
+  return text.append(column).append(" [").append(unit).append("]=").append(name) + "\"";
+}
+
 bool has_column(const CsvLayout& layout, std::string_view name) {
   return find_column(layout, column_of(name).name).has_value();
 }
 
-bool is_line_of_units(std::string_view line) {
-  if (line.starts_with('#')) line.remove_prefix(1);
+bool is_line_of_units(std::string_view names, std::string_view line) {
+  for (std::string_view* const each : {&names, &line}) {
+    if (each->starts_with('#')) each->remove_prefix(1);
+  }
+  const char separator = separator_of(names);
   bool has_unit = false;
-  bool has_other = false;
-  split_cells(separator_of(line), line, [&](std::size_t, std::string_view cell) {
+  bool has_number = false;
+  const std::size_t cells = split_cells(separator, line, [&](std::size_t, std::string_view cell) {
     const std::string_view unit = without_brackets(cell);
     if (unit.empty() || unit == "-" || unit == "1") return;
-    (is_unit(unit) ? has_unit : has_other) = true;
+    has_unit |= is_unit(unit);
+    has_number |= parse_number(unit).has_value();
   });
-  return has_unit && !has_other;
+  return has_unit && !has_number && cells == split_cells(separator, names, [](auto, auto) {});
 }
 
 CsvHeader::CsvHeader(const CsvLayout& layout, std::string_view line, const std::string& where,
@@ -235,7 +274,7 @@ CsvHeader::CsvHeader(const CsvLayout& layout, std::string_view line, const std::
   separator_ = separator_of(line);
   split_cells(separator_, line, [this](std::size_t, std::string_view cell) { add_name(cell); });
   names_in_file_ = names_;
-  if (layout.given_names != nullptr) rename(*layout.given_names, where);
+  if (layout.given_names != nullptr) rename(*layout.given_names, layout.file, where);
   add_units(units);
   join_seconds(layout);
   places_.fill(missing);
@@ -260,6 +299,7 @@ CsvHeader::CsvHeader(const CsvLayout& layout, std::string_view line, const std::
   }
   if (separator_ == ' ') required_width_ = names_.size();  // between spaces no cell can be empty
   if (layout.given_names == nullptr) return;
+  layout.given_names->file_by_reader.push_back(layout.file);
   auto& columns = layout.given_names->columns_by_reader.emplace_back();
   for (std::size_t column = 0; column < layout.columns.size(); ++column) {
     if (places_[column] == missing) continue;
@@ -282,14 +322,14 @@ void CsvHeader::add_name(std::string_view cell) {
 
 /// A file has the same columns for all its readers, so a found name may be of another layout. A column keeps
 /// its unit unless the given name has one.
-void CsvHeader::rename(ColumnNames& given, const std::string& where) {
+void CsvHeader::rename(ColumnNames& given, const std::filesystem::path& file, const std::string& where) {
   for (std::string& name : names_) {
-    const auto found = given.own_by_given.find(name);
-    if (found == given.own_by_given.end()) continue;
-    given.found.insert(name);
+    const auto* const found = given.find(file, name);
+    if (found == nullptr) continue;
+    given.found.insert(found->first);
     const auto unit = column_in(names_in_file_, name).unit;
     const auto given_unit = column_of(found->second).unit;
-    if (unit && given_unit && *unit != *given_unit) {
+    if (unit && given_unit && *unit != *given_unit && is_unit(*unit)) {
       std::string text = where + ": column \"";
       text.append(name).append("\" names the unit \"").append(*unit);
       throw IoError(text.append("\", but it is given as \"").append(found->second).append("\""));
@@ -313,9 +353,9 @@ void CsvHeader::add_units(std::string_view units) {
 /// which is that of a recorder, but not for more than a name that the user gave.
 void CsvHeader::join_seconds(const CsvLayout& layout) {
   if (layout.given_names != nullptr) {
-    for (const auto& [given, own] : layout.given_names->own_by_given) {
-      const bool is_here = std::ranges::find(names_in_file_, given) != names_in_file_.end();
-      if (is_here && find_column(layout, column_of(own).name) == 0) return;
+    for (const std::string& name : names_in_file_) {
+      const auto* const given = layout.given_names->find(layout.file, name);
+      if (given != nullptr && find_column(layout, column_of(given->second).name) == 0) return;
     }
   }
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
@@ -360,8 +400,8 @@ void CsvHeader::match(const CsvLayout& layout, std::size_t place, const std::str
   std::string name(given.name);
   name += given.axis;
   std::optional<std::size_t> column = find_column(layout, name);
-  const bool is_given =
-      layout.given_names != nullptr && layout.given_names->own_by_given.contains(names_in_file_[place]);
+  const bool is_given = layout.given_names != nullptr &&
+                        layout.given_names->find(layout.file, names_in_file_[place]) != nullptr;
   std::size_t rank = is_given || place == seconds_place_ ? 0 : 1;
   constexpr std::string_view path_separators = "./%";
   for (std::size_t end = name.find_first_of(path_separators); !column && end != std::string::npos;
@@ -401,7 +441,11 @@ void CsvHeader::set_unit(const CsvLayout& layout, std::size_t column, std::optio
   if (!factor) {
     throw IoError(where + ": column " + std::to_string(places_[column] + 1) + " (" + name(column) +
                   "): the unit \"" + std::string(*unit) + "\" is unknown here; expected one of " +
-                  units_like(*own_unit));
+                  units_like(*own_unit) +
+                  (layout.given_names == nullptr ? ""
+                                                 : "; if it is a note, give the unit: --column \"" +
+                                                       std::string(layout.columns[column]) + "=" +
+                                                       names_in_file_[places_[column]] + "\""));
   }
   factors_[column] = *factor;
 }

@@ -7,12 +7,14 @@
 
 #include <array>
 #include <cstddef>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <set>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace sonopose::files {
@@ -25,12 +27,23 @@ struct ColumnSynonym {
 
 /// Names that the user gives to columns of a file.
 struct ColumnNames {
-  std::map<std::string, std::string> own_by_given;  ///< names in the layout, with or without unit: `x [mm]`
-  std::set<std::string> found;                      ///< given names that a header had
+  /// Names in the layout, with or without unit (`x [mm]`), by those in the header, which may follow the file
+  /// that they hold for: `imu.csv:t`.
+  std::map<std::string, std::string> own_by_given;
+  std::set<std::string> found;  ///< given names that a header had
   /// Names in the header of each reader in turn, by those in the layout, without units.
   std::vector<std::map<std::string, std::string>> columns_by_reader = {};
+  std::vector<std::filesystem::path> file_by_reader = {};
+  std::set<std::size_t> readers_in_seconds = {};  ///< those that took times without a unit for seconds
   /// Columns of each file that one of its readers does not use, instead of a warning.
   std::map<std::string, std::vector<std::vector<std::string>>> unused_by_file = {};
+
+  /// The given name of a column, and its name in the layout; null if it has none.
+  [[nodiscard]] const std::pair<const std::string, std::string>* find(const std::filesystem::path& file,
+                                                                      const std::string& name) const;
+  /// The option that gives a unit to a column that a reader found. Names the file if it is not the only one.
+  [[nodiscard]] std::string option(std::size_t reader, const std::string& column,
+                                   std::string_view unit) const;
 };
 
 /// The columns that a file can have.
@@ -40,6 +53,7 @@ struct CsvLayout {
   std::span<const ColumnSynonym> synonyms{};
   ColumnNames* given_names = nullptr;  ///< these replace names in the header, and are marked as found
   TimeNs time_offset_ns = 0;           ///< added to each time
+  std::string file{};                  ///< set by the reader
   std::string last_value{};            ///< only rows with this in the last column; empty: all rows
 };
 
@@ -110,7 +124,7 @@ public:
 
 private:
   void add_name(std::string_view cell);
-  void rename(ColumnNames& given, const std::string& where);
+  void rename(ColumnNames& given, const std::filesystem::path& file, const std::string& where);
   void add_units(std::string_view units);
   void join_seconds(const CsvLayout& layout);
   void match(const CsvLayout& layout, std::size_t place, const std::string& where);
@@ -133,8 +147,9 @@ private:
   std::array<std::string_view, max_columns> own_units_{};
 };
 
-/// Returns true if the line has units instead of values: "s, rad/s, m/s^2".
-bool is_line_of_units(std::string_view line);
+/// Returns true if the line below the names has units instead of values: "s, rad/s, m/s^2". A column that is
+/// not used may have any words there.
+bool is_line_of_units(std::string_view names, std::string_view line);
 
 /// A text without spaces and tabs at its ends.
 inline std::string_view trimmed(std::string_view text) {

@@ -20,15 +20,22 @@ namespace {
 
 /// True for a word that programs write for a missing value.
 bool is_absent(std::string_view text) {
-  constexpr std::array<std::string_view, 11> words{"nan",  "NaN",  "NAN", "NA",  "null", "NULL",
-                                                   "None", "none", "n/a", "N/A", "-"};
+  constexpr std::array<std::string_view, 18> words{
+      "nan", "NaN", "NAN",  "NA",    "null",   "NULL",    "None",    "none",  "n/a",
+      "N/A", "-",   "#N/A", "#NUM!", "#NULL!", "#DIV/0!", "#VALUE!", "#REF!", "#NAME?"};
   return std::ranges::find(words, text) != words.end();
+}
+
+/// True for a comment. The first cell may also be what a spreadsheet writes for a missing value.
+bool is_comment(std::string_view line) {
+  return line.starts_with('#') && !is_absent(line.substr(0, line.find_first_of(",;\t ")));
 }
 
 }  // namespace
 
 CsvReader::CsvReader(const std::filesystem::path& file, const CsvLayout& layout)
     : name_{file.string()}, layout_{layout}, lines_{file} {
+  layout_.file = name_;
   read_header();
 }
 
@@ -38,10 +45,18 @@ void CsvReader::read_header() {
   bool is_found = false;
   line = next_line();
   if (line && unquoted(*line).starts_with("sep=")) line = next_line();  // for spreadsheets
-  for (; line && line->starts_with('#') && !is_found; line = next_line()) {
+  const auto read_names = [&] {
+    const std::string names(*line);
+    const std::string where = position();
+    line = next_line();
+    const bool has_units = line && is_line_of_units(names, *line);
+    header_ = CsvHeader(layout_, names, where, has_units ? *line : std::string_view{});
+    is_found = true;
+    if (has_units) line = next_line();
+  };
+  while (line && line->starts_with('#') && !is_found) {
     try {
-      header_ = CsvHeader(layout_, *line, position());
-      is_found = true;
+      read_names();
     } catch (const IoError&) {
       refusal = std::current_exception();
     }
@@ -52,12 +67,7 @@ void CsvReader::read_header() {
     // Below a comment, a row of numbers is not the header.
     if (refusal && parse_number(line->substr(0, line->find_first_not_of("+-.0123456789eE"))))
       std::rethrow_exception(refusal);
-    const std::string names(*line);
-    const std::string where = position();
-    line = layout_.given_names != nullptr ? next_line() : std::nullopt;
-    const bool has_units = line && is_line_of_units(*line);
-    header_ = CsvHeader(layout_, names, where, has_units ? *line : std::string_view{});
-    if (has_units) line.reset();
+    read_names();
   }
   if (line) read_ahead_ = std::make_unique<std::string>(*line);
   if (header_.width() > cells_.size()) {
@@ -66,6 +76,7 @@ void CsvReader::read_header() {
   }
   if (layout_.given_names != nullptr) {
     layout_.given_names->unused_by_file[name_].push_back(header_.unknown());
+    reader_ = layout_.given_names->columns_by_reader.size() - 1;
     return;
   }
   std::string unknown;
@@ -91,7 +102,7 @@ bool CsvReader::next_row() {
 bool CsvReader::read_row() {
   const bool is_first = row_.empty();
   std::optional<std::string_view> line = is_first && read_ahead_ ? *read_ahead_ : next_line();
-  while (line && line->starts_with('#')) line = next_line();
+  while (line && is_comment(*line)) line = next_line();
   if (!line) return false;
   written_row_ = *line;
   row_ = header_.separator() == ';' ? with_points(*line) : *line;
@@ -119,12 +130,6 @@ std::string_view CsvReader::with_points(std::string_view line) {
   return *decimal_row_;
 }
 
-/// A cell of the current row as the file has it, with its decimal commas.
-std::string_view CsvReader::as_written(std::string_view cell) const {
-  if (cell.empty()) return cell;
-  return written_row_.substr(static_cast<std::size_t>(cell.data() - row_.data()), cell.size());
-}
-
 void CsvReader::detect_seconds() {
   std::vector<std::size_t> times;
   for (std::size_t column = 0; column < layout_.columns.size(); ++column) {
@@ -140,6 +145,7 @@ void CsvReader::detect_seconds() {
     return has_decimals && parse_number(cell(column)).value_or(max_s) < max_s;
   });
   if (!are_seconds) return;
+  if (layout_.given_names != nullptr) layout_.given_names->readers_in_seconds.insert(reader_);
   for (const std::size_t column : times) header_.set_factor(column, *unit_factor("s", "ns"));
 }
 
@@ -211,6 +217,14 @@ bool CsvReader::has(std::size_t column) const {
   return header_.place(column) != CsvHeader::missing;
 }
 
+std::size_t CsvReader::filled(std::size_t first_column, std::size_t count) const {
+  std::size_t filled = 0;
+  for (std::size_t column = first_column; column < first_column + count; ++column) {
+    if (!is_empty(column)) ++filled;
+  }
+  return filled;
+}
+
 bool CsvReader::all_filled(std::size_t first_column, std::size_t count) const {
   const bool first_empty = is_empty(first_column);
   for (std::size_t column = first_column + 1; column < first_column + count; ++column) {
@@ -224,8 +238,12 @@ void CsvReader::fail(std::size_t column, std::string_view what) const {
   if (header_.place(column) == CsvHeader::missing) {
     fail_line("has no column \"" + std::string(layout_.columns[column]) + "\": it " + std::string(what));
   }
+  std::string_view written;  // with decimal commas, and with words for a missing value
+  split_cells(header_.separator(), written_row_, [&](std::size_t index, std::string_view text) {
+    if (index == header_.place(column)) written = text;
+  });
   fail_line("column " + std::to_string(header_.place(column) + 1) + " (" + header_.name(column) + "): \"" +
-            std::string(as_written(cell(column))) + "\" " + std::string(what));
+            std::string(written) + "\" " + std::string(what));
 }
 
 void CsvReader::fail_line(std::string_view what) const {

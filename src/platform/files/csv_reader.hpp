@@ -17,7 +17,7 @@ namespace sonopose::files {
 
 /// Reads the columns of a layout by their names in the header, in any order and unit. A column is identified
 /// by its index in the layout, and its values are in the unit of the layout. In a table with given names,
-/// `NaN` and the like are empty cells, a separator may end a row, and the line below the header may have the
+/// `NaN` and the like are empty cells, and a separator may end a row. The line below the names may have their
 /// units.
 class CsvReader {
 public:
@@ -48,6 +48,8 @@ public:
 
   /// Returns true if the header has the column.
   [[nodiscard]] bool has(std::size_t column) const;
+  /// Number of cells that are filled.
+  [[nodiscard]] std::size_t filled(std::size_t first_column, std::size_t count) const;
   /// Returns true if all cells are filled, false if all are empty. Throws IoError otherwise.
   [[nodiscard]] bool all_filled(std::size_t first_column, std::size_t count) const;
 
@@ -68,12 +70,12 @@ private:
   [[nodiscard]] TimeNs other_time_ns(std::size_t column) const;
   [[nodiscard]] TimeNs nanoseconds() const;
   std::string_view with_points(std::string_view line);
-  [[nodiscard]] std::string_view as_written(std::string_view cell) const;
 
   std::string name_;
   CsvLayout layout_;
   LineReader lines_;
   CsvHeader header_;
+  std::size_t reader_ = 0;                    ///< index in ColumnNames
   std::unique_ptr<std::string> read_ahead_;   ///< first row; at the same place after a move
   std::unique_ptr<std::string> decimal_row_;  ///< current row with decimal points, likewise
   std::string_view row_;

@@ -17,6 +17,7 @@ namespace input_check_test {
 using namespace sonopose;
 using namespace sonopose::recording;
 using Catch::Contains;
+using Catch::EndsWith;
 using sonopose::test::standing;
 using sonopose::test::start_ns;
 
@@ -275,6 +276,23 @@ SCENARIO("findings about imported tables propose an option of the import") {
   const auto findings = input_findings("log", events, &names);
   REQUIRE(findings.size() == 1);
   CHECK_THAT(findings[0], Contains("--column \"a_x [g]=Acc 1\" --column \"a_y [g]=Acc 2\""));
+}
+
+SCENARIO("times that are taken for seconds may be in milliseconds") {
+  std::vector<Event> events = standing();
+  for (Event& event : events) {
+    if (auto* imu = std::get_if<ImuSample>(&event))
+      imu->sensor_time_ns += 999 * (imu->sensor_time_ns - start_ns);
+  }
+  files::ColumnNames names;
+  names.columns_by_reader = {{{"timestamp", "t"}}, {{"timestamp", "t"}}};
+  names.file_by_reader = {"imu.csv", "positions.csv"};
+  CHECK_THAT(input_findings("log", events, &names)[0], EndsWith("check their unit"));
+  names.readers_in_seconds = {0};
+  CHECK_THAT(
+      input_findings("log", events, &names)[0],
+      Contains("the IMU samples come at 0.1 Hz by their stamps; are these in ms? Then they come at 100 Hz") &&
+          EndsWith("add --column \"imu.csv:timestamp [ms]=t\""));
 }
 
 SCENARIO("fixes of a clock that is some seconds ahead are found") {

@@ -354,4 +354,108 @@ SCENARIO("a column that is missing or given in vain is an error") {
   }
 }
 
+/// Reads tables from texts.
+Tables tables_of(const std::string& imu, const std::string& positions, files::ColumnNames names = {},
+                 const std::string& tag = {}) {
+  const TemporaryFolder folder;
+  write_text(folder / "imu.csv", imu);
+  write_text(folder / "positions.csv", positions);
+  TableFiles files{folder / "imu.csv", folder / "positions.csv", {}};
+  files.tag = tag;
+  return read_tables(files, names, 7);
+}
+
+const std::string imu_rows = "timestamp,w_x,w_y,w_z,a_x,a_y,a_z\n1000000000,0,0,0,0,0,9.8\n";
+const std::string position_rows = "timestamp,x,y,z\n1000000000,1,2,3\n";
+
+SCENARIO("a line of units may be a comment, and have words of other columns") {
+  const auto [sample, fix] = first_of(
+      "timestamp,w_x,w_y,w_z,a_x,a_y,a_z,temp,seq\nns,deg/s,deg/s,deg/s,g,g,g,°C,count\n"
+      "1000000000,90,0,0,0,0,1,25,1\n",
+      "#timestamp,x,y,z\n#ns,cm,cm,cm\n1000000000,100,200,300\n");
+  CHECK(sample.angular_velocity_body_radps.x() == Approx(1.5707963));
+  CHECK(fix.position_world_m.isApprox(Vector3d(1.0, 2.0, 3.0)));
+  const auto commented =
+      first_of(imu_rows, "timestamp x y z\n# measured in cm\n# cm\n1000000000 100 200 300\n");
+  CHECK(commented.second.position_world_m.x() == Approx(100.0));
+  CHECK_THROWS_WITH(first_of(imu_rows, "timestamp,x,y,z\nns,m,m,furlong\n1000000000,1,2,3\n"),
+                    Contains("the unit \"furlong\" is unknown here"));
+}
+
+SCENARIO("rows that lack a value are left out of tables, and counted") {
+  GIVEN("cells without a number, and rows that a spreadsheet could not compute") {
+    const Tables tables = tables_of(imu_rows +
+                                        "1010000000,0,nan,0,0,0,9.8\n#N/A,#N/A,#N/A,#N/A,#N/A,#N/A,#N/A\n"
+                                        "# a comment\n1020000000,,,,0,0,9.8\n,0,0,0,0,0,9.8\n",
+                                    position_rows + "1010000000,1,,3\n#DIV/0!,1,2,3\n");
+    CHECK(tables.log.events.size() == 2);
+    CHECK(tables.rows_without_imu == 4);
+    CHECK(tables.rows_without_position == 2);
+  }
+  GIVEN("one table, whose rows have rates or forces") {
+    const std::string rows =
+        "timestamp,w_x,w_y,w_z,a_x,a_y,a_z\n1000000000,,,,0,0,9.8\n1010000000,1,2,3,,,\n";
+    CHECK_THROWS_WITH(tables_of(rows, position_rows),
+                      Contains("imu.csv: has no row with IMU values; 2 have only some"));
+  }
+  GIVEN("a text among the numbers") {
+    CHECK_THROWS_WITH(tables_of(imu_rows + "1010000000,0,none at all,0,0,0,9.8\n", position_rows),
+                      Contains("imu.csv:3: column 3 (w_y): \"none at all\" is not a number"));
+  }
+}
+
+SCENARIO("a choice of a device leaves tables of a single one as they are") {
+  const std::string imu = "timestamp,device_id,w_x,w_y,w_z,a_x,a_y,a_z\n1000000000,imu_1,0,0,0,0,0,9.8\n";
+  const std::string positions = "timestamp,tag,x,y,z\n1000000000,A,1,2,3\n1000000000,B,4,5,6\n";
+  const Tables tables = tables_of(imu, positions, {}, "B");
+  REQUIRE(tables.log.events.size() == 2);
+  CHECK(std::get<UltrasonicFix>(tables.log.events[1]).position_world_m.x() == 4.0);
+  REQUIRE(tables.log.warnings.size() == 1);
+  CHECK_THAT(tables.log.warnings.front(), Contains("imu.csv: has rows of the devices imu_1, and none of"));
+}
+
+SCENARIO("words that come again in an unknown column may be devices") {
+  const auto warnings_of = [](const std::string& one, const std::string& other) {
+    return tables_of(imu_rows, "timestamp,name,x,y,z\n1000000000," + one + ",1,2,3\n1000000000," + other +
+                                   ",4,5,6\n1010000000," + one + ",1,2,3\n1010000000," + other + ",4,5,6\n")
+        .log.warnings;
+  };
+  REQUIRE(warnings_of("cart", "lift").size() == 1);
+  CHECK_THAT(warnings_of("cart", "lift").front(),
+             Contains("the column \"name\" names devices (cart, lift)") &&
+                 Contains("--column \"tag=name\" --tag cart"));
+  CHECK(warnings_of("cart", "cart").empty());
+  CHECK(warnings_of("1", "2").empty());
+}
+
+SCENARIO("a column's name may hold for one file") {
+  const std::string imu = "timestamp,w_x,w_y,w_z,a_x,a_y,a_z\n1700000000010,0,0,0,0,0,9.8\n";
+  const std::string positions = "timestamp,x,y,z\n1700000000053648,1,2,3\n";
+  files::ColumnNames names;
+  names.own_by_given = {{"imu.csv:timestamp", "timestamp [ms]"},
+                        {"positions.csv:timestamp", "timestamp [us]"}};
+  const auto [sample, fix] = first_of(imu, positions, names);
+  CHECK(sample.sensor_time_ns == 1'700'000'000'010'000'000);
+  CHECK(fix.emission_time_ns == 1'700'000'000'053'648'000);
+  names.own_by_given = {{"other.csv:timestamp", "timestamp [ms]"}};
+  CHECK_THROWS_WITH(first_of(imu, positions, names),
+                    Contains("no table has a column \"other.csv:timestamp\""));
+}
+
+SCENARIO("brackets may be notes") {
+  const auto x_radps_of = [](const std::string& column, files::ColumnNames names = {}) {
+    return first_of("timestamp," + column + ",w_y,w_z,a_x,a_y,a_z\n1000000000,0.5,0,0,0,0,9.8\n",
+                    position_rows, std::move(names))
+        .first.angular_velocity_body_radps.x();
+  };
+  CHECK(x_radps_of("w_x (body) [rad/s]") == 0.5);
+  CHECK(x_radps_of("w_x [rad/(s)] (body)") == 0.5);
+  CHECK_THROWS_WITH(x_radps_of("w_x (body)"),
+                    Contains("the unit \"body\" is unknown here") &&
+                        Contains("if it is a note, give the unit: --column \"w_x [rad s^-1]=w_x (body)\""));
+  files::ColumnNames names;
+  names.own_by_given = {{"w_x (body)", "w_x [rad s^-1]"}};
+  CHECK(x_radps_of("w_x (body)", names) == 0.5);
+}
+
 }  // namespace tables_test
