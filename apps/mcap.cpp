@@ -83,7 +83,7 @@ int export_files(const Options& options) {
   const auto result = evaluation::export_recording(options.files, options.choice.beacon, options.out);
   apps::print("{}: {}, {}, {}\n", options.out.string(), text::count_text(result.events, "event"),
               text::count_text(result.poses, "pose"), text::count_text(result.reports, "report"));
-  return 0;
+  return result.misread == 0 ? 0 : 1;
 }
 
 void add_beacon(apps::CommandLine& command, Options& options, const char* description) {

@@ -16,6 +16,7 @@
 #include <array>
 #include <cstring>
 #include <iterator>
+#include <optional>
 #include <span>
 #include <system_error>
 
@@ -79,6 +80,38 @@ std::vector<fs::path> mcap_files_in(const fs::path& folder) {
   return files;
 }
 
+namespace {
+
+/// The files of a folder that are its recording.
+struct FolderFiles {
+  std::vector<fs::path> read{};
+  std::vector<std::string> warnings{};  ///< about files that are missing, or not read
+};
+
+/// Those that metadata.yaml lists. If none of them is there, all in MCAP, or else those in SQLite.
+FolderFiles files_of(const fs::path& folder) {
+  const ros2::bag::Metadata metadata = ros2::bag::read_metadata(folder);
+  const std::vector<fs::path> in_mcap = mcap_files_in(folder);
+  std::vector<fs::path> all = in_mcap;
+  std::ranges::copy(ros2::bag::sqlite_files_in(folder), std::back_inserter(all));
+  const auto is_listed = [&](const fs::path& file) {
+    return std::ranges::find(metadata.files, file.lexically_normal()) != metadata.files.end();
+  };
+  FolderFiles files{.read = {}, .warnings = metadata.missing};
+  std::ranges::copy_if(all, std::back_inserter(files.read), is_listed);
+  const bool is_known = !files.read.empty();
+  if (!is_known) files.read = in_mcap.empty() ? all : in_mcap;
+  for (const fs::path& file : all) {
+    if (std::ranges::find(files.read, file) != files.read.end()) continue;
+    files.warnings.push_back(fmt::format(
+        "{}: is not read, {}", file.string(),
+        is_known ? "because metadata.yaml does not list it" : "because there are files in MCAP beside it"));
+  }
+  return files;
+}
+
+}  // namespace
+
 std::vector<fs::path> recording_files(const std::vector<fs::path>& given) {
   std::vector<fs::path> files;
   for (const fs::path& path : given) {
@@ -87,18 +120,27 @@ std::vector<fs::path> recording_files(const std::vector<fs::path>& given) {
       files.push_back(path);
       continue;
     }
-    for (const std::string& text : ros2::bag::missing_files(path)) logging::warning(text);
-    auto found = mcap_files_in(path);
-    if (found.empty()) found = ros2::bag::sqlite_files_in(path);
-    if (found.empty()) throw files::IoError(path.string() + reason_without_mcap(path));
-    std::ranges::copy(found, std::back_inserter(files));
+    const FolderFiles found = files_of(path);
+    for (const std::string& text : found.warnings) logging::warning(text);
+    if (found.read.empty()) throw files::IoError(path.string() + reason_without_mcap(path));
+    std::ranges::copy(found.read, std::back_inserter(files));
   }
   return without_repetitions(files);
 }
 
+std::optional<std::string> fewer_than_listed(const std::vector<fs::path>& recording, std::uint64_t messages) {
+  std::uint64_t listed = 0;
+  for (const fs::path& path : recording) listed += ros2::bag::read_metadata(path).messages;
+  if (messages >= listed) return std::nullopt;
+  return fmt::format("{}: has {} of the {} messages that metadata.yaml counts", name_of(recording), messages,
+                     listed);
+}
+
 bool is_in_sqlite(const std::vector<fs::path>& recording) {
   const fs::path& first = recording.front();
-  return ros2::bag::is_sqlite(first) || (ros2::bag::is_bag_folder(first) && mcap_files_in(first).empty());
+  if (!ros2::bag::is_bag_folder(first)) return ros2::bag::is_sqlite(first);
+  const std::vector<fs::path> files = files_of(first).read;
+  return files.empty() || ros2::bag::is_sqlite(files.front());
 }
 
 bool is_in_mcap(const std::vector<fs::path>& recording) {

@@ -2,7 +2,9 @@
 /// \file
 /// The files of a recording.
 
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,9 +14,14 @@ namespace sonopose::bus_log {
 /// for a log folder, and for anything else but a folder.
 std::vector<std::filesystem::path> mcap_files_in(const std::filesystem::path& folder);
 
-/// Returns the given files, and those of the given folders, which are one recording. Warns of files that a
-/// folder of rosbag2 should have. Throws files::IoError if a folder has no MCAP or SQLite file.
+/// Returns the given files, and those of the given folders, which are one recording: of rosbag2's, those that
+/// its metadata.yaml lists. Warns of those that are missing or not read. Throws files::IoError if a folder
+/// has no MCAP or SQLite file.
 std::vector<std::filesystem::path> recording_files(const std::vector<std::filesystem::path>& given);
+
+/// Returns a sentence if the folders of a recording should have more than this number of messages.
+std::optional<std::string> fewer_than_listed(const std::vector<std::filesystem::path>& recording,
+                                             std::uint64_t messages);
 
 /// Returns true for several paths, for a file that begins like MCAP, and for a folder of such files.
 bool is_in_mcap(const std::vector<std::filesystem::path>& recording);

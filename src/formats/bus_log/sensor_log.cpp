@@ -210,11 +210,6 @@ void log_warnings(const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) logging::warning(warning);
 }
 
-recording::SensorLog reported(ros2::bag::BagLog bag) {
-  for (const std::string& note : bag.notes) logging::info(note);
-  return std::move(bag.log);
-}
-
 /// Returns true for a recording of rosbag2, and for one of both if topics of ROS 2 were chosen.
 bool is_bag(const mcap::Reader& reader) {
   if (ros2::bag::chosen_topics().is_given()) return true;
@@ -237,16 +232,25 @@ void warn_of_topics(const std::string& name) {
 /// Inputs that a caller needs.
 enum class Needs { imu, all };
 
+recording::SensorLog read_storage(const Paths& paths, const ros2::bag::Storage& storage,
+                                  std::optional<BeaconAddress> address, bool needs_fixes) {
+  std::uint64_t messages = 0;
+  for (const ros2::bag::BagTopic& topic : storage.topics()) messages += topic.messages;
+  if (const auto text = fewer_than_listed(paths, messages)) logging::warning(*text);
+  ros2::bag::BagLog bag = ros2::bag::read_bag(storage, ros2::bag::chosen_topics(), address, needs_fixes);
+  for (const std::string& note : bag.notes) logging::info(note);
+  return std::move(bag.log);
+}
+
 recording::SensorLog read_files(const Paths& paths, std::optional<BeaconAddress> address, Needs needs) {
   const bool needs_fixes = needs == Needs::all;
-  const auto& choice = ros2::bag::chosen_topics();
   if (is_in_sqlite(paths)) {
     const auto storage = ros2::bag::sqlite_storage(recording_files(paths));
-    return reported(ros2::bag::read_bag(*storage, choice, address, needs_fixes));
+    return read_storage(paths, *storage, address, needs_fixes);
   }
   const mcap::Reader reader(recording_files(paths));
   if (!is_bag(reader)) return FileLog(reader, address).read();
-  return reported(ros2::bag::read_bag(*ros2::bag::mcap_storage(reader), choice, address, needs_fixes));
+  return read_storage(paths, *ros2::bag::mcap_storage(reader), address, needs_fixes);
 }
 
 recording::SensorLog read_any(const Paths& paths, std::optional<BeaconAddress> address, Needs needs) {

@@ -252,6 +252,12 @@ private:
 Header read_header(const RecordFile& file) {
   const auto expected = std::as_bytes(std::span(magic));
   if (file.size() < magic.size() || !std::ranges::equal(file.bytes(0, magic.size()), expected)) {
+    constexpr std::string_view sqlite = "SQLite format 3";
+    if (file.size() >= sqlite.size() &&
+        std::ranges::equal(file.bytes(0, sqlite.size()), std::as_bytes(std::span(sqlite)))) {
+      file.place(0).fail(
+          "is in SQLite, which sonopose-replay and sonopose-mcap export read; this needs MCAP");
+    }
     file.place(0).fail("is not an MCAP file: it does not begin with the magic bytes of version 0");
   }
   const Bytes content = file.content(magic.size(), Opcode::header);

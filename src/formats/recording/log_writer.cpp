@@ -52,6 +52,12 @@ SensorLogWriter::~SensorLogWriter() {
                                    (folder_ / imu_file).string(),
                                    text::count_text(magnetic_fields_dropped_, "magnetic field")));
     }
+    if (misread_ > 0) {
+      logging::warning(fmt::format(
+          "{}: a replay takes {} for those of the beacon and its pair: a log folder has no columns for the "
+          "place of a tag, a heading of the body or a set pose",
+          folder_.string(), text::count_text(misread_, "sample")));
+    }
   } catch (const std::exception&) {  // a destructor cannot report errors
   }
 }
@@ -79,6 +85,7 @@ void SensorLogWriter::write(const ImuSample& sample) {
 
 void SensorLogWriter::write(const UltrasonicFix& fix) {
   admit(fix.address);
+  if (fix.point_body_m != Vector3d::Zero() || (fix.flags & ultrasonic_flag_set_pose) != 0) ++misread_;
   ultrasonic_->integer(fix.emission_time_ns).integer(fix.received_time_ns).vector(fix.position_world_m);
   if (fix.quality_percent) {
     ultrasonic_->number(*fix.quality_percent);
@@ -91,6 +98,7 @@ void SensorLogWriter::write(const UltrasonicFix& fix) {
 
 void SensorLogWriter::write(const PairHeading& heading) {
   admit(heading.address);
+  if ((heading.flags & (heading_flag_of_body | heading_flag_set_pose)) != 0) ++misread_;
   heading_->integer(heading.emission_time_ns).integer(heading.received_time_ns);
   if (heading.valid) {
     heading_->number_in(files::degree, heading.heading_world_rad);

@@ -55,6 +55,10 @@ public:
   /// Magnetic fields without a column, because the first IMU sample had none.
   [[nodiscard]] std::uint64_t magnetic_fields_dropped() const { return magnetic_fields_dropped_; }
 
+  /// Fixes of a tag beside the tracked point or of a set pose, and headings of the body. A reader of the log
+  /// takes them for those of the beacon and of a pair, because there are no columns for the difference.
+  [[nodiscard]] std::uint64_t misread() const { return misread_; }
+
 private:
   void admit(BeaconAddress address);
   void admit(ImuMeaning meaning);
@@ -70,6 +74,7 @@ private:
   LogMeta meta_;                             ///< metadata as written
   std::optional<bool> with_magnetometer_;    ///< empty until the first IMU sample
   std::uint64_t magnetic_fields_dropped_ = 0;
+  std::uint64_t misread_ = 0;
   std::chrono::steady_clock::time_point last_flush_;
 };
 

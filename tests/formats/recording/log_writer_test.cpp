@@ -213,6 +213,29 @@ SCENARIO("a magnetometer that appears after the first sample is counted and repo
   CHECK_THAT(error.read(), Contains("imu.csv: 1 magnetic field not written"));
 }
 
+SCENARIO("samples whose meaning a log does not have are counted and reported") {
+  const TemporaryFolder folder;
+  logging::test::CapturedError error;
+  {
+    SensorLogWriter writer(folder.path());
+    UltrasonicFix fix;
+    fix.emission_time_ns = fix.received_time_ns = 1'000'000'000;
+    PairHeading heading;
+    heading.emission_time_ns = heading.received_time_ns = 1'000'000'000;
+    heading.valid = true;
+    writer.write(fix);
+    writer.write(heading);
+    CHECK(writer.misread() == 0);
+    fix.point_body_m = Vector3d(0.0, 0.3, 0.0);
+    heading.flags = heading_flag_of_body;
+    writer.write(fix);
+    writer.write(heading);
+    CHECK(writer.misread() == 2);
+  }
+  error.restore();
+  CHECK_THAT(error.read(), Contains("a replay takes 2 samples for those of the beacon and its pair"));
+}
+
 SCENARIO("a killed process loses at most its last second, and no line is torn") {
   GIVEN("a process that writes 100 samples a second for 1.5 s and is killed without warning") {
     const TemporaryFolder folder;

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdint>
 #include <cstring>
 #include <system_error>
 #include <yaml-cpp/yaml.h>
@@ -47,13 +48,14 @@ bool is_bag_folder(const fs::path& folder) {
   return is_there(folder / "metadata.yaml") || !sqlite_files_in(folder).empty();
 }
 
-std::vector<std::string> missing_files(const fs::path& folder) {
+Metadata read_metadata(const fs::path& folder) {
   const fs::path file = folder / "metadata.yaml";
-  std::vector<std::string> missing;
-  if (!is_there(file)) return missing;
+  Metadata metadata;
+  if (!is_there(file)) return metadata;
   try {
     const YAML::Node bag = YAML::Load(files::read_text(file))["rosbag2_bagfile_information"];
-    if (!bag || !bag.IsMap()) return missing;
+    if (!bag || !bag.IsMap()) return metadata;
+    metadata.messages = bag["message_count"].as<std::uint64_t>(0);
     std::string mode = scalar_of(bag["compression_mode"]);
     std::ranges::transform(mode, mode.begin(), [](char each) {
       return static_cast<char>(std::tolower(static_cast<unsigned char>(each)));
@@ -61,12 +63,15 @@ std::vector<std::string> missing_files(const fs::path& folder) {
     for (const YAML::Node& each : bag["relative_file_paths"]) {
       const fs::path listed = scalar_of(each);
       // Early versions list the file with the name of the folder.
-      const bool is_inside = listed.is_relative() && is_there(folder / listed);
-      if (is_inside || is_there(folder / listed.filename())) continue;
-      fs::path expanded = folder / listed.filename();
-      if (mode == "file" && is_there(expanded.replace_extension())) continue;
-      missing.push_back(
-          fmt::format("{}: lacks {}, which metadata.yaml lists", folder.string(), listed.string()));
+      fs::path found = folder / listed;
+      if (listed.is_absolute() || !is_there(found)) found = folder / listed.filename();
+      if (mode == "file" && found.extension() == ".zstd") found.replace_extension();  // if it was expanded
+      if (is_there(found)) {
+        metadata.files.push_back(found.lexically_normal());
+      } else {
+        metadata.missing.push_back(
+            fmt::format("{}: lacks {}, which metadata.yaml lists", folder.string(), listed.string()));
+      }
     }
     for (const auto& entry : fs::directory_iterator(folder)) {
       const fs::path& found = entry.path();
@@ -82,7 +87,7 @@ std::vector<std::string> missing_files(const fs::path& folder) {
   } catch (const fs::filesystem_error& error) {
     throw files::IoError(error.what());
   }
-  return missing;
+  return metadata;
 }
 
 }  // namespace sonopose::ros2::bag

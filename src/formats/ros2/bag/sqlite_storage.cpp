@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <map>
 #include <string_view>
 #include <system_error>
@@ -81,49 +82,64 @@ public:
   explicit SqliteStorage(const std::vector<fs::path>& files)
       : name_{text::first_of(files.front().string(), files.size())} {
     for (const fs::path& file : files) {
-      const Database& database = databases_.emplace_back(file);
-      std::map<std::int64_t, std::size_t>& topics = topics_by_id_.emplace_back();
+      File& opened = files_.emplace_back(file);
+      const Database& database = opened.database;
+      std::map<std::int64_t, std::size_t>& topics = opened.topics_by_id;
+      std::uint64_t without_topic = 0;
       database.for_each("SELECT id, name, type, serialization_format FROM topics", [&](sqlite3_stmt* row) {
         topics[sqlite3_column_int64(row, 0)] = topic(text_at(row, 1), text_at(row, 2), text_at(row, 3));
         return true;
       });
-      database.for_each("SELECT topic_id, count(*) FROM messages GROUP BY topic_id", [&](sqlite3_stmt* row) {
+      const std::string sql = "SELECT topic_id, count(*), min(timestamp) FROM messages GROUP BY topic_id";
+      database.for_each(sql, [&](sqlite3_stmt* row) {
         const auto found = topics.find(sqlite3_column_int64(row, 0));
-        if (found != topics.end()) {
-          topics_[found->second].messages += static_cast<std::uint64_t>(sqlite3_column_int64(row, 1));
-        }
+        const auto count = static_cast<std::uint64_t>(sqlite3_column_int64(row, 1));
+        (found != topics.end() ? topics_[found->second].messages : without_topic) += count;
+        opened.first_ns = std::min<std::int64_t>(opened.first_ns, sqlite3_column_int64(row, 2));
         return true;
       });
+      if (without_topic == 0) continue;
+      damages_.push_back(fmt::format("{}: {} not read: the table of topics lacks theirs", file.string(),
+                                     text::count_text(without_topic, "message")));
     }
+    std::ranges::stable_sort(files_, {}, &File::first_ns);  // names may not tell the order
   }
 
   [[nodiscard]] const std::string& name() const override { return name_; }
   [[nodiscard]] const std::vector<BagTopic>& topics() const override { return topics_; }
-  [[nodiscard]] std::vector<std::string> damages() const override { return {}; }
+  [[nodiscard]] std::vector<std::string> damages() const override { return damages_; }
 
   void for_each(const std::set<std::size_t>& topics,
                 const std::function<bool(const BagMessage&)>& use) const override {
-    for (std::size_t i = 0; i < databases_.size(); ++i) {
+    for (const File& file : files_) {
       std::vector<std::int64_t> ids;
-      for (const auto& [id, topic] : topics_by_id_[i]) {
+      for (const auto& [id, topic] : file.topics_by_id) {
         if (topics.contains(topic)) ids.push_back(id);
       }
       const auto use_row = [&](sqlite3_stmt* row) {
         const auto* const data = static_cast<const std::byte*>(sqlite3_column_blob(row, 2));
         const auto size = static_cast<std::size_t>(sqlite3_column_bytes(row, 2));
         const auto received_ns = std::max(sqlite3_column_int64(row, 1), sqlite3_int64{0});
-        return use({.topic = topics_by_id_[i].at(sqlite3_column_int64(row, 0)),
+        return use({.topic = file.topics_by_id.at(sqlite3_column_int64(row, 0)),
                     .received_ns = static_cast<std::uint64_t>(received_ns),
                     .data = {data, data == nullptr ? 0 : size}});
       };
       const std::string sql = fmt::format(
           "SELECT topic_id, timestamp, data FROM messages WHERE topic_id IN ({}) ORDER BY timestamp, id",
           fmt::join(ids, ","));
-      if (!databases_[i].for_each(sql, use_row)) return;
+      if (!file.database.for_each(sql, use_row)) return;
     }
   }
 
 private:
+  struct File {
+    explicit File(const fs::path& path) : database{path} {}
+
+    Database database;
+    std::map<std::int64_t, std::size_t> topics_by_id{};
+    std::int64_t first_ns = std::numeric_limits<std::int64_t>::max();  ///< of a message
+  };
+
   /// Index of a topic, which other files may have too.
   std::size_t topic(std::string name, std::string type, std::string encoding) {
     const auto known = std::ranges::find_if(
@@ -136,8 +152,8 @@ private:
   }
 
   std::string name_;
-  std::vector<Database> databases_;
-  std::vector<std::map<std::int64_t, std::size_t>> topics_by_id_;  ///< for each file
+  std::vector<File> files_;
+  std::vector<std::string> damages_;
   std::vector<BagTopic> topics_;
 };
 

@@ -50,7 +50,8 @@ std::unique_ptr<Storage> mcap_storage(const mcap::Reader& reader);
 /// Returns true for a file that begins like SQLite 3.
 bool is_sqlite(const std::filesystem::path& file);
 
-/// Several files follow one another. Throws files::IoError, also if the program was built without SQLite.
+/// Several files follow one another by their first messages. Throws files::IoError, also if the program was
+/// built without SQLite.
 std::unique_ptr<Storage> sqlite_storage(const std::vector<std::filesystem::path>& files);
 
 }  // namespace sonopose::ros2::bag

@@ -123,8 +123,9 @@ std::optional<std::size_t> only_topic(const Storage& storage, std::string_view o
     if (!has(types, topics[i].type) || topics[i].messages == 0 || !is_usable(topics[i])) continue;
     if (except.contains(i)) continue;
     if (found) {
-      throw files::IoError(fmt::format("{}: has several topics of {}; choose with {}: {}", storage.name(),
-                                       fmt::join(types, " or "), option, listed(topics, types)));
+      throw files::IoError(fmt::format(
+          "{}: has several topics of {}; choose with {}, or for the bridge by sonopose-mcap filter: {}",
+          storage.name(), fmt::join(types, " or "), option, listed(topics, types)));
     }
     found = i;
   }
@@ -218,9 +219,8 @@ Inputs find_inputs(const Storage& storage, const TopicChoice& choice, std::optio
     const BagTopic& chosen = storage.topics()[*topic];
     add({.kind = kind, .topic = chosen.name, .address = found.address, .imu_meaning = choice.imu_meaning},
         *topic);
-    found.notes.push_back(fmt::format("{}: uses {} as {}; {} names another", storage.name(),
-                                      with_type(chosen), kind == Input::Kind::imu ? "the IMU" : "the fixes",
-                                      option_name));
+    found.notes.push_back(fmt::format("{}: uses {} as {}, for it is the only one", storage.name(),
+                                      with_type(chosen), kind == Input::Kind::imu ? "the IMU" : "the fixes"));
   };
   if (choice.wheels.has_value() != choice.aiding.contains(AidingInput::Kind::wheels)) {
     throw files::IoError(fmt::format("{}: --wheel-in and --wheels need each other", storage.name()));

@@ -10,7 +10,6 @@ namespace sonopose::evaluation {
 
 ExportResult export_recording(const std::vector<std::filesystem::path>& paths,
                               std::optional<BeaconAddress> address, const std::filesystem::path& folder) {
-  const mcap::Reader reader(bus_log::recording_files(paths));
   const recording::SensorLog log = bus_log::read_sensor_log(paths, address);
   recording::SensorLogWriter writer(folder);
   for (const Event& event : log.events) writer.write(event);
@@ -18,6 +17,9 @@ ExportResult export_recording(const std::vector<std::filesystem::path>& paths,
   writer.flush();
   ExportResult result;
   result.events = log.events.size();
+  result.misread = writer.misread();
+  if (bus_log::is_in_sqlite(paths)) return result;  // of rosbag2, without outputs of the fusion
+  const mcap::Reader reader(bus_log::recording_files(paths));
   OutputFolder outputs(folder);
   bus_log::for_each_output(
       reader, log.address,

@@ -13,6 +13,7 @@ namespace sonopose::evaluation {
 
 struct ExportResult {
   std::uint64_t events = 0;
+  std::uint64_t misread = 0;  ///< events whose meaning the log folder does not have
   std::uint64_t poses = 0;
   std::uint64_t reports = 0;
 };

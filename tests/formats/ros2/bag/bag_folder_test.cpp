@@ -2,6 +2,7 @@
 
 #include "ros2/bag/bag_folder.hpp"
 
+#include "bus_log/recording_files.hpp"
 #include "bus_log/sensor_log.hpp"
 #include "ros2/bag/drives.hpp"
 #include "support/temporary_folder.hpp"
@@ -12,7 +13,7 @@ namespace bag_folder_test {
 
 using namespace sonopose;
 using Catch::Contains;
-using ros2::bag::missing_files;
+using ros2::bag::read_metadata;
 using test::write_text;
 
 std::string metadata(const std::string& files, const std::string& mode = "") {
@@ -27,10 +28,35 @@ SCENARIO("the folder of a recording says what belongs to it") {
     test::write_bag(folder / "drive_0.mcap", test::messages_of(events));
     write_text(folder / "metadata.yaml", metadata("    - drive_0.mcap\n    - drive/drive_1.mcap\n"));
     THEN("the missing one is named, and the other one is read") {
-      REQUIRE(missing_files(folder.path()).size() == 1);
-      CHECK_THAT(missing_files(folder.path())[0],
+      REQUIRE(read_metadata(folder.path()).missing.size() == 1);
+      CHECK_THAT(read_metadata(folder.path()).missing[0],
                  Contains("lacks drive/drive_1.mcap, which metadata.yaml lists"));
       CHECK(test::difference(bus_log::read_sensor_log(folder.path()).events, events) == "");
+    }
+  }
+  GIVEN("a file that it does not list, and one in SQLite beside it") {
+    test::write_bag(folder / "drive_0.mcap", test::messages_of(events));
+    test::write_bag(folder / "other.mcap", test::messages_of(test::walk_events(1.0)));
+    write_text(folder / "drive_0.db3", std::string("SQLite format 3\0", 16));
+    THEN("what it lists is read") {
+      write_text(folder / "metadata.yaml", metadata("    - drive_0.mcap\n"));
+      CHECK(bus_log::recording_files({folder.path()}) == std::vector{folder / "drive_0.mcap"});
+      CHECK(test::difference(bus_log::read_sensor_log(folder.path()).events, events) == "");
+    }
+    THEN("a listed file in SQLite counts for more than the others in MCAP") {
+      write_text(folder / "metadata.yaml", metadata("    - drive_0.db3\n"));
+      CHECK(bus_log::recording_files({folder.path()}) == std::vector{folder / "drive_0.db3"});
+      CHECK(bus_log::is_in_sqlite({folder.path()}));
+    }
+  }
+  GIVEN("a number of messages that the files do not have") {
+    test::write_bag(folder / "drive_0.mcap", test::messages_of(events));
+    write_text(folder / "metadata.yaml", metadata("    - drive_0.mcap\n  message_count: 1000000\n"));
+    THEN("both numbers are named") {
+      const auto text = bus_log::fewer_than_listed({folder.path()}, events.size());
+      REQUIRE(text);
+      CHECK_THAT(*text, Contains("of the 1000000 messages that metadata.yaml counts"));
+      CHECK_FALSE(bus_log::fewer_than_listed({folder.path()}, 1'000'000));
     }
   }
   GIVEN("files that are compressed as a whole") {
@@ -42,7 +68,7 @@ SCENARIO("the folder of a recording says what belongs to it") {
     }
     THEN("the expanded ones are read") {
       test::write_bag(folder / "drive_0.mcap", test::messages_of(events));
-      CHECK(missing_files(folder.path()).empty());
+      CHECK(read_metadata(folder.path()).missing.empty());
       CHECK(test::difference(bus_log::read_sensor_log(folder.path()).events, events) == "");
     }
   }

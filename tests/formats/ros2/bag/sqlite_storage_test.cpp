@@ -1,6 +1,8 @@
 /// Recordings of rosbag2 in SQLite.
 
 #include "bus_log/sensor_log.hpp"
+#include "evaluation/report/exported.hpp"
+#include "mcap/reader.hpp"
 #include "ros2/bag/drives.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -79,6 +81,25 @@ SCENARIO("a recording of rosbag2 in SQLite is an input") {
                              events)
                 .empty());
       CHECK(bus_log::read_imu_log(bag).size() == 400);
+    }
+    THEN("files in another order than their messages are read by time") {
+      CHECK(test::difference(bus_log::read_sensor_log({bag / "drive_10.db3", bag / "drive_9.db3"}).events,
+                             events)
+                .empty());
+    }
+    THEN("messages of an unknown topic are counted") {
+      sqlite3* database = nullptr;
+      REQUIRE(sqlite3_open((bag / "drive_9.db3").c_str(), &database) == SQLITE_OK);
+      sqlite3_exec(database, "UPDATE messages SET topic_id = 77 WHERE id < 4", nullptr, nullptr, nullptr);
+      sqlite3_close(database);
+      const auto warnings = bus_log::read_sensor_log(bag).warnings;
+      REQUIRE_FALSE(warnings.empty());
+      CHECK_THAT(warnings.front(), Contains("drive_9.db3: 3 messages not read: the table of topics lacks"));
+    }
+    THEN("it is exported, and a reader of MCAP names its format") {
+      const auto exported = evaluation::export_recording({bag}, {}, folder / "log");
+      CHECK(exported.events == events.size());
+      CHECK_THROWS_WITH(mcap::Reader(std::vector{bag / "drive_9.db3"}), Contains("is in SQLite"));
     }
     THEN("nothing is written beside the files") {
       bus_log::read_sensor_log(bag);
