@@ -1,5 +1,6 @@
 /// sonopose-play: recordings and parts of them that cannot be played.
 
+#include "bus_log/instance_end.hpp"
 #include "bus_log/recorded.hpp"
 #include "recorder/messages.hpp"
 #include "support/bus.hpp"
@@ -39,6 +40,14 @@ SCENARIO("what cannot be played is named") {
     writer.write({wrong, 1, 1'000'000'000, 1, bytes});
     writer.write({reset, 1, 1'000'000'000, 1, bytes});
     writer.write({reset, 2, 2'000'000'000, 2, std::span(bytes).first(9)});
+    writer.add_channel(writer.add_schema("sonopose::SettingsRequest", "omgidl", ""),
+                       "sonopose/settings_request", "cdr");
+    const auto end_schema =
+        writer.add_schema(std::string(bus_log::instance_end_schema_name), "jsonschema", "");
+    const auto ends = writer.add_channel(end_schema, std::string(bus_log::instance_ends_topic), "json");
+    const std::string end =
+        R"({"topic": "sonopose/pose", "kind": "disposed", "key_cdr": "", "source_time_ns": 1})";
+    writer.write({ends, 1, 1'000'000'000, 1, std::as_bytes(std::span(end))});
     writer.close();
   }
   CHECK_THAT(refused({(folder / "none.mcap").string()}), Contains("none.mcap"));
@@ -54,6 +63,9 @@ SCENARIO("what cannot be played is named") {
   CHECK_THAT(refused({(folder / "text.mcap").string()}), Contains("text.mcap"));
 
   const Bus bus;
+  const auto nothing = bus.play({file, "--no-wait", "--topics", "settings_request"});
+  CHECK(nothing->wait_for_exit() == 1);
+  CHECK_THAT(nothing->text(Stream::error), Contains("has no messages of these topics at these times"));
   const auto play = bus.play({file, "--no-wait", "--rate", "100"});
   CHECK(play->wait_for_exit() == 1);
   CHECK_THAT(
@@ -64,7 +76,7 @@ SCENARIO("what cannot be played is named") {
               "sonopose/reset is not played: its type is not sonopose::ResetCommand but sonopose::Other") &&
           Contains("sonopose/fix is not played: its type sonopose::UltrasonicFix differs"));
   CHECK_THAT(play->text(Stream::output), Contains("played 1 message in") &&
-                                             Contains("refused (wrong type for the topic): 1 message"));
+                                             Contains("refused (wrong type for the topic): 2 messages"));
 }
 
 SCENARIO("a damaged chunk is left out and named") {

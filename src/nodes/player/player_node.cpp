@@ -39,6 +39,7 @@ dds::DomainOptions domain_options(const PlayerOptions& options) {
 struct Playable {
   std::set<std::string> topics;
   std::set<std::uint16_t> channel_ids;
+  std::uint64_t refused = 0;  ///< messages of this program's topics in the other channels
 };
 
 /// Selects the playable channels. Logs the reason for each other one.
@@ -60,6 +61,11 @@ Playable playable_of(const mcap::Reader& reader, const PlayerOptions& options) {
       if (!is_ends) playable.topics.insert(channel.topic);
     } else {
       logging::warning(text::escaped(fmt::format("{} is not played: {}", channel.topic, obstacle)));
+      const auto* const topic = topics::find_topic(channel.topic);
+      const auto& counts = reader.statistics().channel_message_counts;
+      const auto count = counts.find(id);
+      if (topic != nullptr && channel.topic == topic->name && count != counts.end())
+        playable.refused += count->second;
     }
   }
   for (const std::string& name : wanted) {
@@ -110,6 +116,7 @@ public:
         qos_(options.qos_file),
         publisher_(participant_, qos_, {playable_.topics.begin(), playable_.topics.end()},
                    options.rate == 0.0 ? topics::Delivery::lossless : topics::Delivery::live) {
+    report_.refused = playable_.refused;
     if (options.rate == 0.0) lossy_fusions_.emplace(participant_, qos_);
   }
 
@@ -188,10 +195,14 @@ void Play::wait_for_readers() {
 }
 
 void Play::play_once() {
+  mcap::Selection of_topics = selection_;  // the ends of instances alone are nothing
+  of_topics.channel = [this](const mcap::Channel& channel) {
+    return selection_.channel(channel) && channel.topic != bus_log::instance_ends_topic;
+  };
+  if (latched_.samples.is_empty() && !mcap::Messages(reader_, of_topics).next())
+    throw std::invalid_argument(reader_.name() + ": has no messages of these topics at these times");
   mcap::Messages messages(reader_, selection_);
   auto message = messages.next();
-  if (!message && latched_.samples.is_empty())
-    throw std::invalid_argument(reader_.name() + ": has no messages of these topics at these times");
   begin(message ? message->log_time_ns : selection_.start_ns);
   for (const auto& entry : latched_.samples.entries()) {
     if (!publish(message_at(latched_.samples, entry))) return;
