@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <tuple>
@@ -21,9 +22,10 @@ namespace sonopose::bus_log {
 /// Memory for the latched samples of any topics.
 class LatchedSamples {
 public:
-  /// `topics`: native topics of latched channels; `ends_channel_id`: channel of the ends of instances.
+  /// `topics`: native topics of latched channels; `ends_channel_id`: channel of the ends of instances, if
+  /// there is one.
   LatchedSamples(std::map<std::uint16_t, const dds::topics::SerializedTopic*> topics,
-                 std::uint16_t ends_channel_id)
+                 std::optional<std::uint16_t> ends_channel_id)
       : topics_(std::move(topics)), ends_channel_id_(ends_channel_id) {}
 
   /// Adds a channel without keys and ends, such as one of ROS 2. Keeps its latest differing messages, since
@@ -55,7 +57,7 @@ private:
   static void keep(std::vector<Sample>& samples, Sample sample);
 
   std::map<std::uint16_t, const dds::topics::SerializedTopic*> topics_;
-  std::uint16_t ends_channel_id_;
+  std::optional<std::uint16_t> ends_channel_id_;
   std::map<Key, Sample> samples_;
   std::map<std::uint16_t, std::vector<Sample>> plain_;  ///< by channel, oldest first
 };

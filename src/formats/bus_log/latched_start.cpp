@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <string_view>
@@ -15,8 +16,10 @@ namespace sonopose::bus_log {
 
 namespace {
 
-/// Returns true if the QoS that a recorder of ROS 2 has noted, as YAML, is that of a latched topic.
+/// Returns true if the QoS that a recorder of ROS 2 has noted, as YAML, is that of a latched topic. Others do
+/// not note it, but static transforms are always latched.
 bool is_latched_in_ros(const mcap::Channel& channel) {
+  if (channel.topic.ends_with("/tf_static")) return true;
   constexpr std::array<std::string_view, 2> latched{"durability: 1\n", "durability: transient_local\n"};
   const auto found = channel.metadata.find("offered_qos_profiles");
   if (found == channel.metadata.end()) return false;
@@ -33,7 +36,7 @@ LatchedStart latched_start(const mcap::Reader& reader, const mcap::Selection& se
   if (selection.start_ns <= times.start_ns || selection.start_ns > times.end_ns) return {};
   std::map<std::uint16_t, const dds::topics::SerializedTopic*> native;
   std::set<std::uint16_t> others;
-  std::uint16_t ends_channel_id = 0;
+  std::optional<std::uint16_t> ends_channel_id;  // any number may be that of another topic
   for (const auto& [id, channel] : reader.channels()) {
     if (channel.topic == instance_ends_topic) ends_channel_id = id;
     if (selection.channel && !selection.channel(channel)) continue;

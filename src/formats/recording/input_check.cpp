@@ -89,7 +89,7 @@ void InputCheck::add(const Event& event) {
 std::string InputCheck::how_to_name(std::string_view unit, Table table,
                                     std::initializer_list<std::string_view> columns) const {
   std::string text = names_ != nullptr ? fmt::format("For {}, add", unit)
-                                       : "The header of a log folder's file names the unit:";
+                                       : "Messages of ROS have SI units; the header of a table names others:";
   for (const std::string_view column : columns) {
     if (names_ != nullptr) {
       text += " " + names_->option(static_cast<std::size_t>(table), std::string(column), unit);

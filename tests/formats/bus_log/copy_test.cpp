@@ -250,6 +250,18 @@ SCENARIO("a part of a recording begins with the state of latched topics") {
     THEN("its latest message comes first") {
       CHECK(copy({{file}, folder / "part.mcap", {{}, {}, std::uint64_t{35}}}).messages == 3);
     }
+    THEN("static transforms are latched also where the file does not say") {
+      const Path plain = folder / "plain.mcap";
+      {
+        mcap::FileSink sink(plain);
+        mcap::Writer writer(sink, {.profile = "ros2"});
+        const auto tf_static = writer.add_channel(0, "/tf_static", "cdr");
+        const auto odom = writer.add_channel(0, "/odom", "cdr");
+        writer.write({tf_static, 1, 10, 10, {}});
+        for (std::uint64_t i = 1; i < 5; ++i) writer.write({odom, 1, 10 * i, 10 * i, {}});
+      }
+      CHECK(copy({{plain}, folder / "part.mcap", {{}, {}, std::uint64_t{35}}}).messages == 2);
+    }
     THEN("it is chosen with and without its slash") {
       CHECK(copy({{file}, folder / "with.mcap", {{"/map"}}}).messages == 1);
       CHECK(copy({{file}, folder / "without.mcap", {{"map"}}}).messages == 1);
@@ -375,6 +387,9 @@ SCENARIO("a recording is exported") {
       CHECK(log.address == 12);
       CHECK(evaluation::run(log, {}).state_hash ==
             evaluation::run(read_sensor_log(folder / "run.mcap"), {}).state_hash);
+    }
+    THEN("all events mean the same in the folder") {
+      CHECK(result.misread == 0);
     }
     THEN("the recorded pose is in TUM format") {
       CHECK(result.poses == 1);

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <variant>
@@ -38,6 +39,10 @@ Wheels read_wheels(const std::filesystem::path& file) {
                               : wheels.track_m == 0.0       ? "track_m"
                                                             : nullptr;
   if (missing != nullptr) throw files::IoError(fmt::format("{}: {} is missing", file.string(), missing));
+  for (const std::string& joint : wheels.left_joints) {
+    if (std::ranges::find(wheels.right_joints, joint) == wheels.right_joints.end()) continue;
+    throw files::IoError(fmt::format("{}: the joint \"{}\" is left and right", file.string(), joint));
+  }
   return wheels;
 }
 

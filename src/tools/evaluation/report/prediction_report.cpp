@@ -65,7 +65,10 @@ nlohmann::ordered_json json_of(const std::optional<NormalisedInnovations>& innov
 }  // namespace
 
 std::string prediction_text(const PredictionScore& score) {
-  if (score.fixes.empty()) return row("predicted", "no fix: none has a pose at its emission");
+  if (score.fixes.empty()) {
+    return row("predicted", score.fixes_without == 0 ? "no fix in the scored time"
+                                                     : "no fix: none has a pose at its emission");
+  }
   std::string text = row(
       "predicted",
       fmt::format("{:8.4f} m RMS from pose to fix, {:.4f} m p50, {:.4f} m p95, over {}, {} without a pose",

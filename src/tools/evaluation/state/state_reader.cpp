@@ -48,7 +48,9 @@ StateReader StateReader::parsed(std::string_view text, const std::string& name) 
   try {
     return {json::parse(text), name};
   } catch (const json::exception& error) {
-    throw StateFileError(name + ": is not JSON: " + error.what());
+    const std::string reason = error.what();
+    throw StateFileError(name +
+                         ": is not JSON: " + reason.substr(reason.find("] ") + 2));  // without its own name
   }
 }
 

@@ -1,5 +1,8 @@
 #include "ros2/inputs/aiding_input.hpp"
 
+#include "ros2/inputs/wheels_file.hpp"
+#include "support/temporary_folder.hpp"
+
 #include <catch2/catch.hpp>
 
 #include <vector>
@@ -10,6 +13,13 @@ using namespace sonopose;
 using Catch::Matchers::Contains;
 using ros2::AidingInput;
 using Kind = AidingInput::Kind;
+
+SCENARIO("a joint that is left and right is refused") {
+  const test::TemporaryFolder folder;
+  test::write_text(folder / "wheels.toml",
+                   "left_joints = [\"a\", \"b\"]\nright_joints = [\"b\"]\nradius_m = 0.1\ntrack_m = 0.5\n");
+  CHECK_THROWS_WITH(ros2::read_wheels(folder / "wheels.toml"), Contains("the joint \"b\" is left and right"));
+}
 
 SCENARIO("options of velocities") {
   GIVEN("topics with addresses") {

@@ -98,4 +98,11 @@ TEST_CASE("without a true velocity only that figure is unknown") {
   CHECK_THAT(text, Contains("not known") && Contains("m RMSE") && !Contains("nan"));
 }
 
+TEST_CASE("times without a fix are told from fixes without a pose") {
+  recording::SensorLog log = sample_log("walk", 2.0);
+  log.truth.clear();
+  CHECK_THAT(evaluation::report_text(evaluation::run(log, {.after_s = 100.0}), {}),
+             Contains("no fix in the scored time"));
+}
+
 }  // namespace report_test

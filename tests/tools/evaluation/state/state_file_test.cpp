@@ -138,7 +138,8 @@ TEST_CASE("a file that is no saved state is refused with file and field") {
              Contains("s.json: counters: x: is not known"));
   CHECK_THAT(error_message_after([](json& file) { file["counters"] = 3; }),
              Contains("is 3 instead of an object"));
-  CHECK_THROWS_WITH(evaluation::parse_state("{\"format\": ", "s.json"), Contains("s.json: is not JSON"));
+  CHECK_THROWS_WITH(evaluation::parse_state("{\"format\": ", "s.json"),
+                    Contains("s.json: is not JSON: parse error at line 1"));
   CHECK_THROWS_WITH(evaluation::parse_state("[]", "s.json"), Contains("instead of an object"));
   CHECK_THROWS_AS(evaluation::load_state("/nowhere/s.json"), files::IoError);
   CHECK_THROWS_WITH(evaluation::load_state("/"), Contains("/: is a folder, not a file"));
