@@ -391,6 +391,11 @@ SCENARIO("a recording is exported") {
     THEN("all events mean the same in the folder") {
       CHECK(result.misread == 0);
     }
+    THEN("the log folder is no recording to export, and nothing is written") {
+      CHECK_THROWS_WITH(evaluation::export_recording({folder / "log"}, {}, folder / "again"),
+                        Contains("is a log folder"));
+      CHECK_FALSE(exists(folder / "again"));
+    }
     THEN("the recorded pose is in TUM format") {
       CHECK(result.poses == 1);
       CHECK_THAT(read_text(folder / "log/trajectory.tum"), Contains(" 0 0 0 1"));

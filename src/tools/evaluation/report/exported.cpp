@@ -10,6 +10,8 @@ namespace sonopose::evaluation {
 
 ExportResult export_recording(const std::vector<std::filesystem::path>& paths,
                               std::optional<BeaconAddress> address, const std::filesystem::path& folder) {
+  std::optional<mcap::Reader> reader;  // SQLite is of rosbag2, without outputs of the fusion
+  if (!bus_log::is_in_sqlite(paths)) reader.emplace(bus_log::recording_files(paths));
   const recording::SensorLog log = bus_log::read_sensor_log(paths, address);
   recording::SensorLogWriter writer(folder);
   for (const Event& event : log.events) writer.write(event);
@@ -18,11 +20,10 @@ ExportResult export_recording(const std::vector<std::filesystem::path>& paths,
   ExportResult result;
   result.events = log.events.size();
   result.misread = writer.misread();
-  if (bus_log::is_in_sqlite(paths)) return result;  // of rosbag2, without outputs of the fusion
-  const mcap::Reader reader(bus_log::recording_files(paths));
+  if (!reader) return result;
   OutputFolder outputs(folder);
   bus_log::for_each_output(
-      reader, log.address,
+      *reader, log.address,
       [&](const FusedPose& pose) {
         outputs.write(pose);
         ++result.poses;
