@@ -122,11 +122,12 @@ void BeaconProbe::on(const UltrasonicFix& fix, const Arrival& arrival) {
 
 void BeaconProbe::on(const PairHeading& heading, const Arrival& arrival) {
   if (heading.sequence != unnumbered) sequences_.add(arrival.time_ns, heading.sequence);
-  if (!in_window()) return;
+  if (!in_window() || (heading.flags & heading_flag_set_pose) != 0U) return;
   heading_.count(arrival);
-  if (!heading.valid) return;
-  ++valid_headings_;
   if ((heading.flags & heading_flag_of_body) != 0U) return;  // says nothing about a pair or its mount
+  ++pair_headings_;
+  if (!heading.valid) return;
+  ++valid_pair_headings_;
   pair_losses_.on_heading(arrival.time_ns);
   headings_.add(arrival.time_ns, heading);
 }
@@ -231,8 +232,9 @@ rules::BeaconObservation BeaconProbe::observation(TimeNs now_ns, const settings:
   beacon.fix = fix_.observation(began_ns_, now_ns);
   beacon.heading = heading_.observation(began_ns_, now_ns);
   beacon.pose = pose_.observation(began_ns_, now_ns);
-  beacon.valid_headings = valid_headings_;
-  beacon.pair_lost_s = pair_losses_.lost_s(now_ns);
+  beacon.pair_headings = pair_headings_;
+  beacon.valid_pair_headings = valid_pair_headings_;
+  if (pair_headings_ > 0) beacon.pair_lost_s = pair_losses_.lost_s(now_ns);
   count_missing_events(now_ns, beacon);
   beacon.bridge_ahead_s = bridge_ahead_s();
   beacon.status_before = status_before_;

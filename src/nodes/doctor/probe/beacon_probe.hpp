@@ -106,7 +106,8 @@ private:
   Stream fix_;
   Stream heading_;
   Stream pose_;
-  std::uint64_t valid_headings_ = 0;
+  std::uint64_t pair_headings_ = 0;
+  std::uint64_t valid_pair_headings_ = 0;
   PairLosses pair_losses_;
   std::uint64_t timed_fixes_ = 0;
   std::optional<double> min_fix_delay_s_;

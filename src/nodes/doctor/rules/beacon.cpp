@@ -126,8 +126,8 @@ public:
 
   void headings() const {
     const double mount_offset_deg = beacon_.fusion_settings.heading.mount_offset_deg;
-    const std::uint64_t invalid_headings = beacon_.heading.samples - beacon_.valid_headings;
-    if (beacon_.heading.samples == 0 && beacon_.pair_fixes > 0) {
+    const std::uint64_t invalid_headings = beacon_.pair_headings - beacon_.valid_pair_headings;
+    if (beacon_.pair_headings == 0 && beacon_.pair_fixes > 0) {
       add(Severity::warning, "no pair headings received, although its fixes are those of a pair",
           "switch the second beacon of the pair on, and enable the stream of positions with angle");
     } else if (beacon_.heading.samples == 0 && beacon_.fix.samples > 0 && mount_offset_deg != 0.0) {
@@ -140,10 +140,10 @@ public:
               beacon_.address));
     } else if (beacon_.heading.samples == 0) {
       add(Severity::note, "no pair headings received: a single beacon estimates its heading from motion", "");
-    } else if (2 * beacon_.valid_headings < beacon_.heading.samples) {
+    } else if (2 * beacon_.valid_pair_headings < beacon_.pair_headings) {
       add(Severity::warning,
           fmt::format("{} of {} of the hardware {} invalid", invalid_headings,
-                      count_text(beacon_.heading.samples, "pair heading"),
+                      count_text(beacon_.pair_headings, "pair heading"),
                       invalid_headings == 1 ? "is" : "are"),
           "check that both beacons of the pair have fixes, and that the pair's baseline is configured");
     } else {
@@ -309,7 +309,7 @@ private:
     return lost * 100 > events ? Severity::warning : Severity::note;
   }
 
-  /// Reports a pair that was lost for a part of the window.
+  /// Reports a pair, or another source of headings, that was lost for a part of the window.
   void lost_headings() const {
     constexpr const char* remedy =
         "check power and line of sight of the second beacon of the pair, and its distance to the first one";
@@ -318,6 +318,8 @@ private:
           fmt::format("for about {:.0f} s, less than half of its fixes had a pair heading",
                       beacon_.pair_lost_s),
           remedy);
+    } else if (beacon_.pair_headings == 0) {
+      check_silence(beacon_.heading, "headings", "check their driver, and the output of sonopose-ros2");
     } else if (!follows(beacon_.heading, beacon_.fix)) {
       check_silence(beacon_.heading, "pair headings", remedy);
     }

@@ -133,12 +133,13 @@ struct BeaconObservation {
   StreamObservation fix;
   StreamObservation heading;
   StreamObservation pose;
-  std::uint64_t valid_headings = 0;
-  double pair_lost_s = 0;                   ///< total time in which few fixes have a valid heading
-  std::uint64_t events_missing = 0;         ///< gaps in the numbering of the sensor streams, last two minutes
-  std::uint64_t events_expected = 0;        ///< including the missing ones
-  std::optional<double> bridge_ahead_s;     ///< median of the bridge's timestamp minus the time of reception
-  std::vector<ProcessObservation> bridges;  ///< processes that publish its IMU samples
+  std::uint64_t pair_headings = 0;  ///< those of a pair, not of a compass or a pose
+  std::uint64_t valid_pair_headings = 0;
+  double pair_lost_s = 0;                ///< total time in which few fixes have a valid heading of the pair
+  std::uint64_t events_missing = 0;      ///< gaps in the numbering of the sensor streams, last two minutes
+  std::uint64_t events_expected = 0;     ///< including the missing ones
+  std::optional<double> bridge_ahead_s;  ///< median of the bridge's timestamp minus the time of reception
+  std::vector<ProcessObservation> bridges;    ///< processes that publish its IMU samples
   std::optional<BeaconStatus> status_before;  ///< first status in the window
   std::optional<BeaconStatus> status;         ///< last status
   std::optional<FusionStatus> fusion_before;

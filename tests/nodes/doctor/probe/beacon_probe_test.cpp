@@ -106,6 +106,27 @@ TEST_CASE("A pair that is lost for a part of the window is observed") {
   CHECK(lost_s([](double t) { return t > 3 && t < 7; }) > 0);
 }
 
+TEST_CASE("Headings of the body, as of a compass, do not show a pair that could be lost") {
+  BeaconProbe probe;
+  probe.begin(begin_ns, {});
+  for (double t = 0.05; t < 12; t += 0.1) {
+    probe.on(UltrasonicFix{}, begin_ns + to_ns(t));
+    probe.on(PairHeading{.valid = true, .flags = heading_flag_of_body}, begin_ns + to_ns(t));
+  }
+  const auto beacon = probe.observation(begin_ns + to_ns(12), {});
+  CHECK(beacon.heading.samples == 120);
+  CHECK(beacon.pair_headings == 0);
+  CHECK(beacon.pair_lost_s == 0);
+  WHEN("the user sets the pose") {
+    BeaconProbe set;
+    set.begin(begin_ns, {});
+    set.on(PairHeading{.valid = true, .flags = heading_flag_of_body | heading_flag_set_pose}, begin_ns + 1);
+    THEN("its heading is not one of a stream that then falls silent") {
+      CHECK(set.observation(begin_ns + to_ns(12), {}).heading.samples == 0);
+    }
+  }
+}
+
 TEST_CASE("Samples before the window are excluded") {
   BeaconProbe probe;
   for (std::uint64_t n = 1; n <= 100; ++n)

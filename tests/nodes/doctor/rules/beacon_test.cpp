@@ -23,9 +23,12 @@ Severity severity(const std::string& text, const Change& change) {
 TEST_CASE("Missing streams and silences longer than the deadline are reported") {
   CHECK(severity("no IMU samples received", [](auto& b) { b.imu = {}; }) == Severity::error);
   CHECK(severity("no fixes received", [](auto& b) { b.fix = {}; }) == Severity::warning);
-  CHECK(severity("no pair headings received", [](auto& b) { b.heading = {}; }) == Severity::note);
+  CHECK(severity("no pair headings received", [](auto& b) {
+          b.heading = {};
+          b.pair_headings = b.valid_pair_headings = 0;
+        }) == Severity::note);
   CHECK(severity("24 of 24 pair headings of the hardware are invalid",
-                 [](auto& b) { b.valid_headings = 0; }) == Severity::warning);
+                 [](auto& b) { b.valid_pair_headings = 0; }) == Severity::warning);
   CHECK(severity("no poses of this beacon", [](auto& b) { b.pose = {}; }) == Severity::error);
   CHECK(severity("no IMU samples for 0.35 s", [](auto& b) { b.imu.longest_silence_s = 0.35; }) ==
         Severity::warning);
@@ -77,6 +80,21 @@ TEST_CASE("A pair that is lost during the look is a problem") {
         }) == Severity::ok);
 }
 
+TEST_CASE("Headings of a compass are not taken for those of a pair") {
+  const auto with_compass = [](auto& b) { b.pair_headings = b.valid_pair_headings = 0; };
+  CHECK(severity("pair", with_compass) == Severity::ok);
+  const auto interrupted = [&](auto& b) {
+    with_compass(b);
+    b.heading = {24, 8.0, 3.0, 2.5, 1, 3.0};
+  };
+  CHECK(severity("no headings for 3.00 s", interrupted) == Severity::note);
+  CHECK(severity("pair", interrupted) == Severity::ok);
+  CHECK(severity("although its fixes are those of a pair", [&](auto& b) {
+          with_compass(b);
+          b.pair_fixes = 24;
+        }) == Severity::warning);
+}
+
 TEST_CASE("A pair without headings is a problem, a single beacon is not") {
   CHECK(severity("mount_offset_deg=90 configures a pair", [](auto& b) {
           b.heading = {};
@@ -84,6 +102,7 @@ TEST_CASE("A pair without headings is a problem, a single beacon is not") {
         }) == Severity::warning);
   CHECK(severity("its fixes are those of a pair", [](auto& b) {
           b.heading = {};
+          b.pair_headings = b.valid_pair_headings = 0;
           b.pair_fixes = 20;
         }) == Severity::warning);
 }

@@ -26,7 +26,7 @@ inline BeaconObservation healthy_beacon() {
   beacon.fix = {24, 8.0, 0.15, 2.5};
   beacon.heading = {24, 8.0, 0.15, 2.5};
   beacon.pose = {300, 100.0, 0.02, 0.1};
-  beacon.valid_headings = 24;
+  beacon.pair_headings = beacon.valid_pair_headings = 24;
   beacon.bridge_ahead_s = -0.0005;
   beacon.bridges = {{"sonopose-bridge", "rover", 100}};
   BeaconStatus status;
