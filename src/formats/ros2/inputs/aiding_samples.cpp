@@ -3,20 +3,58 @@
 #include <sonopose/geometry/rotation.hpp>
 #include <sonopose/ros2/messages/input.hpp>
 #include <sonopose/ros2/messages/pose_input.hpp>
+#include <sonopose/text/escaped.hpp>
 
 #include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <string_view>
+#include <vector>
 
 namespace sonopose::ros2 {
 namespace {
 
 using Kind = AidingInput::Kind;
 
-/// Samples of a velocity that `twist_of` finds for a mount.
-AidingSamples of_twist(std::string_view frame, const std::optional<Mount>& mount, const auto& twist_of) {
-  AidingSamples samples{.frame = frame};
-  if (mount) samples.twist = twist_of(*mount);
+/// Reason why the speeds of the wheels cannot be used, though the mount is known.
+std::string fault_of(const JointState& state, const Wheels& wheels) {
+  constexpr std::size_t max_listed = 8;
+  std::vector<std::string_view> names;
+  for (std::uint32_t i = 0; i < state.name._length; ++i) names.emplace_back(state.name._buffer[i]);
+  for (const auto* const joints : {&wheels.left_joints, &wheels.right_joints}) {
+    for (const std::string& joint : *joints) {
+      const auto found = std::ranges::find(names, joint);
+      if (found == names.end()) {
+        names.resize(std::min(names.size(), max_listed));
+        return fmt::format("they have no joint '{}' of --wheels; they have: {}", joint,
+                           text::escaped(fmt::format("{}", fmt::join(names, ", "))));
+      }
+      if (static_cast<std::uint32_t>(found - names.begin()) >= state.velocity._length)
+        return fmt::format("they have no velocity of the joint '{}'", joint);
+    }
+  }
+  return "a velocity or stamp is invalid, or the mount is oblique";
+}
+
+std::string not_in_base(const std::string& frame) {
+  return fmt::format("/tf_static does not connect their frame '{}' with the base", frame);
+}
+
+/// Samples of a velocity that `twist_of` finds for the mount of the IMU in the frame of the velocity.
+AidingSamples of_twist(const std::string& frame, const AidingInput& input, const InputFrames& frames,
+                       const auto& twist_of) {
+  AidingSamples samples;
+  const auto mount = frames.mount(input.address);
+  const auto in_base = frames.in_base(input.address, frame);
+  if (mount && in_base) {
+    const auto& [imu_m, q_imu] = inverse_of(*in_base) * Transform{mount->imu_in_base_m, mount->q_imu_to_base};
+    samples.twist = twist_of(Mount{.imu_in_base_m = imu_m, .q_imu_to_base = q_imu});
+  }
   if (!mount) {
     samples.unused = mount_unknown;
+  } else if (!in_base) {
+    samples.unused = not_in_base(frame);
   } else if (!samples.twist) {
     samples.unused =
         "a value or stamp is invalid, no axis is measured, or not all three are and the mount is oblique";
@@ -35,7 +73,7 @@ std::optional<PoseFrames> frames_of(const InputFrames& frames, BeaconAddress add
   }
   const auto measured_in_base = frames.in_base(address, measured);
   if (!measured_in_base) {
-    unused = fmt::format("/tf_static does not connect their frame '{}' with the base", measured);
+    unused = not_in_base(measured);
     return std::nullopt;
   }
   const auto mount = frames.mount(address);
@@ -108,34 +146,32 @@ AidingSamples samples_of(const Odometry& message, const AidingInput& input, cons
     return of_pose(as_pose(message), message.header.frame_id, message.child_frame_id, input, frames,
                    received_ns);
   }
-  return of_twist(message.child_frame_id, frames.mount(input.address), [&](const Mount& mount) {
+  return of_twist(message.child_frame_id, input, frames, [&](const Mount& mount) {
     return twist_sample(message, input.address, mount, received_ns);
   });
 }
 
 AidingSamples samples_of(const TwistWithCovarianceStamped& message, const AidingInput& input,
                          const InputFrames& frames, TimeNs received_ns) {
-  return of_twist(message.header.frame_id, frames.mount(input.address), [&](const Mount& mount) {
+  return of_twist(message.header.frame_id, input, frames, [&](const Mount& mount) {
     return twist_sample(message, input.address, mount, received_ns);
   });
 }
 
 AidingSamples samples_of(const TwistStamped& message, const AidingInput& input, const InputFrames& frames,
                          TimeNs received_ns) {
-  return of_twist(message.header.frame_id, frames.mount(input.address), [&](const Mount& mount) {
+  return of_twist(message.header.frame_id, input, frames, [&](const Mount& mount) {
     return twist_sample(message, input.address, mount, received_ns);
   });
 }
 
 AidingSamples samples_of(const JointState& message, const AidingInput& input, const InputFrames& frames,
                          TimeNs received_ns) {
-  const auto mount = frames.mount(input.address);
-  auto samples = of_twist({}, mount, [&](const Mount& known) {
-    return twist_sample(message, input.wheels, input.address, known, received_ns);
+  auto samples = of_twist({}, input, frames, [&](const Mount& mount) {
+    return twist_sample(message, input.wheels, input.address, mount, received_ns);
   });
-  if (mount && !samples.twist) {
-    samples.unused =
-        "they lack the velocity of a joint of --wheels, or it is not finite, or the mount is oblique";
+  if (frames.mount(input.address) && !samples.twist) {
+    samples.unused = fault_of(message, input.wheels);
   }
   return samples;
 }

@@ -9,19 +9,25 @@
 
 #include <optional>
 #include <string>
-#include <string_view>
 
 namespace sonopose::ros2 {
 
 struct AidingSamples {
-  std::string_view frame = {};  ///< frame of a velocity, in the message
   std::optional<TwistSample> twist = {};
   std::optional<PairHeading> heading = {};
   std::optional<UltrasonicFix> fix = {};
   std::string unused = {};  ///< parts that are not used, and why; empty: all are used
+
+  /// Time of measurement; empty if there is no sample.
+  [[nodiscard]] std::optional<TimeNs> measured_ns() const {
+    if (twist) return twist->emission_time_ns;
+    if (heading) return heading->emission_time_ns;
+    return fix ? std::optional(fix->emission_time_ns) : std::nullopt;
+  }
 };
 
-// A heading is that of the body. A pose is a fix, with its place on the body, and a heading.
+// A velocity is moved from its frame to the IMU, both as parts of one rigid body. A heading is that of the
+// body. A pose is a fix, with its place on the body, and a heading.
 
 AidingSamples samples_of(const Odometry& message, const AidingInput& input, const InputFrames& frames,
                          TimeNs received_ns);

@@ -62,7 +62,7 @@ protected:
   /// Passes on the samples of a message, and says what is not used.
   void pass(const AidingSamples& samples, publication::SampleSink& sink, InputMonitor::Lines& lines) {
     const bool is_used = samples.twist || samples.heading || samples.fix;
-    if (is_used) monitor_.on_sample(samples.frame, clocks::steady_now(), lines);
+    if (is_used) monitor_.on_sample({}, clocks::steady_now(), lines);
     if (!is_used) ++unused_;
     if (input_.kind == AidingInput::Kind::set_pose) {
       lines.push_back(set_pose_line(input_, samples));

@@ -341,7 +341,7 @@ InputFrames Relay::Impl::frames_of_inputs() {
   const bool needs_tf =
       std::ranges::any_of(options_.inputs, [](const Input& input) { return !input.tag_frame.empty(); }) ||
       std::ranges::any_of(options_.aiding_inputs,
-                          [](const AidingInput& input) { return !is_velocity(input.kind); });
+                          [](const AidingInput& input) { return input.kind != AidingInput::Kind::wheels; });
   if (needs_tf && !fixed_frames_) fixed_frames_ = std::make_unique<FixedFrames>(node_);
   const auto mount = [this, mount_from_tf](BeaconAddress address) -> std::optional<Mount> {
     if (mount_from_tf) {

@@ -279,6 +279,30 @@ SCENARIO("velocities and truth are those of the base") {
       REQUIRE(twist != bag.log.events.end());
       CHECK(std::get<TwistSample>(*twist).velocity_body_mps.isApprox(Vector3d(0.5, 0, 0)));
     }
+    THEN("velocities of another frame are turned and moved too, and unused if it is not connected") {
+      const std::string wheel = "wheel_link";
+      const std::string map = "map";
+      const ros2::Transform wheel_in_base{{0, 0.5, 0}, mount.rotation};
+      transforms.push_back(ros2::transform(wheel_in_base, start_ns, base, wheel));
+      ros2::borrow_sequence(tf.transforms, transforms);
+      messages.push_back(test::message_of("/tf_static", tf, start_ns));
+      for (const std::string& frame : {wheel, map}) {
+        ros2::TwistStamped twist{};
+        twist.header = ros2::header_of(start_ns + 50'000'000, frame);
+        twist.twist.linear.x = 0.1;
+        twist.twist.angular.z = 0.5;
+        messages.push_back(test::message_of("/wheel", twist, start_ns + 50'000'000));
+      }
+      const auto frames_file = folder / "frames_0.mcap";
+      test::write_bag(frames_file, messages);
+      const auto bag = read(frames_file, {.aiding = {{AidingInput::Kind::twist, {"/wheel:TwistStamped"}}}});
+      CHECK(kinds_of(bag.log.events).at(3) == 1);
+      // At the wheel 0.1 m/s along y of the base; the IMU is (1, -0.5) m from it, and looks along y.
+      CHECK(first<TwistSample>(bag.log.events)
+                .velocity_body_mps.isApprox(Vector3d(0.1 + 0.5 * 1, -0.5 * 0.5, 0)));
+      CHECK_THAT(joined(bag.log.warnings),
+                 Contains("/tf_static does not connect their frame 'map' with the base"));
+    }
     THEN("their poses are fixes and headings, and one topic may have both kinds of input") {
       TopicChoice choice{.aiding = {{AidingInput::Kind::odometry, {"/odom"}},
                                     {AidingInput::Kind::pose, {"/odom:Odometry"}}}};

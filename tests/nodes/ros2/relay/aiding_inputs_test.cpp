@@ -30,7 +30,7 @@ constexpr TimeNs second_ns = 1'000'000'000;
 /// Frames without tf: map, base, and a sensor turned left by 90° on the base.
 ros2::InputFrames frames(const ros2::Mount& mount) {
   const auto find = [](BeaconAddress, const std::string& frame) -> std::optional<ros2::Transform> {
-    if (frame.empty() || frame == "map") return ros2::Transform{};
+    if (frame.empty() || frame == "map" || frame == "base_link") return ros2::Transform{};
     if (frame != "sensor") return std::nullopt;
     return ros2::Transform{{0.2, 0, 0}, geometry::rotation_about_z(0.5 * std::numbers::pi)};
   };
@@ -67,7 +67,7 @@ SCENARIO("velocities of drivers become samples") {
       });
     };
     WHEN("they publish") {
-      std::string frame = "odom";
+      std::string frame = "base_link";
       ros2::Odometry message{};
       message.header.frame_id = frame.data();
       message.child_frame_id = frame.data();
@@ -85,7 +85,7 @@ SCENARIO("velocities of drivers become samples") {
       }
     }
     WHEN("a driver publishes two messages without a measured axis") {
-      std::string frame = "odom";
+      std::string frame = "base_link";
       ros2::Odometry message{};
       message.header.frame_id = frame.data();
       message.child_frame_id = frame.data();
