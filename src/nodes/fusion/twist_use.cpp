@@ -1,29 +1,26 @@
 #include "fusion/twist_use.hpp"
 
-#include <fmt/format.h>
+#include <sonopose/estimation/aiding/twist_use.hpp>
 
 #include <utility>
 
 namespace sonopose::fusion {
 
 std::optional<std::string> TwistUse::update(const EstimatorCounters& counted, settings::EngineKind engine) {
-  const EstimatorCounters since = counted - std::exchange(before_, counted);
-  const std::uint64_t judged = since.twists_used + since.twists_rejected;
-  if (judged == 0) {
-    if (since.twists_unused == 0 || ++unused_updates_ != max_unused_updates) return std::nullopt;
-    return engine == settings::EngineKind::documented
-               ? "velocities are not used: the documented engine uses none; remedy: fusion.engine = "
-                 "\"kalman\""
-               : "velocities are not used: they have no linear part, there was no fix, or "
-                 "kalman.twist.enabled is false";
+  const EstimatorCounters before = std::exchange(before_, counted);
+  EstimatorCounters since = counted - before;
+  // A velocity whose stamp an IMU sample refutes is counted again, as unused.
+  if (counted.twists_used < before.twists_used) since.twists_used = 0;
+  if (counted.twists_rejected < before.twists_rejected) since.twists_rejected = 0;
+  if (since.twists_used + since.twists_rejected + since.twists_unused == 0) return std::nullopt;
+  const auto problem = estimation::aiding::twist_problem(since, engine);
+  const auto text = [&problem] { return problem->text + "; remedy: " + problem->remedy; };
+  if (problem && problem->are_unused) {
+    return ++unused_updates_ == max_unused_updates ? std::optional(text()) : std::nullopt;
   }
   unused_updates_ = 0;
-  const bool contradicts = 2 * since.twists_rejected > judged;
-  if (contradicts == std::exchange(contradicts_, contradicts)) return std::nullopt;
-  if (!contradicts) return "velocities agree with the estimate again";
-  return fmt::format(
-      "velocities contradict the estimate, as when wheels slip: {} of the last {} are rejected",
-      since.twists_rejected, judged);
+  if (problem.has_value() == std::exchange(contradicts_, problem.has_value())) return std::nullopt;
+  return problem ? text() : "velocities agree with the estimate again";
 }
 
 }  // namespace sonopose::fusion

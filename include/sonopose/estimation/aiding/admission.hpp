@@ -45,6 +45,9 @@ inline constexpr double future_tolerance_s = 0.3;
 [[nodiscard]] bool admits(const AdmissionSettings& settings, TimeNs now_ns, const PairHeading& heading,
                           TimeNs measured_ns, double ahead_s = future_tolerance_s);
 
+/// True if the values of a velocity are finite and below 1000 m/s.
+[[nodiscard]] bool is_possible(const TwistSample& twist);
+
 /// True if a velocity is a possible and recent measurement.
 [[nodiscard]] bool admits(const AdmissionSettings& settings, TimeNs now_ns, const TwistSample& twist,
                           TimeNs measured_ns, double ahead_s = future_tolerance_s);

@@ -86,6 +86,13 @@ public:
   /// events and the state is still that of the last `finish_pending_work`.
   bool add(const settings::Settings& settings, const ImuMeasurement& imu);
 
+  /// Numbers of measurements that the last sample has removed: their stamps were ahead of it.
+  struct Dropped {
+    std::uint64_t headings = 0;
+    std::uint64_t twists = 0;
+  };
+  [[nodiscard]] Dropped dropped() const { return dropped_; }
+
   /// Time by which a measurement may be ahead of the latest sample. It may be seconds while the IMU is
   /// silent, unless samples have shown that the stamps of fixes and headings are wrong.
   [[nodiscard]] double max_ahead_s() const;
@@ -138,6 +145,7 @@ private:
   std::vector<AidingMeasurement> aiding_;  // sorted by time
   Checkpoints checkpoints_;
   bool stamps_are_ahead_ = false;
+  Dropped dropped_;
   bool has_pending_work_ = false;
   TimeNs until_ns_ = 0;  // time up to which finish_pending_work replays fixes and headings
 };

@@ -69,6 +69,7 @@ public:
 
 private:
   bool admit(const ImuSample& imu);
+  void count_dropped(bool last_twist_was_rejected);
   template <class Sample>
   [[nodiscard]] TimeNs measured_at(const Sample& sample) const;
   [[nodiscard]] std::uint32_t rejection_flags(const UltrasonicFix& fix, const FixMeasurement& measured) const;

@@ -74,13 +74,16 @@ bool admits(const AdmissionSettings& settings, TimeNs now_ns, const PairHeading&
          is_recent(settings, now_ns, measured_ns, heading.received_time_ns, ahead_s);
 }
 
-bool admits(const AdmissionSettings& settings, TimeNs now_ns, const TwistSample& twist, TimeNs measured_ns,
-            double ahead_s) {
+bool is_possible(const TwistSample& twist) {
   constexpr double max_speed_mps = 1000.0;
   const auto is_number = [](const Vector3d& value) { return value.allFinite(); };
   return within(twist.velocity_body_mps, max_speed_mps) && is_number(twist.velocity_std_mps) &&
-         is_number(twist.angular_velocity_body_radps) && is_number(twist.angular_velocity_std_radps) &&
-         is_recent(settings, now_ns, measured_ns, twist.received_time_ns, ahead_s);
+         is_number(twist.angular_velocity_body_radps) && is_number(twist.angular_velocity_std_radps);
+}
+
+bool admits(const AdmissionSettings& settings, TimeNs now_ns, const TwistSample& twist, TimeNs measured_ns,
+            double ahead_s) {
+  return is_possible(twist) && is_recent(settings, now_ns, measured_ns, twist.received_time_ns, ahead_s);
 }
 
 std::uint32_t fix_rejection_flags(const AdmissionSettings& settings, TimeNs now_ns, const UltrasonicFix& fix,

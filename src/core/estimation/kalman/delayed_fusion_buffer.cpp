@@ -70,9 +70,12 @@ void DelayedFusionBuffer::on_mount_offset_change(double by_rad) {
   restart();
 }
 
-/// Removes fixes and headings long after this sample. The IMU was not silent, so their stamps are wrong.
+/// Removes measurements long after this sample. The IMU was not silent, so their stamps are wrong.
 void DelayedFusionBuffer::drop_future(TimeNs now_ns) {
+  dropped_ = {};
   while (!aiding_.empty() && order_key(aiding_.back()) - now_ns > to_ns(future_tolerance_s)) {
+    if (std::holds_alternative<HeadingMeasurement>(aiding_.back())) ++dropped_.headings;
+    if (std::holds_alternative<TwistMeasurement>(aiding_.back())) ++dropped_.twists;
     aiding_.pop_back();
     stamps_are_ahead_ = true;
   }

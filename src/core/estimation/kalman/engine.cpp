@@ -126,10 +126,27 @@ std::optional<FusedPose> Engine::predict(const ImuSample& raw) noexcept {
   const ImuSample imu = calibration_.corrected(raw);
   if (!admit(imu)) return std::nullopt;
   const ImuMeasurement measured = as_measurement(imu);
+  const bool last_twist_was_rejected = state().twist && state().twist->rejected;
   const bool comes_last = buffer_.add(settings_, measured);
+  count_dropped(last_twist_was_rejected);
   const FusedPose pose = comes_last && is_step(measured) ? pose_after_step(imu, measured) : whole_pose(imu);
   last_position_world_m_ = pose.position_world_m;
   return pose;
+}
+
+/// Corrects the counts of measurements that came since the last sample, and that this one has removed.
+void Engine::count_dropped(bool last_twist_was_rejected) {
+  const auto [headings, twists] = buffer_.dropped();
+  const auto move = [](std::uint64_t& from, std::uint64_t& to, std::uint64_t count) {
+    const std::uint64_t moved = std::min(from, count);
+    from -= moved;
+    to += moved;
+    return count - moved;
+  };
+  move(counters_.headings, counters_.samples_invalid, headings);
+  auto& first = last_twist_was_rejected ? counters_.twists_rejected : counters_.twists_used;
+  auto& other = last_twist_was_rejected ? counters_.twists_used : counters_.twists_rejected;
+  move(other, counters_.twists_unused, move(first, counters_.twists_unused, twists));
 }
 
 /// True if the pose needs only the nominal state.
@@ -325,19 +342,16 @@ TwistMeasurement Engine::measurement_in(const TwistSample& twist) const {
 void Engine::correct(const TwistSample& twist) noexcept {
   if (buffer_.has_pending_sample()) finish_pending_work();
   const TwistMeasurement measured = measurement_in(twist);
-  if (!aiding::admission::admits(settings_.admission, time_ns(), twist, measured.time_ns,
-                                 buffer_.max_ahead_s())) {
+  if (!aiding::admission::is_possible(twist)) {
     ++counters_.samples_invalid;
     return;
   }
+  const bool is_admitted = aiding::admission::admits(settings_.admission, time_ns(), twist, measured.time_ns,
+                                                     buffer_.max_ahead_s());
   const bool is_measured = measured.std_mps.maxCoeff() >= 0.0;
-  if (!settings_.twist.enabled || !is_measured || state().phase == Phase::waiting ||
-      !buffer_.has_place_for_twist() || buffer_.contains(measured)) {
+  if (!is_admitted || !settings_.twist.enabled || !is_measured || state().phase == Phase::waiting ||
+      !buffer_.has_place_for_twist() || buffer_.contains(measured) || !buffer_.can_insert(measured.time_ns)) {
     ++counters_.twists_unused;
-    return;
-  }
-  if (!buffer_.can_insert(measured.time_ns)) {
-    ++counters_.samples_invalid;  // too late
     return;
   }
   buffer_.add(settings_, measured);

@@ -154,6 +154,16 @@ SCENARIO("velocities that the engine cannot use are counted") {
         CHECK(engine.snapshot().history == before);
       }
     }
+    WHEN("a sample is too old or too new") {
+      twist.axes = twist_velocity_x;
+      twist.emission_time_ns += GENERATE(-3'000'000'000, 11'000'000'000);
+      twist.received_time_ns = std::max(twist.received_time_ns, twist.emission_time_ns);
+      engine.correct(twist);
+      THEN("it is not used") {
+        CHECK(engine.counters().twists_unused == 1);
+        CHECK(engine.snapshot().history == before);
+      }
+    }
     WHEN("velocities are turned off") {
       if (settings.twist.enabled) return;
       twist.axes = twist_velocity_x;
@@ -162,6 +172,52 @@ SCENARIO("velocities that the engine cannot use are counted") {
         CHECK(engine.counters().twists_unused == 1);
         CHECK(engine.snapshot().history == before);
       }
+    }
+  }
+}
+
+SCENARIO("velocities and headings that are newer than the IMU samples count as unused") {
+  GIVEN("a walk whose velocities and headings have stamps 0.7 s ahead") {
+    constexpr TimeNs ahead_ns = 700'000'000;
+    sim::Scenario scenario = sim::find_scenario("forklift");
+    scenario.sensors.wheel_rate_hz = 50.0;
+    sim::Simulator simulator(scenario, {.duration_s = 20.0});
+    Engine engine({});
+    Engine without({});
+    std::uint64_t twists = 0;
+    std::uint64_t headings = 0;
+    while (const auto step = simulator.next()) {
+      if (const auto* imu = std::get_if<ImuSample>(&step->event)) {
+        engine.predict(*imu);
+        without.predict(*imu);
+      }
+      if (const auto* fix = std::get_if<UltrasonicFix>(&step->event)) {
+        engine.correct(*fix);
+        without.correct(*fix);
+      }
+      const auto move_ahead = [](auto sample) {
+        sample.emission_time_ns += ahead_ns;
+        sample.received_time_ns = std::max(sample.received_time_ns, sample.emission_time_ns);
+        return sample;
+      };
+      if (const auto* twist = std::get_if<TwistSample>(&step->event)) {
+        ++twists;
+        engine.correct(move_ahead(*twist));
+      }
+      if (const auto* heading = std::get_if<PairHeading>(&step->event)) {
+        ++headings;
+        engine.correct(move_ahead(*heading));
+      }
+    }
+    THEN("none is counted as used, and the poses are those without them") {
+      const EstimatorCounters& counted = engine.counters();
+      REQUIRE(twists > 900);
+      REQUIRE(headings > 100);
+      CHECK(counted.twists_used + counted.twists_rejected <= 1);  // the last one may wait for a sample
+      CHECK(counted.twists_used + counted.twists_rejected + counted.twists_unused == twists);
+      CHECK(counted.headings <= 1);
+      CHECK(counted.headings + counted.samples_invalid == headings);
+      CHECK(engine.state().filter().position_world_m == without.state().filter().position_world_m);
     }
   }
 }
