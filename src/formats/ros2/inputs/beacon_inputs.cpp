@@ -86,12 +86,11 @@ BeaconInputs::TakenFix BeaconInputs::take(const Position& message, MonitoredInpu
   const auto point_body_m = tag_in_body(input.option, frames, unused);
   if (!point_body_m) {
     input.monitor.on_unused(unused, lines);
-    return {};
+    return {.unused = unused};
   }
   notice_stamp(message.header, input, lines);
   converted->point_body_m = *point_body_m;
-  input.offset.add(seconds_between(converted->emission_time_ns, moment.received_ns), moment.now);
-  if (!input.since) input.since = moment.now;
+  note_stamp(converted->emission_time_ns, input, moment);
   if (imus_ == 0) offset_.add(seconds_between(converted->emission_time_ns, moment.received_ns), moment.now);
   input.monitor.on_sample(message.header.frame_id, moment.now, lines);
   if (const auto fault = fault_of(message)) {
@@ -113,6 +112,11 @@ BeaconInputs::TakenFix BeaconInputs::on(const PoseWithCovarianceStamped& message
   return take(message, input, moment, frames, lines);
 }
 
+void BeaconInputs::note_stamp(TimeNs measured_ns, MonitoredInput& input, Moment moment) {
+  input.offset.add(seconds_between(measured_ns, moment.received_ns), moment.now);
+  if (!input.since) input.since = moment.now;
+}
+
 void BeaconInputs::check_clocks(MonitoredInput& input, SteadyTime now, Lines& lines) const {
   constexpr TimeNs settled_ns = 3'000'000'000;
   constexpr double max_apart_s = 0.05;
@@ -120,7 +124,7 @@ void BeaconInputs::check_clocks(MonitoredInput& input, SteadyTime now, Lines& li
   const double older_s = input.offset.value_s() - offset_.value_s();
   if (std::abs(older_s) < max_apart_s) return;
   input.monitor.on_notice(
-      Notice::clocks, [&] { return clocks_text(older_s, *imu_topic_); }, lines);
+      Notice::clocks, [&] { return clocks_text(older_s, input.option.kind, *imu_topic_); }, lines);
 }
 
 void BeaconInputs::update(SteadyTime now, std::vector<ImuSample>& ready, Lines& lines) {

@@ -28,7 +28,7 @@ struct MonitoredInput {
   Input option;
   InputMonitor monitor;
   FixRepeats repeats;     ///< for a topic of fixes, like the next two
-  SmallestOffset offset;  ///< age of its positions at their arrival
+  SmallestOffset offset;  ///< age of its samples at their arrival
   std::optional<SteadyTime> since{};
   std::uint64_t unstamped = 0;  ///< messages without a stamp, whose arrival is their time
 };
@@ -56,6 +56,7 @@ public:
   struct TakenFix {
     bool is_valid = false;
     std::optional<UltrasonicFix> fix{};  ///< empty if it is invalid or repeated
+    std::string unused{};                ///< reason if the place of its tag is not known
   };
   /// `frames`: needed if a topic of fixes has a place.
   TakenFix on(const PointStamped& message, MonitoredInput& input, Moment moment, const InputFrames& frames,
@@ -66,7 +67,10 @@ public:
   /// Appends samples that have waited long enough.
   void update(SteadyTime now, std::vector<ImuSample>& ready, Lines& lines);
 
-  /// Warns of stamps of fixes that are of another clock than those of the IMU: each arrives soon after its
+  /// Takes the time of measurement of an input other than those of `on`, for `check_clocks`.
+  static void note_stamp(TimeNs measured_ns, MonitoredInput& input, Moment moment);
+
+  /// Warns of stamps that are of another clock than those of the IMU: each arrives soon after its
   /// stamp, and the least delay of the last second is compared.
   void check_clocks(MonitoredInput& input, SteadyTime now, Lines& lines) const;
 

@@ -22,6 +22,22 @@ std::string_view without_slash(std::string_view frame) {
   return frame;
 }
 
+const char* noun_of(Input::Kind kind) {
+  switch (kind) {
+    case Input::Kind::imu:
+      return "IMU samples";
+    case Input::Kind::fix:
+      return "fixes";
+    case Input::Kind::twist:
+      return "velocities";
+    case Input::Kind::heading:
+      return "headings";
+    case Input::Kind::pose:
+      return "poses";
+  }
+  return "";
+}
+
 }  // namespace
 
 InputMonitor::InputMonitor(Input input, std::string map_frame, TimeNs timeout_ns, SteadyTime now)
@@ -101,19 +117,7 @@ void InputMonitor::log_unexpected_frame(std::string_view frame, Lines& lines) {
 }
 
 const char* InputMonitor::samples_text() const {
-  switch (input_.kind) {
-    case Input::Kind::imu:
-      return "IMU samples";
-    case Input::Kind::fix:
-      return "fixes";
-    case Input::Kind::twist:
-      return "velocities";
-    case Input::Kind::heading:
-      return "headings";
-    case Input::Kind::pose:
-      return "poses";
-  }
-  return "";
+  return noun_of(input_.kind);
 }
 
 std::string InputMonitor::lost_text(std::uint64_t count) const {
@@ -209,15 +213,16 @@ std::string InputMonitor::cause(const InputEndpoints& endpoints, bool is_partial
   return {};
 }
 
-std::string clocks_text(double older_s, const std::string& imu_topic) {
+std::string clocks_text(double older_s, Input::Kind kind, const std::string& imu_topic) {
   constexpr double max_correction_s = 0.5;  // of the setting
   const bool is_old = older_s > 0;
+  const bool has_setting = kind == Input::Kind::fix || kind == Input::Kind::pose;
   std::string text = fmt::format(
       "has stamps that are {:.3f} s {} than those of {}, each against its arrival{}: synchronise them",
       std::abs(older_s), is_old ? "older" : "newer", imu_topic,
-      is_old ? "; unless this is the latency of the positions, their clocks differ"
+      is_old ? fmt::format("; unless this is the latency of the {}, their clocks differ", noun_of(kind))
              : ", so their clocks differ");
-  if (std::abs(older_s) > max_correction_s) return text;
+  if (!has_setting || std::abs(older_s) > max_correction_s) return text;
   return text +
          fmt::format(", or set delay.correction_s = {:.3f}{}", -older_s, is_old ? " plus that latency" : "");
 }

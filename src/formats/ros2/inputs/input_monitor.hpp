@@ -99,9 +99,9 @@ private:
   std::set<std::string> unused_;
 };
 
-/// Describes a topic of positions whose stamps are older than those of the IMU by this time (negative:
-/// newer), with the remedy.
-std::string clocks_text(double older_s, const std::string& imu_topic);
+/// Describes a topic whose stamps are older than those of the IMU by this time (negative: newer), with the
+/// remedy.
+std::string clocks_text(double older_s, Input::Kind kind, const std::string& imu_topic);
 
 /// Minimum of host time − sender's time (s) over the last second. It excludes the varying part of the
 /// transport delay.

@@ -21,7 +21,7 @@ public:
       : input_(input),
         topic_name_(std::move(dds_name)),
         type_(std::move(type)),
-        monitor_(monitored_as(input), {}, timeout_ns, clocks::steady_now()) {}
+        monitored_(monitored_as(input), {}, timeout_ns, clocks::steady_now()) {}
   Topic(const Topic&) = delete;
   Topic& operator=(const Topic&) = delete;
   virtual ~Topic() = default;
@@ -32,12 +32,15 @@ public:
   virtual void take(publication::SampleSink& sink, const Reception& reception, const InputFrames& frames,
                     InputMonitor::Lines& lines) = 0;
 
-  void update(SteadyTime now, InputMonitor::Lines& lines) {
+  void update(SteadyTime now, InputMonitor::Lines& lines,
+              const std::function<void(MonitoredInput& input)>& check) {
     if (input_.kind == AidingInput::Kind::set_pose) return;  // comes when the user wants
-    monitor_.update({.publishers = publishers(),
-                     .publishers_incompatible = counters_.incompatible_qos.load(std::memory_order_relaxed),
-                     .samples_lost = relay::samples_lost(counters_)},
-                    now, lines);
+    if (check) check(monitored_);
+    monitored_.monitor.update(
+        {.publishers = publishers(),
+         .publishers_incompatible = counters_.incompatible_qos.load(std::memory_order_relaxed),
+         .samples_lost = relay::samples_lost(counters_)},
+        now, lines);
   }
 
   void check_type(const dds::FoundEndpoint& writer, const Log& log) {
@@ -60,14 +63,19 @@ protected:
   [[nodiscard]] virtual std::uint64_t publishers() = 0;
 
   /// Passes on the samples of a message, and says what is not used.
-  void pass(const AidingSamples& samples, publication::SampleSink& sink, InputMonitor::Lines& lines) {
-    const bool is_used = samples.twist || samples.heading || samples.fix;
-    if (is_used) monitor_.on_sample({}, clocks::steady_now(), lines);
-    if (!is_used) ++unused_;
+  void pass(const AidingSamples& samples, TimeNs received_ns, publication::SampleSink& sink,
+            InputMonitor::Lines& lines) {
+    if (const auto measured_ns = samples.measured_ns()) {
+      const SteadyTime now = clocks::steady_now();
+      monitored_.monitor.on_sample({}, now, lines);
+      BeaconInputs::note_stamp(*measured_ns, monitored_, {received_ns, now});
+    } else {
+      ++unused_;
+    }
     if (input_.kind == AidingInput::Kind::set_pose) {
       lines.push_back(set_pose_line(input_, samples));
     } else if (!samples.unused.empty()) {
-      monitor_.on_unused(samples.unused, lines);
+      monitored_.monitor.on_unused(samples.unused, lines);
     }
     if (samples.twist) sink.on(*samples.twist);
     if (samples.heading) sink.on(*samples.heading);
@@ -79,7 +87,7 @@ protected:
   const std::string type_;
   std::set<std::string> other_types_;  ///< used by check_type() only
   process::EndpointCounters counters_;
-  InputMonitor monitor_;
+  MonitoredInput monitored_;
   std::uint64_t unused_ = 0;
 };
 
@@ -96,7 +104,8 @@ public:
   void take(publication::SampleSink& sink, const Reception& reception, const InputFrames& frames,
             InputMonitor::Lines& lines) override {
     dds::ext::try_take_each(reader_.reader, [&](const T& message, const dds::sub::SampleInfo&) {
-      pass(samples_of(message, input_, frames, reception(input_)), sink, lines);
+      const Received received = reception(input_);
+      pass(samples_of(message, input_, frames, received.in_stamps_ns), received.time_ns, sink, lines);
     });
   }
 
@@ -129,7 +138,8 @@ public:
     }
     if (!request) return;
     request->pose.header.frame_id = request->frame.data();
-    pass(samples_of(request->pose, input_, frames, reception(input_)), sink, lines);
+    const Received received = reception(input_);
+    pass(samples_of(request->pose, input_, frames, received.in_stamps_ns), received.time_ns, sink, lines);
   }
 
 private:
@@ -204,8 +214,9 @@ void AidingInputs::take(publication::SampleSink& sink, const Reception& receptio
   for (const auto& topic : topics_) topic->take(sink, reception, frames_, lines);
 }
 
-void AidingInputs::update(SteadyTime now, InputMonitor::Lines& lines) {
-  for (const auto& topic : topics_) topic->update(now, lines);
+void AidingInputs::update(SteadyTime now, InputMonitor::Lines& lines,
+                          const std::function<void(MonitoredInput& input)>& check) {
+  for (const auto& topic : topics_) topic->update(now, lines, check);
 }
 
 void AidingInputs::check_type(const dds::FoundEndpoint& writer, const Log& log) {

@@ -5,6 +5,7 @@
 #include "logging/log.hpp"
 #include "publication/source.hpp"
 #include "ros2/inputs/aiding_input.hpp"
+#include "ros2/inputs/beacon_inputs.hpp"
 #include "ros2/inputs/input_frames.hpp"
 #include "ros2/inputs/input_monitor.hpp"
 #include <sonopose/dds/psm/discovery.hpp>
@@ -31,8 +32,12 @@ struct SetPoseService {
 class AidingInputs {
 public:
   using Log = std::function<void(logging::Level level, const std::string& line)>;
-  /// Time of reception in the clock of the stamps of an input's beacon.
-  using Reception = std::function<TimeNs(const AidingInput& input)>;
+  /// Time of reception, in the clock of ROS 2 and in that of the stamps of an input's beacon.
+  struct Received {
+    TimeNs time_ns = 0;
+    TimeNs in_stamps_ns = 0;
+  };
+  using Reception = std::function<Received(const AidingInput& input)>;
 
   /// `timeout_ns`: time after which a topic is silent. Throws dds::core::Exception.
   AidingInputs(ros2::Node& node, const std::vector<AidingInput>& inputs, InputFrames frames,
@@ -45,8 +50,9 @@ public:
   [[nodiscard]] std::vector<SetPoseService> services();
   void attach_to(dds::core::cond::WaitSet& waitset);
   void take(publication::SampleSink& sink, const Reception& reception, InputMonitor::Lines& lines);
-  /// Adds lines about silence and losses.
-  void update(SteadyTime now, InputMonitor::Lines& lines);
+  /// Adds lines about silence and losses, and those of `check`, which compares the clocks of an input.
+  void update(SteadyTime now, InputMonitor::Lines& lines,
+              const std::function<void(MonitoredInput& input)>& check = {});
   /// Logs a publisher of one of the topics with another type, once for each type.
   void check_type(const dds::FoundEndpoint& writer, const Log& log);
   /// Number of messages that were not used.

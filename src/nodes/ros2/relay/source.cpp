@@ -243,9 +243,10 @@ private:
     aiding_->take(
         sink,
         [this](const AidingInput& input) {
+          const TimeNs time_ns = now_();
           const auto beacon = beacons_.find(input.address);
-          if (beacon == beacons_.end()) return now_();
-          return beacon->second.inputs.stamp_at(now_());
+          return AidingInputs::Received{
+              time_ns, beacon == beacons_.end() ? time_ns : beacon->second.inputs.stamp_at(time_ns)};
         },
         lines_);
   }
@@ -265,7 +266,12 @@ private:
         input->monitor.update(endpoints_of(*input), now, lines_);
         if (!input->is_imu) beacons_.at(input->option.address).inputs.check_clocks(*input, now, lines_);
       }
-      if (aiding_) aiding_->update(now, lines_);
+      if (aiding_) {
+        aiding_->update(now, lines_, [this, now](MonitoredInput& input) {
+          const auto beacon = beacons_.find(input.option.address);
+          if (beacon != beacons_.end()) beacon->second.inputs.check_clocks(input, now, lines_);
+        });
+      }
     }
     if (lines_.empty()) return;
     const threads::Lock lock(mutex_);

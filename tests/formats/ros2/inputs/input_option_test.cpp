@@ -98,13 +98,15 @@ SCENARIO("tags of one beacon have places") {
 }
 
 SCENARIO("stamps of another clock are named with the remedy") {
-  CHECK_THAT(ros2::clocks_text(-0.3, "/imu"), Contains("0.300 s newer than those of /imu") &&
-                                                  Contains("so their clocks differ") &&
-                                                  Contains("delay.correction_s = 0.300"));
-  CHECK_THAT(ros2::clocks_text(0.12, "/imu"), Contains("0.120 s older") &&
-                                                  Contains("unless this is the latency") &&
-                                                  Contains("delay.correction_s = -0.120 plus that latency"));
-  CHECK_THAT(ros2::clocks_text(0.7, "/imu"), !Contains("correction_s"));
+  CHECK_THAT(ros2::clocks_text(-0.3, Kind::fix, "/imu"), Contains("0.300 s newer than those of /imu") &&
+                                                             Contains("so their clocks differ") &&
+                                                             Contains("delay.correction_s = 0.300"));
+  CHECK_THAT(ros2::clocks_text(0.12, Kind::pose, "/imu"),
+             Contains("0.120 s older") && Contains("unless this is the latency") &&
+                 Contains("delay.correction_s = -0.120 plus that latency"));
+  CHECK_THAT(ros2::clocks_text(0.7, Kind::fix, "/imu"), !Contains("correction_s"));
+  CHECK_THAT(ros2::clocks_text(0.12, Kind::twist, "/imu"),
+             Contains("the latency of the velocities") && !Contains("correction_s"));  // it would move fixes
 }
 
 SCENARIO("an input without any sample is logged, with the cause") {

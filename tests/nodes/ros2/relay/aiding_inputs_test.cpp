@@ -24,6 +24,7 @@ using Catch::Matchers::Contains;
 using ros2::AidingInput;
 using ros2::InputMonitor;
 using Kind = AidingInput::Kind;
+using Received = ros2::relay::AidingInputs::Received;
 
 constexpr TimeNs second_ns = 1'000'000'000;
 
@@ -62,7 +63,11 @@ SCENARIO("velocities of drivers become samples") {
     const auto take_until = [&](const auto& condition) {
       return test::wait_until([&] {
         inputs.take(
-            sink, [](const AidingInput&) { return TimeNs{5'000'000'000}; }, lines);
+            sink,
+            [](const AidingInput&) {
+              return Received{5'000'000'000, 5'000'000'000};
+            },
+            lines);
         return condition();
       });
     };
@@ -72,6 +77,7 @@ SCENARIO("velocities of drivers become samples") {
       message.header.frame_id = frame.data();
       message.child_frame_id = frame.data();
       message.twist.twist.linear.x = 1.5;
+      message.header.stamp.sec = 3;
       odometry.write(message);
       ros2::TwistStamped stamped{};
       stamped.header.frame_id = frame.data();
@@ -81,6 +87,12 @@ SCENARIO("velocities of drivers become samples") {
         REQUIRE(take_until([&] { return sink.of_kind<TwistSample>().size() == 2; }));
         for (const TwistSample& twist : sink.of_kind<TwistSample>()) {
           CHECK(twist.velocity_body_mps.x() == (twist.address == 7 ? 1.5 : -0.5));
+        }
+        AND_THEN("the ages of the stamps can be compared with those of the IMU") {
+          std::vector<double> ages_s;
+          inputs.update(clocks::steady_now(), lines,
+                        [&ages_s](ros2::MonitoredInput& input) { ages_s.push_back(input.offset.value_s()); });
+          CHECK(ages_s == std::vector{2.0, 0.0});  // the second has no stamp
         }
       }
     }
@@ -156,7 +168,11 @@ struct Rig {
     driver.write(message);
     REQUIRE(test::wait_until([&] {
       inputs.take(
-          sink, [](const AidingInput&) { return TimeNs{5'000'000'000}; }, lines);
+          sink,
+          [](const AidingInput&) {
+            return Received{5'000'000'000, 5'000'000'000};
+          },
+          lines);
       return sink.events.size() + inputs.unused(7) == count;
     }));
   }
