@@ -25,7 +25,8 @@ Arrivals arrivals_of(const recording::SensorLog& log) {
   for (const Event& event : log.events) {
     if (const auto* heading = std::get_if<PairHeading>(&event)) {
       if (!heading->valid) continue;
-      headings.add({seconds_between(begin_ns, heading->emission_time_ns), heading->heading_world_rad});
+      headings.add({seconds_between(begin_ns, heading->emission_time_ns), heading->heading_world_rad,
+                    (heading->flags & heading_flag_of_body) != 0});
     } else if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
       fixes.add({seconds_between(begin_ns, fix->received_time_ns),
                  seconds_between(fix->emission_time_ns, fix->received_time_ns),

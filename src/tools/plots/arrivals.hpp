@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Plot data of the recording itself: headings of the pair, and delay and quality of the fixes.
+/// Plot data of the recording itself: headings, and delay and quality of the fixes.
 
 #include "recording/log_folder.hpp"
 
@@ -8,10 +8,11 @@
 
 namespace sonopose::plots {
 
-/// A heading of the pair at its emission, or the latest of several consecutive ones.
+/// A heading at its emission, or the latest of several consecutive ones.
 struct HeadingMark {
   double time_s = 0;
   double heading_world_rad = 0;
+  bool is_of_body = false;  ///< otherwise of a pair: a mount offset applies
 };
 
 /// A fix at its receipt. Several consecutive ones: the delay farthest from zero and the worst quality.

@@ -144,8 +144,9 @@ void append_arrivals(std::string& script, const PlotData& data) {
   const double mount_rad = data.runs.front().mount_offset_rad();
   fmt::format_to(out, "$headings << END\n");
   for (const HeadingMark& mark : data.arrivals.headings) {
-    fmt::format_to(out, "{:.4f} {:.5g}\n", mark.time_s,
-                   deg_per_rad * geometry::wrap_angle(mark.heading_world_rad - mount_rad));
+    fmt::format_to(
+        out, "{:.4f} {:.5g}\n", mark.time_s,
+        deg_per_rad * geometry::wrap_angle(mark.heading_world_rad - (mark.is_of_body ? 0.0 : mount_rad)));
   }
   fmt::format_to(out, "END\n$arrivals << END\n");
   for (const ArrivalMark& mark : data.arrivals.fixes) {

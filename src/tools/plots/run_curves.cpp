@@ -56,6 +56,15 @@ std::string text_of(const settings::Settings& settings, const std::string& engin
   return text;
 }
 
+bool has_several_tags(const recording::SensorLog& log) {
+  const UltrasonicFix* first = nullptr;
+  return std::ranges::any_of(log.events, [&first](const Event& event) {
+    const auto* const fix = std::get_if<UltrasonicFix>(&event);
+    if (fix != nullptr && first == nullptr) first = fix;
+    return fix != nullptr && fix->point_body_m != first->point_body_m;
+  });
+}
+
 void count(std::vector<std::size_t>& bins, double value_m, double half_width_m) {
   const auto bin = static_cast<int>(std::floor((value_m / half_width_m + 1.0) / 2.0 * Histogram::bins));
   ++bins[static_cast<std::size_t>(std::clamp(bin, 0, Histogram::bins - 1))];
@@ -68,6 +77,7 @@ RunCurves::RunCurves(std::string name, const settings::Settings& settings, const
     : name_(std::move(name)),
       settings_text_(text_of(settings, engine)),
       mount_offset_rad_(settings.heading.mount_offset_deg * std::numbers::pi / 180.0),
+      has_several_tags_(has_several_tags(log)),
       begin_ns_(log.events.empty() ? 0 : available_at_ns(log.events.front())),
       truth_(log.truth),
       moments_(detail.moments, merge_moments),
@@ -163,7 +173,7 @@ Histogram RunCurves::histogram() const {
 double RunCurves::speed_since_last_used(const FixReport& fix) const {
   constexpr double min_interval_s = 0.05;  // shorter intervals show mostly noise
   constexpr double max_gap_s = 0.5;
-  if (!last_used_ || (fix.flags & fix_used) == 0) return unknown;
+  if (!last_used_ || (fix.flags & fix_used) == 0 || has_several_tags_) return unknown;
   const double interval_s = seconds_between(last_used_->emission_time_ns, fix.emission_time_ns);
   if (!(interval_s > min_interval_s && interval_s < max_gap_s)) return unknown;
   return (fix.position_world_m - last_used_->position_world_m).norm() / interval_s;

@@ -65,7 +65,7 @@ struct FixMark {
   double along_std_m = unknown;
   double left_std_m = unknown;
   double weight = 0;
-  double speed_mps = unknown;  ///< speed from the previous used fix
+  double speed_mps = unknown;  ///< speed from the previous used fix, if all are of one tag
   FixVerdict verdict = FixVerdict::used;
   std::uint32_t flags = 0;
   std::uint32_t seen_flags = 0;  ///< flags of all merged fixes
@@ -116,6 +116,7 @@ private:
   std::string name_;
   std::string settings_text_;
   double mount_offset_rad_;
+  bool has_several_tags_;
   TimeNs begin_ns_;
   evaluation::TruthTrack truth_;
   FusedPose before_{};  ///< the pose before

@@ -74,6 +74,24 @@ TEST_CASE("a fix that was refused before its innovation was computed has none to
   CHECK(std::isnan(curves.fixes().front().left_m));
 }
 
+TEST_CASE("the speed between fixes is that of one tag, and unknown of several") {
+  const bool has_several = GENERATE(false, true);
+  recording::SensorLog log;
+  log.events.emplace_back(UltrasonicFix{});
+  UltrasonicFix other;
+  if (has_several) other.point_body_m.y() = 0.3;
+  log.events.emplace_back(other);
+  RunCurves curves("fused", {}, {}, log);
+  for (int i = 0; i < 2; ++i) {
+    FixReport report;
+    report.flags = fix_used;
+    report.emission_time_ns = to_ns(1.0 + 0.1 * i);
+    report.position_world_m.x() = 0.2 * i;
+    curves.add(report);
+  }
+  CHECK(std::isnan(curves.fixes().back().speed_mps) == has_several);
+}
+
 TEST_CASE("a silence of the IMU is a span without poses, whatever the detail") {
   const recording::SensorLog log;
   RunCurves curves("fused", {}, {}, log, {.moments = 8});

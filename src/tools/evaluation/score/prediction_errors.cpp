@@ -160,15 +160,18 @@ void PredictionErrors::compare(const UltrasonicFix& fix) {
     ++without_;
     return;
   }
-  fixes_.push_back({fix.emission_time_ns, fix.position_world_m - predicted->position_world_m,
-                    predicted->velocity_world_mps});
+  const Vector3d predicted_world_m =
+      predicted->position_world_m + predicted->q_body_to_world * fix.point_body_m;
+  fixes_.push_back(
+      {fix.emission_time_ns, fix.position_world_m - predicted_world_m, predicted->velocity_world_mps});
 }
 
 void PredictionErrors::compare(const PairHeading& heading, const std::optional<ScalarEstimate>& noise_rad) {
   if (!heading.valid || heading.emission_time_ns < from_ns_) return;
   const auto predicted = at(estimation::aiding::measured_at(delay_, heading));
   if (!predicted) return;
-  const double error_rad = geometry::wrap_angle(heading.heading_world_rad - mount_offset_rad_ -
+  const double mount_rad = (heading.flags & heading_flag_of_body) != 0 ? 0.0 : mount_offset_rad_;
+  const double error_rad = geometry::wrap_angle(heading.heading_world_rad - mount_rad -
                                                 geometry::yaw_of(predicted->q_body_to_world));
   heading_rad_.push_back(error_rad);
   if (!noise_rad) return;

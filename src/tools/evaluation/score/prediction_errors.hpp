@@ -64,7 +64,7 @@ struct PredictionScore {
   double gated_share;  ///< outliers among the reported fixes
   /// Innovations of the fixes, as the engine reported them; empty if it reports no covariance.
   std::optional<NormalisedInnovations> innovations;
-  PredictedQuantity heading_rad;  ///< heading of the pair, minus the mount offset and the yaw
+  PredictedQuantity heading_rad;  ///< heading minus that of the yaw, for a pair with the mount offset
   /// `heading_rad` of all headings, normalised by the variances of yaw and heading; empty if the engine
   /// estimates no noise of the headings.
   std::optional<NormalisedInnovations> heading_innovations;

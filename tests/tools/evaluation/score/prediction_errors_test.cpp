@@ -92,6 +92,36 @@ SCENARIO("a fix is compared with the pose at its emission, along and across the 
   }
 }
 
+SCENARIO("a fix of a tag is compared with the pose of its place on the body") {
+  PredictionErrors errors(begin_ns, {});
+  drive(errors, [&](TimeNs since_ns) {
+    if (since_ns % (100 * ms) != 0) return;
+    const bool is_left = since_ns % (200 * ms) == 0;
+    UltrasonicFix fix = fix_at(since_ns, {0.1, is_left ? -0.3 : 0.3, 0.0});  // the body looks along -X
+    fix.point_body_m = {-0.1, is_left ? 0.3 : -0.3, 0.0};
+    errors.add(Event(fix));
+  });
+  CHECK(errors.score().fixes.size() == 21);
+  CHECK(errors.score().distance_m.max == Approx(0.0).margin(1e-9));
+}
+
+SCENARIO("a mount offset applies to headings of a pair, not to those of the body") {
+  settings::Settings settings;
+  settings.heading.mount_offset_deg = 90.0;
+  const std::uint32_t flags = GENERATE(0U, std::uint32_t{heading_flag_of_body});
+  PredictionErrors errors(begin_ns, settings);
+  drive(errors, [&](TimeNs since_ns) {
+    if (since_ns % (100 * ms) != 0) return;
+    errors.add(Event(PairHeading{.emission_time_ns = begin_ns + since_ns,
+                                 .received_time_ns = begin_ns + since_ns,
+                                 .heading_world_rad = std::numbers::pi * (flags == 0 ? 1.5 : 1.0),
+                                 .valid = true,
+                                 .flags = flags}));
+  });
+  CHECK(errors.score().heading_rad.count == 21);
+  CHECK(errors.score().heading_rad.error.rms == Approx(0.0).margin(1e-9));
+}
+
 SCENARIO("fixes that the engine gates count in the distances alone") {
   PredictionErrors errors(begin_ns, {});
   drive(errors, [&](TimeNs since_ns) {
