@@ -257,7 +257,16 @@ public:
                       count_text(bytes_lost, "lost byte")),
           "check cable and radio, and check that no other process reads the device");
     }
-    if (const auto rejected = increase_of(&BeaconStatus::samples_rejected); rejected > 0) {
+    const auto is_relay = [](const ProcessObservation& bridge) {
+      return bridge.name.ends_with("sonopose-ros2");
+    };
+    const auto rejected = increase_of(&BeaconStatus::samples_rejected);
+    if (rejected > 0 && std::ranges::any_of(beacon_.bridges, is_relay)) {
+      add(Severity::warning,
+          fmt::format("{} not used", count_text(rejected, "message of its ROS 2 drivers is",
+                                                "messages of its ROS 2 drivers are")),
+          "the log of sonopose-ros2 names topic and reason");
+    } else if (rejected > 0) {
       add(Severity::warning,
           fmt::format("{} impossible values",
                       count_text(rejected, "of its samples has", "of its samples have")),

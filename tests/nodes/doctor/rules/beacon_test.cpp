@@ -206,6 +206,12 @@ TEST_CASE("Only increases of counters are reported") {
                  [](auto& b) { b.status->samples_rejected = 2; }) == Severity::warning);
   CHECK(severity("1 of its samples has impossible values", [](auto& b) { b.status->samples_rejected = 1; }) ==
         Severity::warning);
+  const auto relayed = [](auto& b) {
+    b.bridges.front().name = "sonopose-ros2";
+    b.status->samples_rejected = 253;
+  };
+  CHECK(severity("253 messages of its ROS 2 drivers are not used", relayed) == Severity::warning);
+  CHECK(severity("impossible values", relayed) == Severity::ok);
   CHECK(severity("its clock was reset 1 time:", [](auto& b) { b.status->clock_resets = 1; }) ==
         Severity::warning);
 }
