@@ -19,6 +19,8 @@
 #include <limits>
 #include <list>
 #include <map>
+#include <set>
+#include <string>
 #include <utility>
 
 namespace sonopose::ros2::bag {
@@ -88,6 +90,8 @@ public:
     names_.base = choice.base_frame;
     names_.map = choice.map_frame;
     if (!inputs_.aidings.empty() || inputs_.truth || has_tags) find_mount();
+    are_imus_named_ = !choice.imu.empty();
+    are_fixes_named_ = !choice.fix.empty();
   }
 
   BagLog read() {
@@ -102,33 +106,34 @@ public:
     beacon_.update(SteadyTime::max(), ready_, lines_);
     add_ready();
     std::ranges::stable_sort(read_.log.truth, {}, &TruthSample::time_ns);
+    require_use();
     report(topics);
     return std::move(read_);
   }
 
 private:
-  [[noreturn]] void fail(const BagMessage& message, const std::string& what) const {
-    throw files::IoError(fmt::format("{}: a message of {}, received at {} ns, {}", storage_.name(),
-                                     text::escaped(storage_.topics()[message.topic].name),
-                                     message.received_ns, what));
-  }
-
-  /// Calls `use` with the message as this type. Messages that are compressed one by one are expanded.
+  /// Calls `use` with the message as this type, and returns true. Messages that are compressed one by one are
+  /// expanded. One that is damaged or of another type is counted.
   template <class T, class Use>
-  void decode(const BagMessage& message, const Use& use) {
+  bool decode(const BagMessage& message, const Use& use) {
     constexpr std::array zstd_magic{std::byte{0x28}, std::byte{0xb5}, std::byte{0x2f}, std::byte{0xfd}};
     constexpr std::size_t max_bytes = 256U << 20U;
     std::span<const std::byte> data = message.data;
     if (data.size() >= zstd_magic.size() && std::ranges::equal(data.first(zstd_magic.size()), zstd_magic)) {
       const auto result = mcap::decompress(mcap::Compression::zstd, data, max_bytes, expanded_);
-      if (result != mcap::Decompressed::complete) fail(message, "is compressed by zstd and damaged");
+      if (result != mcap::Decompressed::complete) {
+        ++unused_[{message.topic, "compressed by zstd and damaged"}];
+        return false;
+      }
       data = expanded_;
     }
     const dds::CdrSample<T> sample(data);
     if (sample.get() == nullptr) {
-      fail(message, "is not a serialized " + text::escaped(storage_.topics()[message.topic].type));
+      ++unused_[{message.topic, "no serialized " + text::escaped(storage_.topics()[message.topic].type)}];
+      return false;
     }
     use(*sample.get());
+    return true;
   }
 
   std::set<std::size_t> topics_named(std::string_view name, std::string_view type) const {
@@ -147,9 +152,9 @@ private:
       if (input.option.kind == Input::Kind::imu) imus.insert(input.topic);
     }
     storage_.for_each(imus, [&](const BagMessage& message) {
-      decode<Imu>(message, [&](const Imu& imu) { names_.imu = imu.header.frame_id; });
-      return false;
+      return !decode<Imu>(message, [&](const Imu& imu) { names_.imu = imu.header.frame_id; });
     });
+    unused_.clear();  // read again
     const auto used = topics_named(static_transforms, "tf2_msgs/msg/TFMessage");
     storage_.for_each(used, [&](const BagMessage& message) {
       decode<TFMessage>(message, [&](const TFMessage& tf) { transforms_.add(tf); });
@@ -180,53 +185,77 @@ private:
 
   void take_input(const BagMessage& message, const BeaconInputs::Moment& moment, MonitoredInput& input) {
     bool is_valid = false;
+    bool is_decoded = false;
+    std::string reason = "a value is not finite or a stamp is invalid";
     const auto take_fix = [&](const auto& position) {
       const auto taken = beacon_.on(position, input, moment, frames_, lines_);
       is_valid = taken.is_valid;
+      if (!taken.unused.empty()) reason = taken.unused;
       if (taken.fix) is_valid = add(*taken.fix);
     };
     if (input.option.kind == Input::Kind::imu) {
-      decode<Imu>(message, [&](const Imu& imu) {
+      is_decoded = decode<Imu>(message, [&](const Imu& imu) {
         is_valid = beacon_.on(imu, input, moment, ready_, lines_) && add_ready();
       });
     } else if (input.option.fix_type == FixType::point) {
-      decode<PointStamped>(message, take_fix);
+      is_decoded = decode<PointStamped>(message, take_fix);
     } else {
-      decode<PoseWithCovarianceStamped>(message, take_fix);
+      is_decoded = decode<PoseWithCovarianceStamped>(message, take_fix);
     }
-    if (!is_valid) ++invalid_[message.topic];
+    if (is_decoded) count(input, message.topic, is_valid, reason);
+  }
+
+  /// Counts a message of an input, with the reason if it is not used.
+  void count(const MonitoredInput& input, std::size_t topic, bool is_used, const std::string& reason) {
+    if (is_used) {
+      used_.insert(&input);
+    } else {
+      ++unused_[{topic, reason}];
+    }
   }
 
   void take_aiding(const BagMessage& message, const BeaconInputs::Moment& moment,
                    const std::pair<AidingInput, MonitoredInput*>& aiding) {
     const auto convert = [&](const auto& measured) {
       const auto samples = samples_of(measured, aiding.first, frames_, beacon_.stamp_at(moment.received_ns));
-      if (!samples.unused.empty()) aiding.second->monitor.on_unused(samples.unused, lines_);
+      const auto measured_ns = samples.measured_ns();
+      if (measured_ns && !samples.unused.empty()) aiding.second->monitor.on_unused(samples.unused, lines_);
       bool are_valid = !samples.twist || add(*samples.twist);
       are_valid = (!samples.heading || add(*samples.heading)) && are_valid;
       are_valid = (!samples.fix || add(*samples.fix)) && are_valid;
-      const bool is_used = samples.twist || samples.heading || samples.fix;
-      if (!is_used || !are_valid) ++invalid_[message.topic];
+      const bool is_used = measured_ns && are_valid;
+      count(*aiding.second, message.topic, is_used, measured_ns ? "a stamp is invalid" : samples.unused);
+      if (!is_used) return;
+      BeaconInputs::note_stamp(*measured_ns, *aiding.second, moment);
+      beacon_.check_clocks(*aiding.second, moment.now, lines_);
     };
     switch (aiding.first.type) {
       case AidingInput::Type::odometry:
-        return decode<Odometry>(message, convert);
+        decode<Odometry>(message, convert);
+        break;
       case AidingInput::Type::twist_with_covariance:
-        return decode<TwistWithCovarianceStamped>(message, convert);
+        decode<TwistWithCovarianceStamped>(message, convert);
+        break;
       case AidingInput::Type::twist:
-        return decode<TwistStamped>(message, convert);
+        decode<TwistStamped>(message, convert);
+        break;
       case AidingInput::Type::joints:
-        return decode<JointState>(message, convert);
+        decode<JointState>(message, convert);
+        break;
       case AidingInput::Type::imu:
-        return decode<Imu>(message, convert);
+        decode<Imu>(message, convert);
+        break;
       case AidingInput::Type::pose_with_covariance:
-        return decode<PoseWithCovarianceStamped>(message, convert);
+        decode<PoseWithCovarianceStamped>(message, convert);
+        break;
       case AidingInput::Type::pose:
-        return decode<PoseStamped>(message, convert);
+        decode<PoseStamped>(message, convert);
+        break;
       case AidingInput::Type::degrees:
-        return decode<Float64>(message, convert);
+        decode<Float64>(message, convert);
+        break;
       case AidingInput::Type::set_pose_service:  // not recorded
-        return;
+        break;
     }
   }
 
@@ -239,13 +268,17 @@ private:
       if (is_time(truth.time_ns)) {
         read_.log.truth.push_back(truth);
       } else {
-        ++invalid_[message.topic];
+        ++unused_[{message.topic, "a stamp is invalid"}];
       }
     };
     const std::string& type = storage_.topics()[message.topic].type;
-    if (type.ends_with("Odometry")) return decode<Odometry>(message, convert);
-    if (type.ends_with("PoseStamped")) return decode<PoseStamped>(message, convert);
-    decode<PoseWithCovarianceStamped>(message, convert);
+    if (type.ends_with("Odometry")) {
+      decode<Odometry>(message, convert);
+    } else if (type.ends_with("PoseStamped")) {
+      decode<PoseStamped>(message, convert);
+    } else {
+      decode<PoseWithCovarianceStamped>(message, convert);
+    }
   }
 
   /// Returns false for a sample whose time is impossible.
@@ -267,6 +300,34 @@ private:
     return are_valid;
   }
 
+  /// Fails for a topic that was chosen by name, and of which no message is used.
+  void require_use() const {
+    const auto require = [this](std::size_t topic, bool is_used, std::string_view option) {
+      if (is_used) return;
+      const auto more = [](const auto& a, const auto& b) { return a.second < b.second; };
+      const auto is_of_other = [topic](const auto& cause) { return cause.first.first != topic; };
+      std::map<std::pair<std::size_t, std::string>, std::uint64_t> causes = unused_;
+      std::erase_if(causes, is_of_other);
+      std::uint64_t sum = 0;
+      for (const auto& [cause, number] : causes) sum += number;
+      const auto most = std::ranges::max_element(causes, more);
+      throw files::IoError(fmt::format(
+          "{}: {} {}: {}", storage_.name(), option, text::escaped(storage_.topics()[topic].name),
+          most == causes.end() ? "has no message"
+                               : fmt::format("none of its {} is used: {}", text::count_text(sum, "message"),
+                                             most->first.second)));
+    };
+    for (const auto& [topic, input] : input_of_topic_) {
+      const bool is_imu = input->option.kind == Input::Kind::imu;
+      if (is_imu ? are_imus_named_ : are_fixes_named_)
+        require(topic, used_.contains(input), is_imu ? "--imu-in" : "--fix-in");
+    }
+    for (const auto& [topic, aiding] : aidings_of_topic_) {
+      require(topic, used_.contains(aiding.second), option_name(aiding.first.kind));
+    }
+    if (inputs_.truth) require(*inputs_.truth, !read_.log.truth.empty(), "--truth-in");
+  }
+
   void report(const std::set<std::size_t>& used) {
     for (const InputMonitor::Line& line : lines_) {
       auto& texts = line.level == logging::Level::info ? read_.notes : read_.log.warnings;
@@ -277,10 +338,9 @@ private:
       read_.log.warnings.push_back(
           fmt::format("{}: {} not used: {}", storage_.name(), text::count_text(count, noun), why));
     };
-    for (const auto& [topic, count] : invalid_) {
+    for (const auto& [cause, count] : unused_) {
       warn(count, "message",
-           "of " + text::escaped(storage_.topics()[topic].name) +
-               ", a value is not finite or a stamp is invalid, or a frame or tag has no known place");
+           fmt::format("of {}, {}", text::escaped(storage_.topics()[cause.first].name), cause.second));
     }
     for (const MonitoredInput& input : monitored_) {
       if (input.unstamped == 0) continue;
@@ -320,7 +380,10 @@ private:
   RisingStamp received_;
   std::vector<ImuSample> ready_;
   InputMonitor::Lines lines_;
-  std::map<std::size_t, std::uint64_t> invalid_;  ///< by topic
+  bool are_imus_named_ = false;
+  bool are_fixes_named_ = false;
+  std::set<const MonitoredInput*> used_;  ///< inputs with a message that is used
+  std::map<std::pair<std::size_t, std::string>, std::uint64_t> unused_;  ///< messages by topic and reason
   std::vector<std::byte> expanded_;
   BagLog read_;
 };

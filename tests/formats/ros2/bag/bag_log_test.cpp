@@ -236,6 +236,53 @@ SCENARIO("what drivers do is noticed as by the relay") {
   }
 }
 
+SCENARIO("IMU stamps far ahead are left out of a bag as of a folder") {
+  const TemporaryFolder folder;
+  const auto file = folder / "drive_0.mcap";
+  auto messages = test::messages_of(test::walk_events(20.0));
+  const std::size_t count = messages.size();
+  ImuSample ahead;
+  ahead.specific_force_body_mps2 = {0, 0, standard_gravity_mps2};
+  for (std::size_t i = 500; i < 502; ++i) {
+    ahead.sensor_time_ns = messages[i].received_ns + 5'000'000'000;
+    messages[i] = test::imu_message(ahead);
+    messages[i].received_ns -= 5'000'000'000;
+  }
+  test::write_bag(file, messages);
+  const auto log = bus_log::read_sensor_log(file);
+  CHECK(log.events.size() == count - 2);
+  CHECK(sequence_of(log.events.back()) == log.events.size());
+  CHECK_THAT(joined(log.warnings), Contains("2 of ") && Contains(" IMU samples are left out"));
+}
+
+SCENARIO("velocities whose clock is not that of the IMU are named") {
+  const TemporaryFolder folder;
+  const auto file = folder / "drive_0.mcap";
+  GIVEN("a drive of six seconds with velocities whose stamps are 0.3 s ahead, or right") {
+    const double ahead_s = GENERATE(0.3, 0.0);
+    std::vector<RosMessage> messages;
+    const std::string imu_frame = "imu_link";
+    for (int i = 0; i < 60; ++i) {
+      const TimeNs time_ns = 1'700'000'000'000'000'000 + i * TimeNs{100'000'000};
+      ImuSample imu;
+      imu.sensor_time_ns = time_ns;
+      imu.specific_force_body_mps2 = {0, 0, standard_gravity_mps2};
+      messages.push_back(test::imu_message(imu));
+      ros2::TwistStamped twist{};
+      twist.header = ros2::header_of(time_ns + to_ns(ahead_s), imu_frame);
+      messages.push_back(test::message_of("/wheel", twist, time_ns + 2'000'000));
+    }
+    test::write_bag(file, messages);
+    THEN("the recording is said to have two clocks, or is not") {
+      const auto bag = read(file, {.aiding = {{AidingInput::Kind::twist, {"/wheel:TwistStamped"}}}});
+      const bool is_named =
+          joined(bag.log.warnings).find("/wheel has stamps that are 0.298 s newer than those of /imu/data") !=
+          std::string::npos;
+      CHECK(is_named == (ahead_s > 0));
+    }
+  }
+}
+
 SCENARIO("velocities and truth are those of the base") {
   const TemporaryFolder folder;
   const auto file = folder / "drive_0.mcap";
@@ -306,8 +353,9 @@ SCENARIO("velocities and truth are those of the base") {
     THEN("their poses are fixes and headings, and one topic may have both kinds of input") {
       TopicChoice choice{.aiding = {{AidingInput::Kind::odometry, {"/odom"}},
                                     {AidingInput::Kind::pose, {"/odom:Odometry"}}}};
-      CHECK_THAT(joined(read(file, choice).log.warnings),
-                 Contains("/tf_static does not connect their frame 'odom' with the map"));
+      CHECK_THROWS_WITH(read(file, choice),
+                        Contains("--pose-in /odom: none of its 10 messages is used: /tf_static does not "
+                                 "connect their frame 'odom' with the map"));
       choice.map_frame = "odom";
       const auto bag = read(file, choice);
       CHECK(kinds_of(bag.log.events) == std::map<std::size_t, int>{{0, 10}, {1, 10}, {2, 10}, {3, 10}});
@@ -333,6 +381,12 @@ SCENARIO("velocities and truth are those of the base") {
       const auto more = folder / "more_0.mcap";
       test::write_bag(more, messages);
       const ros2::Wheels wheels{{"left"}, {"right"}, 0.1, 0.5};
+      CHECK_THROWS_WITH(
+          read(more, {.imu = {"/imu/data"},
+                      .aiding = {{AidingInput::Kind::wheels, {"/joints"}}},
+                      .wheels = ros2::Wheels{{"front_left"}, {"right"}, 0.1, 0.5}}),
+          Contains("--wheel-in /joints: none of its 1 message is used: they have no joint 'front_left' of "
+                   "--wheels; they have: left, right"));
       const auto of_yaw = read(more, {.imu = {"/imu/data"},
                                       .aiding = {{AidingInput::Kind::heading, {"/yaw:Float64"}},
                                                  {AidingInput::Kind::wheels, {"/joints"}}},
@@ -364,8 +418,9 @@ SCENARIO("velocities and truth are those of the base") {
           bag.log.events, [](const Event& event) { return std::holds_alternative<UltrasonicFix>(event); });
       REQUIRE(fix != bag.log.events.end());
       CHECK(std::get<UltrasonicFix>(*fix).point_body_m.isApprox(Vector3d(1, 1, 0)));
-      CHECK_THAT(joined(read(tag_file, {.fix = {"/tag/point@tag_link"}}).log.warnings),
-                 Contains("/tf_static does not connect 'tag_link' with the base"));
+      CHECK_THROWS_WITH(read(tag_file, {.fix = {"/tag/point@tag_link"}}),
+                        Contains("--fix-in /tag/point: none of its 1 message is used: /tf_static does not "
+                                 "connect 'tag_link' with the base"));
     }
     THEN("without a transform they count as those of the IMU, which is told") {
       const auto bag = read(file, {.truth = "/odom", .base_frame = "chassis"});
@@ -405,9 +460,11 @@ SCENARIO("recordings of rosbag2 that are compressed, damaged or wrong") {
   GIVEN("a message of another type than its schema says") {
     messages[5].data.resize(40);
     test::write_bag(file, messages);
-    THEN("the error names it") {
-      CHECK_THROWS_WITH(read(file), Contains("a message of /imu/data, received at") &&
-                                        Contains("is not a serialized sensor_msgs/msg/Imu"));
+    THEN("it alone is left out, and counted") {
+      const auto bag = read(file);
+      CHECK(bag.log.events.size() == events.size() - 1);
+      CHECK_THAT(joined(bag.log.warnings),
+                 Contains("1 message not used: of /imu/data, no serialized sensor_msgs/msg/Imu"));
     }
   }
   GIVEN("a topic in another encoding") {
