@@ -239,6 +239,7 @@ recording::SensorLog read_storage(const Paths& paths, const ros2::bag::Storage& 
   if (const auto text = fewer_than_listed(paths, messages)) logging::warning(*text);
   ros2::bag::BagLog bag = ros2::bag::read_bag(storage, ros2::bag::chosen_topics(), address, needs_fixes);
   for (const std::string& note : bag.notes) logging::info(note);
+  recording::leave_far_ahead_out(storage.name(), bag.log);
   return std::move(bag.log);
 }
 
