@@ -95,6 +95,12 @@ void require_result(const ReplayOptions& options, const evaluation::RunResult& r
   if (const auto& height = result.height_problem) {
     logging::warning(fmt::format("{}: {}: {}", name, height->text, height->remedy));
   }
+  for (const std::string& text : result.remarks) logging::warning(fmt::format("{}: {}", name, text));
+  for (const std::string& text : result.unused_inputs) {
+    const bool are_chosen = !ros2::bag::chosen_topics().aiding.empty() && !options.run.until_s;
+    if (are_chosen) throw std::runtime_error(fmt::format("{}: {}", name, text));
+    logging::warning(fmt::format("{}: {}", name, text));
+  }
   const auto contradicted = result.warned.find(status_fixes_inconsistent);
   if (contradicted != result.warned.end() && 2 * contradicted->second > result.judged_poses) {
     logging::warning(

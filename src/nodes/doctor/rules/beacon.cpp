@@ -1,5 +1,7 @@
 #include "doctor/rules/checks.hpp"
 #include "observation/beacon_observer.hpp"
+#include <sonopose/estimation/aiding/twist_use.hpp>
+#include <sonopose/samples/estimator_counters.hpp>
 #include <sonopose/text/count_text.hpp>
 #include <sonopose/text/duration_text.hpp>
 
@@ -149,6 +151,14 @@ public:
     } else {
       lost_headings();
     }
+  }
+
+  void velocities() const {
+    const EstimatorCounters counted{.twists_used = increase_of(&FusionStatus::velocities_used),
+                                    .twists_rejected = increase_of(&FusionStatus::velocities_rejected),
+                                    .twists_unused = increase_of(&FusionStatus::velocities_unused)};
+    const auto problem = estimation::aiding::twist_problem(counted, beacon_.fusion_settings.engine.engine);
+    if (problem && !fusion_lacks_imu_) add(Severity::warning, "its " + problem->text, problem->remedy);
   }
 
   void poses(bool fusion_runs) const {
@@ -394,6 +404,7 @@ void check_beacon(const Observations& observations, const BeaconObservation& bea
     check.refused_fixes();
     check.height();
     check.headings();
+    check.velocities();
     check.poses(!on_topic(observations.writers, "sonopose/pose").empty());
   }
   check.two_bridges();

@@ -3,9 +3,12 @@
 #include "estimation/digest.hpp"
 #include "evaluation/score/comparison.hpp"
 #include <sonopose/estimation/aiding/reading_limits.hpp>
+#include <sonopose/estimation/aiding/twist_use.hpp>
 #include <sonopose/estimation/sensor_fault_detector.hpp>
 #include <sonopose/estimation/snapshot_fields.hpp>
 #include <sonopose/samples/outputs.hpp>
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <stdexcept>
@@ -168,15 +171,52 @@ void run_through(const recording::SensorLog& log, const RunOptions& options, Res
   result.end.first_event_ns = begin_ns;
 }
 
+/// Counts velocities and valid headings, to find those of which an engine has used none.
+class Aiding {
+public:
+  void add(const Event& event) {
+    const auto* const heading = std::get_if<PairHeading>(&event);
+    const bool is_set = heading != nullptr && (heading->flags & heading_flag_set_pose) != 0U;
+    if (heading != nullptr && heading->valid && !is_set) ++headings_;
+    if (std::holds_alternative<TwistSample>(event)) ++twists_;
+  }
+
+  void judge(const settings::Settings& settings, RunResult& result) const {
+    constexpr std::uint64_t min_count = 3;
+    const EstimatorCounters& counted = result.counters;
+    if (const auto problem = estimation::aiding::twist_problem(counted, settings.engine.engine)) {
+      const bool are_wanted =
+          settings.engine.engine == settings::EngineKind::kalman && settings.twist.enabled;
+      (problem->are_unused && are_wanted ? result.unused_inputs : result.remarks)
+          .push_back(fmt::format("{}: {}", problem->text, problem->remedy));
+    } else if (twists_ >= min_count &&
+               counted.twists_used + counted.twists_rejected + counted.twists_unused == 0) {
+      result.unused_inputs.push_back(
+          fmt::format("velocities are not used: all {} are impossible, or not finite", twists_));
+    }
+    if (headings_ < min_count || counted.headings > 1) return;
+    result.unused_inputs.push_back(fmt::format(
+        "headings are not used: all {} are newer than the IMU samples or too old: compare their stamps with "
+        "those of the IMU",
+        headings_));
+  }
+
+private:
+  std::uint64_t headings_ = 0;
+  std::uint64_t twists_ = 0;
+};
+
 void run_engine(const recording::SensorLog& log, const RunOptions& options, Results& results) {
   estimation::AnyEstimator estimator(options.settings);
   if (options.start) estimator.restore(options.start->snapshot);
   estimation::SensorFaultDetector faults(estimator.settings());
   estimation::aiding::HeightCheck heights;
+  Aiding aiding;
   const EstimatorCounters before = estimator.counters();
   run_through(log, options, results, [&](const Event& event) {
     results.predict(event, estimator);
     faults.on(event);
+    aiding.add(event);
     if (const auto* fix = std::get_if<UltrasonicFix>(&event)) heights.on(estimator.settings().planar, *fix);
     if (const auto* imu = std::get_if<ImuSample>(&event)) {
       const auto limit = estimation::aiding::exceeded_limit(estimator.settings().admission, *imu);
@@ -194,6 +234,7 @@ void run_engine(const recording::SensorLog& log, const RunOptions& options, Resu
   results.digest().add(results.result().end.snapshot);
   results.result().height_problem = heights.problem();
   results.result().counters = estimator.counters() - before;
+  aiding.judge(estimator.settings(), results.result());
 }
 
 void run_strapdown(const recording::SensorLog& log, const RunOptions& options, Results& results) {

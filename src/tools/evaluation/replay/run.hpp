@@ -23,6 +23,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace sonopose::evaluation {
 
@@ -82,7 +83,9 @@ struct RunResult {
   FixFlagCounts rejected_fix_flags;  ///< flags of the unused fixes
   transitions::RefusedFixes refusals;
   std::optional<estimation::aiding::HeightProblem> height_problem{};  ///< at the end
-  std::uint64_t judged_poses = 0;                                     ///< from RunOptions::after_s on
+  std::vector<std::string> unused_inputs{};  ///< texts about velocities and headings: none could be used
+  std::vector<std::string> remarks{};  ///< texts about velocities: rejected, or unused as settings demand
+  std::uint64_t judged_poses = 0;      ///< from RunOptions::after_s on
   std::map<PoseStatus, std::uint64_t> warned{};  ///< numbers of these with a warning, by its bit
   std::uint64_t fixes_down_weighted = 0;         ///< number of used fixes with reduced weight
   bool has_truth = false;

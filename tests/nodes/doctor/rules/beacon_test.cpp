@@ -338,6 +338,20 @@ TEST_CASE("Clocks: offset of another machine, and jitter") {
   CHECK(severity("jitter of 80 ms", [](auto& b) { b.status->clock_jitter_s = 0.08; }) == Severity::warning);
 }
 
+TEST_CASE("Velocities that are not used, or mostly rejected, are a problem") {
+  CHECK(severity("its velocities are not used: they are newer than the IMU samples",
+                 [](auto& b) { b.fusion->velocities_unused = 150; }) == Severity::warning);
+  CHECK(severity("its velocities contradict the estimate, as when wheels slip: 90 of 150 are rejected",
+                 [](auto& b) {
+                   b.fusion->velocities_used = 60;
+                   b.fusion->velocities_rejected = 90;
+                 }) == Severity::warning);
+  CHECK(severity("velocities", [](auto& b) {
+          b.fusion->velocities_used = 150;
+          b.fusion->velocities_unused = 30;
+        }) == Severity::ok);
+}
+
 TEST_CASE("Status bits of the poses in the window are reported") {
   struct Case {
     std::uint32_t bits;

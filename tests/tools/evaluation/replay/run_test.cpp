@@ -131,6 +131,52 @@ TEST_CASE("impossible rows are counted, and the result stays finite") {
   CHECK(std::isfinite(result.fused.position_m.max));
 }
 
+/// A drive with headings and, after 8 s, velocities of 10 m/s along the body's x axis, whose stamps are
+/// ahead.
+recording::SensorLog aided_log(double ahead_s) {
+  const recording::SensorLog given = sample_log("forklift", 20.0);
+  recording::SensorLog log;
+  log.truth = given.truth;
+  for (Event event : given.events) {
+    if (auto* heading = std::get_if<PairHeading>(&event)) {
+      heading->emission_time_ns += to_ns(ahead_s);
+      heading->received_time_ns += to_ns(ahead_s);
+    }
+    log.events.push_back(event);
+    const auto* imu = std::get_if<ImuSample>(&event);
+    if (imu == nullptr || seconds_between(available_at_ns(given.events.front()), imu->sensor_time_ns) < 8.0)
+      continue;
+    const TimeNs time_ns = imu->sensor_time_ns + to_ns(ahead_s);
+    log.events.emplace_back(TwistSample{.emission_time_ns = time_ns,
+                                        .received_time_ns = time_ns,
+                                        .velocity_body_mps = {10.0, 0.0, 0.0},
+                                        .axes = twist_velocity_x});
+  }
+  std::uint64_t sequence = 0;
+  for (Event& event : log.events) std::visit([&](auto& sample) { sample.sequence = ++sequence; }, event);
+  return log;
+}
+
+TEST_CASE("velocities and headings that cannot be used are named") {
+  using Catch::Matchers::Contains;
+  const auto ahead = evaluation::run(aided_log(0.7), {});
+  REQUIRE(ahead.unused_inputs.size() == 2);
+  CHECK_THAT(ahead.unused_inputs[0],
+             Contains("velocities are not used: they are newer than the IMU samples"));
+  CHECK_THAT(ahead.unused_inputs[1], Contains("headings are not used"));
+  CHECK(ahead.remarks.empty());
+  const auto wrong = evaluation::run(aided_log(0.0), {});
+  CHECK(wrong.unused_inputs.empty());
+  REQUIRE(wrong.remarks.size() == 1);
+  CHECK_THAT(wrong.remarks[0], Contains("velocities contradict the estimate"));
+  settings::Settings documented;
+  documented.engine.engine = settings::EngineKind::documented;
+  const auto unwanted = evaluation::run(aided_log(0.0), {.settings = documented});
+  CHECK(unwanted.unused_inputs.empty());
+  REQUIRE(unwanted.remarks.size() == 1);
+  CHECK_THAT(unwanted.remarks[0], Contains("the documented engine uses none"));
+}
+
 TEST_CASE("pure integration starts at the first complete truth and needs one") {
   recording::SensorLog log = sample_log();
   for (std::size_t i = 0; i < 100; ++i) {
