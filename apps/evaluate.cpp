@@ -80,13 +80,13 @@ int compare(const Options& options) {
     if (!is_scored(second_m, second)) return;
     costs.push_back({runs.front().name, first_results.front().has_truth, *first_m, *second_m});
   };
-  apps::for_each_case(options.cases, compare_case,
-                      [&](const apps::CasePlace& place) { show(place, progress); });
+  const std::size_t left_out = apps::for_each_case(
+      options.cases, compare_case, [&](const apps::CasePlace& place) { show(place, progress); });
   progress.clear();
   if (costs.empty()) throw std::invalid_argument("--compare: no case can be scored");
   apps::print("{}", options.json ? json_of(costs, first.string(), second.string())
                                  : table_of(costs, first.string(), second.string()));
-  return 0;
+  return left_out == 0 ? 0 : 1;
 }
 
 int evaluate(const Options& options) {
@@ -113,10 +113,10 @@ int evaluate(const Options& options) {
       apps::flush_output();
     }
   };
-  apps::for_each_case(options.cases, score, begin);
+  const std::size_t left_out = apps::for_each_case(options.cases, score, begin);
   progress.clear();
   apps::print("{}", options.json ? evaluation::json_of(table->rows()) : table->predictions());
-  return 0;
+  return left_out == 0 ? 0 : 1;
 }
 
 }  // namespace

@@ -63,11 +63,12 @@ void check_read(const std::vector<evaluation::Variable>& variables, const settin
   }
 }
 
-/// Returns the cases that can be scored. Reports the others.
-evaluation::CostFunction cost_function(const Options& options, const settings::Settings& start) {
+/// Returns the cases that can be scored. Reports the others, and counts recordings that were named in vain.
+evaluation::CostFunction cost_function(const Options& options, const settings::Settings& start,
+                                       std::size_t& left_out) {
   std::vector<std::vector<evaluation::Case>> cases;
-  apps::for_each_case(options.cases,
-                      [&](std::vector<evaluation::Case> runs) { cases.push_back(std::move(runs)); });
+  left_out = apps::for_each_case(
+      options.cases, [&](std::vector<evaluation::Case> runs) { cases.push_back(std::move(runs)); });
   evaluation::CostFunction cost(std::move(cases), start);
   for (const std::string& text : cost.left_out()) logging::warning("left out: " + text);
   if (cost.empty()) throw std::invalid_argument("no case can be scored");
@@ -106,7 +107,8 @@ int tune(const Options& options) {
   std::vector<evaluation::Variable> variables;
   for (const std::string& text : options.vary) variables.push_back(evaluation::variable_of(text));
   check_read(variables, start);
-  const evaluation::CostFunction cost = cost_function(options, start);
+  std::size_t left_out = 0;
+  const evaluation::CostFunction cost = cost_function(options, start, left_out);
 
   std::optional<double> start_m;
   const auto found = [&] {
@@ -129,7 +131,7 @@ int tune(const Options& options) {
               cost.has_truth_of_all() ? "" : " Cases without truth count with their prediction errors.",
               origin_comment(options.config),
               changes(config, found.settings, variables, options.cases.beacon).given_toml());
-  return 0;
+  return left_out == 0 ? 0 : 1;
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <set>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
@@ -114,14 +115,17 @@ const sim::Scenario& scenario_named(const std::string& name) {
 
 }  // namespace
 
-void for_each_case(const CaseOptions& options, const std::function<void(std::vector<evaluation::Case>)>& use,
-                   const std::function<void(const CasePlace&)>& begin) {
+std::size_t for_each_case(const CaseOptions& options,
+                          const std::function<void(std::vector<evaluation::Case>)>& use,
+                          const std::function<void(const CasePlace&)>& begin) {
   std::vector<const sim::Scenario*> chosen;
   std::vector<Recording> recordings;
+  std::set<std::filesystem::path> named;
   for (const std::string& name : options.named) {
     // A folder with the name of a scenario needs a slash: ./walk.
     if (!is_scenario(name) && !bus_log::is_log_folder(name)) {
       add_recording(name, recordings);
+      named.insert(name);
     } else if (!is_scenario(name) && std::filesystem::exists(name)) {
       add_recordings(name, recordings);
     } else {
@@ -159,6 +163,7 @@ void for_each_case(const CaseOptions& options, const std::function<void(std::vec
   }
   const auto beacon = options.is_beacon_given ? std::optional(options.beacon) : std::nullopt;
   std::size_t unreadable = 0;
+  std::size_t named_unreadable = 0;
   for (const Recording& recording : recordings) {
     begin_case(bus_log::name_of(recording));
     std::vector<evaluation::Case> runs;
@@ -167,11 +172,13 @@ void for_each_case(const CaseOptions& options, const std::function<void(std::vec
     } catch (const files::IoError& error) {
       report_left_out(error.what());
       ++unreadable;
+      if (named.contains(recording.front())) ++named_unreadable;
       continue;
     }
     use(std::move(runs));
   }
   if (chosen.empty() && unreadable == recordings.size()) throw files::IoError("no recording can be read");
+  return named_unreadable;
 }
 
 }  // namespace sonopose::apps

@@ -150,6 +150,14 @@ SCENARIO("own logs are scored with and without truth, alone, and what is left ou
                    Contains("left out: " + (folder / "torn" / "ultrasonic.csv").string() + ":1"));
       }
     }
+    WHEN("two of them are named, of which one is damaged") {
+      const Result result = run(SONOPOSE_TEST_EVALUATE, {log.string(), (folder / "torn").string(), "--json"});
+      THEN("the other one is scored, and the exit code tells scripts that one is missing") {
+        CHECK(result.code == 1);
+        CHECK(json::parse(result.output).size() == 1);
+        CHECK_THAT(result.error, Contains("left out: " + (folder / "torn" / "ultrasonic.csv").string()));
+      }
+    }
     WHEN("two files of settings are compared") {
       write_text(folder / "right.toml", "[heading]\nmount_offset_deg = 0\n");
       write_text(folder / "wrong.toml", "[heading]\nmount_offset_deg = 40\n");
