@@ -12,7 +12,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <set>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
@@ -105,6 +104,14 @@ bool is_scenario(const std::string& name) {
          std::any_of(sim::violations().begin(), sim::violations().end(), has_name);
 }
 
+/// Returns false for a recording that was found in a folder.
+bool is_named(const std::filesystem::path& recording, const CaseOptions& options) {
+  return std::any_of(options.named.begin(), options.named.end(), [&recording](const std::string& name) {
+    std::error_code error;
+    return recording == name || std::filesystem::equivalent(recording, name, error);
+  });
+}
+
 const sim::Scenario& scenario_named(const std::string& name) {
   try {
     return sim::find_scenario(name);
@@ -120,12 +127,10 @@ std::size_t for_each_case(const CaseOptions& options,
                           const std::function<void(const CasePlace&)>& begin) {
   std::vector<const sim::Scenario*> chosen;
   std::vector<Recording> recordings;
-  std::set<std::filesystem::path> named;
   for (const std::string& name : options.named) {
     // A folder with the name of a scenario needs a slash: ./walk.
     if (!is_scenario(name) && !bus_log::is_log_folder(name)) {
       add_recording(name, recordings);
-      named.insert(name);
     } else if (!is_scenario(name) && std::filesystem::exists(name)) {
       add_recordings(name, recordings);
     } else {
@@ -172,7 +177,7 @@ std::size_t for_each_case(const CaseOptions& options,
     } catch (const files::IoError& error) {
       report_left_out(error.what());
       ++unreadable;
-      if (named.contains(recording.front())) ++named_unreadable;
+      if (is_named(recording.front(), options)) ++named_unreadable;
       continue;
     }
     use(std::move(runs));
