@@ -5,6 +5,7 @@
 #include "choice.hpp"
 #include "expanded_option.hpp"
 #include "logging/log.hpp"
+#include "ros2/bag/topic_choice.hpp"
 #include "run.hpp"
 #include <sonopose/text/count_text.hpp>
 
