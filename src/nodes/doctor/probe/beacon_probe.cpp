@@ -113,7 +113,8 @@ void BeaconProbe::on(const UltrasonicFix& fix, const Arrival& arrival) {
   if (!in_window()) return;
   fix_.count(arrival);
   pair_losses_.on_fix(arrival.time_ns);
-  fixes_.add(arrival.time_ns, fix);
+  if (!tag_body_m_) tag_body_m_ = fix.point_body_m;
+  if (fix.point_body_m == *tag_body_m_) fixes_.add(arrival.time_ns, fix);
   if (fix.measured_delay_s) ++timed_fixes_;
   min_fix_delay_s_ = std::min(min_fix_delay_s_.value_or(std::numeric_limits<double>::max()),
                               seconds_between(fix.emission_time_ns, fix.received_time_ns));

@@ -117,10 +117,11 @@ private:
   std::set<std::uint64_t> writers_;
   Latest<std::uint64_t> sequences_;  ///< event numbers
   std::uint64_t last_imu_sequence_ = 0;
-  Latest<ImuSample> readings_;  ///< uncorrected readings
-  Latest<double> ahead_s_;      ///< the bridge's stamp minus the host's time of reception
-  Latest<UltrasonicFix> fixes_;
-  Latest<PairHeading> headings_;  ///< valid headings
+  Latest<ImuSample> readings_;          ///< uncorrected readings
+  Latest<double> ahead_s_;              ///< the bridge's stamp minus the host's time of reception
+  Latest<UltrasonicFix> fixes_;         ///< of one tag: several do not move alike
+  std::optional<Vector3d> tag_body_m_;  ///< its place
+  Latest<PairHeading> headings_;        ///< valid headings
   std::optional<BeaconStatus> status_before_;
   std::optional<BeaconStatus> status_;
   struct FusionObservation {

@@ -127,6 +127,20 @@ TEST_CASE("Headings of the body, as of a compass, do not show a pair that could 
   }
 }
 
+TEST_CASE("Two tags of a body at rest are no motion") {
+  BeaconProbe probe = fed(none);
+  for (TimeNs at_ns = begin_ns; at_ns < begin_ns + window_ns; at_ns += 10 * period_ns) {
+    UltrasonicFix fix;
+    fix.sequence = unnumbered;
+    fix.point_body_m.y() = (at_ns - begin_ns) % (20 * period_ns) == 0 ? 0.3 : -0.3;
+    fix.position_world_m = fix.point_body_m;
+    probe.on(fix, at_ns);
+  }
+  const BeaconObservation beacon = observation_of(probe);
+  CHECK(beacon.fix.samples == 30);
+  CHECK(beacon.rest);
+}
+
 TEST_CASE("Samples before the window are excluded") {
   BeaconProbe probe;
   for (std::uint64_t n = 1; n <= 100; ++n)
