@@ -1,6 +1,7 @@
 #include "recording/tables.hpp"
 
 #include "files/csv_reader.hpp"
+#include "files/units.hpp"
 #include "recording/input_check.hpp"
 #include "recording/log_columns.hpp"
 
