@@ -119,7 +119,7 @@ int main(int argc, char** argv) {
         if (has_token || log_level > logging::Level::info) apps::print("{}\n", url);
         std::fflush(stdout);
         logging::info("the page is at " + url.substr(0, url.find('?')) +
-                      (has_token ? "; its token is on standard output" : ""));
+                      (has_token ? " with the token on standard output" : ""));
       }
     };
     process::StopSignal stop;

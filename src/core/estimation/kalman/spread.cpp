@@ -32,8 +32,8 @@ const Hypothesis* find_quiet(const HypothesisBank& bank) {
   return found == bank.end() ? nullptr : &*found;
 }
 
-}  // namespace
-
+/// Share of the best model's noise that the samples do not show: the IMU errs in another way, or the fixes
+/// do.
 double unexplained_share(const State& state) {
   const auto unexplained = [](double shown, double assumed) { return std::max(0.0, 1.0 - shown / assumed); };
   const ImuModel model = state.bank.best().imu;
@@ -44,6 +44,8 @@ double unexplained_share(const State& state) {
   }
   return 1.0;
 }
+
+}  // namespace
 
 bool has_left_track(const State& state) {
   constexpr double apart_m = 0.5;

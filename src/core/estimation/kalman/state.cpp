@@ -143,11 +143,8 @@ void bound_dead_reckoning(State& state, ImuOutcome& outcome) {
       now_ns - state.last_zero_velocity_ns < period_ns || outcome.zero_velocity_variance > 0.0)
     return;
   state.last_zero_velocity_ns = now_ns;
-  // Noise that the samples show, such as the vibration of a drive, does not make their integral worthless.
-  const double shown_mps_rts = parameters_of(ImuModel::rough_gyro).dead_reckoning_mps_rts;
-  const double model_mps_rts = parameters_of(state.bank.best().imu).dead_reckoning_mps_rts;
-  const double mps_rts = shown_mps_rts + unexplained_share(state) * (model_mps_rts - shown_mps_rts);
-  outcome.zero_velocity_variance = square(mps_rts) / (1e-9 * static_cast<double>(period_ns));
+  outcome.zero_velocity_variance = square(parameters_of(state.bank.best().imu).dead_reckoning_mps_rts) /
+                                   (1e-9 * static_cast<double>(period_ns));
 }
 
 void update_zero_velocity(State& state, double variance_m2ps2) {

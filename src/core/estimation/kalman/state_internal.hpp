@@ -111,10 +111,6 @@ void correct_by_heading(const State& state, Filter& filter, const settings::Sett
 void end_other_track(State& state, TimeNs now_ns);
 /// True if the fixes moved to another track a short time ago and far away: either may be right.
 [[nodiscard]] bool has_left_track(const State& state);
-
-/// Share of the best model's noise that the samples do not show: the IMU errs in another way, or the fixes
-/// do.
-[[nodiscard]] double unexplained_share(const State& state);
 void store_former_track(State& state, TimeNs left_ns, TimeNs left_for_ns);
 void judge_rejected(State& state, const JudgedFix& judged, FixOutcome& outcome);
 void judge_turned_map(State& state, const settings::Settings& settings, const HeadingMeasurement& heading,
