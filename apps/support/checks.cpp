@@ -18,7 +18,8 @@ Check number_between(double min, double max) {
   const std::string range = open ? fmt::format("{} or more", min) : fmt::format("{} - {}", min, max);
   return {[=](const std::string& text) {
             double value = 0.0;
-            if (!CLI::detail::lexical_cast(text, value)) return fmt::format("'{}' is not a number", text);
+            if (!CLI::detail::lexical_cast(text, value) || std::isnan(value))
+              return fmt::format("'{}' is not a number", text);
             const bool good = value >= min && value <= max;
             return good ? std::string() : fmt::format("Value {} not in range [{}]", text, range);
           },

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 namespace sonopose::apps {
@@ -13,6 +14,17 @@ namespace {
 
 CLI::Validator validator_of(const Check& check) {
   return {check.mistake_in, check.allowed};
+}
+
+template <class Value>
+struct IsWhole : std::is_integral<Value> {};
+template <class Value>
+struct IsWhole<std::optional<Value>> : std::is_integral<Value> {};
+
+/// Names the mistake that CLI11 only calls impossible to convert.
+std::string mistake_in_whole_number(const std::string& text) {
+  std::int64_t value = 0;
+  return CLI::detail::lexical_cast(text, value) ? "" : "'" + text + "' is not a whole number";
 }
 
 }  // namespace
@@ -157,13 +169,17 @@ std::vector<std::string> Option::results() const {
 
 template <class Value>
 Option CommandLine::add_option(const std::string& name, Value& value, const std::string& help) {
-  return Option(*app_->add_option(name, value, help));
+  CLI::Option* const option = app_->add_option(name, value, help);
+  if constexpr (IsWhole<Value>::value) option->check(mistake_in_whole_number);
+  return Option(*option);
 }
 
 template <class Value>
 Option CommandLine::add_option_function(const std::string& name, const std::function<void(const Value&)>& set,
                                         const std::string& help) {
-  return Option(*app_->add_option_function<Value>(name, set, help));
+  CLI::Option* const option = app_->add_option_function<Value>(name, set, help);
+  if constexpr (IsWhole<Value>::value) option->check(mistake_in_whole_number);
+  return Option(*option);
 }
 
 Option CommandLine::add_option(const std::string& name, const std::string& help) {

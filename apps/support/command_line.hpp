@@ -31,7 +31,7 @@ public:
 /// Any number of values, for Option::expected.
 inline constexpr int any_number = 1 << 29;
 
-/// A handle of one option of a CommandLine, which must outlive it. Its setters return it.
+/// A handle of one option, valid as long as the Program. Its setters return it.
 class Option {
 public:
   explicit Option(CLI::Option& option) : option_(&option) {}
@@ -75,7 +75,8 @@ private:
   CLI::Option* option_;
 };
 
-/// A handle of the options and commands of a program, or of one of its commands.
+/// A handle of the options and commands of a Program, or of one of its commands, valid as long as that
+/// Program.
 class CommandLine {
 public:
   explicit CommandLine(CLI::App& app) : app_(&app) {}
@@ -108,7 +109,7 @@ public:
   [[nodiscard]] std::string name() const;
   [[nodiscard]] std::size_t count(const std::string& option) const;
   [[nodiscard]] bool has_option(const std::string& name) const;
-  /// Throws CLI::OptionNotFound for an unknown name.
+  /// Throws std::exception for an unknown name.
   [[nodiscard]] Option option(const std::string& name) const;
   [[nodiscard]] std::vector<Option> options() const;
 

@@ -119,7 +119,7 @@ public:
 
   /// A message about velocities, if there is news. Call it about once a second.
   std::optional<std::string> twist_use() {
-    return twist_use_.update(estimator_.counters(), estimator_.settings().engine.engine);
+    return twist_use_.update(estimator_.counters(), estimator_.settings());
   }
 
   /// The gap that events wait for; empty if none wait, and unless lossless.

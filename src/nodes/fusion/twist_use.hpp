@@ -18,7 +18,7 @@ public:
 
   /// Takes the present counters. Returns a message for the user when all velocities have been unused, and
   /// when most of those since the last call contradict the estimate or no longer do.
-  std::optional<std::string> update(const EstimatorCounters& counted, settings::EngineKind engine);
+  std::optional<std::string> update(const EstimatorCounters& counted, const settings::Settings& settings);
 
 private:
   EstimatorCounters before_;

@@ -45,29 +45,29 @@ void CsvReader::read_header() {
   bool is_found = false;
   line = next_line();
   if (line && unquoted(*line).starts_with("sep=")) line = next_line();  // for spreadsheets
-  const auto read_names = [&] {
+  // Reads on before it returns: an error of the file ends the search, a line that is no header does not.
+  const auto read_names = [&](bool is_last_try) {
     const std::string names(*line);
     const std::string where = position();
     line = next_line();
     const bool has_units = line && is_line_of_units(names, *line);
-    header_ = CsvHeader(layout_, names, where, has_units ? *line : std::string_view{});
-    is_found = true;
-    if (has_units) line = next_line();
-  };
-  while (line && line->starts_with('#') && !is_found) {
     try {
-      read_names();
+      header_ = CsvHeader(layout_, names, where, has_units ? *line : std::string_view{});
+      is_found = true;
     } catch (const IoError&) {
+      if (is_last_try) throw;
       refusal = std::current_exception();
     }
-  }
+    if (is_found && has_units) line = next_line();
+  };
+  while (line && line->starts_with('#') && !is_found) read_names(false);
   if (!is_found) {
     if (!line && refusal) std::rethrow_exception(refusal);
     if (!line) throw IoError(name_ + ": is empty; expected a header line with the names of the columns");
     // Below a comment, a row of numbers is not the header.
     if (refusal && parse_number(line->substr(0, line->find_first_not_of("+-.0123456789eE"))))
       std::rethrow_exception(refusal);
-    read_names();
+    read_names(true);
   }
   if (line) read_ahead_ = std::make_unique<std::string>(*line);
   if (header_.width() > cells_.size()) {

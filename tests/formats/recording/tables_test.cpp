@@ -16,6 +16,9 @@ using namespace sonopose::test;
 using Catch::Contains;
 using Catch::EndsWith;
 
+const std::string imu_rows = "timestamp,w_x,w_y,w_z,a_x,a_y,a_z\n1000000000,0,0,0,0,0,9.8\n";
+const std::string position_rows = "timestamp,x,y,z\n1000000000,1,2,3\n";
+
 SCENARIO("tables of other programs become a log") {
   const TemporaryFolder folder;
   files::ColumnNames names;
@@ -226,6 +229,11 @@ SCENARIO("a table without the names of its columns is refused as such") {
           EndsWith(": numbers instead of names"));
 }
 
+SCENARIO("a line that is too long ends the search for the header") {
+  CHECK_THROWS_WITH(first_of(imu_rows, "# comment\n#" + std::string(400'000, '1') + "\n"),
+                    Contains("positions.csv:2"));
+}
+
 SCENARIO("rows may lack a value, end in a separator, and begin at a whole second") {
   const TemporaryFolder folder;
   write_text(folder / "imu.csv", "t,w_x,w_y,w_z,a_x,a_y,a_z\n0,0,0,0,0,0,9.8,\n0.01,0,0,0,0,0,9.8,\n");
@@ -364,9 +372,6 @@ Tables tables_of(const std::string& imu, const std::string& positions, files::Co
   files.tag = tag;
   return read_tables(files, names, 7);
 }
-
-const std::string imu_rows = "timestamp,w_x,w_y,w_z,a_x,a_y,a_z\n1000000000,0,0,0,0,0,9.8\n";
-const std::string position_rows = "timestamp,x,y,z\n1000000000,1,2,3\n";
 
 SCENARIO("a line of units may be a comment, and have words of other columns") {
   const auto [sample, fix] = first_of(

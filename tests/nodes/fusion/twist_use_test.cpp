@@ -9,17 +9,26 @@ namespace twist_use_test {
 using namespace sonopose;
 using Catch::Matchers::Contains;
 using fusion::TwistUse;
-using settings::EngineKind;
+
+settings::Settings settings_of(settings::EngineKind engine, bool is_enabled = true) {
+  settings::Settings settings;
+  settings.engine.engine = engine;
+  settings.twist.enabled = is_enabled;
+  return settings;
+}
+
+const settings::Settings kalman = settings_of(settings::EngineKind::kalman);
+const settings::Settings documented = settings_of(settings::EngineKind::documented);
 
 SCENARIO("the user learns what becomes of velocities") {
   TwistUse use;
   EstimatorCounters counted;
   GIVEN("an engine that uses none") {
-    const auto count_messages = [&](EngineKind engine, const char* cause) {
+    const auto count_messages = [&](const settings::Settings& settings, const char* cause) {
       int messages = 0;
       for (int i = 0; i < 3 * TwistUse::max_unused_updates; ++i) {
         counted.twists_unused += 50;
-        if (const auto text = use.update(counted, engine)) {
+        if (const auto text = use.update(counted, settings)) {
           CHECK_THAT(*text, Contains(cause));
           ++messages;
         }
@@ -27,10 +36,11 @@ SCENARIO("the user learns what becomes of velocities") {
       return messages;
     };
     THEN("this is said once, with the cause") {
-      CHECK(count_messages(EngineKind::documented, "the documented engine uses none") == 1);
+      CHECK(count_messages(documented, "the documented engine uses none") == 1);
     }
     THEN("the cause of the other engine is another one") {
-      CHECK(count_messages(EngineKind::kalman, "kalman.twist.enabled") == 1);
+      CHECK(count_messages(settings_of(settings::EngineKind::kalman, false),
+                           "kalman.twist.enabled is false") == 1);
     }
   }
   GIVEN(
@@ -40,7 +50,7 @@ SCENARIO("the user learns what becomes of velocities") {
       for (std::uint64_t i = 0; i < 3 * TwistUse::max_unused_updates; ++i) {
         counted.twists_used = i % 2U;
         counted.twists_unused += 49U + (i + 1U) % 2U;
-        if (const auto text = use.update(counted, EngineKind::kalman)) {
+        if (const auto text = use.update(counted, kalman)) {
           CHECK_THAT(*text, Contains("newer than the IMU samples"));
           ++messages;
         }
@@ -50,24 +60,24 @@ SCENARIO("the user learns what becomes of velocities") {
   }
   GIVEN("no velocities, or some that wait for the first fix") {
     THEN("nothing is said") {
-      for (int i = 0; i < 100; ++i) CHECK_FALSE(use.update(counted, EngineKind::documented));
+      for (int i = 0; i < 100; ++i) CHECK_FALSE(use.update(counted, documented));
       counted.twists_unused += 50;
-      CHECK_FALSE(use.update(counted, EngineKind::kalman));
+      CHECK_FALSE(use.update(counted, kalman));
       counted.twists_used += 50;
-      CHECK_FALSE(use.update(counted, EngineKind::kalman));
+      CHECK_FALSE(use.update(counted, kalman));
     }
   }
   GIVEN("wheels that slip for a time") {
     counted.twists_used = 48;
     counted.twists_rejected = 2;
-    CHECK_FALSE(use.update(counted, EngineKind::kalman));
+    CHECK_FALSE(use.update(counted, kalman));
     counted.twists_used += 10;
     counted.twists_rejected += 40;
-    const auto begin = use.update(counted, EngineKind::kalman);
+    const auto begin = use.update(counted, kalman);
     counted.twists_rejected += 50;
-    CHECK_FALSE(use.update(counted, EngineKind::kalman));
+    CHECK_FALSE(use.update(counted, kalman));
     counted.twists_used += 50;
-    const auto end = use.update(counted, EngineKind::kalman);
+    const auto end = use.update(counted, kalman);
     THEN("its beginning and its end are said") {
       REQUIRE(begin);
       CHECK_THAT(*begin, Contains("as when wheels slip: 40 of 50 are rejected; remedy: "));

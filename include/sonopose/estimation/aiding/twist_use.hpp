@@ -11,12 +11,14 @@
 namespace sonopose::estimation::aiding {
 
 struct TwistProblem {
-  bool are_unused = false;  ///< otherwise most contradict the estimate
+  bool are_unused = false;     ///< otherwise most contradict the estimate
+  bool is_by_setting = false;  ///< true if the settings turn velocities off
   std::string text;
   std::string remedy;
 };
 
 /// Set if an engine has used none of the velocities that it counted, or rejected most of them.
-std::optional<TwistProblem> twist_problem(const EstimatorCounters& counted, settings::EngineKind engine);
+std::optional<TwistProblem> twist_problem(const EstimatorCounters& counted,
+                                          const settings::Settings& settings);
 
 }  // namespace sonopose::estimation::aiding

@@ -166,6 +166,7 @@ void for_each_field(IsFieldsOf<FixGate> auto& fixes, const auto& visit) {
   visit("since_start", fixes.since_start);
   visit("rejected_in_row", fixes.rejected_in_row);
   visit("misfits_in_row", fixes.misfits_in_row);
+  visit("first_rejected_m", fixes.first_rejected_m);
   visit("trust", fixes.trust);
   visit("quality_percent", fixes.quality_percent);
   visit("rejected_world_m", fixes.rejected_world_m);

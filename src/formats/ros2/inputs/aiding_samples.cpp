@@ -38,7 +38,8 @@ std::string fault_of(const JointState& state, const Wheels& wheels) {
 }
 
 std::string not_in_base(const std::string& frame) {
-  return fmt::format("/tf_static does not connect their frame '{}' with the base", frame);
+  return fmt::format(
+      "/tf_static does not connect their frame '{}' with the base; --base-frame names another base", frame);
 }
 
 /// Samples of a velocity that `twist_of` finds for the mount of the IMU in the frame of the velocity.

@@ -157,8 +157,9 @@ public:
     const EstimatorCounters counted{.twists_used = increase_of(&FusionStatus::velocities_used),
                                     .twists_rejected = increase_of(&FusionStatus::velocities_rejected),
                                     .twists_unused = increase_of(&FusionStatus::velocities_unused)};
-    const auto problem = estimation::aiding::twist_problem(counted, beacon_.fusion_settings.engine.engine);
-    if (problem && !fusion_lacks_imu_) add(Severity::warning, "its " + problem->text, problem->remedy);
+    const auto problem = estimation::aiding::twist_problem(counted, beacon_.fusion_settings);
+    if (!problem || fusion_lacks_imu_) return;
+    add(problem->is_by_setting ? Severity::note : Severity::warning, "its " + problem->text, problem->remedy);
   }
 
   void poses(bool fusion_runs) const {

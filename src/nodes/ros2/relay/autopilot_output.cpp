@@ -118,15 +118,15 @@ void AutopilotOutput::log_changes() {
   if (state == logged_) return;
   logged_ = state;
   if (state == NotSent::none) {
-    logging::info(fmt::format("{}: the poses of beacon {} are sent on {}", name_, *address, pose_topic_));
+    logging::info(fmt::format("{}: sending the poses of beacon {} on {}", name_, *address, pose_topic_));
   } else if (state == NotSent::no_clock) {
     logging::warning(
-        fmt::format("{}: no poses are sent, because its clock is unknown: nothing arrives on {}; "
+        fmt::format("{}: not sending poses, because its clock is unknown: nothing arrives on {}; "
                     "are autopilot and Micro-XRCE-DDS agent connected?",
                     name_, clock_topic_));
   } else {
     const std::string of_beacon = address ? fmt::format(" of beacon {}", *address) : "";
-    logging::warning(fmt::format("{}: no poses{} are sent: {}", name_, of_beacon, text_of(*state)));
+    logging::warning(fmt::format("{}: not sending poses{}: {}", name_, of_beacon, text_of(*state)));
   }
 }
 

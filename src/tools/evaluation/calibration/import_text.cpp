@@ -95,7 +95,7 @@ std::string import_text(const recording::Tables& tables) {
   const auto append_count = [&out](std::size_t count, std::string_view noun, std::string_view what) {
     if (count > 0) out += fmt::format("{:<12}{} {}\n", "", text::count_text(count, noun), what);
   };
-  append_count(tables.rows_without_imu, "row", "without all IMU values left out");
+  append_count(tables.rows_without_imu, "row", "that lack an IMU value left out");
   out += stream_text("positions", std::move(fixes_ns));
   if (!tables.has_height) out += fmt::format("{:<12}without z, which is taken as 0\n", "");
   append_count(tables.rows_without_position, "row", "without a position");

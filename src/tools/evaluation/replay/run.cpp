@@ -184,10 +184,8 @@ public:
   void judge(const settings::Settings& settings, RunResult& result) const {
     constexpr std::uint64_t min_count = 3;
     const EstimatorCounters& counted = result.counters;
-    if (const auto problem = estimation::aiding::twist_problem(counted, settings.engine.engine)) {
-      const bool are_wanted =
-          settings.engine.engine == settings::EngineKind::kalman && settings.twist.enabled;
-      (problem->are_unused && are_wanted ? result.unused_inputs : result.remarks)
+    if (const auto problem = estimation::aiding::twist_problem(counted, settings)) {
+      (problem->are_unused && !problem->is_by_setting ? result.unused_inputs : result.remarks)
           .push_back(fmt::format("{}: {}", problem->text, problem->remedy));
     } else if (twists_ >= min_count &&
                counted.twists_used + counted.twists_rejected + counted.twists_unused == 0) {

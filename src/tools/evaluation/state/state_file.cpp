@@ -16,7 +16,7 @@ namespace {
 using OrderedJson = nlohmann::ordered_json;
 
 constexpr std::string_view format_name = "sonopose estimator state";
-constexpr int format_version = 13;
+constexpr int format_version = 14;
 
 double finite(const char* name, double value) {
   if (std::isfinite(value)) return value;

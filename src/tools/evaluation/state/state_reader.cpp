@@ -49,8 +49,8 @@ StateReader StateReader::parsed(std::string_view text, const std::string& name) 
     return {json::parse(text), name};
   } catch (const json::exception& error) {
     const std::string reason = error.what();
-    throw StateFileError(name +
-                         ": is not JSON: " + reason.substr(reason.find("] ") + 2));  // without its own name
+    const std::size_t end = reason.find("] ");  // of its own name
+    throw StateFileError(name + ": is not JSON: " + reason.substr(end == std::string::npos ? 0 : end + 2));
   }
 }
 
