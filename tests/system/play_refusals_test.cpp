@@ -75,8 +75,8 @@ SCENARIO("what cannot be played is named") {
           Contains(
               "sonopose/reset is not played: its type is not sonopose::ResetCommand but sonopose::Other") &&
           Contains("sonopose/fix is not played: its type sonopose::UltrasonicFix differs"));
-  CHECK_THAT(play->text(Stream::output), Contains("played 1 message in") &&
-                                             Contains("refused (wrong type for the topic): 2 messages"));
+  CHECK_THAT(play->text(Stream::output),
+             Contains("played 1 message in") && Contains("refused (wrong type for the topic): 2 messages"));
 }
 
 SCENARIO("a damaged chunk is left out and named") {

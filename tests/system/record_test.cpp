@@ -120,7 +120,8 @@ SCENARIO("a recording of beacons that are not there fails, and names one that is
   REQUIRE(wait_for_part(file, {"sonopose/imu"}, 1));
   REQUIRE(wait_for_part(file, {"sonopose/stationary_beacon"}, 4));
   CHECK(record->end_by(SIGINT).code == 1);
-  CHECK_THAT(record->text(Stream::error), Contains("no message of --beacons 9 arrived, but some of beacon 7 did"));
+  CHECK_THAT(record->text(Stream::error),
+             Contains("no message of --beacons 9 arrived, but some of beacon 7 did"));
   // The map is of all beacons, whatever the addresses of those that it consists of.
   CHECK(of_topic(messages_of(file), "sonopose/stationary_beacon").size() == 4);
 }

@@ -433,8 +433,8 @@ std::unique_ptr<publication::Source> make_udp_source(const UdpOptions& options, 
   LineFaultDetector detector({"check that the sender uses the Marvelmind protocol",
                               "set the protocol of the sender to Marvelmind, or choose another port"});
   return std::make_unique<LiveSource<marvelmind::DatagramDecoder>>(
-      transport::open_udp_listener(transport::parse_endpoint(options.listen), options.from), std::move(detector),
-      live);
+      transport::open_udp_listener(transport::parse_endpoint(options.listen), options.from),
+      std::move(detector), live);
 }
 
 }  // namespace sonopose::bridge

@@ -90,11 +90,10 @@ SCENARIO("topics are chosen as for the relay") {
     messages.push_back(test::fix_message(fix, "/other"));
     test::write_bag(file, messages);
     THEN("without a choice the candidates are listed") {
-      CHECK_THROWS_WITH(
-          read(file),
-          Contains("drive_0.mcap: has several topics of sensor_msgs/msg/Imu; choose with --imu-in, or for the bridge ") &&
-              Contains("/imu/data (sensor_msgs/msg/Imu, 200 messages)") &&
-              Contains("/camera/imu (sensor_msgs/msg/Imu, 1 message)"));
+      CHECK_THROWS_WITH(read(file), Contains("drive_0.mcap: has several topics of sensor_msgs/msg/Imu; "
+                                             "choose with --imu-in, or for the bridge ") &&
+                                        Contains("/imu/data (sensor_msgs/msg/Imu, 200 messages)") &&
+                                        Contains("/camera/imu (sensor_msgs/msg/Imu, 1 message)"));
       CHECK_THROWS_WITH(read(file, {.imu = {"/imu/data"}}),
                         Contains("choose with --fix-in") && Contains("/other"));
     }
