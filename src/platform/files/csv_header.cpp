@@ -299,7 +299,7 @@ CsvHeader::CsvHeader(const CsvLayout& layout, std::string_view line, const std::
   }
   if (separator_ == ' ') required_width_ = names_.size();  // between spaces no cell can be empty
   if (layout.given_names == nullptr) return;
-  layout.given_names->file_by_reader.push_back(layout.file);
+  layout.given_names->file_by_reader.emplace_back(layout.file);
   auto& columns = layout.given_names->columns_by_reader.emplace_back();
   for (std::size_t column = 0; column < layout.columns.size(); ++column) {
     if (places_[column] == missing) continue;

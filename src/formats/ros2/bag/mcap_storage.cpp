@@ -9,7 +9,9 @@ namespace {
 class McapStorage final : public Storage {
 public:
   explicit McapStorage(const mcap::Reader& reader) : reader_{reader} {
-    for (const auto& [id, channel] : reader.channels()) {
+    for (const auto& entry : reader.channels()) {  // clang 14 captures no structured binding
+      const auto id = entry.first;
+      const auto& channel = entry.second;
       const auto schema = reader.schemas().find(channel.schema_id);
       const std::string type = schema == reader.schemas().end() ? "" : schema->second.name;
       const auto& counts = reader.statistics().channel_message_counts;
