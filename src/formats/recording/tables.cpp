@@ -77,7 +77,7 @@ std::map<std::string, std::size_t> rows_by_tag(const std::filesystem::path& file
   return rows_by_tag;
 }
 
-/// What the tables have of the device that --tag names.
+/// Result of looking for the device that --tag names.
 struct Choice {
   bool is_found = false;
   std::vector<std::string> refusals{};  ///< of tables that have only another device

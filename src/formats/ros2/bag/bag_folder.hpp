@@ -15,7 +15,7 @@ bool is_bag_folder(const std::filesystem::path& folder);
 /// Returns its SQLite files, by name: bag_9.db3 before bag_10.db3.
 std::vector<std::filesystem::path> sqlite_files_in(const std::filesystem::path& folder);
 
-/// What metadata.yaml says of a folder.
+/// Files and messages of a folder, by its metadata.yaml.
 struct Metadata {
   std::vector<std::filesystem::path> files{};  ///< those that it lists and that are there, normal
   std::vector<std::string> missing{};          ///< descriptions of the others that it lists
