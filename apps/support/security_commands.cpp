@@ -37,7 +37,7 @@ int earlier_days(const std::filesystem::path& enclave) {
 int make_store(const SecurityOptions& options) {
   const auto store = security::KeyStore::create(options.store, options.protection, host_now_s());
   print(
-      "{} has two authorities. Keep {} off the robots: whoever reads it can make enclaves.\n"
+      "{} has two authorities. Do not copy {} to robots: its readers can make enclaves.\n"
       "Next: sonopose-security enclave {} bridge fusion monitor\n",
       store.folder().string(), (store.folder() / "private").string(), store.folder().string());
   return 0;

@@ -152,7 +152,7 @@ SCENARIO("own logs are scored with and without truth, alone, and what is left ou
     }
     WHEN("two of them are named, of which one is damaged") {
       const Result result = run(SONOPOSE_TEST_EVALUATE, {log.string(), (folder / "torn").string(), "--json"});
-      THEN("the other one is scored, and the exit code tells scripts that one is missing") {
+      THEN("the other one is scored, and the exit code is 1") {
         CHECK(result.code == 1);
         CHECK(json::parse(result.output).size() == 1);
         CHECK_THAT(result.error, Contains("left out: " + (folder / "torn" / "ultrasonic.csv").string()));

@@ -1,6 +1,6 @@
 #include "fusion/twist_use.hpp"
 
-#include <sonopose/estimation/aiding/twist_use.hpp>
+#include <sonopose/estimation/aiding/twist_problem.hpp>
 
 #include <utility>
 

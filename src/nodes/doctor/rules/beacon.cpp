@@ -1,6 +1,6 @@
 #include "doctor/rules/checks.hpp"
 #include "observation/beacon_observer.hpp"
-#include <sonopose/estimation/aiding/twist_use.hpp>
+#include <sonopose/estimation/aiding/twist_problem.hpp>
 #include <sonopose/samples/estimator_counters.hpp>
 #include <sonopose/text/count_text.hpp>
 #include <sonopose/text/duration_text.hpp>

@@ -17,11 +17,11 @@ using namespace sonopose::test;
 using Catch::Contains;
 using nlohmann::json;
 
-/// A state of the documented engine in which every group has changed.
-evaluation::SavedState busy_state() {
+/// A state in which every group has changed.
+evaluation::SavedState busy_state(settings::EngineKind engine = settings::EngineKind::documented) {
   evaluation::RunOptions options;
-  options.settings.engine.engine = settings::EngineKind::documented;
-  options.until_s = 13.0;
+  options.settings.engine.engine = engine;
+  options.until_s = 14.0;
   return evaluation::run(sample_log("outlier_bursts"), options).end;
 }
 
@@ -40,7 +40,8 @@ std::string error_message_after(const Change& change) {
 
 TEST_CASE("a state comes back from its file to the last bit") {
   const TemporaryFolder folder;
-  const evaluation::SavedState saved = busy_state();
+  const auto engine = GENERATE(settings::EngineKind::documented, settings::EngineKind::kalman);
+  const evaluation::SavedState saved = busy_state(engine);
   evaluation::save_state(folder / "state.json", saved);
   CHECK(evaluation::load_state(folder / "state.json") == saved);
   evaluation::save_state(folder / "state.json", {});  // replaces the file

@@ -1,4 +1,4 @@
-#include <sonopose/estimation/aiding/twist_use.hpp>
+#include <sonopose/estimation/aiding/twist_problem.hpp>
 
 namespace sonopose::estimation::aiding {
 
