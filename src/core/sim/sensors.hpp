@@ -10,6 +10,7 @@
 
 #include <functional>
 #include <optional>
+#include <utility>
 
 namespace sonopose::sim {
 
@@ -111,7 +112,7 @@ private:
 /// Speed of the wheels of a vehicle that drives along body X.
 class WheelModel {
 public:
-  WheelModel(const SensorSettings& settings, Random random) : settings_{settings}, random_{random} {}
+  WheelModel(const SensorSettings& settings, Random random) : settings_{settings}, random_{std::move(random)} {}
 
   /// Measures the speed of this motion, without times and address. The wheels turn by the share `slip`
   /// faster.

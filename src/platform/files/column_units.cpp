@@ -21,7 +21,7 @@ struct Unit {
   std::string_view other_names{};  ///< separated by spaces; compared as `simplified` text
 };
 
-constexpr std::array units{
+constexpr std::array known_units{
     Unit{Quantity::time, 1, "ns", "nanos"},
     Unit{Quantity::time, 1e3L, "us", "µs μs micros"},
     Unit{Quantity::time, 1e6L, "ms", "millis"},
@@ -97,10 +97,10 @@ bool has_name(const Unit& unit, std::string_view simple_text) {
 
 const Unit* find(std::string_view unit, std::optional<Quantity> quantity = {}) {
   const std::string text = simplified(unit);
-  const auto* const found = std::find_if(units.begin(), units.end(), [&](const Unit& each) {
+  const auto* const found = std::find_if(known_units.begin(), known_units.end(), [&](const Unit& each) {
     return (!quantity || each.quantity == *quantity) && has_name(each, text);
   });
-  return found == units.end() ? nullptr : found;
+  return found == known_units.end() ? nullptr : found;
 }
 
 }  // namespace
@@ -119,7 +119,7 @@ bool is_unit(std::string_view unit) {
 std::string units_like(std::string_view unit) {
   const Unit* const known = find(unit);
   std::string names;
-  for (const Unit& each : units) {
+  for (const Unit& each : known_units) {
     if (known == nullptr || each.quantity != known->quantity) continue;
     names += (names.empty() ? "" : ", ") + std::string(each.name.empty() ? "no unit" : each.name);
   }

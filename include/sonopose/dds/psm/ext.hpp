@@ -16,6 +16,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -195,12 +196,11 @@ ReturnCode try_take_each(const sub::DataReader<T>& reader, OnData&& on_data, OnS
   std::array<T, batch> memory{};
   const dds_entity_t c_reader = try_handle(reader);
   if (c_reader < 0) return c_reader;
-  struct Loan {  // is returned even if a visitor throws
+  struct ReturnLoan {  // a visitor may throw
     dds_entity_t reader;
-    void** samples;
     ReturnCode count;
-    ~Loan() {
-      if (count > 0) dds_return_loan(reader, samples, count);
+    void operator()(void** loaned) const {
+      if (count > 0) dds_return_loan(reader, loaned, count);
     }
   };
   ReturnCode total = 0;
@@ -211,7 +211,7 @@ ReturnCode try_take_each(const sub::DataReader<T>& reader, OnData&& on_data, OnS
     std::array<dds_sample_info_t, batch> infos;  // NOLINT(*-member-init): dds_take fills in what is used
     taken = dds_take(c_reader, samples.data(), infos.data(), batch, batch);
     if (taken <= 0) return taken < 0 ? taken : total;
-    const Loan loan{c_reader, samples.data(), is_flat ? 0 : taken};
+    const std::unique_ptr<void*, ReturnLoan> loan{samples.data(), {c_reader, is_flat ? 0 : taken}};
     for (std::size_t i = 0; i < static_cast<std::size_t>(taken); ++i) {
       const T& data = *static_cast<const T*>(samples[i]);
       const sub::SampleInfo info(infos[i]);

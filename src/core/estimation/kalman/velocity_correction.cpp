@@ -59,10 +59,10 @@ VelocityInnovation Filter::velocity_innovation(int axis, double velocity_mps, do
 }
 
 void Filter::correct_velocity(const VelocityInnovation& innovation, double more_variance_m2ps2) {
-  using Scalar = Eigen::Matrix<double, 1, 1>;
+  using Vector1 = Eigen::Matrix<double, 1, 1>;
   const double std_mps = std::sqrt(innovation.variance_m2ps2 + more_variance_m2ps2);
-  correct<1>(innovation.column / std_mps, Scalar(innovation.value_mps / std_mps),
-             Scalar(innovation.delay_row / std_mps), Scalar(innovation.scale_row / std_mps));
+  correct<1>(innovation.column / std_mps, Vector1(innovation.value_mps / std_mps),
+             Vector1(innovation.delay_row / std_mps), Vector1(innovation.scale_row / std_mps));
 }
 
 }  // namespace sonopose::estimation::kalman

@@ -89,7 +89,7 @@ std::optional<PoseFrames> frames_of(const InputFrames& frames, BeaconAddress add
 /// it.
 void set_pose(AidingSamples& samples, const PoseWithCovarianceStamped& message, TimeNs received_ns) {
   constexpr TimeNs earlier_ns = 1'000'000;
-  constexpr int at_z = 2;
+  constexpr Eigen::Index at_z = 2;
   if (!samples.fix) {
     samples = {.unused = samples.unused.empty() ? "a value or stamp is invalid" : samples.unused};
     return;

@@ -298,7 +298,7 @@ SCENARIO("velocities and truth are those of the base") {
     std::vector<ros2::TransformStamped> transforms{ros2::transform(mount, start_ns, base, imu_frame)};
     ros2::TFMessage tf{};
     ros2::borrow_sequence(tf.transforms, transforms);
-    for (int i = 0; i < 10; ++i) {
+    for (TimeNs i = 0; i < 10; ++i) {
       const TimeNs time_ns = start_ns + i * 10'000'000;
       imu.sensor_time_ns = time_ns;
       messages.push_back(test::imu_message(imu));

@@ -14,6 +14,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 
 namespace dds::inline sonopose_psm::core::policy {
 
@@ -42,7 +43,7 @@ struct LivelinessKind {
 class UserData {
 public:
   UserData() = default;
-  explicit UserData(const ByteSeq& bytes) : value_(bytes) {}
+  explicit UserData(ByteSeq bytes) : value_(std::move(bytes)) {}
   UserData(const std::uint8_t* first, const std::uint8_t* last) : value_(first, last) {}
   UserData& value(const ByteSeq& bytes) {
     value_ = bytes;
@@ -185,7 +186,7 @@ private:
 class Partition {
 public:
   explicit Partition(const std::string& name = "") : name_{name} {}
-  explicit Partition(const StringSeq& names) : name_(names) {}
+  explicit Partition(StringSeq names) : name_(std::move(names)) {}
   const StringSeq name() const { return name_; }
   Partition& name(const std::string& name) {
     name_ = {name};

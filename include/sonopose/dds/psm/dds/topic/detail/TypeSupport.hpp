@@ -78,7 +78,7 @@ private:
   void convert(const std::string& a, char (&b)[size]) {
     check_bound(a.size(), size - 1);
     check_text(a);
-    std::memcpy(b, a.c_str(), a.size() + 1);
+    std::copy_n(a.c_str(), a.size() + 1, b);
   }
   template <class A, class B, std::size_t size>
   void convert(const std::array<A, size>& a, B (&b)[size]) {
