@@ -162,7 +162,7 @@ files::IoError nothing_selected(const std::vector<const mcap::Reader*>& readers,
                     static_cast<double>(times.end_ns - times.start_ns) * 1e-9, times.start_ns, times.end_ns);
   }
   if (!reason.empty()) text += "; " + reason;
-  return files::IoError(text);
+  return files::IoError{text};
 }
 
 std::optional<BeaconAddress> beacon_of(const mcap::Channel& channel, const mcap::Message& message) {

@@ -9,6 +9,7 @@
 
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace sonopose::recorder {
@@ -16,9 +17,8 @@ namespace sonopose::recorder {
 class Ros2Topics {
 public:
   /// `pipeline` and `qos` must outlive it.
-  Ros2Topics(Pipeline& pipeline, const dds::domain::DomainParticipant& participant,
-             const dds::qos::Provider& qos)
-      : pipeline_(pipeline), participant_(participant), qos_(qos) {}
+  Ros2Topics(Pipeline& pipeline, dds::domain::DomainParticipant participant, const dds::qos::Provider& qos)
+      : pipeline_(pipeline), participant_(std::move(participant)), qos_(qos) {}
 
   /// Starts recording each topic among these writers that is new and whose type this program knows.
   void update(const std::vector<dds::FoundEndpoint>& writers);
