@@ -112,7 +112,8 @@ private:
 /// Speed of the wheels of a vehicle that drives along body X.
 class WheelModel {
 public:
-  WheelModel(const SensorSettings& settings, Random random) : settings_{settings}, random_{std::move(random)} {}
+  WheelModel(SensorSettings settings, const Random& random)
+      : settings_{std::move(settings)}, random_{random} {}
 
   /// Measures the speed of this motion, without times and address. The wheels turn by the share `slip`
   /// faster.

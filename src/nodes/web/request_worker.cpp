@@ -24,9 +24,9 @@ std::string doctor_failure_json(const char* reason) {
 
 }  // namespace
 
-RequestWorker::RequestWorker(const dds::domain::DomainParticipant& participant,
+RequestWorker::RequestWorker(dds::domain::DomainParticipant participant,
                              std::optional<std::filesystem::path> qos_file, Examine examine, Publish publish)
-    : participant_(participant),
+    : participant_(std::move(participant)),
       qos_file_(std::move(qos_file)),
       examine_(std::move(examine)),
       publish_(std::move(publish)) {

@@ -29,8 +29,8 @@ public:
   using Publish = std::function<void(std::string text)>;
 
   /// `examine` is the doctor; `publish` takes its findings. Refuses more than a few requests at a time.
-  RequestWorker(const dds::domain::DomainParticipant& participant,
-                std::optional<std::filesystem::path> qos_file, Examine examine, Publish publish);
+  RequestWorker(dds::domain::DomainParticipant participant, std::optional<std::filesystem::path> qos_file,
+                Examine examine, Publish publish);
   RequestWorker(const RequestWorker&) = delete;
   RequestWorker& operator=(const RequestWorker&) = delete;
   /// Gives up unfinished requests.

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <exception>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 namespace sonopose::files {
@@ -33,8 +34,8 @@ bool is_comment(std::string_view line) {
 
 }  // namespace
 
-CsvReader::CsvReader(const std::filesystem::path& file, const CsvLayout& layout)
-    : name_{file.string()}, layout_{layout}, lines_{file} {
+CsvReader::CsvReader(const std::filesystem::path& file, CsvLayout layout)
+    : name_{file.string()}, layout_{std::move(layout)}, lines_{file} {
   layout_.file = name_;
   read_header();
 }

@@ -25,7 +25,7 @@ public:
   /// columns, or else the first line that does not begin so. Later lines that begin with `#` are comments. A
   /// first line `sep=;` is skipped.
   /// Logs a warning about columns that the layout does not have.
-  CsvReader(const std::filesystem::path& file, const CsvLayout& layout);
+  CsvReader(const std::filesystem::path& file, CsvLayout layout);
 
   /// Advances to the next row that is not blank and belongs to the layout. Returns false at the end.
   bool next_row();

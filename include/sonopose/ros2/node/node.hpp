@@ -39,7 +39,7 @@ dds::Qos participant_qos(const std::string& enclave = "/");
 class Node {
 public:
   /// `qos` must outlive the node.
-  Node(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos, NameResolver names,
+  Node(dds::domain::DomainParticipant participant, const dds::qos::Provider& qos, NameResolver names,
        Distro layout, QosOverrides overrides = {});
   Node(const Node&) = delete;
   Node& operator=(const Node&) = delete;

@@ -12,6 +12,7 @@
 #include <fstream>
 #include <list>
 #include <set>
+#include <string>
 #include <tuple>
 
 namespace sonopose::doctor::probe {
@@ -123,7 +124,8 @@ rules::BusObservation bus_of(const dds::DomainOptions& options) {
   bus.is_secured = !options.enclave_folder.empty();
   for (const auto& [enclave, expires_s] : security::expiries_beside(options.enclave_folder)) {
     const std::string warning = security::expiry_warning(expires_s, clocks::host_now() / 1'000'000'000);
-    if (!warning.empty()) bus.expiring.push_back("enclave " + enclave + " " + warning);
+    if (!warning.empty())
+      bus.expiring.push_back(std::string("enclave ").append(enclave).append(" ").append(warning));
   }
   return bus;
 }

@@ -73,9 +73,9 @@ dds::Qos participant_qos(const std::string& enclave) {
   return dds::Qos() << user_data("enclave=" + enclave + ";");
 }
 
-Node::Node(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos,
-           NameResolver names, Distro layout, QosOverrides overrides)
-    : participant_(participant),
+Node::Node(dds::domain::DomainParticipant participant, const dds::qos::Provider& qos, NameResolver names,
+           Distro layout, QosOverrides overrides)
+    : participant_(std::move(participant)),
       qos_(qos),
       names_(std::move(names)),
       layout_(layout),

@@ -37,7 +37,8 @@ using Stopped = settings_client::SettingsClient::Stopped;
 class ParameterChanges {
 public:
   /// `client` must outlive this object. `addresses`: the beacons whose own settings may change.
-  explicit ParameterChanges(settings_client::SettingsClient& client, presence::AddressSet addresses = {})
+  explicit ParameterChanges(settings_client::SettingsClient& client,
+                            const presence::AddressSet& addresses = {})
       : client_(client), addresses_(addresses.with(all_beacons)) {}
 
   /// Changes each parameter that can be changed: those of one beacon by one request, or up to

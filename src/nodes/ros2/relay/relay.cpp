@@ -357,7 +357,7 @@ InputFrames Relay::Impl::frames_of_inputs() {
   if (fixed_frames_) {
     find = [tf = fixed_frames_.get()](const auto& in, const auto& frame) { return tf->find(in, frame); };
   }
-  return input_frames(options_.output.frames, mount, std::move(find));
+  return input_frames(options_.output.frames, mount, find);
 }
 
 /// Runs a bridge for the inputs on a separate thread while `serve` runs. Rethrows an exception of the bridge.

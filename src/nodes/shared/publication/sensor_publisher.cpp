@@ -71,7 +71,7 @@ bool is_aiding(const Event& event) {
 
 class SensorPublisher::Publisher final : public SampleSink {
 public:
-  Publisher(const PublisherOptions& options, const dds::domain::DomainParticipant& participant);
+  Publisher(const PublisherOptions& options, dds::domain::DomainParticipant participant);
   ~Publisher() override;
   Publisher(const Publisher&) = delete;
   Publisher& operator=(const Publisher&) = delete;
@@ -176,10 +176,10 @@ private:
 };
 
 SensorPublisher::Publisher::Publisher(const PublisherOptions& options,
-                                      const dds::domain::DomainParticipant& participant)
+                                      dds::domain::DomainParticipant participant)
     : lossless_(options.lossless),
       reports_to_manager_(options.publishes_log),
-      participant_(participant),
+      participant_(std::move(participant)),
       qos_(options.qos_file),
       log_publisher_(options.publishes_log ? std::make_unique<process_log::LogPublisher>(participant_, qos_)
                                            : nullptr),

@@ -75,9 +75,9 @@ SettingsClient::SettingsClient(const dds::DomainOptions& domain,
                                const std::optional<std::filesystem::path>& qos_file)
     : SettingsClient(dds::ext::participant(domain), qos_file) {}
 
-SettingsClient::SettingsClient(const dds::domain::DomainParticipant& participant,
+SettingsClient::SettingsClient(dds::domain::DomainParticipant participant,
                                const std::optional<std::filesystem::path>& qos_file)
-    : qos_(qos_file), participant_(participant) {}
+    : qos_(qos_file), participant_(std::move(participant)) {}
 
 std::vector<EffectiveSettings> SettingsClient::effective(BeaconAddress address, double timeout_s) {
   auto reader = dds::topics::make_reader(participant_, qos_, topics::settings);

@@ -21,7 +21,7 @@ public:
   /// Joins the domain. Throws dds::core::Exception, dds::qos::FileError.
   SettingsClient(const dds::DomainOptions& domain, const std::optional<std::filesystem::path>& qos_file);
   /// Uses a participant. Throws dds::qos::FileError.
-  SettingsClient(const dds::domain::DomainParticipant& participant,
+  SettingsClient(dds::domain::DomainParticipant participant,
                  const std::optional<std::filesystem::path>& qos_file);
 
   /// Effective settings of one beacon. If the fusion has none of this beacon, returns the default settings of

@@ -62,9 +62,8 @@ private:
   dds::SerializedReader reader_ = dds::core::null;  ///< last, because its listener is this object
 };
 
-TopicFeed::TopicFeed(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos,
-                     Send send)
-    : participant_(participant),
+TopicFeed::TopicFeed(dds::domain::DomainParticipant participant, const dds::qos::Provider& qos, Send send)
+    : participant_(std::move(participant)),
       qos_(qos),
       send_(std::move(send)),
       session_id_(std::to_string(clocks::host_now())) {

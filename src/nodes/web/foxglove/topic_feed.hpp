@@ -27,7 +27,7 @@ public:
   using Send = std::function<void(Client client, std::string message, bool is_text)>;
 
   /// `qos` must outlive the feed.
-  TopicFeed(const dds::domain::DomainParticipant& participant, const dds::qos::Provider& qos, Send send);
+  TopicFeed(dds::domain::DomainParticipant participant, const dds::qos::Provider& qos, Send send);
   TopicFeed(const TopicFeed&) = delete;
   TopicFeed& operator=(const TopicFeed&) = delete;
   ~TopicFeed();
