@@ -37,7 +37,7 @@ Fetched::Fetched(const core::detail::Node& node, const Selection& selection,
   std::vector<void*> samples;
   try {
     samples.reserve(size);
-    memory_ = std::make_unique<std::byte[]>(std::size_t{size} * type.m_size);
+    memory_.resize(std::size_t{size} * type.m_size);
     infos_.resize(size);
     for (std::size_t i = 0; i < size; ++i) samples.push_back(&memory_[i * type.m_size]);
   } catch (...) {

@@ -118,7 +118,7 @@ public:
 
 private:
   const dds_topic_descriptor_t& type_;
-  std::unique_ptr<std::byte[]> memory_;
+  std::vector<std::byte> memory_;
   std::vector<dds_sample_info_t> infos_;
 };
 

@@ -16,7 +16,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <memory>
 #include <string>
 #include <type_traits>
@@ -48,6 +47,9 @@ struct TypeSupport<T> {
 
 template <class T>
 concept Plain = std::is_arithmetic_v<T> || std::is_enum_v<T>;
+
+// The arrays of the IDL are C arrays.
+// NOLINTBEGIN(modernize-avoid-c-arrays)
 
 /// Converts to the struct in C, which refers to the strings and numbers of the sample.
 class ToC {
@@ -108,7 +110,7 @@ private:
                                      std::to_string(bound) + " elements");
   }
   void check_text(const std::string& text) const {
-    if (std::memchr(text.data(), 0, text.size()) == nullptr) return;
+    if (text.find('\0') == std::string::npos) return;
     throw core::InvalidArgumentError(std::string(name_) + " contains a zero byte");
   }
 
@@ -155,6 +157,7 @@ private:
   requires requires { typename TypeSupport<A>::C; }
   void convert(A& a, const B& b) { TypeSupport<A>::fields(*this, a, b); }
 };
+// NOLINTEND(modernize-avoid-c-arrays)
 
 /// A sample as a struct in C, while the sample lives unchanged.
 template <class T>
