@@ -127,7 +127,7 @@ void wait_for_file(const fs::path& file, double max_s) {
 
 void measure(const ManyBeacons& options, double duration_s) {
   const fs::path file = fs::temp_directory_path() / fmt::format("benchmark_record_{}.mcap", ::getpid());
-  SeenTable& seen = shared_zeros<SeenTable>();
+  auto& seen = shared_zeros<SeenTable>();
   const Child recorder =
       Child::execute({SONOPOSE_RECORD, file.string(), "--domain", std::to_string(options.domain),
                       "--duration", fmt::format("{}", settle_s + duration_s + 6.0)});

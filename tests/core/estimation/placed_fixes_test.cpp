@@ -46,7 +46,7 @@ double error_m(const FusedPose& pose, const TruthSample& truth) {
 /// Calls `on_pose(pose, seconds since the start)`.
 void run(AnyEstimator& engine, const sim::Recording& recording, const auto& on_event, const auto& on_pose) {
   for (const Event& event : recording.events) {
-    Event changed = event;
+    Event changed = event;  // NOLINT(performance-unnecessary-copy-initialization): some change it
     if (!on_event(changed)) continue;
     const auto result = estimation::process(engine, changed);
     if (const auto* pose = std::get_if<FusedPose>(&result))
@@ -246,7 +246,7 @@ SCENARIO("a pose that is refused changes nothing") {
         if (was_asked && std::holds_alternative<UltrasonicFix>(event)) ++later_fixes;
         const auto* const pose = std::get_if<FusedPose>(&result);
         if (pose == nullptr) continue;
-        const FusedPose& right = std::get<FusedPose>(expected);
+        const auto& right = std::get<FusedPose>(expected);
         if (pose->position_world_m != right.position_world_m ||
             pose->q_body_to_world.coeffs() != right.q_body_to_world.coeffs()) {
           FAIL_CHECK("differs " << later_fixes << " fixes after the request");

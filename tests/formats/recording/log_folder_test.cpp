@@ -353,7 +353,7 @@ SCENARIO("streams are merged by availability, and no file's order is changed") {
       if (!expected.empty()) expected += ' ';
       expected += kind + std::to_string(time_ns);
     };
-    for (int i = 0; i < 600; ++i) {
+    for (TimeNs i = 0; i < 600; ++i) {
       const TimeNs time_ns = begin_ns + i * 10 * ms - (i < 300 ? 0 : 100'000 * ms);
       imu.push_back(imu_at(time_ns));
       expect('I', time_ns);
@@ -368,10 +368,10 @@ SCENARIO("streams are merged by availability, and no file's order is changed") {
     }
     THEN("a late row of the IMU, and fixes that are a little out of order, cut nothing") {
       std::vector<ImuSample> steady;
-      for (int i = 0; i < 600; ++i)
+      for (TimeNs i = 0; i < 600; ++i)
         steady.push_back(imu_at(begin_ns + i * 10 * ms - (i == 300 ? 120 * ms : 0)));
       std::vector<UltrasonicFix> nearly;
-      for (int i = 0; i < 60; ++i) nearly.push_back(fix_at(begin_ns + i * 100 * ms));
+      for (TimeNs i = 0; i < 60; ++i) nearly.push_back(fix_at(begin_ns + i * 100 * ms));
       std::swap(nearly[37], nearly[38]);
       nearly[37].received_time_ns = nearly[38].received_time_ns + ms;
       TimeNs newest_imu_ns = 0;
@@ -385,7 +385,7 @@ SCENARIO("streams are merged by availability, and no file's order is changed") {
     }
     THEN("a step of the fixes alone cuts nothing: no sample is lost, and each file keeps its order") {
       std::vector<ImuSample> steady;
-      for (int i = 0; i < 600; ++i) steady.push_back(imu_at(begin_ns + i * 10 * ms));
+      for (TimeNs i = 0; i < 600; ++i) steady.push_back(imu_at(begin_ns + i * 10 * ms));
       const std::vector<Event> events = merged(steady, fixes, {});
       CHECK(events.size() == steady.size() + fixes.size());
       CHECK(available_at_ns(events.back()) == available_at_ns(steady.back()));

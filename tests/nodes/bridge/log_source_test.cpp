@@ -113,7 +113,7 @@ SCENARIO("a log folder as a source") {
   GIVEN("a clock that was set back by an hour in the middle, at a hundred times real time") {
     {
       recording::SensorLogWriter log(folder / "set");
-      for (int i = 0; i < 600; ++i) {
+      for (TimeNs i = 0; i < 600; ++i) {
         const TimeNs set_ns = i < 300 ? 0 : 3'600'000 * ms;
         ImuSample imu;
         imu.sensor_time_ns = recorded_ns + i * 10 * ms - set_ns;
@@ -144,7 +144,7 @@ SCENARIO("a log folder as a source") {
   GIVEN("one fix with a stamp of an hour ago") {
     {
       recording::SensorLogWriter log(folder / "odd");
-      for (int i = 0; i < 30; ++i) {
+      for (TimeNs i = 0; i < 30; ++i) {
         ImuSample imu;
         imu.sensor_time_ns = recorded_ns + i * 10 * ms;
         log.write(imu);

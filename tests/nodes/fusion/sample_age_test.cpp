@@ -279,7 +279,7 @@ SCENARIO("a difference of clocks makes samples old for a few seconds at most") {
     }
   }
   GIVEN("a recording of last year, played at a fifth of its speed") {
-    Feed feed(365 * 86'400 * s);
+    Feed feed(TimeNs{365} * 86'400 * s);
     THEN("nothing is old") {
       CHECK(feed.old_of(1'000, 50 * ms) == 0);
     }

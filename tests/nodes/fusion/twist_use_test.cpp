@@ -26,7 +26,7 @@ SCENARIO("the user learns what becomes of velocities") {
   GIVEN("an engine that uses none") {
     const auto count_messages = [&](const settings::Settings& settings, const char* cause) {
       int messages = 0;
-      for (int i = 0; i < 3 * TwistUse::max_unused_updates; ++i) {
+      for (int i = 0; i < std::uint64_t{3} * TwistUse::max_unused_updates; ++i) {
         counted.twists_unused += 50;
         if (const auto text = use.update(counted, settings)) {
           CHECK_THAT(*text, Contains(cause));

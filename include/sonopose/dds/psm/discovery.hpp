@@ -39,7 +39,7 @@ class Discovery {
 public:
   /// `on_change` is called after every change, under the rules of a listener: it must not block or use this
   /// object.
-  explicit Discovery(const domain::DomainParticipant& participant, std::function<void()> on_change = {});
+  explicit Discovery(domain::DomainParticipant participant, std::function<void()> on_change = {});
   Discovery(const Discovery&) = delete;
   Discovery& operator=(const Discovery&) = delete;
   Discovery(Discovery&&) = default;

@@ -98,6 +98,7 @@ const WaitSet::ConditionSeq WaitSet::wait(const Duration& timeout) {
   {
     const std::lock_guard lock(waitset.mutex);
     for (const dds_attach_t each : triggered) {
+      // NOLINTNEXTLINE(performance-no-int-to-ptr): attached as a number
       const auto found = waitset.conditions.find(reinterpret_cast<const Node*>(each));
       if (found != waitset.conditions.end()) result.push_back(found->second);
     }

@@ -104,8 +104,8 @@ auto all_in(dds_entity_t reader) {
 
 }  // namespace
 
-Discovery::Discovery(const domain::DomainParticipant& participant, std::function<void()> on_change)
-    : participant_(participant),
+Discovery::Discovery(domain::DomainParticipant participant, std::function<void()> on_change)
+    : participant_(std::move(participant)),
       on_change_(on_change ? std::make_unique<std::function<void()>>(std::move(on_change)) : nullptr),
       participants_(reader_of(DDS_BUILTIN_TOPIC_DCPSPARTICIPANT)),
       writers_(reader_of(DDS_BUILTIN_TOPIC_DCPSPUBLICATION)),

@@ -23,7 +23,7 @@ int new_ones(FixRepeats& repeats, int count, int period, double step_m, TimeNs b
   int found = 0;
   for (int i = 0; i < count; ++i) {
     const int step = i / period;
-    if (repeats.is_new(fix_at(begin_ns + i * 20 * ms, begin_m + step * step_m))) ++found;
+    if (repeats.is_new(fix_at(begin_ns + TimeNs{i} * 20 * ms, begin_m + step * step_m))) ++found;
   }
   return found;
 }
