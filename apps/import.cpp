@@ -1,5 +1,6 @@
 // sonopose-import: makes a sensor-log folder of tables with other column names.
 
+#include "csv/missing_columns.hpp"
 #include "evaluation/calibration/import_text.hpp"
 #include "logging/log.hpp"
 #include "recording/input_check.hpp"
@@ -57,8 +58,8 @@ void add_options(apps::CommandLine& app, Options& options) {
   apps::add_beacon_option(app, options.beacon);
 }
 
-files::ColumnNames names_of(const std::vector<std::string>& columns) {
-  files::ColumnNames names;
+csv::ColumnNames names_of(const std::vector<std::string>& columns) {
+  csv::ColumnNames names;
   for (const std::string& text : columns) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
@@ -74,14 +75,14 @@ files::ColumnNames names_of(const std::vector<std::string>& columns) {
 }
 
 /// Reads the tables. An error about missing columns proposes the names to give.
-recording::Tables read(const Options& options, files::ColumnNames& names) {
+recording::Tables read(const Options& options, csv::ColumnNames& names) {
   recording::TableFiles files = options.files;
   files.position_shift_ns = to_ns(options.shift_s);
   try {
     return recording::read_tables(files, names, options.beacon);
-  } catch (const files::MissingColumns& error) {
+  } catch (const csv::MissingColumns& error) {
     std::string proposal;
-    for (const files::MissingColumn& missing : error.columns()) {
+    for (const csv::MissingColumn& missing : error.columns()) {
       std::string_view before = proposal.empty() ? "; try --column" : " --column";
       for (const std::string& candidate : missing.candidates) {
         const std::string option = fmt::format("\"{}={}\"", missing.column, candidate);
@@ -96,7 +97,7 @@ recording::Tables read(const Options& options, files::ColumnNames& names) {
 
 int import(const Options& options) {
   recording::refuse_recording_in(options.out);
-  files::ColumnNames names = names_of(options.columns);
+  csv::ColumnNames names = names_of(options.columns);
   const recording::Tables tables = read(options, names);
   for (const std::string& text : tables.log.warnings) logging::warning(text);
   for (const std::string& text :

@@ -87,7 +87,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   accepts<files::IoError>([&] { recording::read_attitude_log(folder.path()); });
   accepts<files::IoError>([&] { recording::read_imu_log(folder.path()); });
   accepts<files::IoError>([&] {
-    files::ColumnNames columns;
+    csv::ColumnNames columns;
     const recording::TableFiles tables{.imu = folder.path() / recording::imu_file,
                                        .positions = folder.path() / recording::ultrasonic_file,
                                        .truth = {}};

@@ -33,17 +33,17 @@ std::vector<Quantity> all() {
 }
 
 /// Writes the settings to the file. Warns about those that the file overrides for a single beacon.
-void write_settings(const std::filesystem::path& file, const std::vector<files::toml::Assignment>& settings) {
+void write_settings(const std::filesystem::path& file, const std::vector<toml::Assignment>& settings) {
   if (settings.empty()) {
     logging::warning(fmt::format("{}: not changed: neither mount nor delay is known", file.string()));
     return;
   }
-  files::toml::merge(file, settings);
-  for (const files::toml::Leaf& leaf : evaluation::overriding(file, settings)) {
+  toml::merge(file, settings);
+  for (const toml::Leaf& leaf : evaluation::overriding(file, settings)) {
     logging::warning(
         fmt::format("{}:{}: {} = {} still applies to its beacon instead of the calibrated value: remove "
                     "the line, or calibrate that beacon with --beacon",
-                    file.string(), leaf.line, leaf.key, files::toml::text_of(leaf.value)));
+                    file.string(), leaf.line, leaf.key, toml::text_of(leaf.value)));
   }
 }
 

@@ -1,6 +1,6 @@
 #include "moment_option.hpp"
 
-#include "files/utc_time.hpp"
+#include "clocks/utc_time.hpp"
 
 #include <fmt/format.h>
 
@@ -18,7 +18,7 @@ using bus_log::Moment;
 constexpr double max_after_s = 9e9;
 
 std::optional<Moment> moment_of(const std::string& text) {
-  if (const auto time_ns = files::utc_time_ns(text)) return static_cast<std::uint64_t>(*time_ns);
+  if (const auto time_ns = clocks::utc_time_ns(text)) return static_cast<std::uint64_t>(*time_ns);
   const char* const end = text.data() + text.size();
   double after_s = 0;
   const auto number = std::from_chars(text.data(), end, after_s);

@@ -1,11 +1,11 @@
 #include "options_file.hpp"
 
 #include "config/fusion_config.hpp"
-#include "files/toml/quoted.hpp"
-#include "files/toml/toml_leaves.hpp"
 #include "help.hpp"
 #include "logging/log.hpp"
 #include "run.hpp"
+#include "toml/leaves.hpp"
+#include "toml/quoted.hpp"
 #include <sonopose/text/nearest.hpp>
 
 #include <CLI/CLI.hpp>
@@ -22,8 +22,6 @@
 
 namespace sonopose::apps {
 namespace {
-
-namespace toml = files::toml;
 
 constexpr const char* file_option = "--config";
 constexpr const char* print_option = "--print-config";

@@ -173,13 +173,13 @@ const std::vector<Restriction> restrictions{
      {socket_headers}},
     {"formats and tools know no clocks and threads",
      {"formats", "tools"},
-     {"formats/recording"},
+     {},
      {clock_headers, thread_headers}},
     {"command lines are for programs", {"platform", "formats", "tools", "nodes"}, {}, {command_line_headers}},
     {"nodes use no library that the platform wraps",
      {"nodes"},
      {"nodes/web/http", "nodes/ros2"},
-     {"dds/.*|ddsc/.*", "asio.*", "toml.*", "pugixml.*", "yaml-cpp/.*", "spdlog/.*", "boost/.*"}},
+     {"dds/.*|ddsc/.*", "asio.*", R"(toml\+\+/.*)", "pugixml.*", "yaml-cpp/.*", "spdlog/.*", "boost/.*"}},
 };
 
 bool is_forbidden(const Restriction& restriction, const std::string& header) {

@@ -1,6 +1,6 @@
 #include "config/fusion_config.hpp"
 
-#include "files/toml/toml_leaves.hpp"
+#include "toml/leaves.hpp"
 #include <sonopose/settings/preset.hpp>
 
 #include <fmt/format.h>
@@ -18,7 +18,7 @@ using settings::SettingValue;
 constexpr std::string_view beacon_prefix = "beacon.";
 
 /// Converts a value of the TOML file to a setting's value.
-SettingValue value_of(const files::toml::Leaf& leaf) {
+SettingValue value_of(const toml::Leaf& leaf) {
   if (const auto* flag = std::get_if<bool>(&leaf.value)) return *flag;
   if (const auto* whole = std::get_if<std::int64_t>(&leaf.value)) {
     if (std::in_range<int>(*whole)) return static_cast<int>(*whole);
@@ -29,9 +29,9 @@ SettingValue value_of(const files::toml::Leaf& leaf) {
   throw SettingError(fmt::format("{}: neither a number, true or false, nor a text", leaf.key));
 }
 
-std::vector<files::toml::Leaf> leaves_of(const std::filesystem::path& file) {
+std::vector<toml::Leaf> leaves_of(const std::filesystem::path& file) {
   try {
-    return files::toml::read_leaves(file);
+    return toml::read_leaves(file);
   } catch (const files::IoError& error) {
     throw ConfigError(error.what());
   }
@@ -40,7 +40,7 @@ std::vector<files::toml::Leaf> leaves_of(const std::filesystem::path& file) {
 std::vector<std::filesystem::path> files_of(const std::filesystem::path& file,
                                             const std::filesystem::path& without) {
   try {
-    return files::toml::with_drop_ins(file, without);
+    return toml::with_drop_ins(file, without);
   } catch (const files::IoError& error) {
     throw ConfigError(error.what());
   }
@@ -122,13 +122,13 @@ std::string tables_of(const std::map<BeaconAddress, Assignments>& overrides) {
 
 FusionConfig FusionConfig::load(const std::filesystem::path& file, const std::filesystem::path& without) {
   FusionConfig config;
-  config.unused_ = files::toml::unread_drop_ins(file);
+  config.unused_ = toml::unread_drop_ins(file);
   for (const std::filesystem::path& each : files_of(file, without)) config.add(each);
   return config;
 }
 
 void FusionConfig::add(const std::filesystem::path& file) {
-  for (const files::toml::Leaf& leaf : leaves_of(file)) {
+  for (const toml::Leaf& leaf : leaves_of(file)) {
     if (leaf.key.starts_with(program_prefix)) continue;
     const auto at_line = [&](const SettingError& error) {
       return fmt::format("{}:{}: {}", file.string(), leaf.line, error.what());

@@ -2,7 +2,7 @@
 
 #include "config/beacon_settings.hpp"
 #include "config/fusion_config.hpp"
-#include "files/toml/toml_leaves.hpp"
+#include "toml/leaves.hpp"
 #include <sonopose/settings/settings_table.hpp>
 
 #include <fmt/format.h>
@@ -40,8 +40,8 @@ std::optional<Number> number_in(std::string_view text) {
   return number;
 }
 
-std::optional<Vector3d> vector_in(const files::toml::Value& value) {
-  const auto* const words = std::get_if<files::toml::Words>(&value);
+std::optional<Vector3d> vector_in(const toml::Value& value) {
+  const auto* const words = std::get_if<toml::Words>(&value);
   if (words == nullptr || words->size() != 3) return std::nullopt;
   Vector3d vector;
   for (int i = 0; i < 3; ++i) {
@@ -59,10 +59,10 @@ bool is_assignment(std::string_view text) {
 }
 
 /// Sets one value. Returns what was expected if it cannot.
-std::string_view set(LearnedBeacon& learned, std::string_view key, const files::toml::Value& value) {
+std::string_view set(LearnedBeacon& learned, std::string_view key, const toml::Value& value) {
   Estimate& estimate = learned.estimate;
   if (key == mounting_key) {
-    const auto* const words = std::get_if<files::toml::Words>(&value);
+    const auto* const words = std::get_if<toml::Words>(&value);
     if (words == nullptr || !std::ranges::all_of(*words, is_assignment)) return "an array of \"KEY=VALUE\"";
     learned.mounting = *words;
     return "";
@@ -73,7 +73,7 @@ std::string_view set(LearnedBeacon& learned, std::string_view key, const files::
     return time_ns == nullptr ? "an integer" : "";
   }
   if (key == fix_std_key) {
-    const auto number = files::toml::text_of(value);
+    const auto number = toml::text_of(value);
     const auto std_m = number_in<double>(number);
     if (std_m) estimate.fix_noise_m = ScalarEstimate{.value = *std_m, .std = -1.0};
     return std_m ? "" : "a number";
@@ -112,12 +112,12 @@ LearnedSensors read_learned(const std::filesystem::path& file) {
   if (std::error_code ignored; !std::filesystem::exists(file, ignored)) return learned;
   const auto leaves = [&] {
     try {
-      return files::toml::read_leaves(file);
+      return toml::read_leaves(file);
     } catch (const files::IoError& error) {
       throw ConfigError(error.what());
     }
   }();
-  for (const files::toml::Leaf& leaf : leaves) {
+  for (const toml::Leaf& leaf : leaves) {
     const std::string_view key = leaf.key;
     const std::size_t dot = key.find('.', prefix.size());
     const auto address = key.starts_with(prefix) && dot != std::string_view::npos

@@ -1,6 +1,6 @@
 #include "recording/attitude_log.hpp"
 
-#include "files/csv_reader.hpp"
+#include "csv/reader.hpp"
 #include "files/missing.hpp"
 #include "recording/input_check.hpp"
 #include "recording/log_columns.hpp"
@@ -24,7 +24,7 @@ AttitudeLog read_attitude_log(const std::filesystem::path& folder, std::optional
 }
 
 std::vector<TimeSpan> read_movement_csv(const std::filesystem::path& file) {
-  files::CsvReader rows(file, layout_of(movement_columns, movement_columns.size()));
+  csv::Reader rows(file, layout_of(movement_columns, movement_columns.size()));
   std::vector<TimeSpan> spans;
   while (rows.next_row()) {
     TimeSpan& span = spans.emplace_back();

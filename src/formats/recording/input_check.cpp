@@ -36,7 +36,7 @@ std::string seconds_text(double seconds) {
 template <class Sample>
 std::vector<std::string> findings_of(const std::string& name, const std::vector<Sample>& samples,
                                      const std::vector<TruthSample>& truths,
-                                     const files::ColumnNames* names = nullptr) {
+                                     const csv::ColumnNames* names = nullptr) {
   InputCheck check(names);
   for (const Sample& sample : samples) check.add(sample);
   for (const TruthSample& truth : truths) check.add(truth);
@@ -378,7 +378,7 @@ std::optional<std::string> order_finding(const char* what, const std::vector<Tim
 }
 
 std::vector<std::string> input_findings(const std::string& name, const std::vector<Event>& events,
-                                        const files::ColumnNames* names,
+                                        const csv::ColumnNames* names,
                                         const std::vector<TruthSample>& truths) {
   return findings_of(name, events, truths, names);
 }

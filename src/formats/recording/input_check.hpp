@@ -2,7 +2,7 @@
 /// \file
 /// Checks of recorded input, before anything is made of it: stamps, units and what is missing.
 
-#include "files/csv_header.hpp"
+#include "csv/column_names.hpp"
 #include "motion/fix_faults.hpp"
 #include "motion/turn_gain.hpp"
 #include "motion/window.hpp"
@@ -24,7 +24,7 @@ class InputCheck {
 public:
   /// `names`: those of imported tables, of which the IMU's is read first and then that of the positions.
   /// Findings then propose options of the import.
-  explicit InputCheck(const files::ColumnNames* names = nullptr) : names_(names) {}
+  explicit InputCheck(const csv::ColumnNames* names = nullptr) : names_(names) {}
 
   void add(const ImuSample& imu);
   void add(const UltrasonicFix& fix);
@@ -39,7 +39,7 @@ public:
 private:
   using Stamps = std::vector<TimeNs>;  ///< stamps of one stream, in its order
 
-  /// Reader of a table in files::ColumnNames.
+  /// Reader of a table in csv::ColumnNames.
   enum class Table : std::size_t { imu, positions };
 
   [[nodiscard]] std::string how_to_name(std::string_view unit, Table table,
@@ -52,7 +52,7 @@ private:
     const char* what;
     const Stamps& stamps;
     double min_s;             ///< smallest shift
-    double max_difference_s;  ///< of the shifts at begin and end
+    double max_difference_s;  ///< difference of the shifts at begin and end
   };
   [[nodiscard]] static std::optional<std::string> shift(const char* what, const Stamps& stamps,
                                                         const Reference& other);
@@ -62,7 +62,7 @@ private:
   [[nodiscard]] std::optional<std::string> unit_of_quality() const;
   [[nodiscard]] std::optional<std::string> unit_of_velocities() const;
 
-  const files::ColumnNames* names_;
+  const csv::ColumnNames* names_;
   Stamps imu_;
   Stamps fixes_;
   Stamps headings_;
@@ -95,7 +95,7 @@ void sort_by_time(const std::string& name, const char* what, std::vector<Sample>
 
 /// Findings about a recording, each after its name.
 std::vector<std::string> input_findings(const std::string& name, const std::vector<Event>& events,
-                                        const files::ColumnNames* names = nullptr,
+                                        const csv::ColumnNames* names = nullptr,
                                         const std::vector<TruthSample>& truths = {});
 std::vector<std::string> input_findings(const std::string& name, const std::vector<ImuSample>& imu);
 

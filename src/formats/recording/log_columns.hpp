@@ -2,7 +2,7 @@
 /// \file
 /// The columns of a sensor log, shared by reader and writer.
 
-#include "files/csv_header.hpp"
+#include "csv/layout.hpp"
 
 #include <array>
 #include <cstddef>
@@ -53,7 +53,7 @@ inline constexpr std::array<std::string_view, 2> wheel_speed_columns{"timestamp 
 inline constexpr std::array<std::string_view, 2> movement_columns{"start [ns]", "end [ns]"};
 
 /// Names of EuRoC's, TUM's and ROS' files, and those in general use.
-inline constexpr auto column_synonyms = std::to_array<files::ColumnSynonym>({
+inline constexpr auto column_synonyms = std::to_array<csv::ColumnSynonym>({
     {"time", "timestamp"},
     {"t", "timestamp"},
     {"stamp", "timestamp"},
@@ -113,15 +113,15 @@ inline constexpr auto column_synonyms = std::to_array<files::ColumnSynonym>({
 });
 
 /// A file of these columns, of which the first `required` must be there.
-constexpr files::CsvLayout layout_of(std::span<const std::string_view> columns, std::size_t required) {
+constexpr csv::Layout layout_of(std::span<const std::string_view> columns, std::size_t required) {
   return {columns, required, column_synonyms};
 }
 
-inline constexpr files::CsvLayout imu_layout() {
+inline constexpr csv::Layout imu_layout() {
   return layout_of(imu_columns, imu_columns_without_magnetometer);
 }
 
-inline constexpr files::CsvLayout truth_layout() {
+inline constexpr csv::Layout truth_layout() {
   return layout_of(truth_columns, truth_columns_required);
 }
 

@@ -1,8 +1,8 @@
 #include "recording/log_folder.hpp"
 
-#include "files/csv_reader.hpp"
+#include "csv/reader.hpp"
+#include "csv/units.hpp"
 #include "files/missing.hpp"
-#include "files/units.hpp"
 #include "recording/input_check.hpp"
 #include "recording/log_columns.hpp"
 #include "recording/log_meta.hpp"
@@ -30,7 +30,7 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 class ImuRows {
 public:
   ImuRows(const std::filesystem::path& file, BeaconAddress address, ImuMeaning meaning,
-          const files::CsvLayout& layout = imu_layout())
+          const csv::Layout& layout = imu_layout())
       : rows_{file, layout}, is_table_(layout.given_names != nullptr) {
     sample_.address = address;
     sample_.meaning = meaning;
@@ -53,9 +53,9 @@ public:
     sample_.specific_force_body_mps2 = rows_.vector(4);
     sample_.magnetic_field_body_t.reset();
     if (!rows_.all_filled(7, 3)) return;
-    sample_.magnetic_field_body_t.emplace(rows_.number_in(files::microtesla, 7),
-                                          rows_.number_in(files::microtesla, 8),
-                                          rows_.number_in(files::microtesla, 9));
+    sample_.magnetic_field_body_t.emplace(rows_.number_in(csv::microtesla, 7),
+                                          rows_.number_in(csv::microtesla, 8),
+                                          rows_.number_in(csv::microtesla, 9));
   }
 
   [[nodiscard]] std::size_t expected_count() const { return at_end_ ? 0 : rows_.rows_like_this(); }
@@ -64,7 +64,7 @@ public:
   [[nodiscard]] std::size_t incomplete() const { return incomplete_; }
 
 private:
-  files::CsvReader rows_;
+  csv::Reader rows_;
   bool is_table_;  ///< has rows of other measurements
   std::size_t left_out_ = 0;
   std::size_t incomplete_ = 0;
@@ -342,8 +342,7 @@ std::vector<ImuSample> read_imu_csv(const std::filesystem::path& file, BeaconAdd
   return read_imu_table(file, address, imu_layout()).samples;
 }
 
-ImuTable read_imu_table(const std::filesystem::path& file, BeaconAddress address,
-                        const files::CsvLayout& layout) {
+ImuTable read_imu_table(const std::filesystem::path& file, BeaconAddress address, const csv::Layout& layout) {
   ImuTable table;
   ImuRows rows(file, address, ImuMeaning::unknown, layout);
   for (; rows.current() != nullptr; rows.step()) table.samples.push_back(*rows.current());
@@ -353,7 +352,7 @@ ImuTable read_imu_table(const std::filesystem::path& file, BeaconAddress address
 }
 
 std::vector<UltrasonicFix> read_ultrasonic_csv(const std::filesystem::path& file, BeaconAddress address) {
-  files::CsvReader rows(file, layout_of(ultrasonic_columns, ultrasonic_columns_required));
+  csv::Reader rows(file, layout_of(ultrasonic_columns, ultrasonic_columns_required));
   std::vector<UltrasonicFix> fixes;
   while (rows.next_row()) {
     UltrasonicFix& fix = fixes.emplace_back();
@@ -368,7 +367,7 @@ std::vector<UltrasonicFix> read_ultrasonic_csv(const std::filesystem::path& file
 }
 
 std::vector<PairHeading> read_heading_csv(const std::filesystem::path& file, BeaconAddress address) {
-  files::CsvReader rows(file, layout_of(heading_columns, heading_columns.size()));
+  csv::Reader rows(file, layout_of(heading_columns, heading_columns.size()));
   std::vector<PairHeading> headings;
   while (rows.next_row()) {
     PairHeading& heading = headings.emplace_back();
@@ -376,13 +375,13 @@ std::vector<PairHeading> read_heading_csv(const std::filesystem::path& file, Bea
     heading.emission_time_ns = rows.time_ns(0);
     heading.received_time_ns = rows.time_ns(1);
     heading.valid = !rows.is_empty(2);
-    if (heading.valid) heading.heading_world_rad = rows.number_in(files::degree, 2);
+    if (heading.valid) heading.heading_world_rad = rows.number_in(csv::degree, 2);
   }
   return headings;
 }
 
 std::vector<TwistSample> read_twist_csv(const std::filesystem::path& file, BeaconAddress address) {
-  files::CsvReader rows(file, layout_of(twist_columns, twist_columns_required));
+  csv::Reader rows(file, layout_of(twist_columns, twist_columns_required));
   std::vector<TwistSample> twists;
   while (rows.next_row()) {
     TwistSample& twist = twists.emplace_back();
@@ -406,8 +405,8 @@ std::vector<TwistSample> read_twist_csv(const std::filesystem::path& file, Beaco
 }
 
 std::vector<TruthSample> read_truth_csv(const std::filesystem::path& file, BeaconAddress address,
-                                        const files::CsvLayout& layout) {
-  files::CsvReader rows(file, layout);
+                                        const csv::Layout& layout) {
+  csv::Reader rows(file, layout);
   std::vector<TruthSample> samples;
   while (rows.next_row()) {
     if (samples.empty()) samples.reserve(rows.rows_like_this());
@@ -428,7 +427,7 @@ std::vector<TruthSample> read_truth_csv(const std::filesystem::path& file, Beaco
 }
 
 std::vector<WheelSpeed> read_wheel_speed_csv(const std::filesystem::path& file) {
-  files::CsvReader rows(file, layout_of(wheel_speed_columns, wheel_speed_columns.size()));
+  csv::Reader rows(file, layout_of(wheel_speed_columns, wheel_speed_columns.size()));
   std::vector<WheelSpeed> speeds;
   while (rows.next_row()) {
     const auto speed_mps = rows.optional_number(1);

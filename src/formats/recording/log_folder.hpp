@@ -13,7 +13,7 @@
 /// | `meta.toml`      | what these files do not say (log_meta.hpp); optional file |
 ///
 /// A time is at least 1 and below 2^62. An empty cell is an unknown value. Columns are found by their names,
-/// and converted from the unit that the header names (files/csv_header.hpp). `quality` and all of the truth
+/// and converted from the unit that the header names (csv/header.hpp). `quality` and all of the truth
 /// but time and position are optional. Errors are files::IoError that name file, line, column and value.
 
 #include "files/error.hpp"
@@ -84,8 +84,7 @@ struct ImuTable {
 /// Read single files, in file order and without sequence numbers. Each throws files::IoError. Only a layout
 /// with given names leaves rows out.
 std::vector<ImuSample> read_imu_csv(const std::filesystem::path& file, BeaconAddress address);
-ImuTable read_imu_table(const std::filesystem::path& file, BeaconAddress address,
-                        const files::CsvLayout& layout);
+ImuTable read_imu_table(const std::filesystem::path& file, BeaconAddress address, const csv::Layout& layout);
 
 /// Sets `measured_delay_s` to received − timestamp.
 std::vector<UltrasonicFix> read_ultrasonic_csv(const std::filesystem::path& file, BeaconAddress address);
@@ -98,7 +97,7 @@ std::vector<TwistSample> read_twist_csv(const std::filesystem::path& file, Beaco
 
 /// Reads position, attitude and velocity, each NaN if unknown.
 std::vector<TruthSample> read_truth_csv(const std::filesystem::path& file, BeaconAddress address,
-                                        const files::CsvLayout& layout = truth_layout());
+                                        const csv::Layout& layout = truth_layout());
 
 /// Leaves out rows without a speed.
 std::vector<WheelSpeed> read_wheel_speed_csv(const std::filesystem::path& file);

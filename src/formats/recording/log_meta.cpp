@@ -3,9 +3,9 @@
 #include "files/append_file.hpp"
 #include "files/missing.hpp"
 #include "files/replacement.hpp"
-#include "files/toml/quoted.hpp"
-#include "files/toml/toml_leaves.hpp"
 #include "recording/log_columns.hpp"
+#include "toml/leaves.hpp"
+#include "toml/quoted.hpp"
 
 #include <fmt/format.h>
 
@@ -16,7 +16,7 @@
 namespace sonopose::recording {
 namespace {
 
-using files::toml::Leaf;
+using toml::Leaf;
 
 constexpr std::string_view meaning_key = "imu_meaning";
 constexpr std::string_view address_key = "beacon_address";
@@ -33,7 +33,7 @@ public:
   explicit MetaReader(const std::filesystem::path& file) : file_(file) {}
 
   LogMeta read() {
-    for (const Leaf& leaf : files::toml::read_leaves(file_)) take(leaf);
+    for (const Leaf& leaf : toml::read_leaves(file_)) take(leaf);
     return std::move(meta_);
   }
 
@@ -59,8 +59,8 @@ private:
                                   ? imu_meaning_words.end()
                                   : std::find(imu_meaning_words.begin(), imu_meaning_words.end(), *word);
     if (known == imu_meaning_words.end()) {
-      fail(leaf, fmt::format("{} is not one of {}", files::toml::text_of(leaf.value),
-                             fmt::join(imu_meaning_words, ", ")));
+      fail(leaf,
+           fmt::format("{} is not one of {}", toml::text_of(leaf.value), fmt::join(imu_meaning_words, ", ")));
     }
     return static_cast<ImuMeaning>(known - imu_meaning_words.begin());
   }
@@ -68,15 +68,15 @@ private:
   [[nodiscard]] BeaconAddress address_of(const Leaf& leaf) const {
     const auto* const number = std::get_if<std::int64_t>(&leaf.value);
     if (number == nullptr || *number < 0 || *number >= all_beacons) {
-      fail(leaf, files::toml::text_of(leaf.value) + " is not a whole number from 0 to " +
-                     std::to_string(all_beacons - 1));
+      fail(leaf,
+           toml::text_of(leaf.value) + " is not a whole number from 0 to " + std::to_string(all_beacons - 1));
     }
     return static_cast<BeaconAddress>(*number);
   }
 
   [[nodiscard]] std::string text_of(const Leaf& leaf) const {
     const auto* const text = std::get_if<std::string>(&leaf.value);
-    if (text == nullptr) fail(leaf, files::toml::text_of(leaf.value) + " is not a text in quotes");
+    if (text == nullptr) fail(leaf, toml::text_of(leaf.value) + " is not a text in quotes");
     return *text;
   }
 
@@ -106,11 +106,11 @@ void write_log_meta(const std::filesystem::path& folder, const LogMeta& meta) {
     text.append(address_key).append(" = " + std::to_string(*meta.beacon_address) + "\n");
   }
   if (!meta.program_version.empty()) {
-    text.append(version_key).append(" = ").append(files::toml::quoted(meta.program_version)).append("\n");
+    text.append(version_key).append(" = ").append(toml::quoted(meta.program_version)).append("\n");
   }
   if (!meta.settings.empty()) text.append("\n[").append(settings_table).append("]\n");
   for (const auto& [name, value] : meta.settings) {
-    text.append(name).append(" = ").append(files::toml::quoted(value)).append("\n");
+    text.append(name).append(" = ").append(toml::quoted(value)).append("\n");
   }
   files::Replacement replacement(folder / meta_file);
   files::AppendFile(replacement.part(), files::AppendFile::Existing::replace)

@@ -1,8 +1,9 @@
 #include "recording/log_writer.hpp"
 
-#include "files/csv_writer.hpp"
+#include "clocks/clocks.hpp"
+#include "csv/units.hpp"
+#include "csv/writer.hpp"
 #include "files/error.hpp"
-#include "files/units.hpp"
 #include "logging/log.hpp"
 #include "recording/log_columns.hpp"
 #include "recording/part_folder.hpp"
@@ -19,16 +20,16 @@ namespace sonopose::recording {
 
 namespace {
 
-constexpr std::chrono::milliseconds flush_period{200};
+constexpr TimeNs flush_period_ns = 200'000'000;
 
-std::unique_ptr<files::CsvWriter> new_file(const std::filesystem::path& file) {
-  return std::make_unique<files::CsvWriter>(file, files::CsvWriter::Existing::refuse);
+std::unique_ptr<csv::Writer> new_file(const std::filesystem::path& file) {
+  return std::make_unique<csv::Writer>(file, csv::Writer::Existing::refuse);
 }
 
 }  // namespace
 
 SensorLogWriter::SensorLogWriter(std::filesystem::path folder, LogSettings settings)
-    : folder_{std::move(folder)}, last_flush_{std::chrono::steady_clock::now()} {
+    : folder_{std::move(folder)}, last_flush_{clocks::steady_now()} {
   refuse_recording_in(folder_);
   std::error_code error;
   create_directories(folder_, error);
@@ -71,7 +72,7 @@ void SensorLogWriter::write(const ImuSample& sample) {
   if (*with_magnetometer_) {
     for (int axis = 0; axis < 3; ++axis) {
       if (sample.magnetic_field_body_t) {
-        imu_->number_in(files::microtesla, (*sample.magnetic_field_body_t)[axis]);
+        imu_->number_in(csv::microtesla, (*sample.magnetic_field_body_t)[axis]);
       } else {
         imu_->empty();
       }
@@ -101,7 +102,7 @@ void SensorLogWriter::write(const PairHeading& heading) {
   if ((heading.flags & (heading_flag_of_body | heading_flag_set_pose)) != 0) ++misread_;
   heading_->integer(heading.emission_time_ns).integer(heading.received_time_ns);
   if (heading.valid) {
-    heading_->number_in(files::degree, heading.heading_world_rad);
+    heading_->number_in(csv::degree, heading.heading_world_rad);
   } else {
     heading_->empty();
   }
@@ -153,8 +154,8 @@ void SensorLogWriter::write(const Event& event) {
 }
 
 void SensorLogWriter::flush() {
-  last_flush_ = std::chrono::steady_clock::now();
-  for (files::CsvWriter* file : {imu_.get(), ultrasonic_.get(), heading_.get(), twist_.get(), truth_.get()}) {
+  last_flush_ = clocks::steady_now();
+  for (csv::Writer* file : {imu_.get(), ultrasonic_.get(), heading_.get(), twist_.get(), truth_.get()}) {
     if (file != nullptr) file->flush();
   }
 }
@@ -185,7 +186,7 @@ void SensorLogWriter::write_imu_header(bool with_magnetometer) {
 }
 
 void SensorLogWriter::flush_when_due() {
-  if (std::chrono::steady_clock::now() - last_flush_ > flush_period) flush();
+  if (clocks::steady_now() - last_flush_ > flush_period_ns) flush();
 }
 
 }  // namespace sonopose::recording

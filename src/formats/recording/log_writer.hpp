@@ -5,13 +5,12 @@
 #include "recording/log_meta.hpp"
 #include <sonopose/samples/samples.hpp>
 
-#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
 
-namespace sonopose::files {
-class CsvWriter;
+namespace sonopose::csv {
+class Writer;
 }
 
 namespace sonopose::recording {
@@ -66,16 +65,16 @@ private:
   void flush_when_due();
 
   std::filesystem::path folder_;
-  std::unique_ptr<files::CsvWriter> imu_;
-  std::unique_ptr<files::CsvWriter> ultrasonic_;
-  std::unique_ptr<files::CsvWriter> heading_;
-  std::unique_ptr<files::CsvWriter> twist_;  ///< null until the first velocity
-  std::unique_ptr<files::CsvWriter> truth_;  ///< null until the first truth
-  LogMeta meta_;                             ///< metadata as written
-  std::optional<bool> with_magnetometer_;    ///< empty until the first IMU sample
+  std::unique_ptr<csv::Writer> imu_;
+  std::unique_ptr<csv::Writer> ultrasonic_;
+  std::unique_ptr<csv::Writer> heading_;
+  std::unique_ptr<csv::Writer> twist_;     ///< null until the first velocity
+  std::unique_ptr<csv::Writer> truth_;     ///< null until the first truth
+  LogMeta meta_;                           ///< metadata as written
+  std::optional<bool> with_magnetometer_;  ///< empty until the first IMU sample
   std::uint64_t magnetic_fields_dropped_ = 0;
   std::uint64_t misread_ = 0;
-  std::chrono::steady_clock::time_point last_flush_;
+  SteadyTime last_flush_;
 };
 
 }  // namespace sonopose::recording

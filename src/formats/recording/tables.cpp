@@ -1,7 +1,8 @@
 #include "recording/tables.hpp"
 
-#include "files/csv_reader.hpp"
-#include "files/units.hpp"
+#include "csv/missing_columns.hpp"
+#include "csv/reader.hpp"
+#include "csv/units.hpp"
 #include "recording/input_check.hpp"
 #include "recording/log_columns.hpp"
 
@@ -30,11 +31,11 @@ constexpr TimeNs reading_offset_ns = 1'000'000'000'000'000'000;
 constexpr TimeNs first_ns = 1'000'000'000;  ///< first time of tables that begin at zero
 constexpr std::size_t max_tags = 64;        ///< of devices in a table
 
-constexpr files::CsvLayout position_layout() {
+constexpr csv::Layout position_layout() {
   return layout_of(position_columns, position_columns_required);
 }
 
-files::CsvLayout table_of(files::CsvLayout layout, files::ColumnNames& names) {
+csv::Layout table_of(csv::Layout layout, csv::ColumnNames& names) {
   layout.given_names = &names;
   layout.time_offset_ns = reading_offset_ns;
   return layout;
@@ -51,27 +52,27 @@ constexpr auto with_tag(const std::array<std::string_view, count>& columns) {
 constexpr auto imu_table_columns = with_tag(imu_columns);
 constexpr auto truth_table_columns = with_tag(truth_columns);
 
-constexpr files::CsvLayout imu_table_layout() {
+constexpr csv::Layout imu_table_layout() {
   return layout_of(imu_table_columns, imu_columns_without_magnetometer);
 }
 
-constexpr files::CsvLayout truth_table_layout() {
+constexpr csv::Layout truth_table_layout() {
   return layout_of(truth_table_columns, truth_columns_required);
 }
 
 /// Number of rows by the device that they name.
-std::map<std::string, std::size_t> rows_by_tag(const std::filesystem::path& file, files::ColumnNames names) {
+std::map<std::string, std::size_t> rows_by_tag(const std::filesystem::path& file, csv::ColumnNames names) {
   static constexpr std::array<std::string_view, 1> tag_column{"tag"};
   std::map<std::string, std::size_t> rows_by_tag;
-  files::CsvLayout layout = layout_of(tag_column, 1);
+  csv::Layout layout = layout_of(tag_column, 1);
   layout.given_names = &names;
   try {
-    for (files::CsvReader rows(file, layout); rows.next_row();) {
+    for (csv::Reader rows(file, layout); rows.next_row();) {
       if (!rows.is_empty(0)) ++rows_by_tag[std::string(rows.text(0))];
     }
-  } catch (const files::MissingColumns&) {
+  } catch (const csv::MissingColumns&) {
     return {};
-  } catch (const files::NoNames&) {
+  } catch (const csv::NoNames&) {
     return {};  // the reader of the other columns says so
   }
   return rows_by_tag;
@@ -86,7 +87,7 @@ struct Choice {
 /// The device whose rows are read, if the table has several; else empty. Counts the rows of the others.
 /// Numbers of rows are no devices.
 std::string chosen_tag(const std::filesystem::path& file, const TableFiles& files,
-                       const files::ColumnNames& names, BeaconAddress address, std::size_t& others,
+                       const csv::ColumnNames& names, BeaconAddress address, std::size_t& others,
                        Choice& choice) {
   const auto by_tag = rows_by_tag(file, names);
   if (files.tag.empty() && (by_tag.size() < 2 || by_tag.size() > max_tags)) return {};
@@ -110,9 +111,9 @@ std::string chosen_tag(const std::filesystem::path& file, const TableFiles& file
   return own;
 }
 
-std::vector<UltrasonicFix> read_positions(const std::filesystem::path& file, const files::CsvLayout& layout,
+std::vector<UltrasonicFix> read_positions(const std::filesystem::path& file, const csv::Layout& layout,
                                           BeaconAddress address, bool leave_repeated_out, Tables& tables) {
-  files::CsvReader rows(file, layout);
+  csv::Reader rows(file, layout);
   tables.has_height = rows.has(3);
   const std::size_t coordinates = tables.has_height ? 3 : 2;
   std::vector<UltrasonicFix> fixes;
@@ -139,13 +140,13 @@ std::vector<UltrasonicFix> read_positions(const std::filesystem::path& file, con
 }
 
 /// Throws if a name is given for a column that no table can have.
-void check_own_names(const files::ColumnNames& names) {
+void check_own_names(const csv::ColumnNames& names) {
   const std::array layouts{imu_table_layout(), position_layout(), truth_table_layout()};
   for (const auto& [given, own] : names.own_by_given) {
-    const auto has_own = [&own = own](const files::CsvLayout& layout) { return has_column(layout, own); };
+    const auto has_own = [&own = own](const csv::Layout& layout) { return has_column(layout, own); };
     if (std::ranges::any_of(layouts, has_own)) continue;
     std::string columns;
-    for (const files::CsvLayout& layout : layouts) {
+    for (const csv::Layout& layout : layouts) {
       for (const std::string_view column : layout.columns) {
         if (columns.find(column) != std::string::npos) continue;
         columns.append(columns.empty() ? "" : ", ").append(column);
@@ -157,7 +158,7 @@ void check_own_names(const files::ColumnNames& names) {
 }
 
 /// Throws if no header had a given name.
-void check_given_names(const files::ColumnNames& names) {
+void check_given_names(const csv::ColumnNames& names) {
   for (const auto& [given, own] : names.own_by_given) {
     if (names.found.contains(given)) continue;
     throw files::IoError(fmt::format(R"(no table has a column "{}" (given as "{}"))", given, own));
@@ -172,31 +173,31 @@ public:
   void collect(const Read& read) {
     try {
       read();
-    } catch (const files::MissingColumns& error) {
-      missing_.emplace(missing_ ? files::MissingColumns(*missing_, error) : error);
+    } catch (const csv::MissingColumns& error) {
+      missing_.emplace(missing_ ? csv::MissingColumns(*missing_, error) : error);
     }
   }
 
   /// Throws if columns are missing.
   void check() const {
-    if (missing_) throw files::MissingColumns(*missing_);
+    if (missing_) throw csv::MissingColumns(*missing_);
   }
 
 private:
-  std::optional<files::MissingColumns> missing_;
+  std::optional<csv::MissingColumns> missing_;
 };
 
 /// The words in a column, if there are several which come again, as the names of devices do.
 std::vector<std::string> repeated_words(const std::filesystem::path& file, const std::string& column) {
   static constexpr std::array<std::string_view, 1> word_column{"word"};
-  files::ColumnNames names;
+  csv::ColumnNames names;
   names.own_by_given = {{column, "word"}};
-  files::CsvLayout layout = layout_of(word_column, 1);
+  csv::Layout layout = layout_of(word_column, 1);
   layout.given_names = &names;
   std::map<std::string, std::size_t> rows_by_word;
-  for (files::CsvReader rows(file, layout); rows.next_row();) {
+  for (csv::Reader rows(file, layout); rows.next_row();) {
     if (rows.is_empty(0)) continue;
-    if (files::parse_number(rows.text(0)) || rows_by_word.size() > max_tags) return {};
+    if (csv::parse_number(rows.text(0)) || rows_by_word.size() > max_tags) return {};
     ++rows_by_word[std::string(rows.text(0))];
   }
   std::vector<std::string> words;
@@ -207,7 +208,7 @@ std::vector<std::string> repeated_words(const std::filesystem::path& file, const
 }
 
 /// Warnings about columns that may name the devices of a table.
-std::vector<std::string> possible_devices(const files::ColumnNames& names) {
+std::vector<std::string> possible_devices(const csv::ColumnNames& names) {
   std::vector<std::string> texts;
   for (std::size_t reader = 0; reader < names.file_by_reader.size(); ++reader) {
     const std::filesystem::path& file = names.file_by_reader[reader];
@@ -230,7 +231,7 @@ std::vector<std::string> possible_devices(const files::ColumnNames& names) {
 }
 
 /// The columns that no reader of their file has.
-std::vector<std::string> unused_columns(const files::ColumnNames& names) {
+std::vector<std::string> unused_columns(const csv::ColumnNames& names) {
   std::vector<std::string> unused;
   for (const auto& [file, by_reader] : names.unused_by_file) {
     for (const std::string& column : by_reader.front()) {
@@ -245,7 +246,7 @@ std::vector<std::string> unused_columns(const files::ColumnNames& names) {
 
 }  // namespace
 
-Tables read_tables(const TableFiles& given_files, files::ColumnNames& names, BeaconAddress address) {
+Tables read_tables(const TableFiles& given_files, csv::ColumnNames& names, BeaconAddress address) {
   check_own_names(names);
   Tables tables;
   tables.position_shift_ns = given_files.position_shift_ns;
@@ -257,8 +258,8 @@ Tables read_tables(const TableFiles& given_files, files::ColumnNames& names, Bea
   std::vector<UltrasonicFix> fixes;
   MissingInAll missing;
   Choice choice;
-  const auto table_for = [&](const std::filesystem::path& file, const files::CsvLayout& layout) {
-    files::CsvLayout table = table_of(layout, names);
+  const auto table_for = [&](const std::filesystem::path& file, const csv::Layout& layout) {
+    csv::Layout table = table_of(layout, names);
     table.last_value = chosen_tag(file, files, names, address, tables.rows_of_other_tags, choice);
     return table;
   };
@@ -267,7 +268,7 @@ Tables read_tables(const TableFiles& given_files, files::ColumnNames& names, Bea
     if (is_one_file) tables.rows_of_other_tags = 0;  // counted again
   });
   missing.collect([&] {
-    files::CsvLayout layout = table_for(files.positions, position_layout());
+    csv::Layout layout = table_for(files.positions, position_layout());
     layout.time_offset_ns += files.position_shift_ns;
     fixes = read_positions(files.positions, layout, address, is_one_file, tables);
   });

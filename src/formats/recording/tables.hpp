@@ -2,7 +2,7 @@
 /// \file
 /// Reads tables of IMU samples and positions with any column names, which are not a log folder.
 
-#include "files/csv_header.hpp"
+#include "csv/column_names.hpp"
 #include "recording/log_folder.hpp"
 
 #include <filesystem>
@@ -38,6 +38,6 @@ struct Tables {
 /// and for received then unless the table has a column `received`. If the positions' table is the IMU's too,
 /// rows that repeat a position are left out. Of several devices in a table, that of `TableFiles::tag` counts.
 /// Throws files::IoError, also for a given name that no file has.
-Tables read_tables(const TableFiles& files, files::ColumnNames& names, BeaconAddress address);
+Tables read_tables(const TableFiles& files, csv::ColumnNames& names, BeaconAddress address);
 
 }  // namespace sonopose::recording

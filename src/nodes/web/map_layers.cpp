@@ -1,6 +1,6 @@
 #include "web/map_layers.hpp"
 
-#include "files/csv_reader.hpp"
+#include "csv/reader.hpp"
 #include "files/error.hpp"
 #include "files/random_access_file.hpp"
 
@@ -53,7 +53,7 @@ FloorPlan read_floor_plan(const std::filesystem::path& file, const std::vector<d
 std::vector<std::array<double, 2>> read_geofence(const std::filesystem::path& file) {
   constexpr std::array<std::string_view, 2> columns{"x [m]", "y [m]"};
   constexpr std::size_t max_corners = 10'000;
-  files::CsvReader reader(file, {.columns = columns, .required_columns = columns.size()});
+  csv::Reader reader(file, {.columns = columns, .required_columns = columns.size()});
   std::vector<std::array<double, 2>> corners_m;
   while (reader.next_row()) {
     corners_m.push_back({reader.number(0), reader.number(1)});

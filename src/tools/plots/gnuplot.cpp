@@ -1,6 +1,6 @@
 #include "plots/gnuplot.hpp"
 
-#include "files/csv_writer.hpp"
+#include "files/append_file.hpp"
 #include "files/input_file.hpp"
 #include "plots/plot.hpp"
 
@@ -53,12 +53,6 @@ private:
   std::string name_;
 };
 
-void write(const fs::path& file, const std::string& text) {
-  files::CsvWriter out(file, files::CsvWriter::Existing::replace);
-  out.text(text);
-  out.flush();
-}
-
 }  // namespace
 
 void check_plot_file(const fs::path& file, const files::Replacement& replacement) {
@@ -72,13 +66,13 @@ void check_plot_file(const fs::path& file, const files::Replacement& replacement
   if (!gnuplot_is_installed()) {
     throw PlotError("plots need gnuplot, which is not installed (Debian package gnuplot-nox)");
   }
-  files::CsvWriter(replacement.part(), files::CsvWriter::Existing::replace)
-      .flush();  // fails now if the file cannot be written
+  // Fails now if the file cannot be written.
+  const files::AppendFile part(replacement.part(), files::AppendFile::Existing::replace);
 }
 
 void draw_plot(const fs::path& file, files::Replacement& replacement, const std::string& script) {
   const WorkFolder folder;
-  write(folder.script(), script);
+  files::write_whole(folder.script(), script);
   const std::string command =
       "gnuplot " + shell_word(folder.script().string()) + " 2> " + shell_word(folder.messages().string());
   const int status = std::system(command.c_str());

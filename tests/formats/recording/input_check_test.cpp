@@ -271,7 +271,7 @@ SCENARIO("findings about imported tables propose an option of the import") {
   for (Event& event : events) {
     if (auto* imu = std::get_if<ImuSample>(&event)) imu->specific_force_body_mps2 /= standard_gravity_mps2;
   }
-  files::ColumnNames names;
+  csv::ColumnNames names;
   names.columns_by_reader = {{{"a_x", "Acc 1"}, {"a_y", "Acc 2"}, {"a_z", "Acc 3"}}};
   const auto findings = input_findings("log", events, &names);
   REQUIRE(findings.size() == 1);
@@ -284,7 +284,7 @@ SCENARIO("times that are taken for seconds may be in milliseconds") {
     if (auto* imu = std::get_if<ImuSample>(&event))
       imu->sensor_time_ns += 999 * (imu->sensor_time_ns - start_ns);
   }
-  files::ColumnNames names;
+  csv::ColumnNames names;
   names.columns_by_reader = {{{"timestamp", "t"}}, {{"timestamp", "t"}}};
   names.file_by_reader = {"imu.csv", "positions.csv"};
   CHECK_THAT(input_findings("log", events, &names)[0], EndsWith("check their unit"));

@@ -1,5 +1,6 @@
 #include "recording/tables.hpp"
 
+#include "csv/missing_columns.hpp"
 #include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
@@ -21,7 +22,7 @@ const std::string position_rows = "timestamp,x,y,z\n1000000000,1,2,3\n";
 
 SCENARIO("tables of other programs become a log") {
   const TemporaryFolder folder;
-  files::ColumnNames names;
+  csv::ColumnNames names;
   GIVEN("an IMU with own names and decimal commas, and positions in millimetres, both from second 0") {
     write_text(folder / "imu.csv",
                "Zeit (s);Rate X (deg/s);Rate Y (deg/s);Rate Z (deg/s);Acc X (g);Acc Y (g);Acc Z (g);Temp\n"
@@ -73,7 +74,7 @@ SCENARIO("tables of other programs become a log") {
 
 /// The first IMU sample and fix of tables with these headers and rows.
 std::pair<ImuSample, UltrasonicFix> first_of(const std::string& imu, const std::string& positions,
-                                             files::ColumnNames names = {}) {
+                                             csv::ColumnNames names = {}) {
   const TemporaryFolder folder;
   write_text(folder / "imu.csv", imu);
   write_text(folder / "positions.csv", positions);
@@ -148,7 +149,7 @@ SCENARIO("a time in two columns has whole seconds and nanoseconds") {
   CHECK(time_ns("1700000000", "123456789") == 1'700'000'000'123'456'789);
   const std::string bare = "sec,nanosec,x,y,z\n1700000000,7,4,5,6\n";
   CHECK(first_of(imu, bare).second.emission_time_ns == 1'700'000'000'000'000'007);
-  files::ColumnNames names;
+  csv::ColumnNames names;
   names.own_by_given = {{"received_at", "timestamp [s]"}};
   const std::string given = "stamp.sec,stamp.nanosec,x,y,z,received_at\n1700000000,5,4,5,6,1700000001\n";
   CHECK(first_of(imu, given, names).second.emission_time_ns == 1'700'000'001'000'000'000);
@@ -159,7 +160,7 @@ SCENARIO("a time in two columns has whole seconds and nanoseconds") {
 SCENARIO("positions of several tags are those of one, and may lack a height") {
   const TemporaryFolder folder;
   write_text(folder / "positions.csv", "t,Tag ID,x,y\n1.5,12,1,2\n1.6,7,3,4\n1.7,12,5,6\n");
-  files::ColumnNames names;
+  csv::ColumnNames names;
   const TableFiles files{folder / "imu.csv", folder / "positions.csv", {}};
   write_text(folder / "imu.csv",
              "t,w_x,w_y,w_z,a_x,a_y,a_z\n1.5,0,0,0,0,0,9.8\n1.7,nan,nan,nan,nan,nan,nan\n");
@@ -238,7 +239,7 @@ SCENARIO("rows may lack a value, end in a separator, and begin at a whole second
   const TemporaryFolder folder;
   write_text(folder / "imu.csv", "t,w_x,w_y,w_z,a_x,a_y,a_z\n0,0,0,0,0,0,9.8,\n0.01,0,0,0,0,0,9.8,\n");
   write_text(folder / "positions.csv", "t,x,y,z\n0,1,2,3\n0.1,nan,nan,nan\n0.2,-,-,-\n0.3,4,5,6\n");
-  files::ColumnNames names;
+  csv::ColumnNames names;
   const Tables tables = read_tables({folder / "imu.csv", folder / "positions.csv", {}}, names, 7);
   CHECK(tables.log.events.size() == 4);
   CHECK(tables.rows_without_position == 2);
@@ -252,7 +253,7 @@ SCENARIO("the positions are moved to the clock of the IMU") {
   const TemporaryFolder folder;
   write_text(folder / "imu.csv", "t,w_x,w_y,w_z,a_x,a_y,a_z\n0,0,0,0,0,0,9.8\n0.01,0,0,0,0,0,9.8\n");
   write_text(folder / "positions.csv", "timestamp,x,y,z\n1700000000005000000,1,2,3\n");
-  files::ColumnNames names;
+  csv::ColumnNames names;
   TableFiles files{folder / "imu.csv", folder / "positions.csv", {}};
   files.position_shift_ns = -1'700'000'000'000'000'000;
   const Tables tables = read_tables(files, names, 7);
@@ -266,7 +267,7 @@ SCENARIO("of two columns with one meaning a given one counts") {
       "timestamp,w_x,w_y,w_z,acc_x,acc_y,acc_z,accel_x,accel_y,accel_z\n1,0,0,0,1,2,3,4,5,6\n";
   const std::string positions = "timestamp,x,y,z\n1,0,0,0\n";
   CHECK_THROWS_WITH(first_of(imu, positions), Contains("column 8 (accel_x): column 5 (acc_x) is the same"));
-  files::ColumnNames names;
+  csv::ColumnNames names;
   names.own_by_given = {{"accel_x", "a_x"}, {"accel_y", "a_y"}, {"accel_z", "a_z"}};
   CHECK(first_of(imu, positions, names).first.specific_force_body_mps2 == Vector3d(4.0, 5.0, 6.0));
 }
@@ -276,7 +277,7 @@ SCENARIO("a part of a name, and a quaternion in an array, are no column") {
   const auto missing_in = [&](const std::string& header) {
     try {
       first_of(header + "\n1,0,0,0,0,0,9.8\n", positions);
-    } catch (const files::MissingColumns& error) {
+    } catch (const csv::MissingColumns& error) {
       return error.columns().front().column;
     }
     return std::string();
@@ -288,7 +289,7 @@ SCENARIO("a part of a name, and a quaternion in an array, are no column") {
 
 SCENARIO("a column that is missing or given in vain is an error") {
   const TemporaryFolder folder;
-  files::ColumnNames names;
+  csv::ColumnNames names;
   write_text(folder / "imu.csv", "timestamp,rate1_x,w_y,w_z,a_x,a_y,a_z,note\n1,0,0,0,0,0,9.8,-\n");
   write_text(folder / "positions.csv", "timestamp,x,y,z\n1,0,0,0\n");
   const TableFiles files{folder / "imu.csv", folder / "positions.csv", {}};
@@ -297,7 +298,7 @@ SCENARIO("a column that is missing or given in vain is an error") {
       try {
         read_tables(files, names, 7);
         FAIL("was read");
-      } catch (const files::MissingColumns& error) {
+      } catch (const csv::MissingColumns& error) {
         CHECK_THAT(error.what(), Contains("imu.csv:1: the header has no column \"w_x [rad s^-1]\""));
         REQUIRE(error.columns().size() == 1);
         CHECK(error.columns()[0].column == "w_x");
@@ -314,7 +315,7 @@ SCENARIO("a column that is missing or given in vain is an error") {
       try {
         read_tables(files, names, 7);
         FAIL("was read");
-      } catch (const files::MissingColumns& error) {
+      } catch (const csv::MissingColumns& error) {
         CHECK(error.columns()[0].candidates == std::vector<std::string>{time});
       }
     }
@@ -363,7 +364,7 @@ SCENARIO("a column that is missing or given in vain is an error") {
 }
 
 /// Reads tables from texts.
-Tables tables_of(const std::string& imu, const std::string& positions, files::ColumnNames names = {},
+Tables tables_of(const std::string& imu, const std::string& positions, csv::ColumnNames names = {},
                  const std::string& tag = {}) {
   const TemporaryFolder folder;
   write_text(folder / "imu.csv", imu);
@@ -436,7 +437,7 @@ SCENARIO("words that come again in an unknown column may be devices") {
 SCENARIO("a column's name may hold for one file") {
   const std::string imu = "timestamp,w_x,w_y,w_z,a_x,a_y,a_z\n1700000000010,0,0,0,0,0,9.8\n";
   const std::string positions = "timestamp,x,y,z\n1700000000053648,1,2,3\n";
-  files::ColumnNames names;
+  csv::ColumnNames names;
   names.own_by_given = {{"imu.csv:timestamp", "timestamp [ms]"},
                         {"positions.csv:timestamp", "timestamp [us]"}};
   const auto [sample, fix] = first_of(imu, positions, names);
@@ -448,7 +449,7 @@ SCENARIO("a column's name may hold for one file") {
 }
 
 SCENARIO("brackets may be notes") {
-  const auto x_radps_of = [](const std::string& column, files::ColumnNames names = {}) {
+  const auto x_radps_of = [](const std::string& column, csv::ColumnNames names = {}) {
     return first_of("timestamp," + column + ",w_y,w_z,a_x,a_y,a_z\n1000000000,0.5,0,0,0,0,9.8\n",
                     position_rows, std::move(names))
         .first.angular_velocity_body_radps.x();
@@ -458,7 +459,7 @@ SCENARIO("brackets may be notes") {
   CHECK_THROWS_WITH(x_radps_of("w_x (body)"),
                     Contains("the unit \"body\" is unknown here") &&
                         Contains("if it is a note, give the unit: --column \"w_x [rad s^-1]=w_x (body)\""));
-  files::ColumnNames names;
+  csv::ColumnNames names;
   names.own_by_given = {{"w_x (body)", "w_x [rad s^-1]"}};
   CHECK(x_radps_of("w_x (body)", names) == 0.5);
 }

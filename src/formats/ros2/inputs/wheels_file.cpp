@@ -1,7 +1,7 @@
 #include "ros2/inputs/wheels_file.hpp"
 
 #include "files/error.hpp"
-#include "files/toml/toml_leaves.hpp"
+#include "toml/leaves.hpp"
 
 #include <fmt/format.h>
 
@@ -14,13 +14,13 @@ namespace sonopose::ros2 {
 
 Wheels read_wheels(const std::filesystem::path& file) {
   Wheels wheels;
-  for (const files::toml::Leaf& leaf : files::toml::read_leaves(file)) {
+  for (const toml::Leaf& leaf : toml::read_leaves(file)) {
     const auto fail = [&](const std::string& why) {
       throw files::IoError(fmt::format("{}:{}: {} {}", file.string(), leaf.line, leaf.key, why));
     };
     const bool is_joints = leaf.key == "left_joints" || leaf.key == "right_joints";
     if (is_joints) {
-      const auto* words = std::get_if<files::toml::Words>(&leaf.value);
+      const auto* words = std::get_if<toml::Words>(&leaf.value);
       if (words == nullptr || words->empty()) fail("must be a list of joints, as [\"left_wheel_joint\"]");
       (leaf.key == "left_joints" ? wheels.left_joints : wheels.right_joints) = *words;
     } else if (leaf.key == "radius_m" || leaf.key == "track_m") {

@@ -1,7 +1,7 @@
 #include "calibration/fit/terms.hpp"
 #include "evaluation/calibration/calibration.hpp"
 #include "evaluation/calibration/toml_text.hpp"
-#include "files/toml/quoted.hpp"
+#include "toml/quoted.hpp"
 #include <sonopose/geometry/rotation.hpp>
 #include <sonopose/text/count_text.hpp>
 
@@ -82,7 +82,7 @@ std::string table_of(const Group& model, const Group& standard_errors, const std
 }  // namespace
 
 std::string calibration_text(const CalibrationResult& result) {
-  std::string text = line("log", fmt::format("{}: {} over {:.1f} s", files::toml::quoted(result.log),
+  std::string text = line("log", fmt::format("{}: {} over {:.1f} s", toml::quoted(result.log),
                                              text::count_text(result.samples, "sample"), result.duration_s));
   if (!result.still.empty()) text += line("still", periods(result.still.size()));
   if (result.accelerometer) text += text_of(*result.accelerometer, result);

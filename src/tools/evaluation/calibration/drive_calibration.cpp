@@ -60,18 +60,18 @@ DriveCalibration calibrate_drive(const DriveRequest& request) {
   return result;
 }
 
-std::vector<files::toml::Leaf> overriding(const std::filesystem::path& file,
-                                          std::span<const files::toml::Assignment> settings) {
+std::vector<toml::Leaf> overriding(const std::filesystem::path& file,
+                                   std::span<const toml::Assignment> settings) {
   constexpr std::string_view prefix = "beacon.";
-  std::vector<files::toml::Leaf> found;
-  for (files::toml::Leaf& leaf : files::toml::read_leaves(file)) {
+  std::vector<toml::Leaf> found;
+  for (toml::Leaf& leaf : toml::read_leaves(file)) {
     const std::string_view key = leaf.key;
     const std::size_t behind_address = key.find('.', prefix.size());
     if (!key.starts_with(prefix) || behind_address == std::string_view::npos) continue;
     const std::string_view setting = key.substr(behind_address + 1);
     const bool overrides = std::any_of(
         settings.begin(), settings.end(),
-        [setting](const files::toml::Assignment& each) { return setting == each.table + "." + each.name; });
+        [setting](const toml::Assignment& each) { return setting == each.table + "." + each.name; });
     if (overrides) found.push_back(std::move(leaf));
   }
   return found;

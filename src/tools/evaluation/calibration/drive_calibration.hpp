@@ -4,8 +4,8 @@
 /// of the fusion.
 
 #include "calibration/drive/drive_fit.hpp"
-#include "files/toml/merge.hpp"
-#include "files/toml/toml_leaves.hpp"
+#include "toml/leaves.hpp"
+#include "toml/merge.hpp"
 #include <sonopose/samples/samples.hpp>
 #include <sonopose/settings/settings.hpp>
 
@@ -55,15 +55,15 @@ std::string drive_text(const DriveCalibration& result);
 std::string drive_json(const DriveCalibration& result);
 
 /// Returns the settings for known wanted quantities, of all beacons or of one.
-std::vector<files::toml::Assignment> drive_settings(const DriveCalibration& result,
-                                                    std::optional<BeaconAddress> beacon);
+std::vector<toml::Assignment> drive_settings(const DriveCalibration& result,
+                                             std::optional<BeaconAddress> beacon);
 
 /// Writes the same as a TOML file, preceded by the text as comments.
 std::string drive_toml(const DriveCalibration& result, std::optional<BeaconAddress> beacon);
 
 /// Returns the values in a file that override one of these settings for a single beacon. Throws
 /// files::IoError.
-std::vector<files::toml::Leaf> overriding(const std::filesystem::path& file,
-                                          std::span<const files::toml::Assignment> settings);
+std::vector<toml::Leaf> overriding(const std::filesystem::path& file,
+                                   std::span<const toml::Assignment> settings);
 
 }  // namespace sonopose::evaluation

@@ -1,6 +1,6 @@
 #include "evaluation/calibration/drive_calibration.hpp"
 #include "evaluation/calibration/toml_text.hpp"
-#include "files/toml/quoted.hpp"
+#include "toml/quoted.hpp"
 #include <sonopose/geometry/rotation.hpp>
 #include <sonopose/text/count_text.hpp>
 
@@ -86,7 +86,7 @@ const Display& display_of(Quantity quantity) {
 std::string drive_text(const DriveCalibration& result) {
   const DriveFit& fit = result.fit;
   std::string text;
-  for (const auto& log : result.logs) text += labelled("log", files::toml::quoted(log));
+  for (const auto& log : result.logs) text += labelled("log", toml::quoted(log));
   text += labelled("", fmt::format("{:.0f} s; {} of {} fixes and {} of {} headings used", result.duration_s,
                                    fit.fixes_used, fit.fixes, fit.headings_used, fit.headings));
   text += silences_text(result);
@@ -103,15 +103,15 @@ std::string drive_text(const DriveCalibration& result) {
                                      fit.squared_fix_innovation, fit.squared_heading_innovation));
 }
 
-std::vector<files::toml::Assignment> drive_settings(const DriveCalibration& result,
-                                                    std::optional<BeaconAddress> beacon) {
+std::vector<toml::Assignment> drive_settings(const DriveCalibration& result,
+                                             std::optional<BeaconAddress> beacon) {
   const std::string prefix = beacon ? fmt::format("beacon.{}.", *beacon) : std::string();
   constexpr double decimals_deg = 1e3;
   constexpr double decimals_s = 1e5;
   const auto rounded = [](double value, double decimals) {
     return toml_number(std::round(value * decimals) / decimals);
   };
-  std::vector<files::toml::Assignment> assignments;
+  std::vector<toml::Assignment> assignments;
   for (const Quantity quantity : result.wanted) {
     const Value& value = result.fit[quantity];
     if (!value.is_known()) continue;
@@ -132,7 +132,7 @@ std::string drive_toml(const DriveCalibration& result, std::optional<BeaconAddre
   std::string text =
       commented("Written by sonopose-calibrate. For --config of the fusion.\n" + drive_text(result));
   std::string table;
-  for (const files::toml::Assignment& each : drive_settings(result, beacon)) {
+  for (const toml::Assignment& each : drive_settings(result, beacon)) {
     if (each.table != table) text += fmt::format("\n[{}]\n", table = each.table);
     const std::string comment = each.comment.empty() ? "" : "  # " + each.comment;
     text += fmt::format("{} = {}{}\n", each.name, each.value, comment);

@@ -57,7 +57,7 @@ void OutputFolder::write(const FusedPose& pose) {
 }
 
 void OutputFolder::write_covariances(const FusedPose& pose) {
-  files::CsvWriter& rows = covariances_->rows;
+  csv::Writer& rows = covariances_->rows;
   const auto write_triangle = [&rows](const auto& covariance, int first) {
     for (int row = first; row < first + 3; ++row) {
       for (int column = row; column < first + 3; ++column) rows.number(covariance.at(row, column));

@@ -9,8 +9,8 @@
 /// | `covariance.csv` | on request: time, upper triangles of position, rotation and velocity |
 /// | `fixes.csv`      | every field of FixReport, the flags also as names |
 
+#include "csv/writer.hpp"
 #include "evaluation/report/trajectory_file.hpp"
-#include "files/csv_writer.hpp"
 #include "files/replacement.hpp"
 #include <sonopose/samples/pose.hpp>
 
@@ -38,10 +38,10 @@ private:
 
   struct Table {
     explicit Table(const std::filesystem::path& file)
-        : place(file), rows(place.part(), files::CsvWriter::Existing::replace) {}
+        : place(file), rows(place.part(), csv::Writer::Existing::replace) {}
 
     files::Replacement place;
-    files::CsvWriter rows;
+    csv::Writer rows;
   };
 
   std::filesystem::path covariance_file_;

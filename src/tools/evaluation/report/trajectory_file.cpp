@@ -14,7 +14,7 @@ constexpr std::array<std::string_view, 8> columns{"timestamp", "tx", "ty", "tz",
 }  // namespace
 
 TrajectoryFile::TrajectoryFile(const std::filesystem::path& file)
-    : place_(file), rows_(place_.part(), files::CsvWriter::Existing::replace, ' ') {
+    : place_(file), rows_(place_.part(), csv::Writer::Existing::replace, ' ') {
   rows_.header(columns);
 }
 

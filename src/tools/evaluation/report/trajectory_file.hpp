@@ -2,7 +2,7 @@
 /// \file
 /// Writes a trajectory in TUM format, `t x y z qx qy qz qw` with times in seconds, as evo reads it.
 
-#include "files/csv_writer.hpp"
+#include "csv/writer.hpp"
 #include "files/replacement.hpp"
 #include <sonopose/samples/samples.hpp>
 
@@ -25,7 +25,7 @@ public:
 
 private:
   files::Replacement place_;
-  files::CsvWriter rows_;
+  csv::Writer rows_;
 };
 
 /// Creates the folder and its parents if necessary. Throws files::IoError.

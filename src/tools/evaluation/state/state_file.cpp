@@ -1,7 +1,6 @@
 #include "evaluation/state/state_file.hpp"
 
 #include "evaluation/state/state_reader.hpp"
-#include "files/csv_writer.hpp"
 #include "files/error.hpp"
 #include "files/input_file.hpp"
 #include "files/replacement.hpp"
@@ -139,11 +138,7 @@ void save_state(const std::filesystem::path& file, const SavedState& saved) {
   } catch (const StateFileError& error) {
     throw StateFileError(file.string() + ": " + error.what());
   }
-  files::Replacement replacement(file);
-  files::CsvWriter out(replacement.part(), files::CsvWriter::Existing::replace);
-  out.text(text);
-  out.flush();
-  replacement.commit();
+  files::write_whole(file, text);
 }
 
 SavedState load_state(const std::filesystem::path& file) {

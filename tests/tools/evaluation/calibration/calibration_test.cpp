@@ -50,7 +50,7 @@ std::vector<ImuSample> whole_recording() {
 
 /// Checks that a table has exactly the group's settings, with exactly the same values.
 template <class Group>
-void check_table(const toml::table* table, const Group& settings) {
+void check_table(const ::toml::table* table, const Group& settings) {
   REQUIRE(table != nullptr);
   const auto terms = calibration::fit::terms_of(settings);
   for (const auto& [info, value] : terms) {
@@ -74,7 +74,7 @@ TEST_CASE("the TOML tables contain every setting without loss") {
 
   SECTION("for all beacons, with both files concatenated") {
     const auto tree =
-        toml::parse(evaluation::calibration_toml(imu, {}) + evaluation::calibration_toml(field, {}));
+        ::toml::parse(evaluation::calibration_toml(imu, {}) + evaluation::calibration_toml(field, {}));
     const auto tables = tree["calibration"];
     check_table(tables["accelerometer"].as_table(), imu.accelerometer->settings);
     check_table(tables["gyroscope"].as_table(), imu.gyroscope->settings);
@@ -82,7 +82,7 @@ TEST_CASE("the TOML tables contain every setting without loss") {
     CHECK(tree.size() == 2);
   }
   SECTION("for one beacon") {
-    const auto tree = toml::parse(evaluation::calibration_toml(imu, BeaconAddress{12}));
+    const auto tree = ::toml::parse(evaluation::calibration_toml(imu, BeaconAddress{12}));
     const auto tables = tree["beacon"]["12"]["calibration"];
     check_table(tables["accelerometer"].as_table(), imu.accelerometer->settings);
     CHECK(tree.size() == 1);
@@ -110,7 +110,7 @@ TEST_CASE("a folder name with a line break or invalid UTF-8 keeps the TOML and t
   CHECK(json::parse(evaluation::calibration_json(result)).contains("gyroscope"));
   const std::string toml = evaluation::calibration_toml(result, {});
   CHECK_THAT(toml, !Contains("\nb = 1"));
-  CHECK_NOTHROW(toml::parse(toml));
+  CHECK_NOTHROW(::toml::parse(toml));
 }
 
 TEST_CASE("a failed calibration names the file") {

@@ -1,10 +1,10 @@
-#include "files/utc_time.hpp"
+#include "clocks/utc_time.hpp"
 
 #include <charconv>
 #include <chrono>
 #include <system_error>
 
-namespace sonopose::files {
+namespace sonopose::clocks {
 namespace {
 
 /// Reads the parts of a text from left to right. Members return false if the text continues otherwise.
@@ -80,4 +80,4 @@ std::optional<std::int64_t> utc_time_ns(std::string_view text) {
   return nanoseconds(since_epoch).count() + fraction_ns;
 }
 
-}  // namespace sonopose::files
+}  // namespace sonopose::clocks

@@ -1,11 +1,11 @@
-#include "files/units.hpp"
+#include "csv/units.hpp"
 
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <system_error>
 
-namespace sonopose::files {
+namespace sonopose::csv {
 
 namespace {
 
@@ -59,4 +59,4 @@ void append_number_in(long double unit, std::string& text, double value) {
   text.append(digits.data(), result.ptr);
 }
 
-}  // namespace sonopose::files
+}  // namespace sonopose::csv

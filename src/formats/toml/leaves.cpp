@@ -1,4 +1,4 @@
-#include "files/toml/toml_leaves.hpp"
+#include "toml/leaves.hpp"
 
 #include "files/line_reader.hpp"
 
@@ -12,7 +12,7 @@
 #include <system_error>
 #include <utility>
 
-namespace sonopose::files::toml {
+namespace sonopose::toml {
 namespace {
 
 // Limits of recursion. The parser, its tables and append_leaves recurse once per part of a key, and a long
@@ -24,7 +24,7 @@ constexpr int max_parts_of_key = 16;
 constexpr std::size_t max_bytes = 16U << 20U;
 
 [[noreturn]] void refuse_size(const std::filesystem::path& file, const std::string& size) {
-  throw IoError(
+  throw files::IoError(
       fmt::format("{}: has {} bytes, the limit of a TOML file is {}", file.string(), size, max_bytes));
 }
 
@@ -42,11 +42,12 @@ std::string checked_text(const std::filesystem::path& file) {
   const std::uintmax_t size = std::filesystem::file_size(file, error);
   if (!error && size > max_bytes) refuse_size(file, std::to_string(size));
   std::string text;
-  LineReader lines(file);
+  files::LineReader lines(file);
   while (const auto line = lines.next()) {
     if (separators_in(*line) > max_dots_in_line) {
-      throw IoError(fmt::format("{}:{}: the line has more than {} dots, so a key may have too many parts",
-                                file.string(), lines.number(), max_dots_in_line));
+      throw files::IoError(
+          fmt::format("{}:{}: the line has more than {} dots, so a key may have too many parts",
+                      file.string(), lines.number(), max_dots_in_line));
     }
     text.append(*line).push_back('\n');
     if (text.size() > max_bytes + 1) refuse_size(file, "too many");  // a pipe
@@ -96,8 +97,8 @@ private:
       const auto line = node.source().begin.line;
       std::string key = prefix + std::string(name.str());
       if (part > max_parts_of_key) {
-        throw IoError(fmt::format("{}:{}: {}: the key has more than {} parts", file_.string(), line, key,
-                                  max_parts_of_key));
+        throw files::IoError(fmt::format("{}:{}: {}: the key has more than {} parts", file_.string(), line,
+                                         key, max_parts_of_key));
       }
       if (const auto* inner = node.as_table()) {
         add(*inner, key + ".", part + 1);
@@ -119,8 +120,8 @@ std::vector<Leaf> read_leaves(const std::filesystem::path& file) {
     tree = ::toml::parse(checked_text(file), file.string());
   } catch (const ::toml::parse_error& error) {
     const auto line = error.source().begin.line;
-    throw IoError(line == 0 ? fmt::format("{}: {}", file.string(), error.description())
-                            : fmt::format("{}:{}: {}", file.string(), line, error.description()));
+    throw files::IoError(line == 0 ? fmt::format("{}: {}", file.string(), error.description())
+                                   : fmt::format("{}:{}: {}", file.string(), line, error.description()));
   }
   return LeafCollector(file).collect(tree);
 }
@@ -133,7 +134,7 @@ std::vector<std::filesystem::path> with_drop_ins(const std::filesystem::path& fi
     if (entry.path().extension() == ".toml" && entry.path() != except) drop_ins.push_back(entry.path());
   }
   if (error && error != std::errc::no_such_file_or_directory && error != std::errc::not_a_directory) {
-    throw IoError(fmt::format("{}.d: {}", file.string(), error.message()));
+    throw files::IoError(fmt::format("{}.d: {}", file.string(), error.message()));
   }
   std::sort(drop_ins.begin(), drop_ins.end());
   drop_ins.insert(drop_ins.begin(), file);
@@ -164,4 +165,4 @@ std::string text_of(const Value& value) {
   return std::visit(Visitor{}, value);
 }
 
-}  // namespace sonopose::files::toml
+}  // namespace sonopose::toml

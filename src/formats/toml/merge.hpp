@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-namespace sonopose::files::toml {
+namespace sonopose::toml {
 
 /// A line `name = value` in a table.
 struct Assignment {
@@ -17,9 +17,9 @@ struct Assignment {
 };
 
 /// Replaces the lines of existing values, and adds the others to their tables or to new ones at the end.
-/// Creates a missing file, and replaces an existing one atomically. Throws IoError and leaves the file
+/// Creates a missing file, and replaces an existing one atomically. Throws files::IoError and leaves the file
 /// unchanged if it cannot be read or written or is not TOML. The same holds if one of the values is not on a
 /// line of its own.
 void merge(const std::filesystem::path& file, std::span<const Assignment> assignments);
 
-}  // namespace sonopose::files::toml
+}  // namespace sonopose::toml

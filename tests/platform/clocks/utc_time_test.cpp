@@ -1,10 +1,10 @@
-#include "files/utc_time.hpp"
+#include "clocks/utc_time.hpp"
 
 #include <catch2/catch.hpp>
 
 namespace utc_time_test {
 
-using sonopose::files::utc_time_ns;
+using sonopose::clocks::utc_time_ns;
 
 TEST_CASE("a date has the nanoseconds since 1970, in any zone") {
   CHECK(utc_time_ns("1970-01-02 00:00:00") == 86'400'000'000'000);

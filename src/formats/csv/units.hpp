@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-namespace sonopose::files {
+namespace sonopose::csv {
 
 inline constexpr long double degree = std::numbers::pi_v<long double> / 180.0L;
 inline constexpr long double microtesla = 1e-6L;
@@ -32,4 +32,4 @@ void append_number(std::string& text, double value);
 /// Appends a text that parse_number_in reads back to the same bits.
 void append_number_in(long double unit, std::string& text, double value);
 
-}  // namespace sonopose::files
+}  // namespace sonopose::csv

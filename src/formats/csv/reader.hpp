@@ -2,7 +2,8 @@
 /// \file
 /// Reads rows and cells of a CSV file, with errors that name the position.
 
-#include "files/csv_header.hpp"
+#include "csv/header.hpp"
+#include "csv/layout.hpp"
 #include "files/line_reader.hpp"
 #include <sonopose/samples/samples.hpp>
 
@@ -13,19 +14,19 @@
 #include <string>
 #include <string_view>
 
-namespace sonopose::files {
+namespace sonopose::csv {
 
 /// Reads the columns of a layout by their names in the header, in any order and unit. A column is identified
 /// by its index in the layout, and its values are in the unit of the layout. In a table with given names,
 /// `NaN` and the like are empty cells, and a separator may end a row. The line below the names may have their
 /// units.
-class CsvReader {
+class Reader {
 public:
   /// Opens the file and reads its header: the first of its lines that begin with `#` and have the required
   /// columns, or else the first line that does not begin so. Later lines that begin with `#` are comments. A
   /// first line `sep=;` is skipped.
   /// Logs a warning about columns that the layout does not have.
-  CsvReader(const std::filesystem::path& file, CsvLayout layout);
+  Reader(const std::filesystem::path& file, Layout layout);
 
   /// Advances to the next row that is not blank and belongs to the layout. Returns false at the end.
   bool next_row();
@@ -36,9 +37,9 @@ public:
   /// Cells of the current row. A cell beyond the row's end, or of a column that the file lacks, is empty.
   [[nodiscard]] bool is_empty(std::size_t column) const { return cell(column).empty(); }
   [[nodiscard]] std::string_view text(std::size_t column) const { return cell(column); }
-  /// Time in 1 … 2^62 − 1: a number, or a date as of utc_time_ns. Without a unit in the header a number
-  /// is in nanoseconds, or in seconds if the first row with a time other than 0 has decimals of one below
-  /// 1e12.
+  /// Time in 1 … 2^62 − 1: a number, or a date as of clocks::utc_time_ns. Without a unit in the header a
+  /// number is in nanoseconds, or in seconds if the first row with a time other than 0 has decimals of one
+  /// below 1e12.
   [[nodiscard]] TimeNs time_ns(std::size_t column) const;
   [[nodiscard]] double number(std::size_t column) const;
   [[nodiscard]] std::optional<double> optional_number(std::size_t column) const;
@@ -50,10 +51,10 @@ public:
   [[nodiscard]] bool has(std::size_t column) const;
   /// Number of cells that are filled.
   [[nodiscard]] std::size_t filled(std::size_t first_column, std::size_t count) const;
-  /// Returns true if all cells are filled, false if all are empty. Throws IoError otherwise.
+  /// Returns true if all cells are filled, false if all are empty. Throws files::IoError otherwise.
   [[nodiscard]] bool all_filled(std::size_t first_column, std::size_t count) const;
 
-  /// Throws IoError with file, line, column and its value.
+  /// Throws files::IoError with file, line, column and its value.
   [[noreturn]] void fail(std::size_t column, std::string_view what) const;
 
 private:
@@ -72,9 +73,9 @@ private:
   std::string_view with_points(std::string_view line);
 
   std::string name_;
-  CsvLayout layout_;
-  LineReader lines_;
-  CsvHeader header_;
+  Layout layout_;
+  files::LineReader lines_;
+  Header header_;
   std::size_t reader_ = 0;                    ///< index in ColumnNames
   std::unique_ptr<std::string> read_ahead_;   ///< first row; at the same place after a move
   std::unique_ptr<std::string> decimal_row_;  ///< current row with decimal points, likewise
@@ -84,4 +85,4 @@ private:
   bool is_unit_of_time_open_ = true;
 };
 
-}  // namespace sonopose::files
+}  // namespace sonopose::csv

@@ -1,17 +1,20 @@
-#include "files/toml/merge.hpp"
+#include "toml/merge.hpp"
 
-#include "files/csv_writer.hpp"
+#include "files/append_file.hpp"
+#include "files/error.hpp"
 #include "files/input_file.hpp"
 #include "files/replacement.hpp"
-#include "files/toml/toml_leaves.hpp"
+#include "toml/leaves.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
-namespace sonopose::files::toml {
+namespace sonopose::toml {
 namespace {
 
 /// Returns the text between a line and its newline: nothing or a carriage return.
@@ -23,7 +26,7 @@ constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 
 /// Reads lines including carriage returns and a byte order mark.
 std::vector<std::string> lines_of(const std::filesystem::path& file) {
-  const std::string text = read_text(file);
+  const std::string text = files::read_text(file);
   std::vector<std::string> lines;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
@@ -55,8 +58,8 @@ std::string key_of(const Assignment& assignment) {
 void replace(std::string& line, const Assignment& assignment, const std::filesystem::path& file,
              std::size_t number) {
   if (!condensed(line).starts_with(assignment.name + "=")) {
-    throw IoError(fmt::format("{}:{}: {} is not a line of its own below [{}], so it is not replaced",
-                              file.string(), number, key_of(assignment), assignment.table));
+    throw files::IoError(fmt::format("{}:{}: {} is not a line of its own below [{}], so it is not replaced",
+                                     file.string(), number, key_of(assignment), assignment.table));
   }
   line = line_of(assignment, line_end_of(line));
 }
@@ -95,21 +98,20 @@ void merge(const std::filesystem::path& file, std::span<const Assignment> assign
     }
   }
   for (const Assignment* assignment : added) insert(lines, *assignment);
-  Replacement replacement(file);
-  {
-    CsvWriter out(replacement.part(), CsvWriter::Existing::replace);
-    out.text(fmt::format("{}\n", fmt::join(lines, "\n")));
-    out.flush();
-  }
+  files::Replacement replacement(file);
+  const std::string text = fmt::format("{}\n", fmt::join(lines, "\n"));
+  files::AppendFile(replacement.part(), files::AppendFile::Existing::replace)
+      .append(std::as_bytes(std::span(text)));
   try {
     read_leaves(replacement.part());
-  } catch (const IoError& error) {
+  } catch (const files::IoError& error) {
     if (added.empty())
-      throw IoError(file.string() + ": not changed, since it would be no TOML: " + error.what());
-    throw IoError(file.string() + ": has one of these tables in a form to which no line can be added: " +
-                  added.front()->table);
+      throw files::IoError(file.string() + ": not changed, since it would be no TOML: " + error.what());
+    throw files::IoError(
+        file.string() +
+        ": has one of these tables in a form to which no line can be added: " + added.front()->table);
   }
   replacement.commit();
 }
 
-}  // namespace sonopose::files::toml
+}  // namespace sonopose::toml

@@ -1,6 +1,6 @@
-#include "files/column_units.hpp"
+#include "csv/column_units.hpp"
 
-#include "files/units.hpp"
+#include "csv/units.hpp"
 #include <sonopose/samples/samples.hpp>
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <utility>
 
-namespace sonopose::files {
+namespace sonopose::csv {
 
 namespace {
 
@@ -126,4 +126,4 @@ std::string units_like(std::string_view unit) {
   return names;
 }
 
-}  // namespace sonopose::files
+}  // namespace sonopose::csv

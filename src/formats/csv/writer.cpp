@@ -1,7 +1,7 @@
-#include "files/csv_writer.hpp"
+#include "csv/writer.hpp"
 
+#include "csv/units.hpp"
 #include "files/append_file.hpp"
-#include "files/units.hpp"
 
 #include <array>
 #include <charconv>
@@ -10,15 +10,15 @@
 #include <exception>
 #include <utility>
 
-namespace sonopose::files {
+namespace sonopose::csv {
 
 namespace {
 
 constexpr std::size_t full_buffer = std::size_t{1} << 16U;  ///< bytes
 
-AppendFile::Existing for_append_file(CsvWriter::Existing existing) {
-  return existing == CsvWriter::Existing::refuse ? AppendFile::Existing::refuse
-                                                 : AppendFile::Existing::replace;
+files::AppendFile::Existing for_append_file(Writer::Existing existing) {
+  return existing == Writer::Existing::refuse ? files::AppendFile::Existing::refuse
+                                              : files::AppendFile::Existing::replace;
 }
 
 template <class Integer>
@@ -30,50 +30,50 @@ void append_integer(std::string& text, Integer value) {
 
 }  // namespace
 
-CsvWriter::CsvWriter(const std::filesystem::path& file, Existing existing, char separator)
-    : file_{std::make_unique<AppendFile>(file, for_append_file(existing))}, separator_{separator} {}
+Writer::Writer(const std::filesystem::path& file, Existing existing, char separator)
+    : file_{std::make_unique<files::AppendFile>(file, for_append_file(existing))}, separator_{separator} {}
 
-CsvWriter::~CsvWriter() {
+Writer::~Writer() {
   try {
     flush();
   } catch (const std::exception&) {  // a destructor cannot report errors
   }
 }
 
-void CsvWriter::header(std::span<const std::string_view> columns) {
+void Writer::header(std::span<const std::string_view> columns) {
   lines_ += '#';
   for (const std::string_view column : columns) text(column);
   end_row();
 }
 
-CsvWriter& CsvWriter::integer(std::int64_t value) {
+Writer& Writer::integer(std::int64_t value) {
   begin_cell();
   append_integer(lines_, value);
   return *this;
 }
 
-CsvWriter& CsvWriter::number(double value) {
+Writer& Writer::number(double value) {
   begin_cell();
   append_number(lines_, value);
   return *this;
 }
 
-CsvWriter& CsvWriter::number_in(long double unit, double value) {
+Writer& Writer::number_in(long double unit, double value) {
   begin_cell();
   append_number_in(unit, lines_, value);
   return *this;
 }
 
-CsvWriter& CsvWriter::known_number(double value) {
+Writer& Writer::known_number(double value) {
   return std::isnan(value) ? empty() : number(value);
 }
 
-CsvWriter& CsvWriter::vector(const Vector3d& value) {
+Writer& Writer::vector(const Vector3d& value) {
   for (const double component : value) number(component);
   return *this;
 }
 
-CsvWriter& CsvWriter::seconds(TimeNs time_ns) {
+Writer& Writer::seconds(TimeNs time_ns) {
   constexpr std::uint64_t per_second = 1'000'000'000;
   constexpr std::size_t decimals = 9;
   begin_cell();
@@ -90,30 +90,30 @@ CsvWriter& CsvWriter::seconds(TimeNs time_ns) {
   return *this;
 }
 
-CsvWriter& CsvWriter::text(std::string_view value) {
+Writer& Writer::text(std::string_view value) {
   begin_cell();
   lines_ += value;
   return *this;
 }
 
-CsvWriter& CsvWriter::empty() {
+Writer& Writer::empty() {
   begin_cell();
   return *this;
 }
 
-void CsvWriter::end_row() {
+void Writer::end_row() {
   lines_ += '\n';
   in_row_ = false;
   if (lines_.size() > full_buffer) flush();
 }
 
-void CsvWriter::flush() {
+void Writer::flush() {
   file_->append(std::as_bytes(std::span(lines_)));
   lines_.clear();
 }
 
-void CsvWriter::begin_cell() {
+void Writer::begin_cell() {
   if (std::exchange(in_row_, true)) lines_ += separator_;
 }
 
-}  // namespace sonopose::files
+}  // namespace sonopose::csv

@@ -1,9 +1,10 @@
-#include "files/csv_reader.hpp"
+#include "csv/reader.hpp"
 
-#include "files/column_units.hpp"
+#include "clocks/utc_time.hpp"
+#include "csv/cells.hpp"
+#include "csv/column_units.hpp"
+#include "csv/units.hpp"
 #include "files/error.hpp"
-#include "files/units.hpp"
-#include "files/utc_time.hpp"
 #include "logging/log.hpp"
 #include <sonopose/text/escaped.hpp>
 
@@ -15,8 +16,7 @@
 #include <utility>
 #include <vector>
 
-namespace sonopose::files {
-
+namespace sonopose::csv {
 namespace {
 
 /// True for a word that programs write for a missing value.
@@ -34,13 +34,13 @@ bool is_comment(std::string_view line) {
 
 }  // namespace
 
-CsvReader::CsvReader(const std::filesystem::path& file, CsvLayout layout)
+Reader::Reader(const std::filesystem::path& file, Layout layout)
     : name_{file.string()}, layout_{std::move(layout)}, lines_{file} {
   layout_.file = name_;
   read_header();
 }
 
-void CsvReader::read_header() {
+void Reader::read_header() {
   std::exception_ptr refusal;
   std::optional<std::string_view> line;
   bool is_found = false;
@@ -53,9 +53,9 @@ void CsvReader::read_header() {
     line = next_line();
     const bool has_units = line && is_line_of_units(names, *line);
     try {
-      header_ = CsvHeader(layout_, names, where, has_units ? *line : std::string_view{});
+      header_ = Header(layout_, names, where, has_units ? *line : std::string_view{});
       is_found = true;
-    } catch (const IoError&) {
+    } catch (const files::IoError&) {
       if (is_last_try) throw;
       refusal = std::current_exception();
     }
@@ -64,7 +64,8 @@ void CsvReader::read_header() {
   while (line && line->starts_with('#') && !is_found) read_names(false);
   if (!is_found) {
     if (!line && refusal) std::rethrow_exception(refusal);
-    if (!line) throw IoError(name_ + ": is empty; expected a header line with the names of the columns");
+    if (!line)
+      throw files::IoError(name_ + ": is empty; expected a header line with the names of the columns");
     // Below a comment, a row of numbers is not the header.
     if (refusal && parse_number(line->substr(0, line->find_first_not_of("+-.0123456789eE"))))
       std::rethrow_exception(refusal);
@@ -72,8 +73,8 @@ void CsvReader::read_header() {
   }
   if (line) read_ahead_ = std::make_unique<std::string>(*line);
   if (header_.width() > cells_.size()) {
-    throw IoError(name_ + ": the header has " + std::to_string(header_.width()) + " columns; at most " +
-                  std::to_string(cells_.size()) + " are read");
+    throw files::IoError(name_ + ": the header has " + std::to_string(header_.width()) +
+                         " columns; at most " + std::to_string(cells_.size()) + " are read");
   }
   if (layout_.given_names != nullptr) {
     layout_.given_names->unused_by_file[name_].push_back(header_.unknown());
@@ -86,21 +87,21 @@ void CsvReader::read_header() {
 }
 
 /// The next line that is not blank.
-std::optional<std::string_view> CsvReader::next_line() {
+std::optional<std::string_view> Reader::next_line() {
   for (auto line = lines_.next(); line; line = lines_.next()) {
     if (!trimmed(*line).empty()) return trimmed(*line);
   }
   return std::nullopt;
 }
 
-bool CsvReader::next_row() {
+bool Reader::next_row() {
   while (read_row()) {
     if (layout_.last_value.empty() || text(layout_.columns.size() - 1) == layout_.last_value) return true;
   }
   return false;
 }
 
-bool CsvReader::read_row() {
+bool Reader::read_row() {
   const bool is_first = row_.empty();
   std::optional<std::string_view> line = is_first && read_ahead_ ? *read_ahead_ : next_line();
   while (line && is_comment(*line)) line = next_line();
@@ -124,14 +125,14 @@ bool CsvReader::read_row() {
 }
 
 /// A row in which decimal commas, as between semicolons, are points.
-std::string_view CsvReader::with_points(std::string_view line) {
+std::string_view Reader::with_points(std::string_view line) {
   if (line.find(',') == std::string_view::npos) return line;
   decimal_row_ = std::make_unique<std::string>(line);
   std::ranges::replace(*decimal_row_, ',', '.');
   return *decimal_row_;
 }
 
-void CsvReader::detect_seconds() {
+void Reader::detect_seconds() {
   std::vector<std::size_t> times;
   for (std::size_t column = 0; column < layout_.columns.size(); ++column) {
     const bool is_time = unit_factor("s", header_.own_unit(column)).has_value();
@@ -151,12 +152,12 @@ void CsvReader::detect_seconds() {
 }
 
 /// A time that is no whole number of nanoseconds: with a unit, with decimals, or a date.
-TimeNs CsvReader::other_time_ns(std::size_t column) const {
+TimeNs Reader::other_time_ns(std::size_t column) const {
   const std::string_view text = cell(column);
   const long double factor = header_.factor(column);
   const auto time = parse_long_number(text);
   if (!time) {
-    const auto utc_ns = utc_time_ns(text);
+    const auto utc_ns = clocks::utc_time_ns(text);
     if (!utc_ns) fail(column, "is not a time");
     return *utc_ns;
   }
@@ -167,9 +168,9 @@ TimeNs CsvReader::other_time_ns(std::size_t column) const {
 }
 
 /// The nanoseconds of a time in two columns.
-TimeNs CsvReader::nanoseconds() const {
+TimeNs Reader::nanoseconds() const {
   const std::size_t place = header_.nanoseconds_place();
-  if (place == CsvHeader::missing) return 0;
+  if (place == Header::missing) return 0;
   const auto number = parse_number(place < cells_.size() ? cells_[place] : std::string_view{});
   constexpr double second_ns = 1e9;
   if (!number || *number < 0.0 || *number >= second_ns || *number != std::floor(*number))
@@ -177,7 +178,7 @@ TimeNs CsvReader::nanoseconds() const {
   return static_cast<TimeNs>(*number);
 }
 
-TimeNs CsvReader::time_ns(std::size_t column) const {
+TimeNs Reader::time_ns(std::size_t column) const {
   const std::string_view text = cell(column);
   const long double factor = header_.factor(column);
   TimeNs value = 0;
@@ -192,33 +193,33 @@ TimeNs CsvReader::time_ns(std::size_t column) const {
   return value;
 }
 
-double CsvReader::number(std::size_t column) const {
+double Reader::number(std::size_t column) const {
   const long double factor = header_.factor(column);
   const auto value = factor == 1.0L ? parse_number(cell(column)) : parse_number_in(factor, cell(column));
   if (!value) fail(column, "is not a number");
   return *value;
 }
 
-std::optional<double> CsvReader::optional_number(std::size_t column) const {
+std::optional<double> Reader::optional_number(std::size_t column) const {
   if (is_empty(column)) return std::nullopt;
   return number(column);
 }
 
-Vector3d CsvReader::vector(std::size_t first_column) const {
+Vector3d Reader::vector(std::size_t first_column) const {
   return {number(first_column), number(first_column + 1), number(first_column + 2)};
 }
 
-double CsvReader::number_in(long double unit, std::size_t column) const {
+double Reader::number_in(long double unit, std::size_t column) const {
   const auto value = parse_number_in(unit * header_.factor(column), cell(column));
   if (!value) fail(column, "is not a number");
   return *value;
 }
 
-bool CsvReader::has(std::size_t column) const {
-  return header_.place(column) != CsvHeader::missing;
+bool Reader::has(std::size_t column) const {
+  return header_.place(column) != Header::missing;
 }
 
-std::size_t CsvReader::filled(std::size_t first_column, std::size_t count) const {
+std::size_t Reader::filled(std::size_t first_column, std::size_t count) const {
   std::size_t filled = 0;
   for (std::size_t column = first_column; column < first_column + count; ++column) {
     if (!is_empty(column)) ++filled;
@@ -226,7 +227,7 @@ std::size_t CsvReader::filled(std::size_t first_column, std::size_t count) const
   return filled;
 }
 
-bool CsvReader::all_filled(std::size_t first_column, std::size_t count) const {
+bool Reader::all_filled(std::size_t first_column, std::size_t count) const {
   const bool first_empty = is_empty(first_column);
   for (std::size_t column = first_column + 1; column < first_column + count; ++column) {
     if (is_empty(column) == first_empty) continue;
@@ -235,8 +236,8 @@ bool CsvReader::all_filled(std::size_t first_column, std::size_t count) const {
   return !first_empty;
 }
 
-void CsvReader::fail(std::size_t column, std::string_view what) const {
-  if (header_.place(column) == CsvHeader::missing) {
+void Reader::fail(std::size_t column, std::string_view what) const {
+  if (header_.place(column) == Header::missing) {
     fail_line("has no column \"" + std::string(layout_.columns[column]) + "\": it " + std::string(what));
   }
   std::string_view written;  // with decimal commas, and with words for a missing value
@@ -247,8 +248,8 @@ void CsvReader::fail(std::size_t column, std::string_view what) const {
             std::string(written) + "\" " + std::string(what));
 }
 
-void CsvReader::fail_line(std::string_view what) const {
-  throw IoError(position() + ": " + std::string(what));
+void Reader::fail_line(std::string_view what) const {
+  throw files::IoError(position() + ": " + std::string(what));
 }
 
-}  // namespace sonopose::files
+}  // namespace sonopose::csv

@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-namespace sonopose::files::toml {
+namespace sonopose::toml {
 
 /// A date, an array of arrays or another value that no file of this project has.
 struct OtherValue {};
@@ -29,9 +29,9 @@ struct Leaf {
   std::size_t line = 0;
 };
 
-/// Returns all values in the order of their keys. Throws IoError that names file and line if the file cannot
-/// be read or is not TOML. Also throws if it has more than 16 MiB, a line more than 32 dots or a key more
-/// than 16 parts.
+/// Returns all values in the order of their keys. Throws files::IoError that names file and line if the file
+/// cannot be read or is not TOML. Also throws if it has more than 16 MiB, a line more than 32 dots or a key
+/// more than 16 parts.
 std::vector<Leaf> read_leaves(const std::filesystem::path& file);
 
 /// Returns the files that together have the values of `file`, in the order in which a value replaces those
@@ -46,4 +46,4 @@ std::vector<std::string> unread_drop_ins(const std::filesystem::path& file);
 /// Returns the value as in a file: texts in quotes.
 std::string text_of(const Value& value);
 
-}  // namespace sonopose::files::toml
+}  // namespace sonopose::toml

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace sonopose::files {
+namespace sonopose::csv {
 
 /// Factor that converts values in `unit` to `wanted`; empty if they are of different quantities, or if either
 /// is unknown.
@@ -18,4 +18,4 @@ bool is_unit(std::string_view unit);
 /// Names of the units of the quantity that `unit` belongs to: "ns, us, ms, s".
 std::string units_like(std::string_view unit);
 
-}  // namespace sonopose::files
+}  // namespace sonopose::csv

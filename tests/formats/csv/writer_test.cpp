@@ -1,4 +1,4 @@
-#include "files/csv_writer.hpp"
+#include "csv/writer.hpp"
 
 #include "files/error.hpp"
 #include "support/temporary_folder.hpp"
@@ -12,12 +12,12 @@ namespace csv_writer_test {
 
 using namespace sonopose;
 using namespace sonopose::test;
-using files::CsvWriter;
+using csv::Writer;
 
 TEST_CASE("each kind of cell reads back unchanged") {
   const TemporaryFolder folder;
   {
-    CsvWriter rows(folder / "t.csv", CsvWriter::Existing::refuse);
+    Writer rows(folder / "t.csv", Writer::Existing::refuse);
     const std::array<std::string_view, 3> columns{"time [ns]", "x [m]", "word"};
     rows.header(columns);
     rows.integer(-5).number(0.1).text("used|first").end_row();
@@ -30,7 +30,7 @@ TEST_CASE("each kind of cell reads back unchanged") {
 TEST_CASE("seconds are the exact nanoseconds, whichever side of the epoch") {
   const TemporaryFolder folder;
   {
-    CsvWriter rows(folder / "t.txt", CsvWriter::Existing::refuse, ' ');
+    Writer rows(folder / "t.txt", Writer::Existing::refuse, ' ');
     for (const TimeNs time_ns : {TimeNs{1'700'000'000'000'000'001}, TimeNs{0}, TimeNs{-1},
                                  TimeNs{1'050'000'000}, std::numeric_limits<TimeNs>::min()}) {
       rows.seconds(time_ns).number(1.5).end_row();
@@ -44,16 +44,16 @@ TEST_CASE("seconds are the exact nanoseconds, whichever side of the epoch") {
 TEST_CASE("an existing file is refused or replaced, as asked") {
   const TemporaryFolder folder;
   write_text(folder / "t.csv", "something longer than what comes now\n");
-  CHECK_THROWS_AS(CsvWriter(folder / "t.csv", CsvWriter::Existing::refuse), files::IoError);
-  CsvWriter(folder / "t.csv", CsvWriter::Existing::replace).integer(1).end_row();
+  CHECK_THROWS_AS(Writer(folder / "t.csv", Writer::Existing::refuse), files::IoError);
+  Writer(folder / "t.csv", Writer::Existing::replace).integer(1).end_row();
   CHECK(read_text(folder / "t.csv") == "1\n");
 }
 
 TEST_CASE("a write error names the file") {
   const TemporaryFolder folder;
-  CHECK_THROWS_WITH(CsvWriter(folder / "none/t.csv", CsvWriter::Existing::replace),
+  CHECK_THROWS_WITH(Writer(folder / "none/t.csv", Writer::Existing::replace),
                     Catch::Contains("none/t.csv") && Catch::Contains("No such file"));
-  CsvWriter full("/dev/full", CsvWriter::Existing::replace);
+  Writer full("/dev/full", Writer::Existing::replace);
   full.integer(1).end_row();
   CHECK_THROWS_WITH(full.flush(), Catch::Contains("/dev/full") && Catch::Contains("No space left"));
 }

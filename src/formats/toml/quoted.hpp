@@ -4,9 +4,9 @@
 
 #include <string>
 
-namespace sonopose::files::toml {
+namespace sonopose::toml {
 
 /// Returns any bytes as a quoted text on one line of valid UTF-8.
 std::string quoted(std::string text);
 
-}  // namespace sonopose::files::toml
+}  // namespace sonopose::toml

@@ -1,7 +1,7 @@
-#include "files/toml/merge.hpp"
+#include "toml/merge.hpp"
 
-#include "files/toml/toml_leaves.hpp"
 #include "support/temporary_folder.hpp"
+#include "toml/leaves.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -12,7 +12,7 @@ namespace merge_test {
 using namespace sonopose;
 using namespace sonopose::test;
 using Catch::Contains;
-using files::toml::Assignment;
+using toml::Assignment;
 
 const std::vector<Assignment> assignments{{"heading", "mount_offset_deg", "84.5", "+- 0.2 deg"},
                                           {"delay", "correction_s", "-0.012", ""}};
@@ -25,7 +25,7 @@ SCENARIO("merging changes only the lines of its values") {
                "# mine\n[heading]  # of the pair\nmount_offset_deg = 90.0 # guessed\n\n[delay]\nprocessing_s "
                "= 0.07\n");
     WHEN("values are merged") {
-      files::toml::merge(file, assignments);
+      toml::merge(file, assignments);
       THEN("everything else is as it was") {
         CHECK(read_text(file) ==
               "# mine\n[heading]  # of the pair\nmount_offset_deg = 84.5  # +- 0.2 deg\n\n[delay]\n"
@@ -36,7 +36,7 @@ SCENARIO("merging changes only the lines of its values") {
   GIVEN("a file with the line ends of Windows and a byte order mark") {
     write_text(file, "\xEF\xBB\xBF[heading]\r\nmount_offset_deg = 90.0\r\n# mine");
     WHEN("values are merged") {
-      files::toml::merge(file, assignments);
+      toml::merge(file, assignments);
       THEN("its lines end as before, also the new ones") {
         CHECK(read_text(file) ==
               "\xEF\xBB\xBF[heading]\r\nmount_offset_deg = 84.5  # +- 0.2 deg\r\n# mine\r\n"
@@ -45,9 +45,9 @@ SCENARIO("merging changes only the lines of its values") {
     }
   }
   GIVEN("no file") {
-    files::toml::merge(file, assignments);
+    toml::merge(file, assignments);
     THEN("there is one with the values") {
-      const auto leaves = files::toml::read_leaves(file);
+      const auto leaves = toml::read_leaves(file);
       REQUIRE(leaves.size() == 2);
       CHECK(leaves[0].key == "delay.correction_s");
       CHECK(std::get<double>(leaves[0].value) == -0.012);
@@ -63,7 +63,7 @@ SCENARIO("a file is refused by its size before it is read") {
     write_text(file, "a = 1\n");
     std::filesystem::resize_file(file, 20'000'000);
     THEN("the error names file, size and limit") {
-      CHECK_THROWS_WITH(files::toml::read_leaves(file),
+      CHECK_THROWS_WITH(toml::read_leaves(file),
                         file.string() + ": has 20000000 bytes, the limit of a TOML file is 16777216");
     }
   }
@@ -78,7 +78,7 @@ SCENARIO("a file that cannot be merged stays as it is") {
     GIVEN(text) {
       write_text(file, text);
       THEN("the error names it") {
-        CHECK_THROWS_WITH(files::toml::merge(file, assignments), Contains("fusion.toml"));
+        CHECK_THROWS_WITH(toml::merge(file, assignments), Contains("fusion.toml"));
         CHECK(read_text(file) == text);
       }
     }
