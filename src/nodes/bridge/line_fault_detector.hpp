@@ -2,7 +2,7 @@
 /// \file
 /// Detects an open line that delivers no frames.
 
-#include "transitions/bounded_log.hpp"
+#include "logging/bounded_log.hpp"
 #include <sonopose/samples/status.hpp>
 
 #include <array>
@@ -33,7 +33,7 @@ public:
   void judge(LineStatus& line, SteadyTime now);
 
   /// The line's log, for its other changes.
-  [[nodiscard]] transitions::BoundedLog& log() { return log_; }
+  [[nodiscard]] logging::BoundedLog& log() { return log_; }
 
 private:
   /// Amount delivered, and the time of its last increase.
@@ -56,7 +56,7 @@ private:
   LineState logged_ = LineState::open;
   /// Bound for a device that comes and goes.
   static constexpr std::uint64_t max_lines_per_minute = 8;
-  transitions::BoundedLog log_{max_lines_per_minute};
+  logging::BoundedLog log_{max_lines_per_minute};
 };
 
 }  // namespace sonopose::bridge

@@ -69,7 +69,7 @@ EventOutcome BeaconEstimator::process(const collation::CollatedEvent& collated) 
   }
   if (const auto* imu = std::get_if<ImuSample>(&event)) {
     const auto limit = estimation::aiding::exceeded_limit(estimator_.settings().admission, *imu);
-    if (limit) refusals_.on_excess(limit->key, limit->value);
+    if (limit) refusals_.on_excess(*limit);
   }
   if (const auto* fix = std::get_if<UltrasonicFix>(&event))
     height_check_.on(estimator_.settings().planar, *fix);

@@ -7,10 +7,10 @@
 #include "fusion/twist_use.hpp"
 #include "presence/beacon_presence.hpp"
 #include "presence/silence.hpp"
-#include "transitions/fix_refusals.hpp"
 #include "transitions/transition_detector.hpp"
 #include <sonopose/collation/collator.hpp>
 #include <sonopose/collation/lossless_collator.hpp>
+#include <sonopose/estimation/aiding/fix_refusals.hpp>
 #include <sonopose/estimation/aiding/height_check.hpp>
 #include <sonopose/estimation/any_estimator.hpp>
 #include <sonopose/estimation/sensor_fault_detector.hpp>
@@ -111,7 +111,8 @@ public:
   /// Digest of every pose and of the present state. A replay of the same events gives the same digest.
   [[nodiscard]] std::string state_hash();
 
-  /// A message about refused fixes (transitions::FixRefusals), if there is news. Call it once a second.
+  /// A message about refused fixes (estimation::aiding::FixRefusals), if there is news. Call it once a
+  /// second.
   std::optional<std::string> fix_refusals(SteadyTime now) { return refusals_.update(now); }
 
   /// A message about fixes far from the height of a planar body, once until they agree.
@@ -148,7 +149,7 @@ private:
   std::uint64_t bridge_ = 0;  ///< sender of the latest IMU sample
   std::optional<SteadyTime> bridge_lost_at_;
   bool loss_is_counted_ = false;
-  transitions::FixRefusals refusals_;
+  estimation::aiding::FixRefusals refusals_;
   estimation::aiding::HeightCheck height_check_;
   bool height_contradicts_ = false;
   TwistUse twist_use_;

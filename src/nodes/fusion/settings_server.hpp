@@ -5,9 +5,9 @@
 #include "fusion/beacon_estimators.hpp"
 #include "fusion/changed_settings.hpp"
 #include "fusion/settings_requests.hpp"
+#include "logging/bounded_log.hpp"
 #include "presence/address_set.hpp"
 #include "threads/guarded.hpp"
-#include "transitions/bounded_log.hpp"
 #include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/topics.hpp>
 
@@ -60,7 +60,7 @@ private:
   SettingsRequests requests_;
   ChangedSettings changed_settings_{estimators_, addresses_};
   static constexpr std::uint64_t max_logged_per_minute = 60;
-  transitions::BoundedLog log_{max_logged_per_minute};
+  logging::BoundedLog log_{max_logged_per_minute};
   std::uint64_t last_logged_id_ = 0;  ///< request id; a sender repeats its request until the reply arrives
   dds::pub::DataWriter<sonopose_EffectiveSettings> settings_writer_;
   dds::pub::DataWriter<sonopose_EffectiveSettings> changed_writer_;

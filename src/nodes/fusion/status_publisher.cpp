@@ -106,7 +106,7 @@ void StatusPublisher::log_gaps(bool waited_for_consumer) {
 
 void StatusPublisher::log_losses(std::uint64_t unwritten, bool is_last) {
   const SteadyTime now = clocks::steady_now();
-  const auto more = [&](transitions::IncreaseLog& log, std::uint64_t count) {
+  const auto more = [&](logging::IncreaseLog& log, std::uint64_t count) {
     return is_last ? log.finish(count) : log.update(count, now);
   };
   if (const auto lost = more(unwritten_log_, unwritten + unwritten_)) {

@@ -6,9 +6,9 @@
 #include "fusion/gap_detector.hpp"
 #include "fusion/overload.hpp"
 #include "fusion/pose_publisher.hpp"
+#include "logging/increase_log.hpp"
 #include "process/endpoint_counters.hpp"
 #include "threads/guarded.hpp"
-#include "transitions/increase_log.hpp"
 #include "transitions/transition_log.hpp"
 #include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/topics.hpp>
@@ -62,9 +62,9 @@ private:
   dds::pub::DataWriter<sonopose_Estimate> estimate_writer_;
   GapDetector gaps_;
   std::uint64_t unwritten_ = 0;  ///< unwritten statuses and estimates
-  transitions::IncreaseLog unwritten_log_;
-  transitions::IncreaseLog incompatible_log_;
-  std::map<BeaconAddress, transitions::IncreaseLog> late_logs_;
+  logging::IncreaseLog unwritten_log_;
+  logging::IncreaseLog incompatible_log_;
+  std::map<BeaconAddress, logging::IncreaseLog> late_logs_;
   bool overload_reported_ = false;
 };
 

@@ -11,7 +11,6 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
 #include <chrono>
 #include <deque>
 #include <memory>

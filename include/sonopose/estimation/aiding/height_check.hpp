@@ -29,7 +29,7 @@ public:
 private:
   settings::PlanarSettings settings_;
   std::size_t count_ = 0;
-  double mean_m_ = 0;  ///< of the heights above the plane
+  double mean_m_ = 0;  ///< mean height above the plane
   double variance_m2_ = 0;
 };
 

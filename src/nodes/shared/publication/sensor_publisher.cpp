@@ -2,6 +2,7 @@
 
 #include "clocks/clocks.hpp"
 #include "files/error.hpp"
+#include "logging/increase_log.hpp"
 #include "logging/later.hpp"
 #include "logging/log.hpp"
 #include "presence/silence.hpp"
@@ -14,7 +15,6 @@
 #include "publication/other_bridges.hpp"
 #include "publication/stationary_map.hpp"
 #include "publication/topic_writers.hpp"
-#include "transitions/increase_log.hpp"
 #include "transitions/transition_log.hpp"
 #include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/dds/topics/topics.hpp>
@@ -169,7 +169,7 @@ private:
   StationaryMap map_;
   SteadyTime status_due_;
   SteadyTime status_last_;
-  transitions::IncreaseLog unwritten_log_;
+  logging::IncreaseLog unwritten_log_;
   /// Used in logging::later() only: the sample thread formats no lines.
   std::shared_ptr<transitions::TransitionLog> transition_log_ =
       std::make_shared<transitions::TransitionLog>();

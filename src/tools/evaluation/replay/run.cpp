@@ -218,7 +218,7 @@ void run_engine(const recording::SensorLog& log, const RunOptions& options, Resu
     if (const auto* fix = std::get_if<UltrasonicFix>(&event)) heights.on(estimator.settings().planar, *fix);
     if (const auto* imu = std::get_if<ImuSample>(&event)) {
       const auto limit = estimation::aiding::exceeded_limit(estimator.settings().admission, *imu);
-      if (limit) results.result().refusals.on_excess(limit->key, limit->value);
+      if (limit) results.result().refusals.on_excess(*limit);
     }
     auto output = estimation::process(estimator, event);
     if (auto* pose = std::get_if<FusedPose>(&output)) {

@@ -8,7 +8,7 @@
 #include "evaluation/score/prediction_errors.hpp"
 #include "evaluation/score/score.hpp"
 #include "recording/log_folder.hpp"
-#include "transitions/fix_refusals.hpp"
+#include <sonopose/estimation/aiding/fix_refusals.hpp>
 #include <sonopose/estimation/aiding/height_check.hpp>
 #include <sonopose/estimation/any_estimator.hpp>
 #include <sonopose/estimation/offline/smoother.hpp>
@@ -81,7 +81,7 @@ struct RunResult {
   EstimatorCounters counters;
   FixFlagCounts fix_flags;
   FixFlagCounts rejected_fix_flags;  ///< flags of the unused fixes
-  transitions::RefusedFixes refusals;
+  estimation::aiding::RefusedFixes refusals;
   std::optional<estimation::aiding::HeightProblem> height_problem{};  ///< at the end
   std::vector<std::string> unused_inputs{};  ///< texts about velocities and headings: none could be used
   std::vector<std::string> remarks{};  ///< texts about velocities: rejected, or unused as settings demand

@@ -3,9 +3,9 @@
 /// Logs problems of this process's own readers.
 
 #include "clocks/clocks.hpp"
+#include "logging/increase_log.hpp"
 #include "logging/log.hpp"
 #include "process/endpoint_counters.hpp"
-#include "transitions/increase_log.hpp"
 #include <sonopose/text/count_text.hpp>
 
 namespace sonopose::observation::bus {
@@ -31,9 +31,9 @@ public:
   }
 
 private:
-  transitions::IncreaseLog incompatible_;
-  transitions::IncreaseLog lost_;
-  transitions::IncreaseLog rejected_;
+  logging::IncreaseLog incompatible_;
+  logging::IncreaseLog lost_;
+  logging::IncreaseLog rejected_;
 };
 
 }  // namespace sonopose::observation::bus

@@ -1,14 +1,13 @@
-#include "transitions/fix_refusals.hpp"
-
+#include <sonopose/estimation/aiding/fix_refusals.hpp>
+#include <sonopose/settings/settings_table.hpp>
 #include <sonopose/text/count_text.hpp>
-
-#include <fmt/format.h>
+#include <sonopose/text/number_text.hpp>
 
 #include <algorithm>
 #include <cstddef>
 #include <utility>
 
-namespace sonopose::transitions {
+namespace sonopose::estimation::aiding {
 
 bool RefusedFixes::on(const FixReport& report) noexcept {
   const auto cause = refusal_of(report);
@@ -41,21 +40,20 @@ std::string RefusedFixes::reason() const {
   const FixRefusal cause = most_frequent();
   const Refused& most = refused_.at(static_cast<std::size_t>(cause));
   const std::string share =
-      most.fixes < count() ? fmt::format("{} of them for this reason: ", most.fixes) : "";
+      most.fixes < count() ? std::to_string(most.fixes) + " of them for this reason: " : "";
   switch (cause) {
     case FixRefusal::low_quality:
       return share + "their quality is below admission.min_quality_percent";
     case FixRefusal::no_imu:
       if (imu_refused_ == 0) return share + "no IMU sample has arrived";
-      return fmt::format("{}{} refused, above {} ({})", share,
-                         text::count_text(imu_refused_, "IMU sample was", "IMU samples were"), key_, limit_);
+      return share + text::count_text(imu_refused_, "IMU sample was", "IMU samples were") +
+             " refused, above " + limit_.key + " (" + settings::to_text(limit_.value) + ")";
     case FixRefusal::too_old:
-      return fmt::format(
-          "{}the latest is {:.3f} s older than the IMU samples, more than admission.max_fix_age_s", share,
-          most.age_s);
+      return share + "the latest is " + text::number_text(most.age_s, 3) +
+             " s older than the IMU samples, more than admission.max_fix_age_s";
     case FixRefusal::too_new:
-      return fmt::format("{}the latest is {:.3f} s newer than the IMU samples: set the clocks", share,
-                         -most.age_s);
+      return share + "the latest is " + text::number_text(-most.age_s, 3) +
+             " s newer than the IMU samples: set the clocks";
     case FixRefusal::invalid:
       break;
   }
@@ -76,7 +74,7 @@ std::optional<std::string> FixRefusals::update(SteadyTime now) {
   }
   if (reported_ || refused_.count() < 2 || now - *since_ < timeout_ns) return std::nullopt;
   reported_ = true;
-  return fmt::format("all fixes are refused, {} until now: {}", refused_.count(), refused_.reason());
+  return "all fixes are refused, " + std::to_string(refused_.count()) + " until now: " + refused_.reason();
 }
 
-}  // namespace sonopose::transitions
+}  // namespace sonopose::estimation::aiding

@@ -1,6 +1,6 @@
 /// A series of refused fixes is reported once, with the reason.
 
-#include "transitions/fix_refusals.hpp"
+#include <sonopose/estimation/aiding/fix_refusals.hpp>
 
 #include <catch2/catch.hpp>
 
@@ -8,7 +8,7 @@ namespace fix_refusals_test {
 
 using namespace sonopose;
 using Catch::Contains;
-using transitions::FixRefusals;
+using estimation::aiding::FixRefusals;
 
 constexpr TimeNs second_ns = 1'000'000'000;
 
@@ -91,7 +91,7 @@ SCENARIO("refused fixes are reported once, after a second") {
     THEN("IMU samples that are all above a limit are named with it") {
       FixReport one = report(fix_invalid, 0.1);
       one.applied_time_ns = 0;
-      for (int i = 0; i < 340; ++i) refusals.on_excess("admission.max_angular_rate_radps", 80.0);
+      for (int i = 0; i < 340; ++i) refusals.on_excess({"admission.max_angular_rate_radps", 80.0});
       CHECK_THAT(reason_of(one), Contains("340 IMU samples were refused, above "
                                           "admission.max_angular_rate_radps (80)") &&
                                      !Contains("arrived"));
@@ -100,7 +100,7 @@ SCENARIO("refused fixes are reported once, after a second") {
 }
 
 SCENARIO("refused fixes of a whole run are counted, also after one that was accepted") {
-  transitions::RefusedFixes refused;
+  estimation::aiding::RefusedFixes refused;
   CHECK(refused.reason().empty());
   CHECK_FALSE(refused.are_of_another_clock());
   CHECK(refused.on(report(fix_invalid, -0.7)));

@@ -1,11 +1,11 @@
-#include "transitions/increase_log.hpp"
+#include "logging/increase_log.hpp"
 
 #include <catch2/catch.hpp>
 
 namespace increase_log_test {
 
 using namespace sonopose;
-using transitions::IncreaseLog;
+using logging::IncreaseLog;
 
 constexpr TimeNs second_ns = 1'000'000'000;
 

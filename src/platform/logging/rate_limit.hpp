@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <utility>
 
-namespace sonopose::transitions {
+namespace sonopose::logging {
 
 /// Admits some lines within a time window, and counts the others. Not thread-safe.
 class RateLimit {
@@ -50,4 +50,4 @@ private:
   std::uint64_t suppressed_ = 0;
 };
 
-}  // namespace sonopose::transitions
+}  // namespace sonopose::logging

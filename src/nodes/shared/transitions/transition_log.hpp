@@ -2,8 +2,8 @@
 /// \file
 /// Logs changes of state, each once, and bounds how often a flapping state is logged.
 
+#include "logging/rate_limit.hpp"
 #include "transitions/line.hpp"
-#include "transitions/rate_limit.hpp"
 #include "transitions/transition.hpp"
 
 #include <array>
@@ -41,7 +41,7 @@ public:
 
 private:
   struct Flapping {
-    RateLimit limit;
+    logging::RateLimit limit;
     Transition latest;  ///< latest transition that was left out
   };
 

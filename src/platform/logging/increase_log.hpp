@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-namespace sonopose::transitions {
+namespace sonopose::logging {
 
 /// Reports increases of a counter: the first immediately, those of the following minute as one sum. Not
 /// thread-safe.
@@ -34,4 +34,4 @@ private:
   std::optional<SteadyTime> logged_;
 };
 
-}  // namespace sonopose::transitions
+}  // namespace sonopose::logging

@@ -2,6 +2,7 @@
 /// \file
 /// Detects that all fixes of a beacon are refused, and the reason.
 
+#include <sonopose/estimation/aiding/reading_limits.hpp>
 #include <sonopose/samples/fix_refusal.hpp>
 #include <sonopose/samples/pose.hpp>
 #include <sonopose/samples/samples.hpp>
@@ -11,7 +12,7 @@
 #include <optional>
 #include <string>
 
-namespace sonopose::transitions {
+namespace sonopose::estimation::aiding {
 
 /// Refused fixes by cause. A fix is refused if it is too old, from the future, out of order, out of range or
 /// of low quality. Outliers are judged, not refused.
@@ -20,10 +21,9 @@ public:
   /// Takes a report of the engine; returns false if its fix was not refused. Does not allocate.
   bool on(const FixReport& report) noexcept;
 
-  /// Takes an IMU sample that exceeds a limit of the settings. `key` must outlive this.
-  void on_excess(const char* key, double limit) noexcept {
+  /// Takes an IMU sample that exceeds a limit of the settings.
+  void on_excess(const ExceededLimit& limit) noexcept {
     ++imu_refused_;
-    key_ = key;
     limit_ = limit;
   }
 
@@ -44,8 +44,7 @@ private:
 
   std::array<Refused, fix_refusal_count> refused_;
   std::uint64_t imu_refused_ = 0;
-  const char* key_ = "";  ///< limit that the latest of these exceeds
-  double limit_ = 0;
+  ExceededLimit limit_;  ///< limit that the latest of these exceeds
 };
 
 /// Refusals of one beacon since the last accepted fix. Call `update` about once a second.
@@ -57,7 +56,7 @@ public:
   void on(const FixReport& report) noexcept;
 
   /// Takes an IMU sample that exceeds a limit (RefusedFixes).
-  void on_excess(const char* key, double limit) noexcept { refused_.on_excess(key, limit); }
+  void on_excess(const ExceededLimit& limit) noexcept { refused_.on_excess(limit); }
 
   /// A message for the user: once when all fixes have been refused for `timeout_ns`, with the most frequent
   /// cause, and once when one is accepted again.
@@ -69,4 +68,4 @@ private:
   bool reported_ = false;
 };
 
-}  // namespace sonopose::transitions
+}  // namespace sonopose::estimation::aiding

@@ -1,4 +1,4 @@
-#include "transitions/bounded_log.hpp"
+#include "logging/bounded_log.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -14,7 +14,7 @@ constexpr TimeNs second_ns = 1'000'000'000;
 
 SCENARIO("a device that comes and goes does not fill the log") {
   std::vector<std::string> lines;
-  transitions::BoundedLog log(8, [&](Level, const std::string& text) { lines.push_back(text); });
+  logging::BoundedLog log(8, [&](Level, const std::string& text) { lines.push_back(text); });
   const SteadyTime begin{100 * second_ns};
   for (int i = 0; i < 100; ++i) {
     log.write(Level::warning, i % 2 == 0 ? "waiting for a" : "reading a", begin + i * second_ns / 4);
@@ -44,7 +44,7 @@ SCENARIO("a device that comes and goes does not fill the log") {
 
 SCENARIO("a single line that was delayed is complete, and one that was left out is singular") {
   std::string last;
-  transitions::BoundedLog log(1, [&](Level, const std::string& text) { last = text; });
+  logging::BoundedLog log(1, [&](Level, const std::string& text) { last = text; });
   const SteadyTime now{100 * second_ns};
   log.write(Level::info, "a", now);
   log.write(Level::info, "b", now);
