@@ -6,6 +6,7 @@
 #include "marvelmind/assembler.hpp"
 #include "marvelmind/dashboard_line.hpp"
 #include "recording/log_columns.hpp"
+#include "recording/merge.hpp"
 #include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>

@@ -7,6 +7,7 @@
 #include "mcap/reader.hpp"
 #include "recording/input_check.hpp"
 #include "recording/log_columns.hpp"
+#include "recording/merge.hpp"
 #include "ros2/bag/bag_log.hpp"
 #include <sonopose/collation/collator.hpp>
 #include <sonopose/dds/topics/serialized_topics.hpp>

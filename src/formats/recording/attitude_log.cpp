@@ -4,6 +4,7 @@
 #include "files/missing.hpp"
 #include "recording/input_check.hpp"
 #include "recording/log_columns.hpp"
+#include "recording/log_files.hpp"
 
 #include <utility>
 

@@ -17,7 +17,7 @@
 /// but time and position are optional. Errors are files::IoError that name file, line, column and value.
 
 #include "files/error.hpp"
-#include "recording/log_columns.hpp"
+#include "recording/log_files.hpp"
 #include <sonopose/samples/samples.hpp>
 
 #include <filesystem>
@@ -29,12 +29,6 @@ namespace sonopose::recording {
 
 /// The beacon address if neither meta.toml nor the user gives one.
 inline constexpr BeaconAddress default_log_address = 7;
-
-/// A measurement of the vehicle's odometer.
-struct WheelSpeed {
-  TimeNs time_ns = 0;
-  double speed_mps = 0;  ///< speed; negative: backwards
-};
 
 /// A complete recording.
 struct SensorLog {
@@ -57,49 +51,5 @@ struct ImuLog {
 
 /// Reads only the IMU samples of a folder. Throws files::IoError.
 ImuLog read_imu_log(const std::filesystem::path& folder, std::optional<BeaconAddress> address = {});
-
-/// Merges the streams and numbers the events from 1. An IMU sample comes at its stamp, any other at its
-/// receipt; at equal times IMU, fix, heading, velocity. Each stream keeps its order: a row that is earlier
-/// than its predecessor follows directly after it. Where the clock of all streams was set back, what came
-/// before the step is merged before the rest.
-///
-/// Leaves out IMU samples with wrong stamps far in the future, which the estimators would follow, and says so
-/// in the warnings, after `name`. A stamp counts as wrong if it is more than 1 s later than the stamp before
-/// it and than most of the next 128, and the stamps then step back by more than 1 s.
-SensorLog merge_by_availability(const std::string& name, const std::vector<ImuSample>& imu,
-                                const std::vector<UltrasonicFix>& fixes,
-                                const std::vector<PairHeading>& headings,
-                                const std::vector<TwistSample>& twists = {});
-
-/// Leaves the same samples out of events that are in order already, numbered from 1, and renumbers them.
-void leave_far_ahead_out(const std::string& name, SensorLog& log);
-
-/// The IMU samples of a table.
-struct ImuTable {
-  std::vector<ImuSample> samples;
-  std::size_t rows_without_values = 0;  ///< rows that lack the time or a value, which are left out
-  std::size_t incomplete_rows = 0;      ///< those of them that have a part of the vectors
-};
-
-/// Read single files, in file order and without sequence numbers. Each throws files::IoError. Only a layout
-/// with given names leaves rows out.
-std::vector<ImuSample> read_imu_csv(const std::filesystem::path& file, BeaconAddress address);
-ImuTable read_imu_table(const std::filesystem::path& file, BeaconAddress address, const csv::Layout& layout);
-
-/// Sets `measured_delay_s` to received − timestamp.
-std::vector<UltrasonicFix> read_ultrasonic_csv(const std::filesystem::path& file, BeaconAddress address);
-
-/// Reads a row with an empty heading as an invalid sample.
-std::vector<PairHeading> read_heading_csv(const std::filesystem::path& file, BeaconAddress address);
-
-/// Reads an empty cell as an axis that was not measured, or a standard deviation that is unknown.
-std::vector<TwistSample> read_twist_csv(const std::filesystem::path& file, BeaconAddress address);
-
-/// Reads position, attitude and velocity, each NaN if unknown.
-std::vector<TruthSample> read_truth_csv(const std::filesystem::path& file, BeaconAddress address,
-                                        const csv::Layout& layout = truth_layout());
-
-/// Leaves out rows without a speed.
-std::vector<WheelSpeed> read_wheel_speed_csv(const std::filesystem::path& file);
 
 }  // namespace sonopose::recording

@@ -5,6 +5,8 @@
 #include "csv/units.hpp"
 #include "recording/input_check.hpp"
 #include "recording/log_columns.hpp"
+#include "recording/log_files.hpp"
+#include "recording/merge.hpp"
 
 #include <fmt/format.h>
 
@@ -29,7 +31,7 @@ constexpr std::size_t position_columns_required = 3;
 /// Added while reading, since a table may begin at zero or before.
 constexpr TimeNs reading_offset_ns = 1'000'000'000'000'000'000;
 constexpr TimeNs first_ns = 1'000'000'000;  ///< first time of tables that begin at zero
-constexpr std::size_t max_tags = 64;        ///< of devices in a table
+constexpr std::size_t max_tags = 64;        ///< most devices in a table
 
 constexpr csv::Layout position_layout() {
   return layout_of(position_columns, position_columns_required);
@@ -81,7 +83,7 @@ std::map<std::string, std::size_t> rows_by_tag(const std::filesystem::path& file
 /// Result of looking for the device that --tag names.
 struct Choice {
   bool is_found = false;
-  std::vector<std::string> refusals{};  ///< of tables that have only another device
+  std::vector<std::string> refusals{};  ///< errors of tables that have only another device
 };
 
 /// The device whose rows are read, if the table has several; else empty. Counts the rows of the others.
@@ -244,6 +246,28 @@ std::vector<std::string> unused_columns(const csv::ColumnNames& names) {
   return unused;
 }
 
+/// Throws if no table has the tag that the user names. Adds what could not be chosen to the warnings.
+void report_choice(const std::string& tag, const Choice& choice, std::vector<std::string>& warnings) {
+  if (!tag.empty() && !choice.is_found) {
+    throw files::IoError(choice.refusals.empty()
+                             ? "no table has a column that names devices, so there is none for --tag " + tag
+                             : choice.refusals.front());
+  }
+  for (const std::string& refusal : choice.refusals) warnings.push_back(refusal + "; all its rows are read");
+}
+
+/// Undoes the offset of reading, and moves all times later if the first is below 1.
+void move_times(Tables& tables, std::vector<ImuSample>& imu, std::vector<UltrasonicFix>& fixes) {
+  std::vector<std::reference_wrapper<TimeNs>> times;
+  for (ImuSample& sample : imu) times.emplace_back(sample.sensor_time_ns);
+  for (UltrasonicFix& fix : fixes) times.insert(times.end(), {fix.emission_time_ns, fix.received_time_ns});
+  for (TruthSample& sample : tables.log.truth) times.emplace_back(sample.time_ns);
+  TimeNs earliest_ns = std::numeric_limits<TimeNs>::max();
+  for (const TimeNs time_ns : times) earliest_ns = std::min(earliest_ns, time_ns - reading_offset_ns);
+  if (earliest_ns < 1) tables.times_moved_ns = first_ns - earliest_ns;
+  for (TimeNs& time_ns : times) time_ns += tables.times_moved_ns - reading_offset_ns;
+}
+
 }  // namespace
 
 Tables read_tables(const TableFiles& given_files, csv::ColumnNames& names, BeaconAddress address) {
@@ -279,14 +303,7 @@ Tables read_tables(const TableFiles& given_files, csv::ColumnNames& names, Beaco
   });
   missing.check();
   check_given_names(names);
-  if (!files.tag.empty() && !choice.is_found) {
-    throw files::IoError(choice.refusals.empty()
-                             ? "no table has a column that names devices, so there is none for --tag " +
-                                   files.tag
-                             : choice.refusals.front());
-  }
-  for (const std::string& refusal : choice.refusals)
-    tables.log.warnings.push_back(refusal + "; all its rows are read");
+  report_choice(files.tag, choice, tables.log.warnings);
   std::ranges::move(possible_devices(names), std::back_inserter(tables.log.warnings));
   std::vector<ImuSample>& imu = imu_table.samples;
   tables.rows_without_imu = is_one_file ? imu_table.incomplete_rows : imu_table.rows_without_values;
@@ -301,15 +318,7 @@ Tables read_tables(const TableFiles& given_files, csv::ColumnNames& names, Beaco
   if (files.truth && tables.log.truth.empty()) throw files::IoError(files.truth->string() + ": has no row");
   tables.unused_columns = unused_columns(names);
 
-  std::vector<std::reference_wrapper<TimeNs>> times;
-  for (ImuSample& sample : imu) times.emplace_back(sample.sensor_time_ns);
-  for (UltrasonicFix& fix : fixes) times.insert(times.end(), {fix.emission_time_ns, fix.received_time_ns});
-  for (TruthSample& sample : tables.log.truth) times.emplace_back(sample.time_ns);
-  TimeNs earliest_ns = std::numeric_limits<TimeNs>::max();
-  for (const TimeNs time_ns : times) earliest_ns = std::min(earliest_ns, time_ns - reading_offset_ns);
-  if (earliest_ns < 1) tables.times_moved_ns = first_ns - earliest_ns;
-  for (TimeNs& time_ns : times) time_ns += tables.times_moved_ns - reading_offset_ns;
-
+  move_times(tables, imu, fixes);
   SensorLog merged = merge_by_availability(files.imu.string(), imu, fixes, {});
   tables.log.address = address;
   tables.log.events = std::move(merged.events);

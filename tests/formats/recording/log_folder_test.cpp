@@ -1,5 +1,6 @@
 #include "recording/log_folder.hpp"
 
+#include "recording/merge.hpp"
 #include "recording/samples_at.hpp"
 #include "support/temporary_folder.hpp"
 

@@ -1,6 +1,7 @@
 #include "evaluation/replay/run.hpp"
 
 #include "evaluation/sample_log.hpp"
+#include "recording/merge.hpp"
 
 #include <catch2/catch.hpp>
 
