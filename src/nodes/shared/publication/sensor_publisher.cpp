@@ -11,8 +11,8 @@
 #include "process_log/log_publisher.hpp"
 #include "publication/background_recording.hpp"
 #include "publication/deadline_count.hpp"
-#include "publication/lossy_fusions.hpp"
 #include "publication/other_bridges.hpp"
+#include "publication/recording_readers.hpp"
 #include "publication/stationary_map.hpp"
 #include "publication/topic_writers.hpp"
 #include "transitions/transition_log.hpp"
@@ -21,7 +21,6 @@
 #include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <cstdint>
 #include <map>
@@ -95,20 +94,7 @@ public:
     logging::later([log = transition_log_] { log->finish(); });
     log_unwritten(true);
   }
-  void wait_for_readers(const process::StopSignal& stop) {
-    writers_.wait_for_readers();
-    awaits_readers_ = lossless_;
-    if (lossy_fusions_) lossy_fusions_->warn(stop);
-  }
-  void wait_until_read(const process::StopSignal& stop) {
-    const auto unread = writers_.wait_until_read();
-    check_readers();
-    if (lossy_fusions_) lost_by_fusions_ = lossy_fusions_->count_lost(stop);
-    if (unread.empty()) return;
-    logging::warning(fmt::format("a reader has not received all of {}", fmt::join(unread, ", ")));
-    has_unread_ |= lossless_;
-  }
-  [[nodiscard]] std::uint64_t lost_by_fusions() const { return lost_by_fusions_ + (has_unread_ ? 1 : 0); }
+  [[nodiscard]] RecordingReaders& readers() { return readers_; }
   /// Throws files::IoError if samples were not recorded.
   void finish_recording() {
     if (recording_) recording_->finish();
@@ -144,7 +130,6 @@ private:
   void publish(const PairHeading& heading, Beacon& beacon);
   void publish(const TwistSample& twist, Beacon& /*beacon*/) { writers_.write(twist); }
   void publish_status(Beacon& beacon, SteadyTime now);
-  void check_readers();
   void publish(LineStatus& line);
   void log(const transitions::Transition& transition, SteadyTime now);
   void log_unwritten(bool is_last = false);
@@ -157,10 +142,7 @@ private:
   std::unique_ptr<process_log::LogPublisher> log_publisher_;
   TopicWriters writers_;
   OtherBridges others_;
-  std::optional<LossyFusions> lossy_fusions_;  ///< empty unless lossless
-  std::uint64_t lost_by_fusions_ = 0;
-  bool awaits_readers_ = false;  ///< a lossless recording that has had a reader all the time
-  bool has_unread_ = false;      ///< a part of a lossless recording reached no reader
+  RecordingReaders readers_;
   std::optional<BackgroundRecording> recording_;
   std::map<BeaconAddress, Beacon> beacons_;
   std::map<BeaconAddress, std::uint64_t> next_sequences_;  ///< numbers for returning beacons
@@ -186,8 +168,8 @@ SensorPublisher::Publisher::Publisher(const PublisherOptions& options,
       writers_(participant_, qos_, lossless_ ? dds::topics::Delivery::lossless : dds::topics::Delivery::live,
                options.batch),
       others_(participant_, qos_),
+      readers_(participant_, qos_, writers_, lossless_),
       status_last_(clocks::steady_now()) {
-  if (lossless_) lossy_fusions_.emplace(participant_, qos_);
   if (!options.record_folder) return;
   try {
     recording_.emplace(*options.record_folder, options.source_settings,
@@ -339,15 +321,7 @@ void SensorPublisher::Publisher::publish_statuses(SteadyTime now) {
   status_last_ = now;
   status_due_ = now + period_ns;
   log_unwritten();
-  check_readers();
-}
-
-/// Warns once if the last reader of a lossless recording has ended: writes without readers succeed.
-void SensorPublisher::Publisher::check_readers() {
-  if (!awaits_readers_ || writers_.has_reader() || writers_.stopped()) return;
-  awaits_readers_ = false;
-  has_unread_ = true;
-  logging::warning("the last reader has ended before the recording: the rest of it is not received");
+  readers_.check();
 }
 
 void SensorPublisher::Publisher::publish_status(Beacon& beacon, SteadyTime now) {
@@ -406,16 +380,16 @@ SensorPublisher::~SensorPublisher() = default;
 
 void SensorPublisher::run(Source& source, const process::StopSignal& stop) {
   publisher_->obey(stop);
-  if (source.is_recording()) publisher_->wait_for_readers(stop);
+  if (source.is_recording()) publisher_->readers().wait(stop);
   source.run(*publisher_, stop);
   publisher_->publish_statuses(clocks::steady_now());
   publisher_->finish_log();
   publisher_->flush();
-  if (source.is_recording()) publisher_->wait_until_read(stop);
+  if (source.is_recording()) publisher_->readers().finish(stop);
 }
 
 std::uint64_t SensorPublisher::lost_by_fusions() const {
-  return publisher_->lost_by_fusions();
+  return publisher_->readers().lost();
 }
 
 void SensorPublisher::finish() {
