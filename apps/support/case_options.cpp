@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <span>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
@@ -120,45 +121,62 @@ const sim::Scenario& scenario_named(const std::string& name) {
   }
 }
 
+/// Scenarios and recordings, in the order of their run.
+struct Chosen {
+  std::vector<const sim::Scenario*> scenarios;
+  std::vector<Recording> recordings;
+};
+
+void append(std::span<const sim::Scenario> all, std::vector<const sim::Scenario*>& scenarios) {
+  for (const sim::Scenario& scenario : all) scenarios.push_back(&scenario);
+}
+
+Chosen chosen_by(const CaseOptions& options) {
+  Chosen chosen;
+  for (const std::string& name : options.named) {
+    // A folder with the name of a scenario needs a slash: ./walk.
+    if (!is_scenario(name) && !bus_log::is_log_folder(name)) {
+      add_recording(name, chosen.recordings);
+    } else if (!is_scenario(name) && std::filesystem::exists(name)) {
+      add_recordings(name, chosen.recordings);
+    } else {
+      chosen.scenarios.push_back(&scenario_named(name));
+    }
+  }
+  if (options.harder) {
+    append(sim::harder_scenarios(), chosen.scenarios);
+    append(sim::violations(), chosen.scenarios);
+  }
+  if (chosen.scenarios.empty() && chosen.recordings.empty()) append(sim::scenarios(), chosen.scenarios);
+  if (options.recordings) add_recordings(*options.recordings, chosen.recordings);
+  return chosen;
+}
+
+CasePlace place_before(const Chosen& chosen) {
+  CasePlace place;
+  place.count = chosen.scenarios.size() + chosen.recordings.size();
+  for (const sim::Scenario* scenario : chosen.scenarios) {
+    place.name_columns = std::max(place.name_columns, scenario->name.size());
+  }
+  for (const Recording& recording : chosen.recordings) {
+    place.name_columns = std::max(place.name_columns, bus_log::name_of(recording).size());
+  }
+  return place;
+}
+
 }  // namespace
 
 std::size_t for_each_case(const CaseOptions& options,
                           const std::function<void(std::vector<evaluation::Case>)>& use,
                           const std::function<void(const CasePlace&)>& begin) {
-  std::vector<const sim::Scenario*> chosen;
-  std::vector<Recording> recordings;
-  for (const std::string& name : options.named) {
-    // A folder with the name of a scenario needs a slash: ./walk.
-    if (!is_scenario(name) && !bus_log::is_log_folder(name)) {
-      add_recording(name, recordings);
-    } else if (!is_scenario(name) && std::filesystem::exists(name)) {
-      add_recordings(name, recordings);
-    } else {
-      chosen.push_back(&scenario_named(name));
-    }
-  }
-  if (options.harder) {
-    for (const sim::Scenario& scenario : sim::harder_scenarios()) chosen.push_back(&scenario);
-    for (const sim::Scenario& scenario : sim::violations()) chosen.push_back(&scenario);
-  }
-  if (chosen.empty() && recordings.empty()) {
-    for (const sim::Scenario& scenario : sim::scenarios()) chosen.push_back(&scenario);
-  }
-  if (options.recordings) add_recordings(*options.recordings, recordings);
-  CasePlace place;
-  place.count = chosen.size() + recordings.size();
-  for (const sim::Scenario* scenario : chosen) {
-    place.name_columns = std::max(place.name_columns, scenario->name.size());
-  }
-  for (const Recording& recording : recordings) {
-    place.name_columns = std::max(place.name_columns, bus_log::name_of(recording).size());
-  }
+  const Chosen chosen = chosen_by(options);
+  CasePlace place = place_before(chosen);
   const auto begin_case = [&](std::string name) {
     place.name = std::move(name);
     if (begin) begin(place);
     ++place.index;
   };
-  for (const sim::Scenario* scenario : chosen) {
+  for (const sim::Scenario* scenario : chosen.scenarios) {
     begin_case(std::string(scenario->name));
     std::vector<evaluation::Case> runs;
     for (std::uint64_t run = 0; run < options.seeds; ++run) {
@@ -169,7 +187,7 @@ std::size_t for_each_case(const CaseOptions& options,
   const auto beacon = options.is_beacon_given ? std::optional(options.beacon) : std::nullopt;
   std::size_t unreadable = 0;
   std::size_t named_unreadable = 0;
-  for (const Recording& recording : recordings) {
+  for (const Recording& recording : chosen.recordings) {
     begin_case(bus_log::name_of(recording));
     std::vector<evaluation::Case> runs;
     try {
@@ -182,7 +200,8 @@ std::size_t for_each_case(const CaseOptions& options,
     }
     use(std::move(runs));
   }
-  if (chosen.empty() && unreadable == recordings.size()) throw files::IoError("no recording can be read");
+  if (chosen.scenarios.empty() && unreadable == chosen.recordings.size())
+    throw files::IoError("no recording can be read");
   return named_unreadable;
 }
 
