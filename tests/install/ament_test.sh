@@ -8,16 +8,7 @@ if ! command -v colcon >/dev/null; then
   echo "skipped: no colcon (scripts/setup installs it)"
   exit 0
 fi
-work=$(mktemp -d)
-relay=
-cleanup() {
-  [ -z "$relay" ] || kill -KILL "$relay" 2>/dev/null || true
-  wait 2>/dev/null || true
-  rm -rf "$work"
-}
-trap cleanup EXIT
-
-"$cmake" --install "$build" --prefix "$work/prefix" >/dev/null
+. "$source/tests/install/installation.sh"
 # Without the caller's ROS 2 paths, which would be searched too. Debian's ament packages need Debian's Python.
 env -u AMENT_PREFIX_PATH -u COLCON_PREFIX_PATH COLCON_HOME="$work/colcon" PATH="$work/prefix/bin:$PATH" \
   colcon --log-base "$work/log" build --base-paths "$source/ros2" --build-base "$work/build" \
@@ -37,7 +28,7 @@ test -f "$share/rviz/sonopose.rviz"
 . "$source/tests/install/reserve_domain.sh"
 "$package/lib/sonopose_ros2/sonopose-ros2" --network loopback --ros-args -r __node:=sonopose -r __ns:=/ \
   --params-file "$share/config/relay.yaml" 2>"$work/relay.log" &
-relay=$!
+pids+=($!)
 for _ in $(seq 1000); do
   grep -q "relaying as /sonopose" "$work/relay.log" && break
   sleep 0.1

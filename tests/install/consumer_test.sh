@@ -9,16 +9,7 @@
 #   what was pasted compiles.
 set -euo pipefail
 build=$1 source=$2 cmake=$3
-work=$(mktemp -d)
-pids=()
-cleanup() {
-  [ ${#pids[@]} -eq 0 ] || kill -KILL "${pids[@]}" 2>/dev/null || true
-  wait 2>/dev/null || true
-  rm -rf "$work"
-}
-trap cleanup EXIT
-
-"$cmake" --install "$build" --prefix "$work/prefix" >/dev/null
+. "$source/tests/install/installation.sh"
 flags=$(sed -n 's/^SONOPOSE_SANITIZE:STRING=//p' "$build/CMakeCache.txt")
 share=$work/prefix/share/sonopose
 eigen_only=(-DCMAKE_DISABLE_FIND_PACKAGE_CycloneDDS=ON -DCMAKE_DISABLE_FIND_PACKAGE_pugixml=ON

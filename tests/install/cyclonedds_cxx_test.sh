@@ -9,16 +9,7 @@ if [ ! -d "$binding" ]; then
   echo "skipped: CMake finds no CycloneDDS-CXX (configure with -DCMAKE_PREFIX_PATH=PREFIX of cyclonedds-cxx 0.10)"
   exit 0
 fi
-work=$(mktemp -d)
-pids=()
-cleanup() {
-  [ ${#pids[@]} -eq 0 ] || kill -KILL "${pids[@]}" 2>/dev/null || true
-  wait 2>/dev/null || true
-  rm -rf "$work"
-}
-trap cleanup EXIT
-
-"$cmake" --install "$build" --prefix "$work/prefix" >/dev/null
+. "$source/tests/install/installation.sh"
 "$cmake" -S "$source/examples/consumer" -B "$work/consumer" -G Ninja -DCMAKE_PREFIX_PATH="$work/prefix" \
   -DCycloneDDS-CXX_DIR="$binding" -DSONOPOSE_DDS=cyclonedds-cxx
 "$cmake" --build "$work/consumer"
