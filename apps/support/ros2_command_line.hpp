@@ -26,7 +26,7 @@ std::vector<std::string> own_arguments(const ros2::arguments::Arguments& argumen
 
 /// Parameters that are no options.
 struct OtherParameters {
-  std::vector<ros2::relay::StartupSetting> settings;  ///< of the fusion
+  std::vector<ros2::relay::StartupSetting> settings;  ///< settings of the fusion
   ros2::QosOverrides qos_overrides;
   ros2::relay::OptionParameters given;  ///< the overrides by their names
 };

@@ -33,7 +33,7 @@ struct Ros2Options {
   std::optional<ImuMeaning> imu_meaning;
   std::optional<std::string> px4;
   std::optional<std::string> ardupilot;
-  std::optional<double> north_rad;  ///< of --north in degrees
+  std::optional<double> north_rad;  ///< --north, which is given in degrees
   bool use_sim_time = false;
   ros2::relay::ServicesMode services = ros2::relay::ServicesMode::automatic;
 };

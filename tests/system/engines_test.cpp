@@ -8,7 +8,6 @@
 #include <cmath>
 #include <csignal>
 #include <map>
-#include <sstream>
 
 namespace sonopose::engines_test {
 

@@ -1,6 +1,5 @@
 /// The program sonopose-import.
 
-#include "recording/log_writer.hpp"
 #include "sim/simulator.hpp"
 #include "support/matches.hpp"
 #include "support/process.hpp"

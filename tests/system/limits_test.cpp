@@ -7,7 +7,6 @@
 #include "support/terminal_process.hpp"
 
 #include <csignal>
-#include <filesystem>
 #include <string>
 #include <vector>
 

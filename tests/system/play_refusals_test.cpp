@@ -8,7 +8,6 @@
 #include "system/recorded_walk.hpp"
 
 #include <string>
-#include <vector>
 
 namespace play_refusals_test {
 

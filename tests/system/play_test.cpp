@@ -12,7 +12,6 @@
 #include <chrono>
 #include <csignal>
 #include <map>
-#include <tuple>
 
 namespace sonopose::play_test {
 

@@ -99,7 +99,7 @@ struct RecordedRun {
   fs::path file = folder / "run.mcap";
   std::uint32_t domain_id = 0;
   std::vector<OwnedMessage> messages;
-  std::string summary;  ///< what the recorder printed at its end
+  std::string summary;  ///< last output of the recorder
 };
 
 SCENARIO("a recording of beacons that are not there fails, and names one that is") {

@@ -30,7 +30,7 @@ using namespace sonopose;
 using namespace sonopose::test;
 
 struct Datagram {
-  std::uint16_t port = 0;  ///< of the receiver
+  std::uint16_t port = 0;  ///< port of the receiver
   std::vector<char> bytes;
 };
 

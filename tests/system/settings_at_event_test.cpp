@@ -4,7 +4,6 @@
 #include "support/bits.hpp"
 #include "support/bus.hpp"
 #include "support/temporary_folder.hpp"
-#include "support/wait_until.hpp"
 #include <sonopose/estimation/any_estimator.hpp>
 #include <sonopose/settings/settings_table.hpp>
 

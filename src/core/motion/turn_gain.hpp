@@ -26,7 +26,7 @@ TurnGain turn_gain_of(Window window);
 
 enum class TurnFault : std::uint8_t {
   none,        ///< or not known
-  wrong_sign,  ///< of gyroscope, or of accelerometer
+  wrong_sign,  ///< sign of gyroscope or accelerometer
   dead,        ///< the axis does not sense turns
   degrees,     ///< seems to be in deg/s
   scale,

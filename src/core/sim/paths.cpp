@@ -3,7 +3,6 @@
 #include "sim/taylor.hpp"
 
 #include <array>
-#include <cmath>
 #include <numbers>
 
 namespace sonopose::sim {

@@ -84,7 +84,7 @@ private:
   std::uint64_t emission_count_ = 0;
   std::uint64_t wheel_count_ = 0;
   std::uint64_t sequence_ = 0;
-  Vector3d last_position_world_m_ = Vector3d::Zero();  ///< of a fix
+  Vector3d last_position_world_m_ = Vector3d::Zero();  ///< position of the last fix
   std::vector<LateImu> late_imu_;
   std::deque<Step> arrived_imu_;  ///< arrived, not yet returned
   std::deque<Event> under_way_;   ///< emitted, not yet received; in order of receipt

@@ -1,7 +1,5 @@
 #include "sim/trajectory.hpp"
 
-#include <cmath>
-
 namespace sonopose::sim {
 
 namespace {

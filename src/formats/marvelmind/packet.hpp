@@ -176,7 +176,7 @@ using Packet = std::variant<Position, RawImu, Quality, Telemetry, StationaryBeac
 struct UnusedKind {
   std::uint8_t type;
   std::uint16_t code;
-  std::size_t min_size;  ///< of the payload
+  std::size_t min_size;  ///< least size of the payload
   const char* name;
 };
 

@@ -2,7 +2,6 @@
 #include "mcap/record_file.hpp"
 
 #include <algorithm>
-#include <queue>
 #include <set>
 #include <utility>
 

@@ -4,8 +4,6 @@
 #include "mcap/decompression.hpp"
 #include <sonopose/text/escaped.hpp>
 
-#include <algorithm>
-
 namespace sonopose::mcap {
 
 namespace {

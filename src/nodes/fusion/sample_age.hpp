@@ -94,8 +94,8 @@ private:
     }
 
   private:
-    TimeNs min_ns_ = std::numeric_limits<TimeNs>::max();     ///< of the present second
-    TimeNs before_ns_ = std::numeric_limits<TimeNs>::min();  ///< of the one before
+    TimeNs min_ns_ = std::numeric_limits<TimeNs>::max();     ///< least age in the present second
+    TimeNs before_ns_ = std::numeric_limits<TimeNs>::min();  ///< least age in the second before
     int count_ = 0;                                          ///< delays of the present second
     int near_ = 0;  ///< those near the least one of the second before
     int equal_seconds_ = 0;

@@ -2,7 +2,6 @@
 
 #include "bus_log/instance_end.hpp"
 #include "mcap/omg_idl.hpp"
-#include <sonopose/dds/binding/refused_peer.hpp>
 #include <sonopose/dds/psm/ext.hpp>
 #include <sonopose/idl/text.hpp>
 

@@ -2,7 +2,6 @@
 
 #include "plots/thinned.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 

@@ -6,7 +6,6 @@
 #include "security/new_store.hpp"
 #include "security/revocation.hpp"
 #include "security/roles.hpp"
-#include "security/signed_document.hpp"
 #include "support/temporary_folder.hpp"
 #include <sonopose/dds/topics/serialized_topics.hpp>
 

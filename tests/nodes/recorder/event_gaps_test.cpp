@@ -3,7 +3,6 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
-#include <initializer_list>
 #include <numeric>
 #include <random>
 #include <vector>

@@ -3,7 +3,6 @@
 #include "transport/serial_port.hpp"
 
 #include "clocks/clocks.hpp"
-#include "files/error.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/wait_until.hpp"
 #include "transport/device_access.hpp"

@@ -2,8 +2,6 @@
 
 #include "transport/udp_peer.hpp"
 
-#include "files/error.hpp"
-
 #include <catch2/catch.hpp>
 
 #include <arpa/inet.h>

@@ -37,7 +37,7 @@ struct Input {
 struct Attempt {
   double set_back_s = 0;  ///< delay by which the stamps of fixes and headings were set back
   std::vector<Measurements> pieces;
-  std::string lacking;       ///< what a fit would need; empty if there is one
+  std::string lacking;       ///< need of a fit; empty if there is one
   std::size_t accepted = 0;  ///< number of fixes and headings that the engine uses
   Fit fit;
   DriveFit result;

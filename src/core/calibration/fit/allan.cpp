@@ -3,7 +3,6 @@
 #include "calibration/fit/fit_support.hpp"
 #include "calibration/fit/still.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace sonopose::calibration::fit {

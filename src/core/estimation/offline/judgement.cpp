@@ -106,7 +106,7 @@ private:
   }
 
   kalman::Engine engine_;
-  std::optional<NumberedAiding> set_heading_;  ///< of a pose that the user sets; counts with its fix
+  std::optional<NumberedAiding> set_heading_;  ///< heading of a pose that the user sets; counts with its fix
   std::vector<Admitted> admitted_;
 };
 

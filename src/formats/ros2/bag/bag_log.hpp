@@ -14,7 +14,7 @@ namespace sonopose::ros2::bag {
 
 struct BagLog {
   recording::SensorLog log;
-  std::vector<std::string> notes;  ///< which topics were used, and which not
+  std::vector<std::string> notes;  ///< topics that were used, and topics that were not
 };
 
 /// Reads one beacon by the rules of the relay. Events are in the order of reception by the recorder, numbered

@@ -137,7 +137,7 @@ private:
 
     Database database;
     std::map<std::int64_t, std::size_t> topics_by_id{};
-    std::int64_t first_ns = std::numeric_limits<std::int64_t>::max();  ///< of a message
+    std::int64_t first_ns = std::numeric_limits<std::int64_t>::max();  ///< time of the first message
   };
 
   /// Index of a topic, which other files may have too.

@@ -46,7 +46,7 @@ inline constexpr double lost_m = 1.0;
 struct CaseResult {
   std::string name;
   std::string engine;         ///< value of fusion.engine
-  std::string truth_fault{};  ///< why the recorded truth cannot be used; empty if it can, or if there is none
+  std::string truth_fault{};  ///< fault of an unusable truth; empty if usable or absent
   bool has_truth = false;     ///< true position is known; otherwise `fused` and the next two errors are NaN
   Score fused;
   ClearErrors clear;
@@ -86,7 +86,7 @@ struct Summary {
   std::string name;
   std::string engine;
   std::size_t runs = 0;
-  std::string truth_fault{};         ///< of the first run
+  std::string truth_fault{};         ///< truth fault of the first run
   bool has_truth = false;            ///< truth is known; otherwise the following errors are NaN
   double position_rmse_m = unknown;  ///< median over the runs, like the following values
   double worst_rmse_m = unknown;     ///< error of the worst run

@@ -10,7 +10,6 @@
 
 #include <catch2/catch.hpp>
 
-#include <cmath>
 #include <map>
 #include <numbers>
 

@@ -47,7 +47,7 @@ public:
   auto operator<=>(const SecondsAndNanoseconds&) const = default;
 
 protected:
-  static constexpr std::uint32_t special = 0x7fffffff;  ///< of what has no number of nanoseconds
+  static constexpr std::uint32_t special = 0x7fffffff;  ///< nanoseconds of invalid and infinite
 
   SecondsAndNanoseconds() = default;
   SecondsAndNanoseconds(std::int64_t seconds, std::uint32_t nanoseconds) {

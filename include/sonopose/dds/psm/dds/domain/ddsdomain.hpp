@@ -46,7 +46,7 @@ public:
 
   std::uint32_t domain_id = 0;
   qos::DomainParticipantQos qos;
-  core::policy::Partition partition;  ///< of publishers and subscribers, by default
+  core::policy::Partition partition;  ///< default of publishers and subscribers
   std::shared_ptr<void> membership;   ///< keeps the entity and its domain
 
 protected:

@@ -18,7 +18,7 @@ public:
   using Node::Node;
 
   std::shared_ptr<Node> topic;
-  std::atomic<void*> listener = nullptr;  ///< of the user
+  std::atomic<void*> listener = nullptr;  ///< the user's listener
 };
 
 /// A callback of an entity on this thread, which must not end the entity.
