@@ -79,6 +79,10 @@ void BeaconClock::observe(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs
     return;
   }
   envelope_.add(sent_ns, arrival_ns);
+  if (!settled_ && settling_delay_ns_ - envelope_.delay_ns(sent_ns) > draining_ns) {
+    settling_delay_ns_ = envelope_.delay_ns(sent_ns);
+    settles_from_ns_ = arrival_ns;
+  }
   const TimeNs target_ns = sent_ns + envelope_.delay_ns(sent_ns);
   const TimeNs behind_ns = settled_ ? target_ns - line_.host_ns(sent_ns) : 0;
   if (behind_ns > max_behind_ns || behind_ns < -max_ahead_ns) {
@@ -98,7 +102,8 @@ void BeaconClock::begin(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs a
   newest_ns_ = unwrapper_.beacon_ns(stamp) + send_delay_ns;
   envelope_.clear();
   envelope_.add(newest_ns_, arrival_ns);
-  first_arrival_ns_ = arrival_ns;
+  settling_delay_ns_ = envelope_.delay_ns(newest_ns_);
+  settles_from_ns_ = arrival_ns;
   begun_ = true;
   settled_ = false;
 }
@@ -111,7 +116,7 @@ void BeaconClock::restart(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs
 
 void BeaconClock::advance_to(TimeNs now_ns) {
   const auto due_ns = settles_at_ns();
-  if (due_ns && (now_ns >= *due_ns || now_ns < first_arrival_ns_)) settle();
+  if (due_ns && (now_ns >= *due_ns || now_ns < settles_from_ns_)) settle();
 }
 
 void BeaconClock::settle() {
@@ -127,7 +132,7 @@ void BeaconClock::settle() {
 
 std::optional<TimeNs> BeaconClock::settles_at_ns() const {
   if (!begun_ || settled_) return std::nullopt;
-  return first_arrival_ns_ + settling_ns;
+  return settles_from_ns_ + settling_ns;
 }
 
 double BeaconClock::offset_s() const {

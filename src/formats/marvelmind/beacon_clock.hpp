@@ -80,13 +80,16 @@ private:
 /// It restarts if the beacon's clock goes back, or if mapped stamps are behind by more than 1 s. It also
 /// restarts if they are so far ahead that a fix, which takes about 70 ms, would arrive before its emission: a
 /// slow line has become fast again. It settles after a quarter of a second, so that one late first packet
-/// need not be slewed away. A later first packet than a port stores is one of before the clock was set.
+/// need not be slewed away, and in which the delay does not fall, as while a backlog drains. A later first
+/// packet than a port stores is one of before the clock was set.
 class BeaconClock {
 public:
   static constexpr std::int64_t settling_ns = 250'000'000;
   static constexpr std::int64_t max_behind_ns = 1'000'000'000;
   static constexpr std::int64_t max_ahead_ns = 65'000'000;
   static constexpr std::int64_t max_stored_ns = 10'000'000'000;
+  /// Fall of the delay, beyond jitter, with which a backlog drains.
+  static constexpr std::int64_t draining_ns = 20'000'000;
 
   /// Takes the arrival of a packet that was sent `send_delay_ns` after `stamp`.
   void observe(const Stamp& stamp, std::int64_t send_delay_ns, TimeNs arrival_ns);
@@ -129,7 +132,8 @@ private:
   LowerEnvelope envelope_;
   SlewedLine line_;
   std::int64_t newest_ns_ = 0;
-  TimeNs first_arrival_ns_ = 0;
+  TimeNs settles_from_ns_ = 0;          ///< first arrival, or the latest at which the delay fell
+  std::int64_t settling_delay_ns_ = 0;  ///< delay at that arrival
   bool begun_ = false;
   bool settled_ = false;
   double jitter_s_ = 0;

@@ -135,6 +135,17 @@ TEST_CASE("What a port had stored before it was opened does not shift the clock"
   CHECK(worst_error_after(mapped, 1) < 1e-3);
 }
 
+TEST_CASE("A backlog at the first contact gives no wrong time while it drains") {
+  const double speed = GENERATE(1.5, 3.0, 10.0);  // packets a second, by those that are sent
+  const auto draining = [&](double sent_s) { return std::max(0.0, 1.0 - sent_s * (1 - 1 / speed)); };
+  BeaconClock clock;
+  const auto mapped = run({.duration_s = 60, .lateness_s = draining}, clock);
+  CAPTURE(speed);
+  CHECK(worst_error_after(mapped, 0) < 0.025);
+  CHECK(clock.resets() == 0);
+  CHECK(mapped.front().true_s < 3.4);
+}
+
 TEST_CASE("The wrap of the ms counter goes unnoticed") {
   BeaconClock clock;
   const std::int64_t seconds_to_wrap = 30;
