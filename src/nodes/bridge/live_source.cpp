@@ -119,7 +119,7 @@ private:
   bool accepts(const marvelmind::Packet& packet, const transport::Sender& sender) {
     const auto address = marvelmind::address_of(packet);
     const SteadyTime now = clocks::steady_now();
-    if (!address || (owners_.accepts(*address, sender, now) && beacons_.accepts(*address, now))) return true;
+    if (owners_.accepts(address, sender, now) && (!address || beacons_.accepts(*address, now))) return true;
     ++packets_refused_;
     return false;
   }

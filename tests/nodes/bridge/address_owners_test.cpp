@@ -30,6 +30,20 @@ SCENARIO("the address of a beacon belongs to one sender") {
         CHECK(owners.accepts(8, other, start));
       }
     }
+    WHEN(
+        "it sends the map of the stationary beacons every ten seconds, and another sender a map of its own") {
+      THEN("that is refused meanwhile, and accepted when the modem has been silent for long enough") {
+        REQUIRE(owners.accepts({}, modem, start));
+        for (int second = 1; second < 60; ++second) {
+          const SteadyTime now = start + to_ns(second);
+          CHECK(owners.accepts(beacon, modem, now));
+          CHECK(owners.accepts(8, other, now));
+          CHECK_FALSE(owners.accepts({}, other, now));
+          if (second % 10 == 0) CHECK(owners.accepts({}, modem, now));
+        }
+        CHECK(owners.accepts({}, other, start + to_ns(59) + AddressOwners::release_ns));
+      }
+    }
     WHEN("the modem restarts with another port") {
       const SteadyTime restarted = start + AddressOwners::release_ns;
       THEN("it is accepted when the former one has been silent for long enough") {
