@@ -8,6 +8,8 @@ namespace sonopose::dds {
 namespace {
 
 constexpr std::size_t max_peers = 64;
+constexpr const char* other_governance =
+    "its governance differs: another protection, or security of another kind";
 
 /// Converts "110a:b3:1:1c1" to the first 24 hexadecimal digits of the key.
 std::string key_prefix_of(std::string_view guid) {
@@ -71,6 +73,11 @@ Refusals::Verdict Refusals::on_message(std::string_view message) {
     const auto guid = guid_after(message, kind);
     if (!guid.empty()) return refuse({key_prefix_of(guid), {}, "it has no certificate"});
   }
+  for (const std::string_view kind :
+       {"match remote_participant ", "match_remote_writer ", "match_remote_reader "}) {
+    const auto guid = guid_after(message, kind);
+    if (!guid.empty()) return refuse({key_prefix_of(guid), {}, other_governance});
+  }
   if (const auto guid = guid_after(message, "Remote secure participant "); !guid.empty()) {
     // At the start of this process, it refuses all; then only those with another governance, again and again.
     const std::string prefix = key_prefix_of(guid);
@@ -79,7 +86,7 @@ Refusals::Verdict Refusals::on_message(std::string_view message) {
       if (suspects_.size() > max_peers) suspects_.pop_front();
       return {.is_about_refusal = true, .text = {}};
     }
-    return refuse({prefix, {}, "its governance differs: another protection, or security of another kind"});
+    return refuse({prefix, {}, other_governance});
   }
   // A step that failed names the certificate, but not the process.
   for (const std::string_view step : {"Validate remote identity failed: ", "Begin handshake request failed: ",

@@ -51,6 +51,21 @@ SCENARIO("another governance is reported when the process is refused again") {
   CHECK(refusals.peers().front().key_prefix == "83f0a0a636b864f10034fcf8");
 }
 
+SCENARIO("attributes that contradict each other are another governance, whatever they are of") {
+  const std::string key = "83f0a0a6:36b864f1:34fcf8:";
+  const std::string ours = " 110a:b3:1:1c1 security_attributes mismatch: 0x80000007.0x80000000 - 0x8.0x8";
+  for (const std::string& message : {"match remote_participant " + key + "1c1 with participant" + ours,
+                                     "match_remote_writer " + key + "302 with reader" + ours,
+                                     "match_remote_reader " + key + "407 with writer" + ours}) {
+    CAPTURE(message);
+    Refusals refusals;
+    CHECK_THAT(refusals.on_message(message).text,
+               Catch::Contains("83f0a0a636b864f10034fcf8") && Catch::Contains("its governance differs"));
+    CHECK(refusals.on_message(message).is_about_refusal);
+    CHECK(refusals.peers().size() == 1);
+  }
+}
+
 SCENARIO("more processes are refused than are remembered") {
   const auto message_of = [](int process) {
     return "Remote secure participant " + std::to_string(process) + ":1:1:1c1 not allowed";
