@@ -106,10 +106,12 @@ void check_rights(const CommandLine& app, const BusOptions& options, const secur
   const std::string& folder = options.domain.enclave_folder;
   const security::Grant& grant = enclave.grant;
   const std::string& partition = options.domain.partition;
-  if (!partition.empty() && grant.access.writes != std::vector<std::string>{"*"} &&
-      !matches_any(grant.partitions, partition)) {
+  const bool is_permitted =
+      grant.partitions.empty() ? partition.empty() : matches_any(grant.partitions, partition);
+  if (!is_permitted && grant.access.writes != std::vector<std::string>{"*"}) {
     throw std::invalid_argument(fmt::format(
-        "--partition {}: the enclave {} may not use it, only {}", partition, folder,
+        "--partition{}: the enclave {} may use only {}", partition.empty() ? " is missing" : " " + partition,
+        folder,
         grant.partitions.empty() ? "no partition" : fmt::format("{}", fmt::join(grant.partitions, ", "))));
   }
   for (const Necessity& each : necessities) {

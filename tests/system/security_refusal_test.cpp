@@ -38,6 +38,8 @@ SCENARIO("an enclave that does not fit the program is a mistake of its configura
       CHECK_THAT(refused(SONOPOSE_TEST_FUSION, {"--enclave", "hall", "--partition", "room", check},
                          "--partition room: "),
                  Contains("only hall-*"));
+      CHECK_THAT(refused(SONOPOSE_TEST_FUSION, {"--enclave", "hall", check}, "--partition"),
+                 Contains("only hall-*"));
       refused(SONOPOSE_TEST_FUSION, {"--enclave", "../enclaves/fusion", check}, "--enclave: '../enclaves");
     }
     refused(SONOPOSE_TEST_FUSION, {"--domain", "231", "--check-config"}, "--domain 231: ");
