@@ -18,10 +18,12 @@ void announce_process(dds_qos_t* qos) {
   void* earlier = nullptr;
   std::size_t size = 0;
   std::string text;
-  if (dds_qget_userdata(qos, &earlier, &size) && earlier != nullptr) {  // a node of ROS 2 names its enclave
+  if (dds_qget_userdata(qos, &earlier, &size) && earlier != nullptr) {
     text.assign(static_cast<const char*>(earlier), size);
     dds_free(earlier);
   }
+  // A node of ROS 2 names its enclave, and its readers skip other keys. Other data are the application's.
+  if (!text.empty() && !text.starts_with("enclave=")) return;
   text += "process=" + value(program_invocation_short_name);
   text += "pid=" + value(std::to_string(::getpid()));
   text += "host=" + value(host.data());

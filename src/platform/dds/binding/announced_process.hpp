@@ -6,8 +6,9 @@
 
 namespace sonopose::dds {
 
-/// Adds "process=NAME;pid=NUMBER;host=NAME;" to the user data of a participant. Cyclone DDS announces these
-/// as properties, but not beside the properties that make a participant secure.
+/// Adds "process=NAME;pid=NUMBER;host=NAME;" to the user data of a participant, unless the application has
+/// data of its own there. Cyclone DDS announces these as properties, but not beside the properties that make
+/// a participant secure.
 void announce_process(dds_qos_t* qos);
 
 }  // namespace sonopose::dds
