@@ -3,6 +3,8 @@
 #include "autopilot/external_odometry.hpp"
 #include "clocks/clocks.hpp"
 #include "mavlink/messages.hpp"
+#include "recording/log_writer.hpp"
+#include "sim/simulator.hpp"
 #include "support/bus.hpp"
 #include "support/pseudo_terminal.hpp"
 #include "support/temporary_folder.hpp"
@@ -115,6 +117,29 @@ std::unique_ptr<Process> sender(const Bus& bus, Arguments arguments) {
   auto process = std::make_unique<Process>(SONOPOSE_TEST_MAVLINK, arguments);
   REQUIRE(process->wait_for_line(Stream::error, "serving"));
   return process;
+}
+
+SCENARIO("an autopilot gets no poses that are stamped by another clock than that of the host") {
+  const Bus bus;
+  const TemporaryFolder folder;
+  {
+    sim::Simulator simulator(sim::find_scenario("drone"), {.duration_s = 60.0});
+    recording::SensorLogWriter log(folder / "drive");
+    while (const auto step = simulator.next()) log.write(step->event);
+    log.flush();
+  }
+  const auto fusion = bus.fusion();
+  GIVEN("a PX4, and a recording with its own stamps") {
+    Autopilot px4(mavlink::autopilot_px4);
+    px4.live(true);
+    const auto mavlink = sender(bus, {"--udp", px4.endpoint()});
+    const auto bridge = bus.bridge({"--source", "log", "--input", (folder / "drive").string()});
+    THEN("nothing is sent, and the log says so") {
+      CHECK(mavlink->wait_for_line(Stream::error,
+                                   "their stamps are more than 1 s from the time of this machine"));
+      CHECK(px4.count(odometry_id) == 0);
+    }
+  }
 }
 
 SCENARIO("an autopilot gets the poses of a drone over MAVLink") {

@@ -32,6 +32,9 @@ const char* text_of(NotSent reason) {
       return "no position";
     case NotSent::late:
       return "the poses are late";
+    case NotSent::other_clock:
+      return "their stamps are more than 1 s from the time of this machine; synchronise the clocks, or play "
+             "a recording with --restamp";
     case NotSent::doubtful:
       return "the poses are stale, untrusted or inconsistent, or not yet good for long enough";
     case NotSent::no_mount:

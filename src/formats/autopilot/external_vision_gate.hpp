@@ -15,6 +15,7 @@ enum class NotSent : std::uint8_t {
   no_poses,      ///< no pose has arrived for `no_poses_after_ns`
   no_position,   ///< initialising, or the position's deviation is unknown
   late,          ///< the IMU sample of the pose is old
+  other_clock,   ///< the pose is stamped far from the time of this host
   doubtful,      ///< stale, untrusted or inconsistent for `silent_after_s`, or not settled yet
   no_mount,      ///< the pose of the IMU on the vehicle is unknown
   yaw_unknown,   ///< and the axes of the frame mean nothing without it
@@ -29,6 +30,14 @@ inline constexpr TimeNs no_poses_after_ns = 3'000'000'000;
 
 /// Text for the log: "no position".
 const char* text_of(NotSent reason);
+
+/// True if a pose that arrives now can be stamped by this host's clock, which the stamps for autopilots are
+/// made from. A recording has other stamps, and so has a bridge elsewhere whose clock is not synchronised.
+constexpr bool is_of_clock(TimeNs pose_ns, HostTime now) {
+  constexpr TimeNs max_difference_ns = 1'000'000'000;
+  const TimeNs age_ns = saturated_difference(now, pose_ns);
+  return age_ns <= max_difference_ns && age_ns >= -max_difference_ns;
+}
 
 /// Lets the good poses of one beacon pass. Give it each of them, also those that are not sent.
 class ExternalVisionGate {

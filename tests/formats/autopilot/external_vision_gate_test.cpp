@@ -244,4 +244,13 @@ SCENARIO("the quality falls while the poses are doubtful, and then there are non
   }
 }
 
+TEST_CASE("The clock of a pose is that of the host, or it is far from it") {
+  constexpr TimeNs now = 1'700'000'000'000'000'000;
+  constexpr TimeNs ms = 1'000'000;
+  for (const TimeNs usual : {now, now - 300 * ms, now + 50 * ms}) CHECK(autopilot::is_of_clock(usual, now));
+  for (const TimeNs other : {TimeNs{0}, now - 1001 * ms, now + 1001 * ms, end_of_time_ns}) {
+    CHECK_FALSE(autopilot::is_of_clock(other, now));
+  }
+}
+
 }  // namespace external_vision_gate_test

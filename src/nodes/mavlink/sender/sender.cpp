@@ -138,6 +138,9 @@ public:
     const auto odometry = autopilot::external_odometry(pose, options_.mount, options_.north);
     address_ = pose.address;
     state_ = state_of(verdict, odometry, known);
+    if (state_ == NotSent::none && !autopilot::is_of_clock(pose.time_ns, clocks::host_now())) {
+      state_ = NotSent::other_clock;
+    }
     if (state_ != NotSent::none || !stamp_.next(pose.time_ns) || !rate_.admits(pose.time_ns)) return;
     const PoseMessageFields fields{.time_ns = pose.time_ns,
                                    .in_ned = odometry.is_ned && known.autopilot == autopilot_px4,

@@ -70,11 +70,15 @@ std::optional<AutopilotOutput::Due> AutopilotOutput::due(const FusedPose& pose,
   const SteadyTime now = clocks::steady_now();
   posed_ = now;
   const auto verdict = gate_.on(pose);
-  state_ = verdict.not_sent == NotSent::none && !mount ? NotSent::no_mount : verdict.not_sent;
+  const HostTime host_ns = clocks::host_now();
+  state_ = verdict.not_sent;
+  if (state_ == NotSent::none && !mount) state_ = NotSent::no_mount;
+  if (state_ == NotSent::none && !autopilot::is_of_clock(pose.time_ns, host_ns))
+    state_ = NotSent::other_clock;
   if (state_ != NotSent::none) return std::nullopt;
   const auto odometry = autopilot::external_odometry(pose, *mount, north_);
   const auto measured_ns = clock_.at(pose.time_ns, now);
-  const auto now_ns = clock_.at(clocks::host_now(), now);
+  const auto now_ns = clock_.at(host_ns, now);
   const bool has_clock = measured_ns && now_ns;
   state_ = reason_not_sent(odometry, has_clock);
   if (state_ != NotSent::none || !stamp_.next(pose.time_ns) || !rate_.admits(pose.time_ns)) {
