@@ -42,7 +42,10 @@ constexpr std::uint32_t timesync_id = 111;
 /// requests the time, five times a second.
 class Autopilot {
 public:
-  explicit Autopilot(std::uint8_t kind) : kind_(kind) {}
+  /// `disturbed_port`: port to which it sends before each heartbeat the beginning of a frame too, without
+  /// having heard from it.
+  explicit Autopilot(std::uint8_t kind, std::uint16_t disturbed_port = 9)
+      : disturbed_port_(disturbed_port), kind_(kind) {}
 
   [[nodiscard]] std::string endpoint() const { return "127.0.0.1:" + std::to_string(port); }
   void live(bool alive) { alive_ = alive; }
@@ -68,15 +71,15 @@ public:
 
   static constexpr std::int64_t own_clock_ns = 12'345'678'901;
 
-private:
   /// A port that was free a moment ago.
   static std::uint16_t free_port() {
     const auto probe = transport::open_udp_listener({"127.0.0.1", 0});
     return transport::parse_endpoint(probe->name().substr(4)).port;  // "udp 127.0.0.1:…"
   }
 
+private:
   void run(const std::stop_token& end) {
-    const auto line = transport::open_udp_peer({"127.0.0.1", 9}, port);
+    const auto line = transport::open_udp_peer({"127.0.0.1", disturbed_port_}, port);
     mavlink::Decoder decoder;
     std::array<std::uint8_t, 2048> buffer{};
     std::uint8_t sequence = 0;
@@ -92,6 +95,9 @@ private:
       }
       if (!alive_ || std::chrono::steady_clock::now() < due) continue;
       due = std::chrono::steady_clock::now() + std::chrono::milliseconds(200);
+      if (disturbed_port_ != 9) {
+        for (int i = 0; i < 50; ++i) line->send({0xFD, 255, 0});
+      }
       auto heartbeat = mavlink::heartbeat({5, 1});
       heartbeat.payload[5] = kind_;
       line->send(encode(heartbeat, sequence++));
@@ -105,6 +111,7 @@ public:
   const std::uint16_t port = free_port();
 
 private:
+  std::uint16_t disturbed_port_;
   std::uint8_t kind_;
   std::atomic<bool> alive_ = false;
   std::mutex mutex_;
@@ -201,6 +208,20 @@ SCENARIO("an autopilot gets the poses of a drone over MAVLink") {
           }
         }
       }
+    }
+  }
+  GIVEN("a PX4, and another program of its machine that sends as the same system, and broken frames") {
+    Autopilot px4(mavlink::autopilot_px4);
+    const std::uint16_t own_port = Autopilot::free_port();
+    const auto mavlink = sender(bus, {"--udp", px4.endpoint(), "--local-port", std::to_string(own_port)});
+    px4.live(true);
+    REQUIRE(px4.wait_for(odometry_id, 10));
+    Autopilot other(mavlink::autopilot_px4, own_port);
+    other.live(true);
+    THEN("the PX4 gets the poses, longer than one without heartbeats would") {
+      CHECK(px4.wait_for(odometry_id, 200));
+      CHECK(other.count(odometry_id) == 0);
+      CHECK(other.count(timesync_id) == 0);
     }
   }
   GIVEN("an ArduPilot, and VISION_POSITION_ESTIMATE") {

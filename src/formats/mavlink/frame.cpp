@@ -104,6 +104,11 @@ void Decoder::feed(Bytes bytes, const std::function<void(const Frame&)>& on_fram
   pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(taken));
 }
 
+void Decoder::restart() {
+  counters_.skipped += pending_.size();
+  pending_.clear();
+}
+
 /// Returns how many bytes are done with.
 std::size_t Decoder::take(Bytes bytes, const std::function<void(const Frame&)>& on_frame) {
   std::size_t at = 0;

@@ -56,6 +56,9 @@ public:
   };
 
   void feed(std::span<const std::uint8_t> bytes, const std::function<void(const Frame&)>& on_frame);
+
+  /// Discards an incomplete frame, as at the end of a datagram: the next bytes are of another one.
+  void restart();
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
 private:

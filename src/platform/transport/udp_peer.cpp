@@ -49,7 +49,7 @@ public:
     if (done.error) throw files::IoError(name_ + ": cannot be read: " + done.error.message());
     if (sender.address() != peer_.address()) return {ReadStatus::refused};
     last_sender_ = sender;
-    return {ReadStatus::data, done.size, arrival};
+    return {ReadStatus::data, done.size, arrival, {.address = {}, .port = sender.port()}};
   }
 
   void stop() override { loop_.stop(); }

@@ -75,6 +75,16 @@ SCENARIO("frames are found in the bytes of a line") {
       CHECK(decoded(decoder, bytes).size() >= 20 - 280 / heartbeat.size() - 1);
     }
   }
+  GIVEN("datagrams with the beginning of the longest frame, and one with a heartbeat") {
+    THEN("the heartbeat is whole, since each datagram is decoded alone") {
+      for (int i = 0; i < 3; ++i) {
+        CHECK(decoded(decoder, {0xFD, 255, 0}).empty());
+        decoder.restart();
+      }
+      CHECK(decoded(decoder, heartbeat).size() == 1);
+      CHECK(decoder.counters().skipped == 9);
+    }
+  }
   GIVEN("a heartbeat with a wrong byte, then a good one") {
     Bytes damaged = heartbeat;
     damaged[12] ^= 1U;

@@ -4,13 +4,18 @@
 
 namespace sonopose::mavlink::sender {
 
-bool HeartbeatTracker::on(const Frame& frame, SteadyTime now) {
+bool HeartbeatTracker::on(const Frame& frame, std::uint16_t port, SteadyTime now) {
   const auto heard = autopilot_of(frame);
-  if (!heard || (kind(now) && frame.sender != autopilot_)) return false;
+  if (!heard || (kind(now) && !has_sent(frame, port))) return false;
   autopilot_ = frame.sender;
+  port_ = port;
   kind_ = *heard;
   heard_ = now;
   return true;
+}
+
+bool HeartbeatTracker::has_sent(const Frame& frame, std::uint16_t port) const {
+  return heard_ && frame.sender == autopilot_ && port == port_;
 }
 
 std::optional<std::uint8_t> HeartbeatTracker::kind(SteadyTime now) const {

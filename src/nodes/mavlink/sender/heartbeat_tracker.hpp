@@ -10,14 +10,18 @@
 
 namespace sonopose::mavlink::sender {
 
-/// An autopilot by its heartbeats. The first one that is heard, until it is silent. Not thread-safe.
+/// An autopilot by its heartbeats: the first one that is heard, from its port, until it is silent. Another
+/// program of its machine can send as the same system. Not thread-safe.
 class HeartbeatTracker {
 public:
   /// Heartbeats come once a second.
   static constexpr TimeNs lost_after_ns = 5'000'000'000;
 
-  /// Returns true for a heartbeat of this autopilot.
-  bool on(const Frame& frame, SteadyTime now);
+  /// Returns true for a heartbeat of this autopilot. `port`: sender of the datagram; 0 on other lines.
+  bool on(const Frame& frame, std::uint16_t port, SteadyTime now);
+
+  /// True for a frame of this autopilot.
+  [[nodiscard]] bool has_sent(const Frame& frame, std::uint16_t port) const;
 
   /// Kind of the autopilot (MAV_AUTOPILOT); empty without heartbeats.
   [[nodiscard]] std::optional<std::uint8_t> kind(SteadyTime now) const;
@@ -27,6 +31,7 @@ public:
 
 private:
   Identity autopilot_;
+  std::uint16_t port_ = 0;
   std::uint8_t kind_ = 0;
   std::optional<SteadyTime> heard_;
 };

@@ -95,7 +95,9 @@ private:
         }
         if (result.status == transport::ReadStatus::connected) logging::info(link_->name() + ": open");
         if (result.status != transport::ReadStatus::data) continue;
-        decoder_.feed({buffer.data(), result.size}, [this](const Frame& frame) { on(frame); });
+        const std::uint16_t port = result.sender.port;
+        if (port != 0) decoder_.restart();  // each datagram has whole frames
+        decoder_.feed({buffer.data(), result.size}, [this, port](const Frame& frame) { on(frame, port); });
       }
     } catch (...) {
       const threads::Lock lock(mutex_);
@@ -103,13 +105,14 @@ private:
     }
   }
 
-  void on(const Frame& frame) {
+  void on(const Frame& frame, std::uint16_t port) {
     const TimeNs now_ns = clocks::host_now();
     Identity own;
     {
       const threads::Lock lock(mutex_);
-      // Any program of the host can send something, but only the autopilot is to get the poses.
-      if (tracker_.on(frame, clocks::steady_now())) link_->answer_last_sender();
+      // Any program of the host can send something, but only the autopilot is to get poses and answers.
+      if (tracker_.on(frame, port, clocks::steady_now())) link_->answer_last_sender();
+      if (!tracker_.has_sent(frame, port)) return;
       own = tracker_.own();
     }
     if (const auto answer = timesync_answer(frame, own, now_ns)) send(*answer);
