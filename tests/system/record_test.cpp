@@ -228,14 +228,14 @@ SCENARIO("topics and beacons are selected, and what is not ours is named") {
     const TemporaryFolder folder;
     const fs::path file = folder / "run.mcap";
     const auto member = dds::ext::participant({.domain_id = bus.domain_id()});
-    const dds::topic::Topic<sonopose_ResetCommand> other(member, "rt/other");
+    const dds::topic::Topic<sonopose_ResetCommand> other(member, "other");
     const dds::pub::DataWriter<sonopose_ResetCommand> writer(dds::pub::Publisher(member), other);
     const auto record = start_recording(
         bus, file,
         {"--topics", "imu,fix,heading", "--exclude", "heading", "--beacons", "8", "--compression", "zstd"});
     WHEN("two beacons are published, and a signal comes that has no use here") {
       record->send(SIGUSR1);
-      REQUIRE(record->wait_for_line(Stream::error, "not recorded: rt/other (sonopose::ResetCommand)"));
+      REQUIRE(record->wait_for_line(Stream::error, "not recorded: other (sonopose::ResetCommand)"));
       const auto bridge = bus.bridge({"--beacons", "2"});
       REQUIRE(wait_for_part(file, {"sonopose/imu"}, 20));
       REQUIRE(wait_for_part(file, {"sonopose/fix"}, 2));
@@ -249,8 +249,8 @@ SCENARIO("topics and beacons are selected, and what is not ours is named") {
         }
         CHECK(found == std::set<std::string>{"sonopose/fix 8", "sonopose/imu 8"});
         CHECK_THAT(metadata_of(file, "sonopose.recording_end").at("not_recorded"),
-                   Contains("rt/other (1 writer)"));
-        CHECK_THAT(record->text(Stream::output), Contains("not recorded: rt/other (1 writer)"));
+                   Contains("other (1 writer)"));
+        CHECK_THAT(record->text(Stream::output), Contains("not recorded: other (1 writer)"));
       }
     }
   }

@@ -9,7 +9,6 @@
 #include <sonopose/dds/topics/topics.hpp>
 #include <sonopose/idl/text.hpp>
 #include <sonopose/text/count_text.hpp>
-#include <sonopose/text/escaped.hpp>
 
 #include <fmt/format.h>
 
@@ -249,10 +248,7 @@ void Recorder::report_foreign(std::vector<dds::FoundEndpoint> writers) {
   if (ros2_topics_) {
     std::erase_if(writers, [this](const auto& writer) { return ros2_topics_->contains(writer.topic_name); });
   }
-  for (const std::string& topic : foreign_.update(writers)) {
-    logging::info("not recorded: " + text::escaped(topic) +
-                  " has another type than what this program records");
-  }
+  for (const std::string& line : foreign_.update(writers, ros2_topics_.has_value())) logging::info(line);
 }
 
 /// Reports news for the user: writers that do not match, and losses.

@@ -167,20 +167,34 @@ TEST_CASE("Topics that are not native are named once, with the most writers that
   ForeignTopics foreign;
   const auto imu = writer("sonopose/imu", "sonopose::ImuSample");
   const auto odom = writer("rt/odom", "Odometry");
-  CHECK(foreign.update({imu, odom, odom}) == std::vector<std::string>{"rt/odom (Odometry)"});
-  CHECK(foreign.update({imu, odom}).empty());
-  CHECK(foreign.update({writer("sonopose/imu", "Other")}) ==
-        std::vector<std::string>{"sonopose/imu (Other)"});
+  const std::vector<std::string> of_odom{
+      "not recorded: rt/odom (Odometry), whose type this program does not know"};
+  CHECK(foreign.update({imu, odom, odom}, true) == of_odom);
+  CHECK(foreign.update({imu, odom}, true).empty());
+  const std::vector<std::string> of_imu{
+      "not recorded: sonopose/imu (Other), which has another type in this version"};
+  CHECK(foreign.update({writer("sonopose/imu", "Other")}, true) == of_imu);
   CHECK(foreign.writer_counts() == std::map<std::string, std::size_t>{{"rt/odom", 2}, {"sonopose/imu", 1}});
   CHECK(foreign.unnamed() == 0);
+}
+
+TEST_CASE("A recording without ROS 2 says in one line that it leaves out the topics of ROS 2") {
+  std::vector<dds::FoundEndpoint> writers;
+  for (const char* const topic : {"ros_discovery_info", "rr/node/resetReply", "rt/odom", "rt/tf"}) {
+    writers.emplace_back().topic_name = topic;
+  }
+  ForeignTopics foreign;
+  CHECK(foreign.update(writers, false) ==
+        std::vector<std::string>{"not recorded: 4 topics of ROS 2, such as rt/tf; --ros2 records them"});
+  CHECK(foreign.writer_counts().size() == 4);
 }
 
 TEST_CASE("A bus with any number of other topics does not fill the memory or the end of a file") {
   std::vector<dds::FoundEndpoint> writers(1000);
   for (std::size_t i = 0; i < writers.size(); ++i) writers[i].topic_name = "rt/topic_" + std::to_string(i);
   ForeignTopics foreign;
-  CHECK(foreign.update(writers).size() == 200);
-  CHECK(foreign.update(writers).empty());
+  CHECK(foreign.update(writers, true).size() == 200);
+  CHECK(foreign.update(writers, true).empty());
   CHECK(foreign.writer_counts().size() == 200);
   CHECK(foreign.unnamed() == 800);
 }
