@@ -127,7 +127,7 @@ std::string default_text(const Option& option) {
   constexpr std::string_view mark = " (default: ";
   const std::string text = option.cli().get_option_text();
   const std::size_t begin = text.find(mark);
-  if (begin == std::string::npos) return option.default_text();
+  if (begin == std::string::npos) return is_flag(option) ? "false" : option.default_text();
   return text.substr(begin + mark.size(), text.size() - begin - mark.size() - 1);
 }
 

@@ -196,10 +196,11 @@ void add_autopilot_options(CommandLine& app, Ros2Options& options) {
 /// Describes a different default: other programs use loopback, the relay the network of the ROS 2 nodes.
 void describe_network(CommandLine& app) {
   app.option("--network")
-      .option_text("loopback|lan (default: from the environment variables of ROS 2)")
+      .option_text("loopback|lan")
       .description(
           "loopback: only this machine; lan: the interface of the default route, "
-          "without any bridge or fusion on loopback (CYCLONEDDS_URI overrides both)");
+          "without any bridge or fusion on loopback; CYCLONEDDS_URI overrides both "
+          "(default: from the environment variables of ROS 2)");
 }
 
 }  // namespace

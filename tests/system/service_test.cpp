@@ -10,6 +10,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <regex>
 
 namespace sonopose::service_test {
 
@@ -35,7 +36,7 @@ SCENARIO("every option is a key of the file of --config") {
     CAPTURE(program);
     const Result all = run(program, {"--print-config"}, neutral);
     REQUIRE(all.code == 0);
-    CHECK_THAT(all.output, Contains("# domain = "));
+    CHECK_THAT(all.output, Contains("# domain = ") && Contains("= false\n"));
     GIVEN(std::string("what it prints, and a drop-in with a domain: ") + program) {
       const ConfigFile file(all.output);
       write_text(file.drop_ins / "50-domain.toml", "domain = 9\nlog-level = \"error\"\n");
@@ -45,6 +46,13 @@ SCENARIO("every option is a key of the file of --config") {
         CAPTURE(used.error);
         REQUIRE(used.code == 0);
         CHECK_THAT(used.output, Contains("\ndomain = 9\n") && Contains("\nlog-level = \"debug\"\n"));
+      }
+      THEN("each default that it shows is a value of its key") {
+        write_text(file.path,
+                   std::regex_replace(all.output, std::regex("(^|\n)# ([a-z0-9-]+ = [^\n])"), "$1$2"));
+        const Result used = run(program, {"--config", path, "--print-config"}, neutral);
+        CHECK(used.error.empty());
+        CHECK(used.code == 0);
       }
       THEN("an unknown key is named with file, line and the nearest option") {
         write_text(file.path, "\ndomian = 1\n");
