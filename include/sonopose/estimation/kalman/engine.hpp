@@ -77,7 +77,8 @@ private:
   [[nodiscard]] FusedPose pose_after_step(const ImuSample& imu, const ImuMeasurement& measured) const;
   FusedPose whole_pose(const ImuSample& imu);
   void use_set_yaw(const FixMeasurement& fix, bool fix_is_used);
-  [[nodiscard]] FusedPose pose_at(const ImuSample& imu, const NominalState& nominal) const;
+  [[nodiscard]] FusedPose pose_at(const ImuSample& imu, const Vector3d& rate_body_radps,
+                                  const NominalState& nominal) const;
   void update_uncertainty();
   [[nodiscard]] std::uint32_t status(TimeNs time_ns) const;
 

@@ -53,6 +53,24 @@ struct ShockDetector {
   bool operator==(const ShockDetector&) const = default;
 };
 
+/// Holds back readings of a sensor that leave the last one suddenly, by more than the inertia of a body and
+/// its mount allows. If they return within some samples, they were wrong and count as the last one. Otherwise
+/// they were right, and their integral is made up for.
+struct SpikeFilter {
+  double held_s = 0;                                 ///< duration of the held readings; 0: none
+  double largest_jump = 0;                           ///< largest distance of one from the last one before
+  Vector3d excess_integral_body = Vector3d::Zero();  ///< integral of these distances
+
+  /// What to use instead of a reading.
+  struct Output {
+    Vector3d reading_body;
+    Vector3d made_up_body;  ///< integral of held readings that were right
+  };
+  /// Adds a reading after `last_body`, the one that was used before it.
+  Output add(const Vector3d& last_body, const Vector3d& reading_body, double duration_s, double max_jump);
+  bool operator==(const SpikeFilter&) const = default;
+};
+
 /// Detects a gyroscope at the end of its range, where a reading repeats its largest value. The body may turn
 /// faster then.
 struct ClipDetector {
@@ -124,6 +142,12 @@ void for_each_field(IsFieldsOf<ShockDetector> auto& shocks, const auto& visit) {
   visit("open_integral_body", shocks.open_integral_body);
   visit("reading_before_body", shocks.reading_body[0]);
   visit("reading_last_body", shocks.reading_body[1]);
+}
+
+void for_each_field(IsFieldsOf<SpikeFilter> auto& spikes, const auto& visit) {
+  visit("held_s", spikes.held_s);
+  visit("largest_jump", spikes.largest_jump);
+  visit("excess_integral_body", spikes.excess_integral_body);
 }
 
 void for_each_field(IsFieldsOf<RepeatDetector> auto& repeats, const auto& visit) {

@@ -53,6 +53,8 @@ struct ImuInput {
   RepeatDetector repeats;                            ///< repeated samples, which are a silence too
   ShockDetector shocks;                              ///< shocks of the accelerometer
   ShockDetector turn_shocks;                         ///< shocks of the gyroscope
+  SpikeFilter force_spikes;                          ///< wrong samples of the accelerometer
+  SpikeFilter rate_spikes;                           ///< wrong samples of the gyroscope
   ClipDetector gyro_clip;                            ///< end of the gyroscope's range
   ImuPreintegrator pending_steps;  ///< steps not yet applied to the filters; none in a checkpoint
 
@@ -60,6 +62,14 @@ struct ImuInput {
   [[nodiscard]] ImuMeasurement latest() const {
     return {.time_ns = time_ns, .rate_body_radps = rate_body_radps, .force_body_mps2 = force_body_mps2};
   }
+};
+
+/// A sample without readings that are held back, and the step to it.
+struct AdmittedStep {
+  ImuMeasurement sample;
+  ImuStep step;
+  SpikeFilter force_spikes;
+  SpikeFilter rate_spikes;
 };
 
 /// Recent fixes, as judged by the followed track.
@@ -128,6 +138,8 @@ struct State {
 
   /// Nominal state of the best filter at the latest sample, after the pending steps; arbitrary while waiting.
   [[nodiscard]] NominalState nominal() const;
+  /// Step from the latest sample to this one.
+  [[nodiscard]] AdmittedStep step_to(const ImuMeasurement& sample) const;
   /// Nominal state after one more step.
   [[nodiscard]] NominalState nominal_after(const ImuStep& step) const;
 
@@ -158,6 +170,8 @@ void for_each_field(IsFieldsOf<ImuInput> auto& imu, const auto& visit) {
   visit("repeats", imu.repeats);
   visit("shocks", imu.shocks);
   visit("turn_shocks", imu.turn_shocks);
+  visit("force_spikes", imu.force_spikes);
+  visit("rate_spikes", imu.rate_spikes);
   visit("gyro_clip", imu.gyro_clip);
 }
 

@@ -157,16 +157,15 @@ bool Engine::is_step(const ImuMeasurement& imu) const {
 }
 
 FusedPose Engine::pose_after_step(const ImuSample& imu, const ImuMeasurement& measured) const {
-  const State& before = state();
-  const ImuStep step = step_between(before.imu.latest(), measured, before.imu.nominal_imu_period_s);
-  return pose_at(imu, before.nominal_after(step));
+  const AdmittedStep next = state().step_to(measured);
+  return pose_at(imu, next.sample.rate_body_radps, state().nominal_after(next.step));
 }
 
 /// Pose after all consequences of the sample.
 FusedPose Engine::whole_pose(const ImuSample& imu) {
   const bool was_in_gap = state().imu.in_gap;
   finish_pending_work();
-  FusedPose pose = pose_at(imu, state().nominal());
+  FusedPose pose = pose_at(imu, state().imu.rate_body_radps, state().nominal());
   if (state().imu.in_gap) {
     const int repeats = state().imu.repeats.repeats;
     if (repeats == 0 || !was_in_gap) ++counters_.imu_gaps;  // not for each repetition
@@ -359,7 +358,8 @@ void Engine::correct(const TwistSample& twist) noexcept {
   ++(rejected ? counters_.twists_rejected : counters_.twists_used);
 }
 
-FusedPose Engine::pose_at(const ImuSample& imu, const NominalState& nominal) const {
+FusedPose Engine::pose_at(const ImuSample& imu, const Vector3d& rate_body_radps,
+                          const NominalState& nominal) const {
   const State& now = state();
   FusedPose pose;
   pose.address = imu.address;
@@ -367,13 +367,13 @@ FusedPose Engine::pose_at(const ImuSample& imu, const NominalState& nominal) con
   pose.time_ns = imu.sensor_time_ns;
   if (now.phase == Phase::waiting) {
     pose.q_body_to_world = geometry::level_with(now.imu.mean_force_body_mps2, 0.0);
-    pose.angular_velocity_body_radps = imu.angular_velocity_body_radps;
+    pose.angular_velocity_body_radps = rate_body_radps;
   } else {
     const Filter& filter = now.filter();
     pose.position_world_m = filter.tracked_position_world_m(nominal);
     pose.q_body_to_world = nominal.q_body_to_world;
     pose.velocity_world_mps = filter.tracked_velocity_world_mps(nominal);
-    pose.angular_velocity_body_radps = imu.angular_velocity_body_radps - filter.gyro_bias_body_radps;
+    pose.angular_velocity_body_radps = rate_body_radps - filter.gyro_bias_body_radps;
     pose.acceleration_world_mps2 = nominal.acceleration_world_mps2;
     pose.gyro_bias_body_radps = filter.gyro_bias_body_radps;
     pose.pose_covariance = uncertainty_.pose_covariance;

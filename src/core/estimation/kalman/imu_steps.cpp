@@ -49,6 +49,28 @@ double ShockDetector::density_rthz() const {
   return roughness / of_white_noise * usual_interval_rts;
 }
 
+SpikeFilter::Output SpikeFilter::add(const Vector3d& last_body, const Vector3d& reading_body,
+                                     double duration_s, double max_jump) {
+  constexpr double max_held_s = 0.0455;  // four samples at 100 Hz
+  constexpr double returned_share = 0.5;
+  const Vector3d jump_body = reading_body - last_body;
+  const double jump = jump_body.norm();
+  if (held_s > 0.0 ? jump < returned_share * largest_jump : !(jump > max_jump)) {
+    const Output output{.reading_body = reading_body, .made_up_body = Vector3d::Zero()};
+    *this = {};
+    return output;
+  }
+  if (held_s + duration_s > max_held_s) {
+    const Output output{.reading_body = reading_body, .made_up_body = excess_integral_body};
+    *this = {};
+    return output;
+  }
+  held_s += duration_s;
+  largest_jump = std::max(largest_jump, jump);
+  excess_integral_body += duration_s * jump_body;
+  return {.reading_body = last_body, .made_up_body = Vector3d::Zero()};
+}
+
 Vector3d ClipDetector::add(const Vector3d& reading_body_radps) {
   constexpr double min_range_radps = 2.0;  // the smallest range of a usual gyroscope is 125 °/s
   constexpr double min_repeats = 2;        // noise repeats a value by chance

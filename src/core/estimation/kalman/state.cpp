@@ -177,17 +177,43 @@ void add_missed_motion(Filter& filter, const ImuStep& step) {
   filter.add_variance(at_attitude, Vector3d::Constant(square(step.attitude_std_rad)));
 }
 
-ImuOutcome State::on_imu(const settings::Settings& settings, const ImuMeasurement& sample) {
+AdmittedStep State::step_to(const ImuMeasurement& sample) const {
+  constexpr double max_jump_mps2 = 20.0;
+  constexpr double max_jump_radps = 4.0;
+  constexpr double rough_factor = 2.0;
+  const double dt_s = seconds_between(imu.time_ns, sample.time_ns);
+  AdmittedStep next{
+      .sample = sample, .step = {}, .force_spikes = imu.force_spikes, .rate_spikes = imu.rate_spikes};
+  const auto force = next.force_spikes.add(imu.force_body_mps2, sample.force_body_mps2, dt_s,
+                                           std::max(max_jump_mps2, rough_factor * imu.shocks.roughness));
+  const auto rate = next.rate_spikes.add(imu.rate_body_radps, sample.rate_body_radps, dt_s,
+                                         std::max(max_jump_radps, rough_factor * imu.turn_shocks.roughness));
+  next.sample.force_body_mps2 = force.reading_body;
+  next.sample.rate_body_radps = rate.reading_body;
+  next.step = step_between(imu.latest(), next.sample, imu.nominal_imu_period_s);
+  next.step.force_body_mps2 += force.made_up_body / dt_s;
+  next.step.rate_body_radps += rate.made_up_body / dt_s;
+  return next;
+}
+
+ImuOutcome State::on_imu(const settings::Settings& settings, const ImuMeasurement& measured) {
   const bool is_first = imu.time_ns == 0;
-  const double dt_s = is_first ? 0.0 : seconds_between(imu.time_ns, sample.time_ns);
-  imu.in_gap = dt_s > settings.outage.imu_gap_s || is_repetition(sample);
-  if (!is_first) imu.repeats.add(imu.latest(), sample);
+  const double dt_s = is_first ? 0.0 : seconds_between(imu.time_ns, measured.time_ns);
+  imu.in_gap = dt_s > settings.outage.imu_gap_s || is_repetition(measured);
+  if (!is_first) imu.repeats.add(imu.latest(), measured);
+  const bool has_step = !imu.in_gap && dt_s > 0.0;
+  const AdmittedStep next =
+      has_step ? step_to(measured)
+               : AdmittedStep{.sample = measured, .step = {}, .force_spikes = {}, .rate_spikes = {}};
+  const ImuMeasurement& sample = next.sample;
+  imu.force_spikes = next.force_spikes;
+  imu.rate_spikes = next.rate_spikes;
   if (imu.in_gap) headings.is_current = false;  // no rate shows how the body turned meanwhile
   update_mean_force(*this, sample, dt_s);
   if (phase != Phase::waiting && imu.in_gap) {
     end_imu_gap(*this, sample.time_ns);
-  } else if (phase != Phase::waiting && dt_s > 0.0) {
-    ImuStep step = step_between(imu.latest(), sample, imu.nominal_imu_period_s);
+  } else if (phase != Phase::waiting && has_step) {
+    ImuStep step = next.step;
     constexpr double smooth_mps2 = 2.5;
     constexpr double smooth_radps = 1.0;
     step.shock_variance_m2ps2 = imu.shocks.add(sample.force_body_mps2, dt_s, smooth_mps2);

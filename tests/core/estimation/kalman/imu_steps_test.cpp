@@ -118,6 +118,39 @@ SCENARIO("only a shock makes the velocity uncertain") {
   }
 }
 
+SCENARIO("a few wrong samples move nothing, and a sudden motion is made up for") {
+  GIVEN("readings of an accelerometer at 100 Hz that leave 9.8 m/s² suddenly") {
+    constexpr double step_s = 0.01;
+    constexpr double max_jump_mps2 = 20.0;
+    const Vector3d usual_mps2{0.0, 0.0, 9.8};
+    const int changed = GENERATE(1, 2, 4, 30);
+    const Vector3d change_mps2 = GENERATE(Vector3d{157.0, 0.0, 0.0}, Vector3d{0.0, -30.0, -30.0});
+    CAPTURE(changed, change_mps2.transpose());
+    SpikeFilter spikes;
+    Vector3d last_mps2 = usual_mps2;
+    Vector3d velocity_mps = Vector3d::Zero();
+    for (int k = 0; k < 40; ++k) {
+      const bool is_changed = k >= 5 && k < 5 + changed;
+      const Vector3d reading_mps2 = is_changed ? Vector3d(usual_mps2 + change_mps2) : usual_mps2;
+      const auto output = spikes.add(last_mps2, reading_mps2, step_s, max_jump_mps2);
+      velocity_mps += 0.5 * step_s * (last_mps2 + output.reading_body) + output.made_up_body;
+      last_mps2 = output.reading_body;
+    }
+    velocity_mps -= 40 * step_s * usual_mps2;
+    THEN("up to four of them change no velocity, and what lasts changes it as it should") {
+      const Vector3d expected_mps = changed > 4 ? Vector3d(changed * step_s * change_mps2) : Vector3d::Zero();
+      CHECK((velocity_mps - expected_mps).norm() < 1e-9);
+    }
+  }
+  GIVEN("readings that change by less than the limit") {
+    SpikeFilter spikes;
+    THEN("they are used at once") {
+      const Vector3d reading_mps2{12.0, 0.0, 9.8};
+      CHECK(spikes.add({0.0, 0.0, 9.8}, reading_mps2, 0.01, 20.0).reading_body == reading_mps2);
+    }
+  }
+}
+
 SCENARIO("a gyroscope at the end of its range misses a part of the rate") {
   GIVEN("a turn about Z that exceeds the range") {
     constexpr double range_radps = 6.0;

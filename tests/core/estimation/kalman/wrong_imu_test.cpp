@@ -30,15 +30,18 @@ struct Moment {
   double yaw_error_rad;
 };
 
-std::vector<Moment> moments_of(const std::string& scenario, std::uint64_t seed,
-                               const std::function<void(sim::Scenario&)>& change, double duration_s = 40.0) {
+std::vector<Moment> moments_of(
+    const std::string& scenario, std::uint64_t seed, const std::function<void(sim::Scenario&)>& change,
+    double duration_s = 40.0, const std::function<void(Event&)>& spoil = [](Event&) {}) {
   sim::Scenario changed = sim::find_scenario(scenario);
   change(changed);
   sim::Simulator simulator(changed, {.seed = seed, .duration_s = duration_s});
   estimation::kalman::Engine engine{settings::Settings{}};
   std::vector<Moment> moments;
   while (const auto step = simulator.next()) {
-    const auto result = estimation::process(engine, step->event);
+    Event event = step->event;
+    spoil(event);
+    const auto result = estimation::process(engine, event);
     const auto* pose = std::get_if<FusedPose>(&result);
     if (pose == nullptr || !step->truth) continue;
     moments.push_back({seconds_between(sim::Run{}.start_time_ns, pose->time_ns), *pose,
@@ -75,6 +78,34 @@ SCENARIO("a vibrating vehicle finds its fixes again after a gap") {
     });
     THEN("it is within decimetres of the track a second later, and stays there") {
       CHECK(largest_error_m(moments, 23.5) < 0.3);
+    }
+  }
+}
+
+SCENARIO("single samples at the end of the range move nothing") {
+  const std::string name = GENERATE("walk", "kart");
+  const std::uint64_t seed = GENERATE(7101U, 7102U);
+  const bool is_rate = GENERATE(true, false);
+  GIVEN("a " << name << " with a sample of " << (is_rate ? "2000 °/s" : "16 g") << " every 3 s, seed "
+             << seed) {
+    int samples = 0;
+    const auto spoil = [&](Event& event) {
+      auto* const imu = std::get_if<ImuSample>(&event);
+      if (imu == nullptr || ++samples % 300 != 0) return;
+      if (is_rate) {
+        imu->angular_velocity_body_radps.y() = -2000.0 * geometry::radians_per_degree;
+      } else {
+        imu->specific_force_body_mps2.x() = 157.0;
+      }
+    };
+    const auto moments = moments_of(
+        name, seed, [](sim::Scenario&) {}, 40.0, spoil);
+    THEN("the position stays as accurate as without, and no rate of that size is published") {
+      CHECK(largest_error_m(moments, 6.0) < 0.1);
+      const auto is_fast = [](const Moment& moment) {
+        return moment.pose.angular_velocity_body_radps.norm() > 20.0;
+      };
+      CHECK(std::none_of(moments.begin(), moments.end(), is_fast));
     }
   }
 }
