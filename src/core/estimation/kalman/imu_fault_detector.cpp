@@ -1,5 +1,6 @@
 // Choice among the models of the IMU, and detection of its faults where fixes and headings contradict it.
 
+#include "estimation/kalman/filter_internal.hpp"
 #include "estimation/kalman/state_internal.hpp"
 
 #include <algorithm>
