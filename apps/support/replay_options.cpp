@@ -11,11 +11,23 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
 
 namespace sonopose::apps {
+namespace {
+
+/// True if a topic of the command line has this input.
+bool is_chosen(const evaluation::UnusedInput& input) {
+  using Kind = ros2::AidingInput::Kind;
+  return std::ranges::any_of(ros2::bag::chosen_topics().aiding, [&input](const auto& chosen) {
+    return (chosen.first == Kind::heading || chosen.first == Kind::pose) == input.is_heading;
+  });
+}
+
+}  // namespace
 
 void add_replay_options(CommandLine& app, ReplayOptions& options) {
   const Check seconds = number_between(0.0, 1e9);
@@ -97,10 +109,10 @@ void require_result(const ReplayOptions& options, const evaluation::RunResult& r
     logging::warning(fmt::format("{}: {}: {}", name, height->text, height->remedy));
   }
   for (const std::string& text : result.remarks) logging::warning(fmt::format("{}: {}", name, text));
-  for (const std::string& text : result.unused_inputs) {
-    const bool are_chosen = !ros2::bag::chosen_topics().aiding.empty() && !options.run.until_s;
-    if (are_chosen) throw std::runtime_error(fmt::format("{}: {}", name, text));
-    logging::warning(fmt::format("{}: {}", name, text));
+  for (const evaluation::UnusedInput& input : result.unused_inputs) {
+    const std::string text = fmt::format("{}: {}", name, input.text);
+    if (is_chosen(input) && !options.run.until_s) throw std::runtime_error(text);
+    logging::warning(text);
   }
   const auto contradicted = result.warned.find(status_fixes_inconsistent);
   if (contradicted != result.warned.end() && 2 * contradicted->second > result.judged_poses) {
@@ -109,10 +121,16 @@ void require_result(const ReplayOptions& options, const evaluation::RunResult& r
                     "delay {0}` measures how far their clocks are apart",
                     name));
   }
+  if (result.poses > 0 && result.judged_poses == 0) {
+    throw std::runtime_error(fmt::format("{}: no score: no pose comes {} s (--after) after the first event",
+                                         name, options.run.after_s));
+  }
   if (options.run.until_s) {
     const bool has_fixes = result.counters.fixes_used + result.counters.fixes_rejected > 0;
-    if (!has_fixes)
-      logging::warning(fmt::format("{}: has no fix until {} s (--until)", name, *options.run.until_s));
+    if (has_fixes || options.engine == ReplayEngine::strapdown) return;
+    const std::string text = fmt::format("{}: has no fix until {} s (--until)", name, *options.run.until_s);
+    if (!options.save_state) throw std::runtime_error(text);
+    logging::warning(text);
     return;
   }
   if (options.engine != ReplayEngine::strapdown && result.counters.fixes_used == 0) {
@@ -139,12 +157,8 @@ void require_result(const ReplayOptions& options, const evaluation::RunResult& r
   const evaluation::Score& score = result.fused;
   if (!result.has_truth || score.poses > 0 || std::isfinite(score.tilt_rmse_deg)) return;
   throw std::runtime_error(
-      score.poses_without_truth == 0
-          ? fmt::format("{}: no score: no pose comes {} s (--after) after the first event", name,
-                        options.run.after_s)
-          : fmt::format(
-                "{}: no score: none of {} has a true position: are the truth and the IMU of one clock?", name,
-                text::count_text(score.poses_without_truth, "pose")));
+      fmt::format("{}: no score: none of {} has a true position: are the truth and the IMU of one clock?",
+                  name, text::count_text(score.poses_without_truth, "pose")));
 }
 
 evaluation::RunOptions run_options(const ReplayOptions& options, const settings::Settings& settings) {

@@ -137,9 +137,14 @@ SCENARIO("what a replay does not use is named") {
     }
   }
   GIVEN("an end before the first fix") {
-    const Result result = replay({recording.log(), "--until", "0"});
-    THEN("the option is named") {
-      CHECK_THAT(result.error, Contains("/log: has no fix until 0 s (--until)"));
+    const Arguments arguments{recording.log(), "--until", "0"};
+    THEN("there is no result, and the option is named") {
+      CHECK_THAT(refusal(arguments), Contains("/log: has no fix until 0 s (--until)"));
+    }
+    THEN("its state can be saved nevertheless") {
+      Arguments saving = arguments;
+      saving.insert(saving.end(), {"--save-state", (recording / "state.json").string()});
+      CHECK(replay(saving).code == 0);
     }
   }
   GIVEN("one table instead of its folder, and two folders") {
@@ -156,6 +161,10 @@ SCENARIO("a replay without a score says why and fails") {
   GIVEN("a score that begins after the last pose") {
     THEN("the option is named") {
       CHECK_THAT(refusal({recording.log(), "--after", "60"}),
+                 Contains("/log: no score: no pose comes 60 s (--after)"));
+    }
+    THEN("it is also without a truth, where poses and fixes would have been judged") {
+      CHECK_THAT(refusal({Recording(false).log(), "--after", "60"}),
                  Contains("/log: no score: no pose comes 60 s (--after)"));
     }
   }

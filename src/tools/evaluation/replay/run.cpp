@@ -185,18 +185,24 @@ public:
     constexpr std::uint64_t min_count = 3;
     const EstimatorCounters& counted = result.counters;
     if (const auto problem = estimation::aiding::twist_problem(counted, settings)) {
-      (problem->are_unused && !problem->is_by_setting ? result.unused_inputs : result.remarks)
-          .push_back(fmt::format("{}: {}", problem->text, problem->remedy));
+      std::string text = fmt::format("{}: {}", problem->text, problem->remedy);
+      if (problem->are_unused && !problem->is_by_setting) {
+        result.unused_inputs.push_back({.is_heading = false, .text = std::move(text)});
+      } else {
+        result.remarks.push_back(std::move(text));
+      }
     } else if (twists_ >= min_count &&
                counted.twists_used + counted.twists_rejected + counted.twists_unused == 0) {
       result.unused_inputs.push_back(
-          fmt::format("velocities are not used: all {} are impossible, or not finite", twists_));
+          {.is_heading = false,
+           .text = fmt::format("velocities are not used: all {} are impossible, or not finite", twists_)});
     }
     if (headings_ < min_count || counted.headings > 1) return;
-    result.unused_inputs.push_back(fmt::format(
-        "headings are not used: all {} are newer than the IMU samples or too old: compare their stamps with "
-        "those of the IMU",
-        headings_));
+    result.unused_inputs.push_back(
+        {.is_heading = true,
+         .text = fmt::format("headings are not used: all {} are newer than the IMU samples or too old: "
+                             "compare their stamps with those of the IMU",
+                             headings_)});
   }
 
 private:

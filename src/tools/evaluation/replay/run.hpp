@@ -72,6 +72,12 @@ struct Smoothing {
   estimation::offline::Noise noise;
 };
 
+/// Velocities or headings of which none could be used.
+struct UnusedInput {
+  bool is_heading = false;
+  std::string text;
+};
+
 /// The result of one run. Counters count only this run.
 struct RunResult {
   std::uint64_t events = 0;
@@ -83,7 +89,7 @@ struct RunResult {
   FixFlagCounts rejected_fix_flags;  ///< flags of the unused fixes
   estimation::aiding::RefusedFixes refusals;
   std::optional<estimation::aiding::HeightProblem> height_problem{};  ///< at the end
-  std::vector<std::string> unused_inputs{};  ///< texts about velocities and headings: none could be used
+  std::vector<UnusedInput> unused_inputs{};
   std::vector<std::string> remarks{};  ///< texts about velocities: rejected, or unused as settings demand
   std::uint64_t judged_poses = 0;      ///< from RunOptions::after_s on
   std::map<PoseStatus, std::uint64_t> warned{};  ///< numbers of these with a warning, by its bit

@@ -162,9 +162,11 @@ TEST_CASE("velocities and headings that cannot be used are named") {
   using Catch::Matchers::Contains;
   const auto ahead = evaluation::run(aided_log(0.7), {});
   REQUIRE(ahead.unused_inputs.size() == 2);
-  CHECK_THAT(ahead.unused_inputs[0],
+  CHECK_THAT(ahead.unused_inputs[0].text,
              Contains("velocities are not used: they are newer than the IMU samples"));
-  CHECK_THAT(ahead.unused_inputs[1], Contains("headings are not used"));
+  CHECK_THAT(ahead.unused_inputs[1].text, Contains("headings are not used"));
+  CHECK_FALSE(ahead.unused_inputs[0].is_heading);
+  CHECK(ahead.unused_inputs[1].is_heading);
   CHECK(ahead.remarks.empty());
   const auto wrong = evaluation::run(aided_log(0.0), {});
   CHECK(wrong.unused_inputs.empty());
