@@ -4,6 +4,8 @@
 #include <sonopose/estimation/aiding/reading_limits.hpp>
 #include <sonopose/estimation/prediction.hpp>
 
+#include <algorithm>
+#include <cstdint>
 #include <utility>
 
 namespace sonopose::fusion {
@@ -137,16 +139,20 @@ bool BeaconEstimator::is_gone(SteadyTime now) const {
   return presence_.is_gone(now);
 }
 
-FusionStatus BeaconEstimator::status() const {
+FusionStatus BeaconEstimator::status() {
   const EstimatorCounters& counted = estimator_.counters();
   const collation::CollatorCounters& order = order_counters();
+  const auto raise = [](std::uint64_t& published, std::uint64_t count) {
+    return published = std::max(published, count);
+  };
   FusionStatus status = counted_;
   status.imu_samples = counted.imu_samples;
   status.fixes_used = counted.fixes_used;
   status.fixes_rejected = counted.fixes_rejected;
-  status.headings = counted.headings;
-  status.velocities_used = counted.twists_used;
-  status.velocities_rejected = counted.twists_rejected;
+  // An engine may count these again, as unusable, if the next IMU sample refutes their stamps.
+  status.headings = raise(counted_.headings, counted.headings);
+  status.velocities_used = raise(counted_.velocities_used, counted.twists_used);
+  status.velocities_rejected = raise(counted_.velocities_rejected, counted.twists_rejected);
   status.velocities_unused = counted.twists_unused;
   status.events_lost = order.lost;
   status.events_duplicated = order.duplicated;

@@ -99,8 +99,8 @@ public:
   /// True if nothing has arrived for so long that the estimate is worthless (presence::BeaconPresence).
   [[nodiscard]] bool is_gone(SteadyTime now) const;
 
-  /// The beacon's counters, without those of the process.
-  [[nodiscard]] FusionStatus status() const;
+  /// The beacon's counters, without those of the process. None decreases.
+  [[nodiscard]] FusionStatus status();
 
   /// The estimator's knowledge of the sensors.
   [[nodiscard]] Estimate estimate();
@@ -135,7 +135,7 @@ private:
     return bridge_lost_at_ && !loss_is_counted_ && now - *bridge_lost_at_ >= end_ns;
   }
 
-  FusionStatus counted_;  ///< counters that nothing else keeps
+  FusionStatus counted_;  ///< counters that nothing else keeps, and those that must not decrease
   SettingsTimeline timeline_;
   estimation::AnyEstimator estimator_;
   estimation::SensorFaultDetector sensor_faults_;

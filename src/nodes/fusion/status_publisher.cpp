@@ -54,7 +54,7 @@ auto StatusPublisher::read(BeaconAddress address, const auto& read_from) const {
 }
 
 void StatusPublisher::publish_status(BeaconAddress address, std::uint64_t unwritten) {
-  auto status = read(address, [](const BeaconEstimator& estimator) { return estimator.status(); });
+  auto status = read(address, [](BeaconEstimator& estimator) { return estimator.status(); });
   if (!status) return;
   status->fusion_id = fusion_id_;
   status->time_ns = clocks::host_now();

@@ -203,6 +203,25 @@ SCENARIO("a repeated reset does nothing") {
   }
 }
 
+SCENARIO("published counters do not decrease when an IMU sample refutes the stamp of a heading") {
+  Feeder feeder(false, config_of(EngineKind::kalman));
+  std::uint64_t headings = 0;
+  for (Event event : walk(7, 6.0)) {
+    if (auto* const heading = std::get_if<PairHeading>(&event);
+        heading && heading->emission_time_ns > begin_ns + 4000 * ms) {
+      heading->emission_time_ns += 700 * ms;
+      heading->received_time_ns += 700 * ms;
+    }
+    feeder.push(event);
+    const auto status = feeder.status(7);
+    REQUIRE(status);
+    CHECK(status->headings >= headings);
+    headings = status->headings;
+  }
+  CHECK(headings > 10);
+  CHECK(feeder.status(7)->samples_invalid > 0);
+}
+
 SCENARIO("missed deadlines and the loss of a bridge are counted") {
   BeaconEstimator seven(7, SettingsTimeline(config::BeaconSettings{}), false);
   seven.on_deadline_missed(&FusionStatus::imu_deadlines_missed, 2);

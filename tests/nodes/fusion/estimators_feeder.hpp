@@ -63,7 +63,7 @@ struct Feeder {
 
   std::optional<FusionStatus> status(BeaconAddress address) {
     return estimators.with([&](auto& all) {
-      const BeaconEstimator* const estimator = all.find(address);
+      BeaconEstimator* const estimator = all.find(address);
       return estimator == nullptr ? std::nullopt : std::optional(estimator->status());
     });
   }
