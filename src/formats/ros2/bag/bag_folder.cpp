@@ -55,7 +55,11 @@ Metadata read_metadata(const fs::path& folder) {
   try {
     const YAML::Node bag = YAML::Load(files::read_text(file))["rosbag2_bagfile_information"];
     if (!bag || !bag.IsMap()) return metadata;
-    metadata.messages = bag["message_count"].as<std::uint64_t>(0);
+    if (const YAML::Node count = bag["message_count"];
+        count && !YAML::convert<std::uint64_t>::decode(count, metadata.messages)) {
+      throw files::IoError(fmt::format("{}, line {}: message_count: '{}' is no number", file.string(),
+                                       count.Mark().line + 1, scalar_of(count)));
+    }
     std::string mode = scalar_of(bag["compression_mode"]);
     std::ranges::transform(mode, mode.begin(), [](char each) {
       return static_cast<char>(std::tolower(static_cast<unsigned char>(each)));

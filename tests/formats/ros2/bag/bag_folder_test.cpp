@@ -58,6 +58,11 @@ SCENARIO("the folder of a recording says what belongs to it") {
       CHECK_THAT(*text, Contains("of the 1000000 messages that metadata.yaml counts"));
       CHECK_FALSE(bus_log::fewer_than_listed({folder.path()}, 1'000'000));
     }
+    THEN("one that is no number is an error with file, line and value") {
+      write_text(folder / "metadata.yaml", metadata("    - drive_0.mcap\n  message_count: many\n"));
+      CHECK_THROWS_WITH(read_metadata(folder.path()),
+                        Contains("metadata.yaml, line 6: message_count: 'many' is no number"));
+    }
   }
   GIVEN("files that are compressed as a whole") {
     write_text(folder / "drive_0.mcap.zstd", "(\xb5/\xfd");
