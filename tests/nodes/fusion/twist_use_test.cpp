@@ -26,7 +26,7 @@ SCENARIO("the user learns what becomes of velocities") {
   GIVEN("an engine that uses none") {
     const auto count_messages = [&](const settings::Settings& settings, const char* cause) {
       int messages = 0;
-      for (int i = 0; i < std::uint64_t{3} * TwistUse::max_unused_updates; ++i) {
+      for (std::uint64_t i = 0; i < std::uint64_t{3} * TwistUse::max_unused_updates; ++i) {
         counted.twists_unused += 50;
         if (const auto text = use.update(counted, settings)) {
           CHECK_THAT(*text, Contains(cause));
@@ -47,7 +47,7 @@ SCENARIO("the user learns what becomes of velocities") {
       "velocities that are newer than the IMU samples, of which the last one is sometimes counted as used") {
     THEN("this is said once, too") {
       int messages = 0;
-      for (std::uint64_t i = 0; i < 3 * TwistUse::max_unused_updates; ++i) {
+      for (std::uint64_t i = 0; i < std::uint64_t{3} * TwistUse::max_unused_updates; ++i) {
         counted.twists_used = i % 2U;
         counted.twists_unused += 49U + (i + 1U) % 2U;
         if (const auto text = use.update(counted, kalman)) {
