@@ -72,6 +72,15 @@ struct AdmittedStep {
   SpikeFilter rate_spikes;
 };
 
+/// Heights that jumped away from the followed track, in a row.
+struct HeightGate {
+  TimeNs jumped_ns = 0;    ///< time of the first; 0: none
+  double first_m = 0;      ///< its innovation
+  double predicted_m = 0;  ///< its prediction
+
+  bool operator==(const HeightGate&) const = default;
+};
+
 /// Recent fixes, as judged by the followed track.
 struct FixGate {
   TimeNs used_ns = 0;   ///< measurement time of the last fix used; 0: none
@@ -83,6 +92,7 @@ struct FixGate {
   double quality_percent = -1;                   ///< quality of the last fix used; negative: unknown
   Vector3d rejected_world_m = Vector3d::Zero();  ///< latest rejected fix
   TimeNs rejected_ns = 0;                        ///< time of that fix
+  HeightGate height{};                           ///< heights that are left out
   Vector3d point_body_m = Vector3d::Zero();      ///< located point of the latest fix
 
   bool operator==(const FixGate&) const = default;
@@ -175,6 +185,12 @@ void for_each_field(IsFieldsOf<ImuInput> auto& imu, const auto& visit) {
   visit("gyro_clip", imu.gyro_clip);
 }
 
+void for_each_field(IsFieldsOf<HeightGate> auto& height, const auto& visit) {
+  visit("jumped_ns", height.jumped_ns);
+  visit("first_m", height.first_m);
+  visit("predicted_m", height.predicted_m);
+}
+
 void for_each_field(IsFieldsOf<FixGate> auto& fixes, const auto& visit) {
   visit("used_ns", fixes.used_ns);
   visit("since_start", fixes.since_start);
@@ -185,6 +201,7 @@ void for_each_field(IsFieldsOf<FixGate> auto& fixes, const auto& visit) {
   visit("quality_percent", fixes.quality_percent);
   visit("rejected_world_m", fixes.rejected_world_m);
   visit("rejected_ns", fixes.rejected_ns);
+  visit("height", fixes.height);
   visit("point_body_m", fixes.point_body_m);
 }
 

@@ -405,7 +405,8 @@ std::uint32_t Engine::status(TimeNs time_ns) const {
          bit(is_distrustful(now.bank.best().imu) || time_ns < now.imu_fault.faulty_until_ns ||
                  uncertainty_.accel_bias_is_large,
              status_imu_inconsistent) |
-         bit(now.default_position.is_active(time_ns) || uncertainty_.clocks_differ,
+         bit(now.default_position.is_active(time_ns) || uncertainty_.clocks_differ ||
+                 now.fixes.height.jumped_ns != 0,
              status_fixes_inconsistent) |
          bit(now.frozen_track.frozen, status_frozen_track) |
          bit(now.fixes.trust < low_trust, status_low_trust);

@@ -107,16 +107,74 @@ bool is_of_other_track(State& state, const JudgedFix& judged, const Innovation& 
          log_likelihood(judged.innovation_of(state.bank, *other)) > log_likelihood(innovation);
 }
 
-FixOutcome judge(State& state, const settings::Settings& settings, const FixMeasurement& fix) {
+void compute_innovations(const HypothesisBank& bank, JudgedFix& judged) {
+  for (int i = 0; i < bank.size(); ++i) {
+    judged.innovations[static_cast<std::size_t>(i)] = bank[i].filter.fix_innovation(
+        judged.fix.position_world_m, judged.covariance_m2, judged.ahead_s, judged.fix.point_body_m);
+  }
+}
+
+/// True if the height of a fix alone contradicts the best hypothesis, and jumped: beacons at about one height
+/// mirror or shift heights, but no body jumps. The heights then keep their sum or difference with those
+/// predicted; otherwise the prediction is wrong, or the heights scatter.
+bool only_height_jumped(HeightGate& gate, const FixMeasurement& fix, const Innovation& innovation,
+                        double since_used_s) {
+  constexpr double height_chi2_threshold = 25.0;     // 1 degree of freedom: five standard deviations
+  constexpr double horizontal_chi2_threshold = 9.2;  // 2 degrees of freedom: 1 % is above
+  constexpr double believed_after_s = 8.0;
+  constexpr double max_change_share = 0.25;
+  const double height_m = innovation.value_world_m.z();
+  const double predicted_m = fix.position_world_m.z() - height_m;
+  const double shift_m = height_m - gate.first_m;
+  const double mirror_m = shift_m + 2.0 * (predicted_m - gate.predicted_m);
+  const bool continues = gate.jumped_ns != 0 && std::min(std::abs(shift_m), std::abs(mirror_m)) <
+                                                    max_change_share * std::abs(gate.first_m);
+  // The estimate becomes uncertain meanwhile, and would accept any height.
+  if (!continues && !(square(height_m) > height_chi2_threshold * innovation.covariance_m2(2, 2))) {
+    gate = {};
+    return false;
+  }
+  // What an accelerometer that failed before the last fix may cause is no jump.
+  const double by_fault_m = 2.0 * standard_gravity_mps2 * square(since_used_s);
+  const bool begins = gate.jumped_ns == 0 && std::abs(height_m) > by_fault_m;
+  if (begins) gate = {.jumped_ns = fix.time_ns, .first_m = height_m, .predicted_m = predicted_m};
+  const Vector3d level_m(innovation.value_world_m.x(), innovation.value_world_m.y(), 0.0);
+  Matrix3d level_m2 = innovation.covariance_m2;
+  level_m2.row(2).head<2>().setZero();
+  level_m2.col(2).head<2>().setZero();
+  const double chi2 = Eigen::LLT<Matrix3d>(level_m2).matrixL().solve(level_m).squaredNorm();
+  return (begins || continues) && chi2 <= horizontal_chi2_threshold &&
+         seconds_between(gate.jumped_ns, fix.time_ns) < believed_after_s;
+}
+
+/// Leaves out a height that has jumped. While a former track lives, either track may be right.
+void leave_out_height(State& state, JudgedFix& judged, FixMeasurement& fix) {
+  constexpr double ignored_m2 = 100.0;
+  const bool knows_height = state.phase == Phase::tracking && state.fixes.since_start >= proven_fixes &&
+                            !is_distrustful(state.bank.best().imu) &&
+                            state.bank.find(Track::former) == nullptr;
+  if (!knows_height) {
+    state.fixes.height = {};
+    return;
+  }
+  const Innovation& innovation = judged.innovation_of(state.bank, state.bank.best());
+  const double since_used_s = seconds_between(state.fixes.used_ns, fix.time_ns);
+  if (!only_height_jumped(state.fixes.height, fix, innovation, since_used_s)) return;
+  fix.position_world_m.z() -= innovation.value_world_m.z();
+  fix.has_covariance = true;  // its residual says nothing about the noise
+  judged.covariance_m2(2, 2) += ignored_m2;
+  compute_innovations(state.bank, judged);
+}
+
+FixOutcome judge(State& state, const settings::Settings& settings, const FixMeasurement& measured) {
+  FixMeasurement fix = measured;
   JudgedFix judged{.settings = settings,
                    .fix = fix,
                    .covariance_m2 = covariance_of(state, fix),
                    .ahead_s = seconds_between(state.time_ns, fix.time_ns),
                    .innovations = {}};
-  for (int i = 0; i < state.bank.size(); ++i) {
-    judged.innovations[static_cast<std::size_t>(i)] = state.bank[i].filter.fix_innovation(
-        fix.position_world_m, judged.covariance_m2, judged.ahead_s, fix.point_body_m);
-  }
+  compute_innovations(state.bank, judged);
+  leave_out_height(state, judged, fix);
   const int judge = state.phase == Phase::searching_yaw ? nearest_start(state.bank, judged.innovations)
                                                         : state.bank.best_index;
   const Innovation& innovation = judged.innovations[static_cast<std::size_t>(judge)];

@@ -119,6 +119,32 @@ SCENARIO("a short reflection does not take the pose away from the fixes that fol
   }
 }
 
+SCENARIO("heights that jump for some seconds are left out") {
+  const std::string name = GENERATE("walk", "drone");
+  const std::uint64_t seed = GENERATE(7101U, 7102U);
+  GIVEN("a " << name << " whose fixes have mirrored heights for 5 s, seed " << seed) {
+    const auto is_mirrored = [](double time_s) { return time_s > 20.0 && time_s < 25.0; };
+    const auto errors = errors_in(sim::find_scenario(name), seed, [&](UltrasonicFix& fix, double time_s) {
+      if (is_mirrored(time_s)) fix.position_world_m.z() = 0.8 - fix.position_world_m.z();
+    });
+    THEN("the pose stays on its track") {
+      double largest_m = 0.0;
+      for (const PoseError& each : errors) {
+        if (each.time_s > 15.0) largest_m = std::max(largest_m, each.position_m);
+      }
+      CHECK(largest_m < 0.4);
+    }
+  }
+  GIVEN("heights that stay 1 m higher") {
+    const auto errors = errors_in(sim::find_scenario(name), seed, [](UltrasonicFix& fix, double time_s) {
+      if (time_s > 20.0) fix.position_world_m.z() += 1.0;
+    });
+    THEN("they are believed in the end") {
+      CHECK(errors.back().position_m == Approx(1.0).margin(0.15));
+    }
+  }
+}
+
 TEST_CASE("the duration of wrong tracks fades, and others wait at most 1.6 s") {
   constexpr TimeNs now_ns = 1'700'000'000'000'000'000;
   const TimeNs later_ns = now_ns + to_ns(60.0);  // one time constant
