@@ -225,7 +225,8 @@ SCENARIO("positions that are sent again while the IMU moves are found") {
   CHECK_THAT(findings[0], Contains("83 of 84 fixes repeat the position of the one before"));
   int count = 0;
   for (Event& event : events) {
-    if (auto* fix = std::get_if<UltrasonicFix>(&event)) fix->position_world_m.x() = 0.1 * std::floor(count++ / 2.0);
+    if (auto* fix = std::get_if<UltrasonicFix>(&event))
+      fix->position_world_m.x() = 0.1 * std::floor(count++ / 2.0);
   }
   CHECK(with_acceleration(1.0).empty());
 }

@@ -114,7 +114,8 @@ class Reference {
 public:
   Reference(const Reference& other) : node_(detail::owning(other.node_)) {}
   Reference(Reference&& other) noexcept : node_(other.take()) {}
-  Reference& operator=(const Reference& other) {  // NOLINT(bugprone-unhandled-self-assignment): node_ owns or is null
+  // NOLINTNEXTLINE(bugprone-unhandled-self-assignment): a copy of a pointer
+  Reference& operator=(const Reference& other) {
     node_ = detail::owning(other.node_);
     return *this;
   }
