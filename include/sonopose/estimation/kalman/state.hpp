@@ -74,10 +74,18 @@ struct AdmittedStep {
 
 /// Heights that jumped away from the followed track, in a row.
 struct HeightGate {
+  static constexpr double named_after_s = 2.0;     ///< a shorter reflection is no fault
+  static constexpr double believed_after_s = 8.0;  ///< heights that stay are right
+
   TimeNs jumped_ns = 0;    ///< time of the first; 0: none
   double first_m = 0;      ///< its innovation
   double predicted_m = 0;  ///< its prediction
 
+  /// True while the heights are left out for so long that the status says so.
+  [[nodiscard]] bool is_inconsistent(TimeNs time_ns) const {
+    const double duration_s = seconds_between(jumped_ns, time_ns);
+    return jumped_ns != 0 && duration_s > named_after_s && duration_s < believed_after_s;
+  }
   bool operator==(const HeightGate&) const = default;
 };
 

@@ -406,7 +406,7 @@ std::uint32_t Engine::status(TimeNs time_ns) const {
                  uncertainty_.accel_bias_is_large,
              status_imu_inconsistent) |
          bit(now.default_position.is_active(time_ns) || uncertainty_.clocks_differ ||
-                 now.fixes.height.jumped_ns != 0,
+                 now.fixes.height.is_inconsistent(time_ns),
              status_fixes_inconsistent) |
          bit(now.frozen_track.frozen, status_frozen_track) |
          bit(now.fixes.trust < low_trust, status_low_trust);

@@ -121,7 +121,6 @@ bool only_height_jumped(HeightGate& gate, const FixMeasurement& fix, const Innov
                         double since_used_s) {
   constexpr double height_chi2_threshold = 25.0;     // 1 degree of freedom: five standard deviations
   constexpr double horizontal_chi2_threshold = 9.2;  // 2 degrees of freedom: 1 % is above
-  constexpr double believed_after_s = 8.0;
   constexpr double max_change_share = 0.25;
   const double height_m = innovation.value_world_m.z();
   const double predicted_m = fix.position_world_m.z() - height_m;
@@ -144,7 +143,7 @@ bool only_height_jumped(HeightGate& gate, const FixMeasurement& fix, const Innov
   level_m2.col(2).head<2>().setZero();
   const double chi2 = Eigen::LLT<Matrix3d>(level_m2).matrixL().solve(level_m).squaredNorm();
   return (begins || continues) && chi2 <= horizontal_chi2_threshold &&
-         seconds_between(gate.jumped_ns, fix.time_ns) < believed_after_s;
+         seconds_between(gate.jumped_ns, fix.time_ns) < HeightGate::believed_after_s;
 }
 
 /// Leaves out a height that has jumped. While a former track lives, either track may be right.
