@@ -8,6 +8,7 @@ build=$1 source=$2
 udev=$(mktemp -d)
 printf '#!/bin/sh\necho "$1" >>%s/calls\n' "$udev" >"$udev/udevadm"
 chmod +x "$udev/udevadm"
+ln -s /bin/true "$udev/deb-systemd-invoke"
 for earlier in "" 0.2.0; do
   PATH="$udev:$PATH" sh "$source/debian/sonopose.postinst" configure "$earlier"
 done

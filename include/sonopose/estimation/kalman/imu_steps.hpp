@@ -29,6 +29,8 @@ struct ImuStep {
   double position_std_m = 0;        ///< position that it may miss
   double attitude_std_rad = 0;      ///< attitude that it may miss
   double shock_variance_m2ps2 = 0;  ///< variance of the velocity, per axis, that a shock may have left
+  Vector3d made_up_turn_body_rad = Vector3d::Zero();     ///< turn of earlier readings that were held back
+  Vector3d made_up_impulse_body_mps = Vector3d::Zero();  ///< integral of earlier forces that were held back
 
   bool operator==(const ImuStep&) const = default;
 };
@@ -53,10 +55,11 @@ struct ShockDetector {
   bool operator==(const ShockDetector&) const = default;
 };
 
-/// Holds back readings of a sensor that leave the last one suddenly, by more than the inertia of a body and
-/// its mount allows. If they return within some samples, they were wrong and count as the last one. Otherwise
-/// they were right, and their integral is made up for.
+/// Holds back readings of a sensor that leave the last one suddenly, by far more than other readings of late.
+/// If they return within some samples, they were wrong, or a shock whose integral is hardly known, and count
+/// as the last one. Otherwise they were right, and their integral is made up for.
 struct SpikeFilter {
+  double recent_jump = 0;                            ///< largest change of late, which fades
   double held_s = 0;                                 ///< duration of the held readings; 0: none
   double largest_jump = 0;                           ///< largest distance of one from the last one before
   Vector3d excess_integral_body = Vector3d::Zero();  ///< integral of these distances
@@ -65,6 +68,7 @@ struct SpikeFilter {
   struct Output {
     Vector3d reading_body;
     Vector3d made_up_body;  ///< integral of held readings that were right
+    Vector3d dropped_body;  ///< integral of held readings that were wrong
   };
   /// Adds a reading after `last_body`, the one that was used before it.
   Output add(const Vector3d& last_body, const Vector3d& reading_body, double duration_s, double max_jump);
@@ -110,8 +114,11 @@ public:
   [[nodiscard]] double duration_s() const { return duration_s_; }
   void add(const ImuStep& step);
 
-  /// True if there is more than one step.
-  [[nodiscard]] bool has_several() const { return duration_s_ > latest_.duration_s; }
+  /// True if rate and force of the joined step are not those of the latest.
+  [[nodiscard]] bool has_several() const {
+    return duration_s_ > latest_.duration_s || !latest_.made_up_turn_body_rad.isZero(0.0) ||
+           !latest_.made_up_impulse_body_mps.isZero(0.0);
+  }
   /// Joined step. Requires at least one step.
   [[nodiscard]] ImuStep joined() const;
   [[nodiscard]] const ImuStep& latest() const { return latest_; }
@@ -145,6 +152,7 @@ void for_each_field(IsFieldsOf<ShockDetector> auto& shocks, const auto& visit) {
 }
 
 void for_each_field(IsFieldsOf<SpikeFilter> auto& spikes, const auto& visit) {
+  visit("recent_jump", spikes.recent_jump);
   visit("held_s", spikes.held_s);
   visit("largest_jump", spikes.largest_jump);
   visit("excess_integral_body", spikes.excess_integral_body);

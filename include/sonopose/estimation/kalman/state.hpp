@@ -78,13 +78,15 @@ struct HeightGate {
   static constexpr double believed_after_s = 8.0;  ///< heights that stay are right
 
   TimeNs jumped_ns = 0;    ///< time of the first; 0: none
+  TimeNs left_out_ns = 0;  ///< time of the latest that was left out
   double first_m = 0;      ///< its innovation
   double predicted_m = 0;  ///< its prediction
 
-  /// True while the heights are left out for so long that the status says so.
+  /// True while heights have been left out for so long that the status says so.
   [[nodiscard]] bool is_inconsistent(TimeNs time_ns) const {
-    const double duration_s = seconds_between(jumped_ns, time_ns);
-    return jumped_ns != 0 && duration_s > named_after_s && duration_s < believed_after_s;
+    constexpr double current_s = 1.0;
+    return jumped_ns != 0 && seconds_between(jumped_ns, left_out_ns) > named_after_s &&
+           seconds_between(left_out_ns, time_ns) < current_s;
   }
   bool operator==(const HeightGate&) const = default;
 };
@@ -195,6 +197,7 @@ void for_each_field(IsFieldsOf<ImuInput> auto& imu, const auto& visit) {
 
 void for_each_field(IsFieldsOf<HeightGate> auto& height, const auto& visit) {
   visit("jumped_ns", height.jumped_ns);
+  visit("left_out_ns", height.left_out_ns);
   visit("first_m", height.first_m);
   visit("predicted_m", height.predicted_m);
 }

@@ -136,7 +136,8 @@ bool only_height_jumped(HeightGate& gate, const FixMeasurement& fix, const Innov
   // What an accelerometer that failed before the last fix may cause is no jump.
   const double by_fault_m = 2.0 * standard_gravity_mps2 * square(since_used_s);
   const bool begins = gate.jumped_ns == 0 && std::abs(height_m) > by_fault_m;
-  if (begins) gate = {.jumped_ns = fix.time_ns, .first_m = height_m, .predicted_m = predicted_m};
+  if (begins)
+    gate = {.jumped_ns = fix.time_ns, .left_out_ns = 0, .first_m = height_m, .predicted_m = predicted_m};
   const Vector3d level_m(innovation.value_world_m.x(), innovation.value_world_m.y(), 0.0);
   Matrix3d level_m2 = innovation.covariance_m2;
   level_m2.row(2).head<2>().setZero();
@@ -159,6 +160,7 @@ void leave_out_height(State& state, JudgedFix& judged, FixMeasurement& fix) {
   const Innovation& innovation = judged.innovation_of(state.bank, state.bank.best());
   const double since_used_s = seconds_between(state.fixes.used_ns, fix.time_ns);
   if (!only_height_jumped(state.fixes.height, fix, innovation, since_used_s)) return;
+  state.fixes.height.left_out_ns = fix.time_ns;
   fix.position_world_m.z() -= innovation.value_world_m.z();
   fix.has_covariance = true;  // its residual says nothing about the noise
   judged.covariance_m2(2, 2) += ignored_m2;

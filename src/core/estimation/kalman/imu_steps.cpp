@@ -53,22 +53,23 @@ SpikeFilter::Output SpikeFilter::add(const Vector3d& last_body, const Vector3d& 
                                      double duration_s, double max_jump) {
   constexpr double max_held_s = 0.0455;  // four samples at 100 Hz
   constexpr double returned_share = 0.5;
-  const Vector3d jump_body = reading_body - last_body;
-  const double jump = jump_body.norm();
-  if (held_s > 0.0 ? jump < returned_share * largest_jump : !(jump > max_jump)) {
-    const Output output{.reading_body = reading_body, .made_up_body = Vector3d::Zero()};
-    *this = {};
-    return output;
+  constexpr double rare_factor = 3.0;  // vibration jumps again and again
+  constexpr double fading_s = 0.5;
+  const double jump = (reading_body - last_body).norm();
+  const bool begins = held_s == 0.0 && jump > max_jump && jump > rare_factor * recent_jump;
+  const bool continues = held_s > 0.0 && !(jump < returned_share * largest_jump);
+  recent_jump = std::max(jump, std::exp(-duration_s / fading_s) * recent_jump);
+  if ((begins || continues) && held_s + duration_s <= max_held_s) {
+    held_s += duration_s;
+    largest_jump = std::max(largest_jump, jump);
+    excess_integral_body += duration_s * (reading_body - last_body);
+    return {.reading_body = last_body, .made_up_body = Vector3d::Zero(), .dropped_body = Vector3d::Zero()};
   }
-  if (held_s + duration_s > max_held_s) {
-    const Output output{.reading_body = reading_body, .made_up_body = excess_integral_body};
-    *this = {};
-    return output;
-  }
-  held_s += duration_s;
-  largest_jump = std::max(largest_jump, jump);
-  excess_integral_body += duration_s * jump_body;
-  return {.reading_body = last_body, .made_up_body = Vector3d::Zero()};
+  Output output{
+      .reading_body = reading_body, .made_up_body = Vector3d::Zero(), .dropped_body = Vector3d::Zero()};
+  (continues ? output.made_up_body : output.dropped_body) = excess_integral_body;
+  *this = {.recent_jump = recent_jump};
+  return output;
 }
 
 Vector3d ClipDetector::add(const Vector3d& reading_body_radps) {
@@ -123,8 +124,8 @@ ImuStep step_between(const ImuMeasurement& last, const ImuMeasurement& next, dou
 }
 
 void ImuPreintegrator::add(const ImuStep& step) {
-  const Vector3d turn_rad = step.duration_s * step.rate_body_radps;
-  const Vector3d impulse_mps = step.duration_s * step.force_body_mps2;
+  const Vector3d turn_rad = step.duration_s * step.rate_body_radps + step.made_up_turn_body_rad;
+  const Vector3d impulse_mps = step.duration_s * step.force_body_mps2 + step.made_up_impulse_body_mps;
   coning_rad_ += 0.5 * turn_rad_.cross(turn_rad);
   sculling_mps_ += 0.5 * (turn_rad_.cross(impulse_mps) + impulse_mps_.cross(turn_rad));
   turn_rad_ += turn_rad;

@@ -25,9 +25,10 @@ void set_latest(NominalState& state, const Filter& filter, const ImuStep& latest
 }
 
 /// Nominal state of this filter after these steps.
-NominalState nominal_after_steps(const Filter& filter, const ImuPreintegrator& steps) {
+NominalState nominal_after_steps(const Filter& filter, const NominalState& from,
+                                 const ImuPreintegrator& steps) {
   const ImuStep step = steps.joined();
-  NominalState after = filter.step(filter, step.rate_body_radps, step.force_body_mps2, step.duration_s).after;
+  NominalState after = filter.step(from, step.rate_body_radps, step.force_body_mps2, step.duration_s).after;
   if (steps.has_several()) set_latest(after, filter, steps.latest());
   return after;
 }
@@ -48,8 +49,14 @@ void predict(State& state, const ImuStep& step) {
   if (!can_join(state, step.duration_s)) state.apply_pending_steps();  // the next one is probably as long
 }
 
+/// Direction of the vertical, by the attitude or before the start by the mean force.
+Vector3d up_in_body(const State& state) {
+  if (state.phase == Phase::waiting) return state.imu.mean_force_body_mps2.normalized();
+  return geometry::up_in_body(state.filter().q_body_to_world);
+}
+
 /// Keeps the last pair heading up to date while a start may use it.
-void turn_last_heading(State& state, const ImuMeasurement& sample) {
+void turn_last_heading(State& state, const ImuMeasurement& sample, const ImuStep& step) {
   HeadingGate& gate = state.headings;
   if (!gate.is_current) return;
   if (sample.time_ns - gate.used_ns >= max_heading_age_ns) {
@@ -59,12 +66,13 @@ void turn_last_heading(State& state, const ImuMeasurement& sample) {
   const double before_radps = yaw_rate_radps(state);
   const double dt_s = seconds_between(state.imu.time_ns, sample.time_ns);
   state.imu.rate_body_radps = sample.rate_body_radps;
-  gate.heading_world_rad += 0.5 * (before_radps + yaw_rate_radps(state)) * dt_s;
+  gate.heading_world_rad +=
+      0.5 * (before_radps + yaw_rate_radps(state)) * dt_s + up_in_body(state).dot(step.made_up_turn_body_rad);
 }
 
 /// Updates the mean force. Over some seconds the acceleration of a body that stays in a room averages out, so
 /// it shows gravity even if no attitude is known, as long as the gyroscope is right.
-void update_mean_force(State& state, const ImuMeasurement& sample, double dt_s) {
+void update_mean_force(State& state, const ImuMeasurement& sample, const ImuStep& step, double dt_s) {
   Vector3d& mean = state.imu.mean_force_body_mps2;
   if (dt_s <= 0.0 || state.imu.in_gap) {
     if (mean.isZero() || state.imu.in_gap) mean = sample.force_body_mps2;
@@ -77,7 +85,8 @@ void update_mean_force(State& state, const ImuMeasurement& sample, double dt_s) 
     bias_radps = is_distrustful(state.bank.best().imu) ? state.imu_fault.trusted_gyro_bias_body_radps
                                                        : state.filter().gyro_bias_body_radps;
   }
-  mean = geometry::rotation_by((-dt_s * (sample.rate_body_radps - bias_radps)).eval()) * mean;
+  const Vector3d turn_rad = dt_s * (sample.rate_body_radps - bias_radps) + step.made_up_turn_body_rad;
+  mean = geometry::rotation_by((-turn_rad).eval()) * mean;
   mean += std::min(1.0, dt_s / time_constant_s) * (sample.force_body_mps2 - mean);
 }
 
@@ -166,9 +175,8 @@ bool stands_still(const State& state, int min_fixes) {
 
 double yaw_rate_radps(const State& state) {
   const Vector3d& rate = state.imu.rate_body_radps;
-  if (state.phase == Phase::waiting) return state.imu.mean_force_body_mps2.normalized().dot(rate);
-  const Filter& filter = state.filter();
-  return geometry::up_in_body(filter.q_body_to_world).dot(rate - filter.gyro_bias_body_radps);
+  if (state.phase == Phase::waiting) return up_in_body(state).dot(rate);
+  return up_in_body(state).dot(rate - state.filter().gyro_bias_body_radps);
 }
 
 void add_missed_motion(Filter& filter, const ImuStep& step) {
@@ -180,19 +188,20 @@ void add_missed_motion(Filter& filter, const ImuStep& step) {
 AdmittedStep State::step_to(const ImuMeasurement& sample) const {
   constexpr double max_jump_mps2 = 20.0;
   constexpr double max_jump_radps = 4.0;
-  constexpr double rough_factor = 2.0;
+  constexpr double dropped_share = 0.5;  // a shock may have been right
   const double dt_s = seconds_between(imu.time_ns, sample.time_ns);
   AdmittedStep next{
       .sample = sample, .step = {}, .force_spikes = imu.force_spikes, .rate_spikes = imu.rate_spikes};
-  const auto force = next.force_spikes.add(imu.force_body_mps2, sample.force_body_mps2, dt_s,
-                                           std::max(max_jump_mps2, rough_factor * imu.shocks.roughness));
-  const auto rate = next.rate_spikes.add(imu.rate_body_radps, sample.rate_body_radps, dt_s,
-                                         std::max(max_jump_radps, rough_factor * imu.turn_shocks.roughness));
+  const auto force = next.force_spikes.add(imu.force_body_mps2, sample.force_body_mps2, dt_s, max_jump_mps2);
+  const auto rate = next.rate_spikes.add(imu.rate_body_radps, sample.rate_body_radps, dt_s, max_jump_radps);
   next.sample.force_body_mps2 = force.reading_body;
   next.sample.rate_body_radps = rate.reading_body;
   next.step = step_between(imu.latest(), next.sample, imu.nominal_imu_period_s);
-  next.step.force_body_mps2 += force.made_up_body / dt_s;
-  next.step.rate_body_radps += rate.made_up_body / dt_s;
+  next.step.made_up_impulse_body_mps = force.made_up_body;
+  next.step.made_up_turn_body_rad = rate.made_up_body;
+  next.step.shock_variance_m2ps2 = square(dropped_share) * force.dropped_body.squaredNorm();
+  next.step.attitude_std_rad =
+      std::sqrt(square(next.step.attitude_std_rad) + square(dropped_share) * rate.dropped_body.squaredNorm());
   return next;
 }
 
@@ -209,14 +218,14 @@ ImuOutcome State::on_imu(const settings::Settings& settings, const ImuMeasuremen
   imu.force_spikes = next.force_spikes;
   imu.rate_spikes = next.rate_spikes;
   if (imu.in_gap) headings.is_current = false;  // no rate shows how the body turned meanwhile
-  update_mean_force(*this, sample, dt_s);
+  update_mean_force(*this, sample, next.step, dt_s);
   if (phase != Phase::waiting && imu.in_gap) {
     end_imu_gap(*this, sample.time_ns);
   } else if (phase != Phase::waiting && has_step) {
     ImuStep step = next.step;
     constexpr double smooth_mps2 = 2.5;
     constexpr double smooth_radps = 1.0;
-    step.shock_variance_m2ps2 = imu.shocks.add(sample.force_body_mps2, dt_s, smooth_mps2);
+    step.shock_variance_m2ps2 += imu.shocks.add(sample.force_body_mps2, dt_s, smooth_mps2);
     const double turn_variance_rad2 = imu.turn_shocks.add(sample.rate_body_radps, dt_s, smooth_radps);
     step.attitude_std_rad = std::sqrt(square(step.attitude_std_rad) + turn_variance_rad2);
     predict(*this, step);
@@ -224,11 +233,12 @@ ImuOutcome State::on_imu(const settings::Settings& settings, const ImuMeasuremen
       propagate();
       for (Hypothesis& each : bank) add_missed_motion(each.filter, step);
     }
-    add_missed_turn(*this, imu.gyro_clip.add(sample.rate_body_radps), dt_s);
+    if (imu.rate_spikes.held_s == 0.0)
+      add_missed_turn(*this, imu.gyro_clip.add(sample.rate_body_radps), dt_s);
   }
   if (!is_first && !imu.in_gap) {
     imu.nominal_imu_period_s = kalman::nominal_imu_period_s(imu.nominal_imu_period_s, dt_s);
-    turn_last_heading(*this, sample);
+    turn_last_heading(*this, sample, next.step);
   }
   const TimeNs before_ns = imu.time_ns;
   imu.time_ns = time_ns = sample.time_ns;
@@ -284,16 +294,14 @@ bool State::covariance_is_old() const {
 NominalState State::nominal() const {
   if (phase == Phase::waiting) return {};
   if (imu.pending_steps.empty()) return static_cast<const NominalState&>(filter());
-  return nominal_after_steps(filter(), imu.pending_steps);
+  return nominal_after_steps(filter(), filter(), imu.pending_steps);
 }
 
 NominalState State::nominal_after(const ImuStep& step) const {
-  if (!can_join(*this, step.duration_s)) {
-    return filter().step(nominal(), step.rate_body_radps, step.force_body_mps2, step.duration_s).after;
-  }
-  ImuPreintegrator steps = imu.pending_steps;
+  const bool joins = can_join(*this, step.duration_s);
+  ImuPreintegrator steps = joins ? imu.pending_steps : ImuPreintegrator{};
   steps.add(step);
-  return nominal_after_steps(filter(), steps);
+  return nominal_after_steps(filter(), joins ? static_cast<const NominalState&>(filter()) : nominal(), steps);
 }
 
 void recover_if_not_finite(State& state) {

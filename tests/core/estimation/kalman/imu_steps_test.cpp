@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -147,6 +148,33 @@ SCENARIO("a few wrong samples move nothing, and a sudden motion is made up for")
     THEN("they are used at once") {
       const Vector3d reading_mps2{12.0, 0.0, 9.8};
       CHECK(spikes.add({0.0, 0.0, 9.8}, reading_mps2, 0.01, 20.0).reading_body == reading_mps2);
+    }
+  }
+}
+
+SCENARIO("a vibration keeps its integral") {
+  GIVEN("an accelerometer that vibrates from some moment on") {
+    const double rate_hz = GENERATE(25.0, 100.0, 1000.0);
+    const double share_of_rate = GENERATE(0.15, 0.2, 0.3, 0.4, 0.48, 0.5);
+    const double amplitude_mps2 = GENERATE(12.0, 25.0, 60.0);
+    const bool is_sudden = GENERATE(true, false);
+    CAPTURE(rate_hz, share_of_rate, amplitude_mps2, is_sudden);
+    SpikeFilter spikes;
+    Vector3d last_mps2 = Vector3d::Zero();
+    double used_mps = 0.0;
+    double true_mps = 0.0;
+    const auto count = static_cast<int>(20 * rate_hz);
+    for (int k = 0; k < count; ++k) {
+      const double growth = is_sudden ? 1.0 : std::min(1.0, k / (0.25 * count));
+      const double phase = 2.0 * std::numbers::pi * share_of_rate * k + 0.5;
+      const Vector3d reading_mps2{growth * amplitude_mps2 * std::cos(phase), 0.0, 0.0};
+      const auto output = spikes.add(last_mps2, reading_mps2, 1.0 / rate_hz, 20.0);
+      used_mps += output.reading_body.x() / rate_hz + output.made_up_body.x();
+      true_mps += reading_mps2.x() / rate_hz;
+      last_mps2 = output.reading_body;
+    }
+    THEN("at most its first moment is lost") {
+      CHECK(std::abs(used_mps - true_mps) < amplitude_mps2 * 0.045);
     }
   }
 }
