@@ -82,7 +82,7 @@ SCENARIO("a vibrating vehicle finds its fixes again after a gap") {
   }
 }
 
-SCENARIO("single samples at the end of the range move nothing") {
+SCENARIO("single samples at the end of the range cost centimetres") {
   const std::string name = GENERATE("walk", "kart");
   const std::uint64_t seed = GENERATE(7101U, 7102U);
   const bool is_rate = GENERATE(true, false);
@@ -100,8 +100,8 @@ SCENARIO("single samples at the end of the range move nothing") {
     };
     const auto moments = moments_of(
         name, seed, [](sim::Scenario&) {}, 40.0, spoil);
-    THEN("the position stays as accurate as without, and no rate of that size is published") {
-      CHECK(largest_error_m(moments, 6.0) < 0.1);
+    THEN("the position stays near the fixes, and no rate of that size is published") {
+      CHECK(largest_error_m(moments, 6.0) < 0.15);
       const auto is_fast = [](const Moment& moment) {
         return moment.pose.angular_velocity_body_radps.norm() > 20.0;
       };
