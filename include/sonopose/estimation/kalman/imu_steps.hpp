@@ -64,7 +64,7 @@ struct SpikeFilter {
   double largest_jump = 0;                           ///< largest distance of one from the last one before
   Vector3d excess_integral_body = Vector3d::Zero();  ///< integral of these distances
 
-  /// What to use instead of a reading.
+  /// Reading to use, and the integrals of those that were held back before it.
   struct Output {
     Vector3d reading_body;
     Vector3d made_up_body;  ///< integral of held readings that were right
