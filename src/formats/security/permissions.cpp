@@ -79,8 +79,13 @@ std::int64_t time_in(const pugi::xml_node& node, const std::string& origin) {
   return ::timegm(&at);
 }
 
-void add_texts(std::vector<std::string>& texts, const pugi::xml_node& list) {
+/// Adds the text of each element. Throws SecurityError for one that has other contents.
+void add_texts(std::vector<std::string>& texts, const pugi::xml_node& list, const std::string& origin) {
   for (const pugi::xml_node each : list.children()) {
+    const pugi::xml_node content = each.first_child();
+    if (content.type() == pugi::node_element || content.next_sibling()) {
+      throw SecurityError(fmt::format("{}: {}: '{}' has more than a text", origin, list.name(), each.name()));
+    }
     if (std::ranges::find(texts, each.text().get()) == texts.end()) texts.emplace_back(each.text().get());
   }
 }
@@ -133,8 +138,8 @@ Grant grant_of(const std::string& xml, const std::string& origin) {
       const bool writes = std::string_view(rule.name()) == "publish";
       if (!writes && std::string_view(rule.name()) != "subscribe") continue;
       check_children(rule, {"topics", "partitions"}, origin);
-      add_texts(writes ? grant.access.writes : grant.access.reads, rule.child("topics"));
-      add_texts(grant.partitions, rule.child("partitions"));
+      add_texts(writes ? grant.access.writes : grant.access.reads, rule.child("topics"), origin);
+      add_texts(grant.partitions, rule.child("partitions"), origin);
     }
   }
   if (std::string_view(node.child("default").text().get()) == "ALLOW") {

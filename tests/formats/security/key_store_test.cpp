@@ -124,6 +124,7 @@ SCENARIO("Permissions read back as they were written") {
   refusal("<publish>", "<relay/>", "relay");
   refusal("<topics>", "<data_tags/>", "data_tags");
   refusal("</permissions>", "<grant/>", "several grants");
+  refusal("</topic>", "<topic/>", "topics: 'topic' has more than a text");
   CHECK_THROWS_WITH(grant_of("<dds/>", "permissions.xml"), Contains("permissions.xml"));
   CHECK_THROWS_WITH(grant_of("text", "permissions.xml"), Contains("permissions.xml"));
   CHECK(protection_in(governance_xml(Protection::encrypt), "governance.xml") == "encrypt");
