@@ -115,7 +115,7 @@ public:
   void add(const ImuStep& step);
 
   /// True if rate and force of the joined step are not those of the latest.
-  [[nodiscard]] bool has_several() const {
+  [[nodiscard]] bool joined_differs() const {
     return duration_s_ > latest_.duration_s || !latest_.made_up_turn_body_rad.isZero(0.0) ||
            !latest_.made_up_impulse_body_mps.isZero(0.0);
   }

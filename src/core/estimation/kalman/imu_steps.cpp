@@ -136,7 +136,7 @@ void ImuPreintegrator::add(const ImuStep& step) {
 }
 
 ImuStep ImuPreintegrator::joined() const {
-  if (!has_several()) return latest_;
+  if (!joined_differs()) return latest_;
   const double per_s = 1.0 / duration_s_;
   return {.duration_s = duration_s_,
           .rate_body_radps = per_s * (turn_rad_ + coning_rad_),

@@ -29,7 +29,7 @@ NominalState nominal_after_steps(const Filter& filter, const NominalState& from,
                                  const ImuPreintegrator& steps) {
   const ImuStep step = steps.joined();
   NominalState after = filter.step(from, step.rate_body_radps, step.force_body_mps2, step.duration_s).after;
-  if (steps.has_several()) set_latest(after, filter, steps.latest());
+  if (steps.joined_differs()) set_latest(after, filter, steps.latest());
   return after;
 }
 
@@ -264,7 +264,7 @@ void State::apply_pending_steps() {
   }
   Filter& best = bank.best().filter;
   frozen_track.move(step.duration_s, measured_acceleration_world_mps2(best, step));
-  if (imu.pending_steps.has_several()) set_latest(best, best, imu.pending_steps.latest());  // for the pose
+  if (imu.pending_steps.joined_differs()) set_latest(best, best, imu.pending_steps.latest());  // for the pose
   imu.pending_steps = ImuPreintegrator{};
 }
 

@@ -82,7 +82,7 @@ SCENARIO("one step alone is returned unchanged") {
   CHECK(steps.empty());
   steps.add(step);
   CHECK_FALSE(steps.empty());
-  CHECK_FALSE(steps.has_several());
+  CHECK_FALSE(steps.joined_differs());
   CHECK(steps.joined() == step);
 }
 
