@@ -132,6 +132,7 @@ Grant grant_of(const std::string& xml, const std::string& origin) {
     throw SecurityError(origin + ": several grants are not supported; use one enclave for each");
   }
   check_children(node, {"subject_name", "validity", "allow_rule", "default"}, origin);
+  bool has_rule_without_partition = false;
   for (const pugi::xml_node allow : node.children("allow_rule")) {
     check_children(allow, {"domains", "publish", "subscribe"}, origin);
     for (const pugi::xml_node rule : allow.children()) {
@@ -140,7 +141,12 @@ Grant grant_of(const std::string& xml, const std::string& origin) {
       check_children(rule, {"topics", "partitions"}, origin);
       add_texts(writes ? grant.access.writes : grant.access.reads, rule.child("topics"), origin);
       add_texts(grant.partitions, rule.child("partitions"), origin);
+      has_rule_without_partition = has_rule_without_partition || !rule.child("partitions");
     }
+  }
+  if (has_rule_without_partition && !grant.partitions.empty() &&
+      std::ranges::find(grant.partitions, "") == grant.partitions.end()) {
+    grant.partitions.emplace_back();
   }
   if (std::string_view(node.child("default").text().get()) == "ALLOW") {
     grant.access = {.writes = {"*"}, .reads = {"*"}};

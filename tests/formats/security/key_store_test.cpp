@@ -125,6 +125,10 @@ SCENARIO("Permissions read back as they were written") {
   refusal("<topics>", "<data_tags/>", "data_tags");
   refusal("</permissions>", "<grant/>", "several grants");
   refusal("</topic>", "<topic/>", "topics: 'topic' has more than a text");
+  std::string mixed = permissions_xml(grant);
+  const std::size_t first = mixed.find("<partitions>");
+  mixed.erase(first, mixed.find("</partitions>", first) + std::string("</partitions>").size() - first);
+  CHECK(grant_of(mixed, "permissions.xml").partitions == std::vector<std::string>{"hall-*", ""});
   CHECK_THROWS_WITH(grant_of("<dds/>", "permissions.xml"), Contains("permissions.xml"));
   CHECK_THROWS_WITH(grant_of("text", "permissions.xml"), Contains("permissions.xml"));
   CHECK(protection_in(governance_xml(Protection::encrypt), "governance.xml") == "encrypt");
