@@ -7,6 +7,7 @@
 #include "logging/log.hpp"
 #include "ros2/bag/topic_choice.hpp"
 #include "run.hpp"
+#include <sonopose/samples/status_meanings.hpp>
 #include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
@@ -117,9 +118,9 @@ void require_result(const ReplayOptions& options, const evaluation::RunResult& r
   const auto contradicted = result.warned.find(status_fixes_inconsistent);
   if (contradicted != result.warned.end() && 2 * contradicted->second > result.judged_poses) {
     logging::warning(
-        fmt::format("{0}: fixes and IMU contradict each other at most poses: `sonopose-calibrate "
-                    "delay {0}` measures how far their clocks are apart",
-                    name));
+        fmt::format("{0}: fixes inconsistent at most poses: {1}; `sonopose-calibrate delay {0}` measures "
+                    "how far the clocks are apart",
+                    name, fixes_inconsistent_meaning));
   }
   if (result.poses > 0 && result.judged_poses == 0) {
     throw std::runtime_error(fmt::format("{}: no score: no pose comes {} s (--after) after the first event",

@@ -24,7 +24,7 @@ enum PoseStatus : std::uint32_t {
   status_imu_inconsistent =
       1U << 12U,  ///< gyroscope, accelerometer or mount contradict fixes, headings or gravity
   status_fixes_inconsistent =
-      1U << 13U  ///< a default position replaces some fixes, or stamps are from another clock
+      1U << 13U  ///< fixes at a default position or of a wrong height, or of another clock
 };
 
 }  // namespace sonopose

@@ -11,6 +11,6 @@ inline constexpr std::string_view imu_inconsistent_meaning =
     "its gyroscope, accelerometer or mount contradicts fixes, headings or gravity";
 /// Meaning of status_fixes_inconsistent.
 inline constexpr std::string_view fixes_inconsistent_meaning =
-    "some are a default position, or their clock is not that of the IMU";
+    "some are a default position or of a wrong height, or their clock is not that of the IMU";
 
 }  // namespace sonopose
