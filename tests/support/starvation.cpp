@@ -9,11 +9,11 @@
 #include <cmath>
 #include <csignal>
 #include <cstdint>
+#include <ctime>
 #include <iostream>
 #include <optional>
 #include <string>
 #include <thread>
-#include <time.h>
 
 namespace sonopose::test::starvation {
 namespace {
