@@ -55,7 +55,8 @@ public:
       const std::uint64_t ordinary = 0x3ff0000000000000ULL + 0x0102030405ULL * count_;
       value = std::bit_cast<double>(count_ % 3 == 0 ? awkward[count_ / 3 % 6] : ordinary);
     } else {
-      value = static_cast<Number>(0x81828384U + 0x01010101U * count_);  // signed values are negative
+      const std::uint32_t bits = 0x81828384U + 0x01010101U * count_;  // signed values are negative
+      value = static_cast<Number>(bits);
     }
   }
 

@@ -102,7 +102,7 @@ TEST_CASE("A partition in a profile of ROS 2 is that of its endpoints") {
   const auto participant = dds::ext::participant({.domain_id = domain.id()});
   const std::string partition = "<partition><name><element>hall</element></name></partition>";
   dds::qos::Provider qos;
-  qos.merge("<dds><qos_library name=\"ros2\"><qos_profile name=\"Default\"><datawriter_qos>" + partition +
+  qos.merge(R"(<dds><qos_library name="ros2"><qos_profile name="Default"><datawriter_qos>)" + partition +
                 "</datawriter_qos><datareader_qos>" + partition +
                 "</datareader_qos></qos_profile></qos_library></dds>",
             "user.xml");

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include <string>
+#include <utility>
 
 namespace refusals_test {
 
@@ -54,9 +55,11 @@ SCENARIO("another governance is reported when the process is refused again") {
 SCENARIO("attributes that contradict each other are another governance, whatever they are of") {
   const std::string key = "83f0a0a6:36b864f1:34fcf8:";
   const std::string ours = " 110a:b3:1:1c1 security_attributes mismatch: 0x80000007.0x80000000 - 0x8.0x8";
-  for (const std::string& message : {"match remote_participant " + key + "1c1 with participant" + ours,
-                                     "match_remote_writer " + key + "302 with reader" + ours,
-                                     "match_remote_reader " + key + "407 with writer" + ours}) {
+  for (const auto& [begin, end] : {std::pair("match remote_participant ", "1c1 with participant"),
+                                   std::pair("match_remote_writer ", "302 with reader"),
+                                   std::pair("match_remote_reader ", "407 with writer")}) {
+    std::string message = begin;
+    message.append(key).append(end).append(ours);
     CAPTURE(message);
     Refusals refusals;
     CHECK_THAT(refusals.on_message(message).text,

@@ -100,7 +100,7 @@ TEST_CASE("Discovery keeps nothing of writers that have ended") {
   constexpr int times = 300;
   const auto come_and_go = [&] {
     for (int i = 0; i < times; ++i) {
-      pub::DataWriter<sonopose_FusedPose>(pub::Publisher(member), topic);
+      { const pub::DataWriter<sonopose_FusedPose> writer(pub::Publisher(member), topic); }
       if (i % 10 == 0) CHECK(on_topic(discovery.writers(), topics::pose.name) == nullptr);
     }
   };

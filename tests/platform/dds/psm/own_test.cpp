@@ -186,7 +186,7 @@ SCENARIO("a callback that runs while its owner closes keeps its reader") {
 class EndingListener : public dds::sub::NoOpDataReaderListener<Sample> {
 public:
   void on_data_available(dds::sub::DataReader<Sample>& reader) override {
-    dds::sub::DataReader<Sample> kept = reader;
+    const dds::sub::DataReader<Sample> kept = reader;  // NOLINT(performance-unnecessary-copy-initialization)
     is_in = true;
     while (!may_leave) std::this_thread::yield();
   }

@@ -80,10 +80,7 @@ public:
   }
   template <class... Others>
   EntityQos& operator=(const EntityQos<TopicDefaults, Others...>& other) {
-    const auto copy = [this]<class Policy>(const Policy& value) {
-      if constexpr (has<Policy>) policy<Policy>() = value;
-    };
-    (copy(other.template policy<Others>()), ...);
+    (take(other.template policy<Others>()), ...);
     return *this;
   }
 
@@ -134,6 +131,11 @@ public:
   }
 
 private:
+  template <class Policy>
+  void take(const Policy& value) {
+    if constexpr (has<Policy>) policy<Policy>() = value;
+  }
+
   std::shared_ptr<const dds_qos_t> base_;  ///< with policies that this kind of entity lacks in the PSM
 };
 
