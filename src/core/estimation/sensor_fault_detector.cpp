@@ -289,7 +289,8 @@ void SensorFaultDetector::on_heading(TimeNs time_ns, double heading_rad) {
   heading_rad_ += geometry::wrap_angle(heading_rad - heading_rad_);
   const Lag* best = nullptr;
   for (int lag = -max_lags; lag <= max_lags; ++lag) {
-    Lag& each = lags_.at(static_cast<std::size_t>(lag + max_lags));
+    const int index = lag + max_lags;
+    Lag& each = lags_.at(static_cast<std::size_t>(index));
     Moment moment;
     if (!moment_at(time_ns + lag * step_ns, moment)) {
       each = {};

@@ -42,10 +42,8 @@ public:
   std::int64_t to_microsecs() const { return ns() / 1'000; }
   double to_secs() const { return static_cast<double>(ns()) * 1e-9; }
 
-  int compare(const Value& that) const {
-    const auto order = *this <=> that;
-    return std::is_lt(order) ? -1 : std::is_gt(order) ? 1 : 0;
-  }
+  int compare(const Value& that) const { return *this < that ? -1 : *this > that ? 1 : 0; }
+  // NOLINTNEXTLINE(modernize-use-nullptr): made by clang
   auto operator<=>(const SecondsAndNanoseconds&) const = default;
 
 protected:
