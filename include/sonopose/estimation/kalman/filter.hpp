@@ -65,7 +65,6 @@ struct Innovation {
 struct Transition {
   double duration_s = 0;                               ///< duration of the steps
   double position_velocity_s = 0;                      ///< ∂p/∂v
-  double shock_variance_m2ps2 = 0;                     ///< variance added to the velocity, per axis
   Matrix3d rotation_start = Matrix3d::Identity();      ///< body to world, before the first step
   Vector3d impulse_mps = Vector3d::Zero();             ///< Σ Δt f
   Vector3d impulse_sum_m = Vector3d::Zero();           ///< Σ Δt impulse
@@ -140,10 +139,8 @@ public:
                                  const Vector3d& specific_force_body_mps2, double dt_s) const;
 
   /// Moves the nominal state by one step with the mean rate and specific force over it, and composes the
-  /// transition. `propagate` then updates the covariance. `shock_variance_m2ps2` is added to the velocity's
-  /// variance.
-  void predict(const Vector3d& rate_body_radps, const Vector3d& specific_force_body_mps2, double dt_s,
-               double shock_variance_m2ps2 = 0.0);
+  /// transition. `propagate` then updates the covariance.
+  void predict(const Vector3d& rate_body_radps, const Vector3d& specific_force_body_mps2, double dt_s);
 
   /// Moves the state and its covariance over a time without samples. The covariance must have been
   /// propagated.
@@ -206,6 +203,8 @@ public:
 
   /// Adds to the variance of three states.
   void add_variance(StateIndex index, const Vector3d& variance);
+  /// Adds the variance of three states' error that is a multiple of this one, with a standard deviation of 1.
+  void add_uncertain_error(StateIndex index, const Vector3d& error);
 
   /// Turns position, velocity and attitude, and their covariance, about the vertical through the origin.
   void turn_world(double angle_rad);
@@ -258,7 +257,6 @@ private:
 void for_each_field(IsFieldsOf<Transition> auto& transition, const auto& visit) {
   visit("duration_s", transition.duration_s);
   visit("position_velocity_s", transition.position_velocity_s);
-  visit("shock_variance_m2ps2", transition.shock_variance_m2ps2);
   visit("rotation_start", transition.rotation_start);
   visit("impulse_mps", transition.impulse_mps);
   visit("impulse_sum_m", transition.impulse_sum_m);

@@ -24,13 +24,13 @@ struct ImuStep {
   double duration_s = 0;
   Vector3d rate_body_radps = Vector3d::Zero();  ///< mean
   Vector3d force_body_mps2 = Vector3d::Zero();  ///< mean
-  bool irregular = false;           ///< true if it is so long that the mean of its ends may miss much
-  double velocity_std_mps = 0;      ///< velocity that it may miss
-  double position_std_m = 0;        ///< position that it may miss
-  double attitude_std_rad = 0;      ///< attitude that it may miss
-  double shock_variance_m2ps2 = 0;  ///< variance of the velocity, per axis, that a shock may have left
+  bool irregular = false;       ///< true if it is so long that the mean of its ends may miss much
+  double velocity_std_mps = 0;  ///< velocity that it may miss
+  double position_std_m = 0;    ///< position that it may miss
+  double attitude_std_rad = 0;  ///< attitude that it may miss
   Vector3d made_up_turn_body_rad = Vector3d::Zero();     ///< turn of earlier readings that were held back
   Vector3d made_up_impulse_body_mps = Vector3d::Zero();  ///< integral of earlier forces that were held back
+  Vector3d made_up_shift_body_m = Vector3d::Zero();      ///< way of the body by them meanwhile
 
   bool operator==(const ImuStep&) const = default;
 };
@@ -48,30 +48,43 @@ struct ShockDetector {
   std::array<Vector3d, 2> reading_body{Vector3d::Zero(), Vector3d::Zero()};  ///< means of the last intervals
 
   /// Adds a step. `smooth` is the largest second difference of the motion of a body at 10 ms. Returns the
-  /// variance per axis that a shock adds to the integral.
-  double add(const Vector3d& reading_body, double duration_s, double smooth);
+  /// error, with a standard deviation of 1, that a shock adds to the integral.
+  Vector3d add(const Vector3d& reading_body, double duration_s, double smooth);
   /// Density of white noise with this roughness, per √Hz.
   [[nodiscard]] double density_rthz() const;
   bool operator==(const ShockDetector&) const = default;
 };
 
+// Largest change of the motion of a body in 10 ms.
+inline constexpr double max_jump_mps2 = 20.0;
+inline constexpr double max_jump_radps = 4.0;
+inline constexpr double dropped_share = 0.5;  ///< standard deviation of what a dropped integral may be worth
+
 /// Holds back readings of a sensor that leave the last one suddenly, by far more than other readings of late.
 /// If they return within some samples, they were wrong, or a shock whose integral is hardly known, and count
-/// as the last one. Otherwise they were right, and their integral is made up for.
+/// as the last one. Otherwise, or if they turn out to change gradually, they were right, and their integral
+/// is made up for.
 struct SpikeFilter {
   double recent_jump = 0;                            ///< largest change of late, which fades
   double held_s = 0;                                 ///< duration of the held readings; 0: none
   double largest_jump = 0;                           ///< largest distance of one from the last one before
+  double largest_change = 0;                         ///< largest distance of one from the one before it
+  Vector3d held_body = Vector3d::Zero();             ///< latest of them
   Vector3d excess_integral_body = Vector3d::Zero();  ///< integral of these distances
+  Vector3d excess_double_integral_body = Vector3d::Zero();
 
   /// Reading to use, and the integrals of those that were held back before it.
   struct Output {
     Vector3d reading_body;
-    Vector3d made_up_body;  ///< integral of held readings that were right
-    Vector3d dropped_body;  ///< integral of held readings that were wrong
+    Vector3d made_up_body = Vector3d::Zero();        ///< integral of held readings that were right
+    Vector3d made_up_shift_body = Vector3d::Zero();  ///< double integral of these
+    Vector3d dropped_body = Vector3d::Zero();        ///< integral of held readings that were wrong
   };
-  /// Adds a reading after `last_body`, the one that was used before it.
+  /// Adds a reading after `last_body`, the one that was used before it. `max_jump`: largest change of a
+  /// body's motion in 10 ms.
   Output add(const Vector3d& last_body, const Vector3d& reading_body, double duration_s, double max_jump);
+  /// Forgets the held readings.
+  void forget_held() { *this = {.recent_jump = recent_jump}; }
   bool operator==(const SpikeFilter&) const = default;
 };
 
@@ -131,7 +144,7 @@ private:
   Vector3d impulse_mps_ = Vector3d::Zero();  // Σ f Δt
   Vector3d coning_rad_ = Vector3d::Zero();
   Vector3d sculling_mps_ = Vector3d::Zero();
-  double shock_variance_m2ps2_ = 0;
+  Vector3d shift_m_ = Vector3d::Zero();
   ImuStep latest_;
 };
 
@@ -155,7 +168,10 @@ void for_each_field(IsFieldsOf<SpikeFilter> auto& spikes, const auto& visit) {
   visit("recent_jump", spikes.recent_jump);
   visit("held_s", spikes.held_s);
   visit("largest_jump", spikes.largest_jump);
+  visit("largest_change", spikes.largest_change);
+  visit("held_body", spikes.held_body);
   visit("excess_integral_body", spikes.excess_integral_body);
+  visit("excess_double_integral_body", spikes.excess_double_integral_body);
 }
 
 void for_each_field(IsFieldsOf<RepeatDetector> auto& repeats, const auto& visit) {

@@ -70,6 +70,9 @@ struct AdmittedStep {
   ImuStep step;
   SpikeFilter force_spikes;
   SpikeFilter rate_spikes;
+  Vector3d dropped_impulse_body_mps =
+      Vector3d::Zero();                               ///< integral of forces that were held back, and dropped
+  Vector3d dropped_turn_body_rad = Vector3d::Zero();  ///< the same of rates
 };
 
 /// Heights that jumped away from the followed track, in a row.

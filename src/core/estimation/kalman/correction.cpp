@@ -183,6 +183,10 @@ void Filter::add_variance(StateIndex index, const Vector3d& variance) {
   covariance.diagonal().segment<3>(index) += variance;
 }
 
+void Filter::add_uncertain_error(StateIndex index, const Vector3d& error) {
+  covariance.block<3, 3>(index, index) += error * error.transpose();
+}
+
 void Filter::decorrelate(StateIndex index, const Vector3d& variance) {
   covariance.middleRows<3>(index).setZero();
   covariance.middleCols<3>(index).setZero();

@@ -25,7 +25,7 @@ const ImuModelParameters& parameters_of(ImuModel model) {
       {.noise = {.accel_mps2_rthz = 0.15, .gyro_radps_rthz = 2.4e-3},
        .inflation = {},
        .dead_reckoning_mps_rts = 0.3},
-      {.noise = {.gyro_radps_rthz = 2.4e-3, .gyro_bias_radps_rts = 0.03},
+      {.noise = {.gyro_radps_rthz = 2.4e-3, .accel_bias_mps2_rts = 4e-3, .gyro_bias_radps_rts = 0.03},
        .inflation = {},
        .dead_reckoning_mps_rts = 1.0},
       {.noise = {.gyro_radps_rthz = 2.4e-3, .gyro_bias_radps_rts = 1e-3},

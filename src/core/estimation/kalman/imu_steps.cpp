@@ -19,7 +19,7 @@ double nominal_imu_period_s(double before_s, double step_s) {
   return before_s + smoothing_factor * (std::min(step_s, max_growth * before_s) - before_s);
 }
 
-double ShockDetector::add(const Vector3d& step_reading_body, double duration_s, double smooth) {
+Vector3d ShockDetector::add(const Vector3d& step_reading_body, double duration_s, double smooth) {
   constexpr double interval_s = 0.0075;       // one sample at 100 Hz, several of a faster IMU
   constexpr double smooth_interval_s = 0.01;  // a slower IMU sees more of a smooth motion
   constexpr double share_of_shock = 2.0;
@@ -27,20 +27,22 @@ double ShockDetector::add(const Vector3d& step_reading_body, double duration_s, 
   constexpr double memory_s = 1.0;
   open_s += duration_s;
   open_integral_body += duration_s * step_reading_body;
-  if (open_s < interval_s) return 0.0;
+  if (open_s < interval_s) return Vector3d::Zero();
   const Vector3d latest = open_integral_body / open_s;
-  const double difference = intervals < 2 ? 0.0 : (latest - 2.0 * reading_body[1] + reading_body[0]).norm();
+  const Vector3d change = latest - 2.0 * reading_body[1] + reading_body[0];
+  const double difference = intervals < 2 ? 0.0 : change.norm();
   const double smooth_here =
       smooth * std::max(1.0, open_s * open_s / (smooth_interval_s * smooth_interval_s));
   const double usual = std::max(smooth_here, rough_factor * roughness);
-  const double std = share_of_shock * std::max(0.0, difference - usual) * open_s;
+  const double excess_share = difference > usual ? 1.0 - usual / difference : 0.0;
+  const Vector3d error = share_of_shock * open_s * excess_share * change;
   // A shock counts little; the limit grows slowly under constant vibration.
   roughness += std::min(1.0, open_s / memory_s) * (std::min(difference, usual) - roughness);
   reading_body = {reading_body[1], latest};
   intervals = std::min(intervals + 1, 2);
   open_s = 0.0;
   open_integral_body.setZero();
-  return std * std;
+  return error;
 }
 
 double ShockDetector::density_rthz() const {
@@ -53,22 +55,41 @@ SpikeFilter::Output SpikeFilter::add(const Vector3d& last_body, const Vector3d& 
                                      double duration_s, double max_jump) {
   constexpr double max_held_s = 0.0455;  // four samples at 100 Hz
   constexpr double returned_share = 0.5;
-  constexpr double rare_factor = 3.0;  // vibration jumps again and again
+  constexpr double gradual_share = 0.75;  // a sensor filters its signal: even a shock takes some samples
+  constexpr double rare_factor = 3.0;     // vibration jumps again and again
   constexpr double fading_s = 0.5;
-  const double jump = (reading_body - last_body).norm();
-  const bool begins = held_s == 0.0 && jump > max_jump && jump > rare_factor * recent_jump;
-  const bool continues = held_s > 0.0 && !(jump < returned_share * largest_jump);
+  constexpr double usual_step_s = 0.01;  // over a longer step a body changes more
+  const Vector3d excess_body = reading_body - last_body;
+  const double jump = excess_body.norm();
+  const double limit =
+      std::max(max_jump * std::max(1.0, duration_s / usual_step_s), rare_factor * recent_jump);
+  const bool is_held = held_s > 0.0;
+  const bool continues = is_held && !(jump < returned_share * largest_jump);
+  const bool begins = !is_held && jump > limit;
   recent_jump = std::max(jump, std::exp(-duration_s / fading_s) * recent_jump);
-  if ((begins || continues) && held_s + duration_s <= max_held_s) {
-    held_s += duration_s;
-    largest_jump = std::max(largest_jump, jump);
-    excess_integral_body += duration_s * (reading_body - last_body);
-    return {.reading_body = last_body, .made_up_body = Vector3d::Zero(), .dropped_body = Vector3d::Zero()};
+  Output output{.reading_body = reading_body};
+  if (duration_s == 0.0) {  // a repeated stamp: nothing is integrated
+    if (begins || is_held) output.reading_body = last_body;
+    return output;
   }
-  Output output{
-      .reading_body = reading_body, .made_up_body = Vector3d::Zero(), .dropped_body = Vector3d::Zero()};
-  (continues ? output.made_up_body : output.dropped_body) = excess_integral_body;
-  *this = {.recent_jump = recent_jump};
+  largest_jump = std::max(largest_jump, jump);
+  largest_change = std::max(largest_change, (reading_body - (is_held ? held_body : last_body)).norm());
+  const bool is_gradual = largest_change < gradual_share * largest_jump;
+  if ((begins || continues) && !is_gradual && held_s + duration_s <= max_held_s) {
+    held_s += duration_s;
+    excess_double_integral_body += duration_s * (excess_integral_body + 0.5 * duration_s * excess_body);
+    excess_integral_body += duration_s * excess_body;
+    output.reading_body = last_body;
+    held_body = reading_body;
+    return output;
+  }
+  if (continues) {
+    output.made_up_body = excess_integral_body;
+    output.made_up_shift_body = excess_double_integral_body;
+  } else {
+    output.dropped_body = excess_integral_body;
+  }
+  forget_held();
   return output;
 }
 
@@ -130,8 +151,8 @@ void ImuPreintegrator::add(const ImuStep& step) {
   sculling_mps_ += 0.5 * (turn_rad_.cross(impulse_mps) + impulse_mps_.cross(turn_rad));
   turn_rad_ += turn_rad;
   impulse_mps_ += impulse_mps;
+  shift_m_ += step.made_up_shift_body_m;
   duration_s_ += step.duration_s;
-  shock_variance_m2ps2_ += step.shock_variance_m2ps2;
   latest_ = step;
 }
 
@@ -141,7 +162,7 @@ ImuStep ImuPreintegrator::joined() const {
   return {.duration_s = duration_s_,
           .rate_body_radps = per_s * (turn_rad_ + coning_rad_),
           .force_body_mps2 = per_s * (impulse_mps_ + sculling_mps_),
-          .shock_variance_m2ps2 = shock_variance_m2ps2_};
+          .made_up_shift_body_m = shift_m_};
 }
 
 }  // namespace sonopose::estimation::kalman

@@ -114,8 +114,7 @@ NominalStep Filter::step(const NominalState& from, const Vector3d& rate_body_rad
   return step;
 }
 
-void Filter::predict(const Vector3d& rate_body_radps, const Vector3d& specific_force_body_mps2, double dt_s,
-                     double shock_variance_m2ps2) {
+void Filter::predict(const Vector3d& rate_body_radps, const Vector3d& specific_force_body_mps2, double dt_s) {
   const NominalStep step = this->step(*this, rate_body_radps, specific_force_body_mps2, dt_s);
   // In the world frame only the gyro bias changes an attitude error.
   begin_transition();
@@ -130,7 +129,6 @@ void Filter::predict(const Vector3d& rate_body_radps, const Vector3d& specific_f
   }
   f.impulse_mps += dt_s * step.force_world_mps2;
   f.rotation_sum_s += dt_s * step.rotation_middle;
-  f.shock_variance_m2ps2 += shock_variance_m2ps2;
   static_cast<NominalState&>(*this) = step.after;
 }
 
@@ -243,8 +241,7 @@ void Filter::add_process_noise(const ProcessNoise& noise) {
   const double duration_s = pending.duration_s;
   StateCovariance& P = covariance;  // NOLINT(readability-identifier-naming): the symbol of the equations
   const double accel = noise.accel_mps2_rthz * noise.accel_mps2_rthz;
-  const double velocity =
-      accel * duration_s + pending.shock_variance_m2ps2;  // spread evenly over the duration
+  const double velocity = accel * duration_s;
   P.diagonal().segment<3>(at_position).array() += velocity * t * t / 3.0;
   for (int i = 0; i < 3; ++i) P(at_position + i, at_velocity + i) += 0.5 * velocity * t;
   P.diagonal().segment<3>(at_velocity).array() += velocity;

@@ -29,6 +29,7 @@ NominalState nominal_after_steps(const Filter& filter, const NominalState& from,
                                  const ImuPreintegrator& steps) {
   const ImuStep step = steps.joined();
   NominalState after = filter.step(from, step.rate_body_radps, step.force_body_mps2, step.duration_s).after;
+  if (!filter.ignores_force) after.position_world_m += after.q_body_to_world * step.made_up_shift_body_m;
   if (steps.joined_differs()) set_latest(after, filter, steps.latest());
   return after;
 }
@@ -116,6 +117,16 @@ void update_rest(State& state, const ImuMeasurement& sample, ImuOutcome& outcome
   outcome.zero_velocity_variance = rest::still_velocity_variance(rest, sample.time_ns);
 }
 
+/// Adds the variance of a motion that is a multiple of this one, with a standard deviation of 1.
+void add_uncertain_motion(State& state, const Vector3d& impulse_body_mps, const Vector3d& turn_body_rad) {
+  if (impulse_body_mps.isZero(0.0) && turn_body_rad.isZero(0.0)) return;
+  state.propagate();
+  for (Hypothesis& each : state.bank) {
+    each.filter.add_uncertain_error(at_velocity, each.filter.q_body_to_world * impulse_body_mps);
+    each.filter.add_uncertain_error(at_attitude, turn_body_rad);
+  }
+}
+
 /// Adds the variance of a turn beyond the range of the gyroscope.
 void add_missed_turn(State& state, const Vector3d& missed_body_radps, double duration_s) {
   constexpr double memory_s = 0.1;  // time for which its rate is alike
@@ -186,9 +197,6 @@ void add_missed_motion(Filter& filter, const ImuStep& step) {
 }
 
 AdmittedStep State::step_to(const ImuMeasurement& sample) const {
-  constexpr double max_jump_mps2 = 20.0;
-  constexpr double max_jump_radps = 4.0;
-  constexpr double dropped_share = 0.5;  // a shock may have been right
   const double dt_s = seconds_between(imu.time_ns, sample.time_ns);
   AdmittedStep next{
       .sample = sample, .step = {}, .force_spikes = imu.force_spikes, .rate_spikes = imu.rate_spikes};
@@ -198,10 +206,10 @@ AdmittedStep State::step_to(const ImuMeasurement& sample) const {
   next.sample.rate_body_radps = rate.reading_body;
   next.step = step_between(imu.latest(), next.sample, imu.nominal_imu_period_s);
   next.step.made_up_impulse_body_mps = force.made_up_body;
+  next.step.made_up_shift_body_m = force.made_up_shift_body;
   next.step.made_up_turn_body_rad = rate.made_up_body;
-  next.step.shock_variance_m2ps2 = square(dropped_share) * force.dropped_body.squaredNorm();
-  next.step.attitude_std_rad =
-      std::sqrt(square(next.step.attitude_std_rad) + square(dropped_share) * rate.dropped_body.squaredNorm());
+  next.dropped_impulse_body_mps = force.dropped_body;
+  next.dropped_turn_body_rad = rate.dropped_body;
   return next;
 }
 
@@ -211,9 +219,15 @@ ImuOutcome State::on_imu(const settings::Settings& settings, const ImuMeasuremen
   imu.in_gap = dt_s > settings.outage.imu_gap_s || is_repetition(measured);
   if (!is_first) imu.repeats.add(imu.latest(), measured);
   const bool has_step = !imu.in_gap && dt_s > 0.0;
-  const AdmittedStep next =
-      has_step ? step_to(measured)
-               : AdmittedStep{.sample = measured, .step = {}, .force_spikes = {}, .rate_spikes = {}};
+  if (imu.in_gap) {
+    imu.force_spikes.forget_held();
+    imu.rate_spikes.forget_held();
+  }
+  const AdmittedStep next = is_first || imu.in_gap ? AdmittedStep{.sample = measured,
+                                                                  .step = {},
+                                                                  .force_spikes = imu.force_spikes,
+                                                                  .rate_spikes = imu.rate_spikes}
+                                                   : step_to(measured);
   const ImuMeasurement& sample = next.sample;
   imu.force_spikes = next.force_spikes;
   imu.rate_spikes = next.rate_spikes;
@@ -222,17 +236,19 @@ ImuOutcome State::on_imu(const settings::Settings& settings, const ImuMeasuremen
   if (phase != Phase::waiting && imu.in_gap) {
     end_imu_gap(*this, sample.time_ns);
   } else if (phase != Phase::waiting && has_step) {
-    ImuStep step = next.step;
+    const ImuStep& step = next.step;
     constexpr double smooth_mps2 = 2.5;
     constexpr double smooth_radps = 1.0;
-    step.shock_variance_m2ps2 += imu.shocks.add(sample.force_body_mps2, dt_s, smooth_mps2);
-    const double turn_variance_rad2 = imu.turn_shocks.add(sample.rate_body_radps, dt_s, smooth_radps);
-    step.attitude_std_rad = std::sqrt(square(step.attitude_std_rad) + turn_variance_rad2);
+    const Vector3d shock_mps = imu.shocks.add(sample.force_body_mps2, dt_s, smooth_mps2);
+    const Vector3d shock_rad = imu.turn_shocks.add(sample.rate_body_radps, dt_s, smooth_radps);
     predict(*this, step);
+    add_uncertain_motion(*this, shock_mps, shock_rad);
     if (step.attitude_std_rad > 0.0) {
       propagate();
       for (Hypothesis& each : bank) add_missed_motion(each.filter, step);
     }
+    add_uncertain_motion(*this, dropped_share * next.dropped_impulse_body_mps,
+                         dropped_share * next.dropped_turn_body_rad);
     if (imu.rate_spikes.held_s == 0.0)
       add_missed_turn(*this, imu.gyro_clip.add(sample.rate_body_radps), dt_s);
   }
@@ -259,8 +275,9 @@ void State::apply_pending_steps() {
   if (imu.pending_steps.empty()) return;
   const ImuStep step = imu.pending_steps.joined();
   for (Hypothesis& each : bank) {
-    each.filter.predict(step.rate_body_radps, step.force_body_mps2, step.duration_s,
-                        step.shock_variance_m2ps2);
+    each.filter.predict(step.rate_body_radps, step.force_body_mps2, step.duration_s);
+    if (!each.filter.ignores_force)
+      each.filter.position_world_m += each.filter.q_body_to_world * step.made_up_shift_body_m;
   }
   Filter& best = bank.best().filter;
   frozen_track.move(step.duration_s, measured_acceleration_world_mps2(best, step));

@@ -110,6 +110,37 @@ SCENARIO("single samples at the end of the range cost centimetres") {
   }
 }
 
+SCENARIO("a sudden force that may be wrong makes the velocity uncertain at once, along its direction") {
+  GIVEN("a walk with one sample of 16 g") {
+    constexpr double at_s = 20.003;
+    constexpr double force_mps2 = 157.0;
+    bool is_done = false;
+    const auto moments = moments_of(
+        "walk", 7101, [](sim::Scenario&) {}, 21.0,
+        [&](Event& event) {
+          auto* const imu = std::get_if<ImuSample>(&event);
+          if (imu == nullptr || is_done ||
+              seconds_between(sim::Run{}.start_time_ns, imu->sensor_time_ns) < at_s)
+            return;
+          imu->specific_force_body_mps2.x() = force_mps2;
+          is_done = true;
+        });
+    const auto velocity_std = [&](double time_s, const Vector3d& axis_body) {
+      const auto moment = std::find_if(moments.begin(), moments.end(),
+                                       [&](const Moment& each) { return each.time_s >= time_s; });
+      REQUIRE(moment != moments.end());
+      const Vector3d axis_world = moment->pose.q_body_to_world * axis_body;
+      return std::sqrt(axis_world.dot(moment->pose.velocity_covariance.matrix() * axis_world));
+    };
+    THEN("two samples later half of its integral is the standard deviation along X") {
+      const double integral_mps = 0.01 * force_mps2;
+      CHECK(velocity_std(20.03, Vector3d::UnitX()) == Approx(0.5 * integral_mps).epsilon(0.2));
+      CHECK(velocity_std(20.03, Vector3d::UnitY()) < 0.1 * integral_mps);
+      CHECK(velocity_std(20.03, Vector3d::UnitZ()) < 0.1 * integral_mps);
+    }
+  }
+}
+
 SCENARIO("a gyro axis that dies or turns round while the body walks is found") {
   const double factor = GENERATE(0.0, -1.0);
   const std::uint64_t seed = GENERATE(7001U, 7002U, 7003U);
