@@ -51,10 +51,19 @@ struct StateMeasurement {
   double variance = 0;  ///< variance of each component
 };
 
+/// Motion by readings that were dropped. They may have been right.
+struct DroppedMotion {
+  TimeNs time_ns = 0;  ///< time of the next sample
+  Vector3d impulse_body_mps = Vector3d::Zero();
+  Vector3d turn_body_rad = Vector3d::Zero();
+};
+
 /// Measurements between two starts of the estimate or silences of the IMU. Each list is in ascending time of
 /// measurement. There may be no fix, and the last fixes and headings may be of a silence.
 struct Segment {
-  std::vector<kalman::ImuMeasurement> imu;  ///< calibrated; from at most a second before the first fix on
+  std::vector<kalman::ImuMeasurement> imu;  ///< calibrated; from at most a second before the first fix on.
+                                            ///< Wrong readings are replaced by the last one before them
+  std::vector<DroppedMotion> dropped;
   std::vector<JudgedFix> fixes;
   std::vector<JudgedHeading> headings;  ///< each after the fix of the same emission
   std::vector<StateMeasurement> states;

@@ -49,6 +49,13 @@ Correction correction_of(const kalman::FixJacobian& jacobian, const kalman::Stat
   return correction;
 }
 
+/// Adds the variance of a motion by readings that were dropped.
+void add_dropped_motion(Filter& filter, const DroppedMotion& dropped) {
+  filter.add_uncertain_error(kalman::at_velocity,
+                             kalman::dropped_share * (filter.q_body_to_world * dropped.impulse_body_mps));
+  filter.add_uncertain_error(kalman::at_attitude, kalman::dropped_share * dropped.turn_body_rad);
+}
+
 /// Moves the state as the engine did, and adds uncertainty of the same size.
 void change_track(Filter& filter, const TrackChange& change) {
   filter.position_world_m += change.jump_world_m;
@@ -123,6 +130,13 @@ void Forward::move(ForwardState& state, std::vector<Operation>* operations) cons
     state.filter.predict(step.rate_body_radps, step.force_body_mps2, step.duration_s);
     if (operations != nullptr || step.irregular) propagate(state, operations);
     if (step.irregular) kalman::add_missed_motion(state.filter, step);
+  }
+  for (; state.next_dropped < segment_.dropped.size() &&
+         segment_.dropped[state.next_dropped].time_ns <= next.time_ns;
+       ++state.next_dropped) {
+    const DroppedMotion& dropped = segment_.dropped[state.next_dropped];
+    propagate(state, operations);
+    add_dropped_motion(state.filter, dropped);
   }
   state.time_ns = next.time_ns;
 }

@@ -33,6 +33,7 @@ struct ForwardState {
   std::size_t next_fix = 0;
   std::size_t next_heading = 0;
   std::size_t next_state = 0;
+  std::size_t next_dropped = 0;
   double log_likelihood = 0;  ///< log-likelihood of the fixes' innovations
 };
 

@@ -110,6 +110,35 @@ private:
   std::vector<Admitted> admitted_;
 };
 
+/// Replaces the readings of a sensor that the engine drops, and notes that the motion is uncertain.
+void drop_wrong_readings(Segment& segment, Vector3d ImuMeasurement::*reading, double max_jump,
+                         Vector3d DroppedMotion::*motion) {
+  kalman::SpikeFilter spikes;
+  std::vector<ImuMeasurement>& imu = segment.imu;
+  std::size_t last = 0;  // sample before the held ones
+  for (std::size_t i = 1; i < imu.size(); ++i) {
+    const double dt_s = seconds_between(imu[i - 1].time_ns, imu[i].time_ns);
+    const auto output = spikes.add(imu[last].*reading, imu[i].*reading, dt_s, max_jump);
+    if (spikes.held_s > 0.0) continue;
+    if (!output.dropped_body.isZero(0.0)) {
+      for (std::size_t k = last + 1; k < i; ++k) imu[k].*reading = imu[last].*reading;
+      segment.dropped.push_back({.time_ns = imu[i].time_ns});
+      segment.dropped.back().*motion = output.dropped_body;
+    }
+    imu[i].*reading = output.reading_body;
+    last = i;
+  }
+}
+
+void drop_wrong_readings(Segment& segment) {
+  drop_wrong_readings(segment, &ImuMeasurement::force_body_mps2, kalman::max_jump_mps2,
+                      &DroppedMotion::impulse_body_mps);
+  drop_wrong_readings(segment, &ImuMeasurement::rate_body_radps, kalman::max_jump_radps,
+                      &DroppedMotion::turn_body_rad);
+  std::stable_sort(segment.dropped.begin(), segment.dropped.end(),
+                   [](const auto& a, const auto& b) { return a.time_ns < b.time_ns; });
+}
+
 /// Runs the engine's state over admitted measurements in their order and collects the verdicts. The engine
 /// arrives at the same verdicts after repeating what followed each late measurement. With a fast IMU there
 /// are tiny differences: the engine also makes the pending steps at checkpoints.
@@ -174,7 +203,10 @@ public:
     state_.on_twist(settings_, twist);
   }
 
-  std::vector<Segment> finished() { return std::move(segments_); }
+  std::vector<Segment> finished() {
+    for (Segment& segment : segments_) drop_wrong_readings(segment);
+    return std::move(segments_);
+  }
 
 private:
   /// True if the estimate has started and does not wait for a restart.

@@ -191,6 +191,29 @@ SCENARIO("rejected fixes do not exist for the smoother", "[accuracy]") {
   }
 }
 
+SCENARIO("wrong samples of the IMU do not reach the smoother") {
+  GIVEN("a walk with a sample of 16 g or 2000 °/s every other second") {
+    auto recording = sim::record(sim::find_scenario("walk"), {.seed = 901, .duration_s = 40.0});
+    int samples = 0;
+    for (Event& event : recording.events) {
+      auto* const imu = std::get_if<ImuSample>(&event);
+      if (imu == nullptr || ++samples % 200 != 0) continue;
+      if (samples % 400 == 0) {
+        imu->angular_velocity_body_radps.y() = -2000.0 * geometry::radians_per_degree;
+      } else {
+        imu->specific_force_body_mps2.x() = 157.0;
+      }
+    }
+    Errors errors;
+    add_run(errors, recording.events, recording.truth, after(6.0));
+    print("wrong samples", errors);
+    THEN("the trajectory is right to a centimetre or two") {
+      CHECK(errors.smoothed_m.root() < 0.015);
+      CHECK(errors.normalised.mean() < 6.0);
+    }
+  }
+}
+
 SCENARIO("a relocation does not reach into the past") {
   GIVEN("a stroll that continues 2.5 m away after 25 seconds") {
     const sim::Scenario& scenario = sim::find_scenario("relocation");
