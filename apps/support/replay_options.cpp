@@ -104,24 +104,41 @@ config::FusionConfig configuration(const ReplayOptions& options) {
   return configuration(config);
 }
 
+namespace {
+
+void warn_of_contradictions(const std::string& name, const evaluation::RunResult& result) {
+  const auto exceeds = [&result](PoseStatus bit, double share) {
+    const auto found = result.warned.find(bit);
+    return found != result.warned.end() &&
+           static_cast<double>(found->second) > share * static_cast<double>(result.judged_poses);
+  };
+  if (exceeds(status_imu_inconsistent, 0.1) ||
+      (exceeds(status_heading_unknown, 0.5) && 100 * result.counters.headings > result.judged_poses)) {
+    logging::warning(fmt::format(
+        "{0}: the IMU contradicts fixes, headings or gravity: check its units, signs, axes and mount. "
+        "`sonopose-calibrate mount {0}` measures the mount, and sonopose-doctor names other "
+        "causes while a bridge plays the recording to a fusion",
+        name));
+  }
+  if (exceeds(status_fixes_inconsistent, 0.5)) {
+    logging::warning(fmt::format(
+        "{0}: fixes are inconsistent at most poses: {1}. `sonopose-calibrate delay {0}` measures how far "
+        "the clocks are apart",
+        name, fixes_inconsistent_meaning));
+  }
+}
+
+}  // namespace
+
 void require_result(const ReplayOptions& options, const evaluation::RunResult& result) {
   const std::string name = bus_log::name_of(options.logs);
-  if (const auto& height = result.height_problem) {
-    logging::warning(fmt::format("{}: {}: {}", name, height->text, height->remedy));
-  }
   for (const std::string& text : result.remarks) logging::warning(fmt::format("{}: {}", name, text));
   for (const evaluation::UnusedInput& input : result.unused_inputs) {
     const std::string text = fmt::format("{}: {}", name, input.text);
     if (is_chosen(input) && !options.run.until_s) throw std::runtime_error(text);
     logging::warning(text);
   }
-  const auto contradicted = result.warned.find(status_fixes_inconsistent);
-  if (contradicted != result.warned.end() && 2 * contradicted->second > result.judged_poses) {
-    logging::warning(
-        fmt::format("{0}: fixes inconsistent at most poses: {1}; `sonopose-calibrate delay {0}` measures "
-                    "how far the clocks are apart",
-                    name, fixes_inconsistent_meaning));
-  }
+  warn_of_contradictions(name, result);
   if (result.poses > 0 && result.judged_poses == 0) {
     throw std::runtime_error(fmt::format("{}: no score: no pose comes {} s (--after) after the first event",
                                          name, options.run.after_s));

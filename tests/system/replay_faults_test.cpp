@@ -101,6 +101,14 @@ SCENARIO("a replay that refused most fixes says why and fails") {
   }
 }
 
+SCENARIO("a replay whose mount is wrong says that the IMU contradicts the headings") {
+  const Recording recording;
+  CHECK_THAT(
+      replay({recording.log(), "--after", "6", "--set", "heading.mount_offset_deg=90"}).error,
+      Contains("the IMU contradicts fixes, headings or gravity") && Contains("`sonopose-calibrate mount "));
+  CHECK(replay({recording.log(), "--after", "6"}).error.empty());
+}
+
 SCENARIO("a log whose clock was set back is replayed to its end") {
   const Recording recording;
   for (const char* const name : {"imu.csv", "ultrasonic.csv", "heading.csv"}) {

@@ -103,6 +103,8 @@ SCENARIO("a truth of another frame, unit or order of the quaternion is found") {
             }).empty());
       CHECK_THAT(finding_of([](TruthSample& truth) { truth.position_world_m *= 1000; }),
                  Contains("or the true ones in mm?"));
+      CHECK_THAT(finding_of([](TruthSample& truth) { truth.position_world_m.x() += 0.4; }),
+                 Contains("usually 0.40 0.00 0.00 m from the fixes"));
       CHECK_THAT(finding_of([](TruthSample& truth) { truth.position_world_m.y() *= -1; }),
                  Contains("m from the fixes (median): are both in one frame?"));
       CHECK_THAT(
@@ -120,6 +122,17 @@ SCENARIO("a truth of another frame, unit or order of the quaternion is found") {
                    truth.velocity_world_mps = truth.q_body_to_world.conjugate() * truth.velocity_world_mps;
                  }),
                  Contains("axes of the body?"));
+    }
+    THEN("an IMU that lies otherwise than the true poses is named with its axes") {
+      for (Event& event : events) {
+        auto* const imu = std::get_if<ImuSample>(&event);
+        if (imu == nullptr) continue;
+        for (Vector3d* const vector : {&imu->angular_velocity_body_radps, &imu->specific_force_body_mps2}) {
+          *vector = Vector3d(vector->x(), -vector->y(), -vector->z());
+        }
+      }
+      CHECK_THAT(finding_of([](TruthSample&) {}),
+                 Contains("with calibration.axes=+x-y-z") && !Contains("quaternion"));
     }
     THEN("another finding does not hide it, unless it is the cause") {
       for (Event& event : events) {

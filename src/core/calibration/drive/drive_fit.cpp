@@ -133,6 +133,7 @@ void judge_by_engine(const Input& input, double mount_rad, double delay_s, Attem
 /// Maximises from the grid, twice: first without outliers of the grid's best point, then with the
 /// measurements that the engine uses once it knows mount and delay.
 void fit_pieces(const Input& input, Attempt& attempt) {
+  constexpr int max_rounds = 4;
   std::vector<Measurements>& pieces = attempt.pieces;
   for (const Measurements& log : input.logs) {
     detail::append_pieces(detail::set_back(log, attempt.set_back_s), pieces);
@@ -161,6 +162,11 @@ void fit_pieces(const Input& input, Attempt& attempt) {
   find_lost_yaws(pieces, had_rough_headings, found.delay_s, start_yaws);
   Problem problem(pieces);
   attempt.fit = detail::maximise(problem, problem.vector_of(found, start_yaws), input.observer_of("fit"));
+  // The engine also uses measurements that are somewhat wrong for some seconds.
+  for (int round = 0; round < max_rounds && detail::reject_tail(pieces, attempt.fit.passes); ++round) {
+    if (!has_enough_fixes(input, attempt, " are far from the motion")) return;
+    attempt.fit = detail::maximise(problem, attempt.fit.unknowns, input.observer_of("fit"));
+  }
   attempt.result.converged = attempt.fit.converged;
   problem.start_lever_arms_at(attempt.fit.lever_arms);
   detail::set_values(problem, attempt.fit, attempt.result);

@@ -1,6 +1,7 @@
 #include "calibration/drive/start.hpp"
 
 #include "calibration/drive/pieces.hpp"
+#include <sonopose/statistics/quantile.hpp>
 
 #include <algorithm>
 #include <array>
@@ -9,6 +10,7 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <vector>
 
 namespace sonopose::calibration::drive::detail {
 namespace {
@@ -140,6 +142,46 @@ void reject_outliers(std::vector<Measurements>& logs, const Start& start) {
       }
     }
   }
+}
+
+bool reject_tail(std::vector<Measurements>& logs, const std::vector<Pass>& passes) {
+  constexpr double max_squared_norm = 25.0;               // of the usual one, which outliers do not change
+  constexpr double min_limit = 9.0;                       // a body that mostly stands still has small ones
+  constexpr std::size_t max_share = 5;                    // more than a fifth are no outliers
+  constexpr std::array<double, 2> medians{2.366, 0.455};  // of chi-squared: of fixes, of headings
+  std::array<std::vector<double>, 2> squared_norms;
+  for (const Pass& pass : passes) {
+    for (const Residual& residual : pass.residuals) {
+      squared_norms.at(residual.is_heading ? 1 : 0).push_back(residual.squared_norm);
+    }
+  }
+  std::array<double, 2> limits{};
+  for (std::size_t kind = 0; kind < limits.size(); ++kind) {
+    const std::vector<double>& all = squared_norms.at(kind);
+    double& limit = limits.at(kind);
+    limit = std::max(min_limit, max_squared_norm * statistics::quantile(all, 0.5) / medians.at(kind));
+    const auto count = std::ranges::count_if(all, [limit](double each) { return each >= limit; });
+    if (max_share * static_cast<std::size_t>(count) > all.size()) {
+      limit = std::numeric_limits<double>::infinity();
+    }
+  }
+  bool is_any = false;
+  for (std::size_t log = 0; log < logs.size(); ++log) {
+    const std::vector<Heading> headings = logs[log].headings;
+    bool is_any_heading = false;
+    for (const Residual& residual : passes[log].residuals) {
+      if (residual.squared_norm < limits.at(residual.is_heading ? 1 : 0)) continue;
+      (residual.is_heading ? logs[log].headings[residual.index].used : logs[log].fixes[residual.index].used) =
+          false;
+      (residual.is_heading ? is_any_heading : is_any) = true;
+    }
+    if (!logs[log].has_heading()) {  // without any, its yaw is another unknown
+      logs[log].headings = headings;
+      is_any_heading = false;
+    }
+    is_any = is_any || is_any_heading;
+  }
+  return is_any;
 }
 
 }  // namespace sonopose::calibration::drive::detail

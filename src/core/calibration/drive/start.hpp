@@ -31,4 +31,8 @@ double coarse_delay_s(const std::vector<Measurements>& logs, const std::function
 /// Removes fixes and headings that contradict the others at this start.
 void reject_outliers(std::vector<Measurements>& logs, const Start& start);
 
+/// Removes fixes and headings that are far from a fit, more than five times as far as most. Returns false if
+/// there are none.
+bool reject_tail(std::vector<Measurements>& logs, const std::vector<Pass>& passes);
+
 }  // namespace sonopose::calibration::drive::detail

@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace sonopose::doctor::rules {
@@ -46,10 +45,6 @@ void check_tracks(const BeaconObservation& beacon, bool is_frozen, Findings& fin
 /// Checks units, mount and calibration of one beacon's IMU. Returns false if units or axes are wrong: then
 /// whatever is computed from its readings is wrong too.
 bool check_imu(const BeaconObservation& beacon, Findings& findings);
-
-/// The value of calibration.axes closest to a rotation, of those that map the sensor's axis `up` ("-x") to
-/// body Z.
-std::string nearest_axes(const Eigen::Matrix3d& sensor_to_body, std::string_view up = "");
 
 /// "beacon 7".
 std::string name_of(const BeaconObservation& beacon);

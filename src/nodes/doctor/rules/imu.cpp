@@ -1,5 +1,5 @@
 #include "doctor/rules/checks.hpp"
-#include <sonopose/calibration/model/axes.hpp>
+#include <sonopose/calibration/model/axes_check.hpp>
 #include <sonopose/geometry/rotation.hpp>
 
 #include <fmt/format.h>
@@ -17,39 +17,19 @@ namespace {
 constexpr double gravity_tolerance = 0.05;
 /// Limit of a good gyroscope. The initial calibration removes any bias.
 constexpr double large_rate_offset_radps = 3.0 * geometry::radians_per_degree;
-/// Tilt of a wrong axis. A vehicle may stand on a ramp.
-constexpr double wrong_axis_deg = 45.0;
 constexpr double notable_tilt_deg = 15.0;
-
-/// The axis closest to the vertical: "+z", "-x".
-std::string up_axis(const Vector3d& force) {
-  Eigen::Index axis = 0;
-  force.cwiseAbs().maxCoeff(&axis);
-  constexpr std::string_view names = "xyz";
-  return {force[axis] < 0 ? '-' : '+', names[static_cast<std::size_t>(axis)]};
-}
 
 /// Checks the mean specific force. `when`: "at rest" or "on average". Returns false if an axis is wrong.
 bool check_direction(const BeaconObservation& beacon, std::string_view when, const Vector3d& force,
                      const calibration::AxesSettings& axes, Findings& findings) {
   const double tilt_deg =
       std::acos(std::clamp(force.normalized().z(), -1.0, 1.0)) / geometry::radians_per_degree;
-  if (tilt_deg > wrong_axis_deg) {
+  if (auto problem = calibration::axes_problem(force, when, axes)) {
     // A wrong sign of Z alone also turns the force upside down.
     constexpr double upside_down_deg = 135.0;
     if (tilt_deg > upside_down_deg && has_wrong_sign_of_z(beacon, findings)) return false;
-    const Vector3d force_sensor = calibration::sensor_to_body(axes).transpose() * force;
     findings.push_back(
-        {Severity::warning, name_of(beacon),
-         fmt::format(
-             "{}, specific force is along {} of the body instead of +z ({:.1f}, {:.1f}, {:.1f} m/s²): "
-             "the mount of the IMU differs from the fusion's settings",
-             when, up_axis(force), force.x(), force.y(), force.z()),
-         fmt::format("mount it upright, or set calibration.axes={}; if the rotation about the vertical "
-                     "differs, choose "
-                     "another value that ends in {}, and set heading.mount_offset_deg",
-                     nearest_axes(calibration::sensor_to_body(axes), up_axis(force_sensor)),
-                     up_axis(force_sensor))});
+        {Severity::warning, name_of(beacon), std::move(problem->text), std::move(problem->remedy)});
     return false;
   }
   if (tilt_deg > notable_tilt_deg) {
@@ -143,23 +123,6 @@ bool check_axes(const BeaconObservation& beacon, Findings& findings) {
 }
 
 }  // namespace
-
-std::string nearest_axes(const Eigen::Matrix3d& sensor_to_body, std::string_view up) {
-  const auto choices = calibration::choices_of(calibration::Axes{});
-  std::string_view best;
-  double best_trace = -4;  // below the trace of any rotation
-  for (std::size_t i = 0; i < choices.size(); ++i) {
-    if (!choices.at(i).ends_with(up)) continue;
-    calibration::AxesSettings candidate;
-    candidate.axes = static_cast<calibration::Axes>(i);
-    const double trace = (calibration::sensor_to_body(candidate).transpose() * sensor_to_body).trace();
-    if (trace > best_trace) {
-      best_trace = trace;
-      best = choices.at(i);
-    }
-  }
-  return std::string(best);
-}
 
 bool check_imu(const BeaconObservation& beacon, Findings& findings) {
   if (!check_axes(beacon, findings)) return false;

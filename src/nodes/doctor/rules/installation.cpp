@@ -1,6 +1,7 @@
 #include "doctor/rules/checks.hpp"
 #include "motion/fit/changes.hpp"
 #include <sonopose/calibration/model/axes.hpp>
+#include <sonopose/calibration/model/axes_check.hpp>
 #include <sonopose/estimation/aiding/admission.hpp>
 #include <sonopose/geometry/rotation.hpp>
 #include <sonopose/settings/settings_table.hpp>
@@ -226,7 +227,8 @@ private:
     if (std::abs(error_rad - turn_rad) > 0.5 * wrong_mount_rad) return "";
     const Eigen::Matrix3d turned = geometry::rotation_about_z(-turn_rad).toRotationMatrix() *
                                    calibration::sensor_to_body(beacon_.fusion_settings.calibration.axes);
-    return fmt::format(", or, if the IMU is turned in the beacon, calibration.axes={}", nearest_axes(turned));
+    return fmt::format(", or, if the IMU is turned in the beacon, calibration.axes={}",
+                       calibration::nearest_axes(turned));
   }
 
   void mount() const {

@@ -2,7 +2,9 @@
 
 #include "bus_log/recording_files.hpp"
 #include "bus_log/sensor_log.hpp"
+#include "logging/log.hpp"
 #include "recording/log_folder.hpp"
+#include <sonopose/calibration/model/axes_check.hpp>
 
 #include <fmt/format.h>
 
@@ -19,6 +21,18 @@ std::string names_of(const std::vector<std::filesystem::path>& logs) {
   std::string names;
   for (const auto& log : logs) names += (names.empty() ? "" : ", ") + log.string();
   return names;
+}
+
+/// Warns of a mount that gravity contradicts: the result would be right only for a body that lies as the IMU.
+void warn_of_axes(const std::string& name, const std::vector<Event>& events,
+                  const calibration::Settings& settings) {
+  calibration::AxesCheck axes(settings);
+  for (const Event& event : events) {
+    if (const auto* imu = std::get_if<ImuSample>(&event)) axes.on(*imu);
+  }
+  if (const auto problem = axes.problem()) {
+    logging::warning(fmt::format("{}: {}: {}", name, problem->text, problem->remedy));
+  }
 }
 
 /// Throws if no wanted quantity is known, or only a delay that the fusion cannot correct.
@@ -48,6 +62,7 @@ DriveCalibration calibrate_drive(const DriveRequest& request) {
     recordings.push_back(
         bus_log::read_sensor_log(log, bus_log::is_log_folder(log) ? std::nullopt : request.beacon).events);
     if (recordings.back().empty()) throw CalibrationError(log.string() + ": has no samples");
+    warn_of_axes(log.string(), recordings.back(), request.settings.calibration);
     result.duration_s += seconds_between(available_at_ns(recordings.back().front()),
                                          available_at_ns(recordings.back().back()));
   }

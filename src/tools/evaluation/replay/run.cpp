@@ -2,6 +2,8 @@
 
 #include "estimation/digest.hpp"
 #include "evaluation/score/comparison.hpp"
+#include <sonopose/calibration/model/axes_check.hpp>
+#include <sonopose/estimation/aiding/height_check.hpp>
 #include <sonopose/estimation/aiding/reading_limits.hpp>
 #include <sonopose/estimation/aiding/twist_problem.hpp>
 #include <sonopose/estimation/sensor_fault_detector.hpp>
@@ -215,6 +217,7 @@ void run_engine(const recording::SensorLog& log, const RunOptions& options, Resu
   if (options.start) estimator.restore(options.start->snapshot);
   estimation::SensorFaultDetector faults(estimator.settings());
   estimation::aiding::HeightCheck heights;
+  calibration::AxesCheck axes(estimator.settings().calibration);
   Aiding aiding;
   const EstimatorCounters before = estimator.counters();
   run_through(log, options, results, [&](const Event& event) {
@@ -223,6 +226,7 @@ void run_engine(const recording::SensorLog& log, const RunOptions& options, Resu
     aiding.add(event);
     if (const auto* fix = std::get_if<UltrasonicFix>(&event)) heights.on(estimator.settings().planar, *fix);
     if (const auto* imu = std::get_if<ImuSample>(&event)) {
+      axes.on(*imu);
       const auto limit = estimation::aiding::exceeded_limit(estimator.settings().admission, *imu);
       if (limit) results.result().refusals.on_excess(*limit);
     }
@@ -236,7 +240,11 @@ void run_engine(const recording::SensorLog& log, const RunOptions& options, Resu
   });
   results.result().end.snapshot = estimator.snapshot();
   results.digest().add(results.result().end.snapshot);
-  results.result().height_problem = heights.problem();
+  const auto remark = [&results](const auto& problem) {
+    if (problem) results.result().remarks.push_back(problem->text + ": " + problem->remedy);
+  };
+  remark(axes.problem());
+  remark(heights.problem());
   results.result().counters = estimator.counters() - before;
   aiding.judge(estimator.settings(), results.result());
 }

@@ -9,7 +9,6 @@
 #include "evaluation/score/score.hpp"
 #include "recording/log_folder.hpp"
 #include <sonopose/estimation/aiding/fix_refusals.hpp>
-#include <sonopose/estimation/aiding/height_check.hpp>
 #include <sonopose/estimation/any_estimator.hpp>
 #include <sonopose/estimation/offline/smoother.hpp>
 #include <sonopose/samples/pose.hpp>
@@ -88,10 +87,10 @@ struct RunResult {
   FixFlagCounts fix_flags;
   FixFlagCounts rejected_fix_flags;  ///< flags of the unused fixes
   estimation::aiding::RefusedFixes refusals;
-  std::optional<estimation::aiding::HeightProblem> height_problem{};  ///< at the end
   std::vector<UnusedInput> unused_inputs{};
-  std::vector<std::string> remarks{};  ///< texts about velocities: rejected, or unused as settings demand
-  std::uint64_t judged_poses = 0;      ///< from RunOptions::after_s on
+  /// Texts about what contradicts the settings: gravity, heights, velocities.
+  std::vector<std::string> remarks{};
+  std::uint64_t judged_poses = 0;                ///< from RunOptions::after_s on
   std::map<PoseStatus, std::uint64_t> warned{};  ///< numbers of these with a warning, by its bit
   std::uint64_t fixes_down_weighted = 0;         ///< number of used fixes with reduced weight
   bool has_truth = false;
