@@ -111,8 +111,7 @@ void check_rights(const CommandLine& app, const BusOptions& options, const secur
   if (!is_permitted && grant.access.writes != std::vector<std::string>{"*"}) {
     throw std::invalid_argument(fmt::format(
         "--partition{}: the enclave {} may use only {}", partition.empty() ? " is missing" : " " + partition,
-        folder,
-        grant.partitions.empty() ? "no partition" : fmt::format("{}", fmt::join(grant.partitions, ", "))));
+        folder, grant.partitions.empty() ? "no partition" : security::partitions_text(grant)));
   }
   for (const Necessity& each : necessities) {
     const auto& topics = each.writes ? grant.access.writes : grant.access.reads;

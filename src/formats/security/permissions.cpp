@@ -141,7 +141,7 @@ Grant grant_of(const std::string& xml, const std::string& origin) {
       check_children(rule, {"topics", "partitions"}, origin);
       add_texts(writes ? grant.access.writes : grant.access.reads, rule.child("topics"), origin);
       add_texts(grant.partitions, rule.child("partitions"), origin);
-      has_rule_without_partition = has_rule_without_partition || !rule.child("partitions");
+      has_rule_without_partition = has_rule_without_partition || !rule.child("partitions").child("partition");
     }
   }
   if (has_rule_without_partition && !grant.partitions.empty() &&
@@ -201,16 +201,18 @@ std::string protection_in(const std::string& governance, const std::string& orig
   return found.empty() ? "none" : found;
 }
 
+std::string partitions_text(const Grant& grant) {
+  std::vector<std::string> names = grant.partitions;
+  std::ranges::replace(names, std::string(), R"("")");
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
 std::string words_of(const Grant& grant) {
   const auto list = [](const std::vector<std::string>& topics) {
     return topics.empty() ? "nothing" : fmt::format("{}", fmt::join(topics, ", "));
   };
   std::string text = fmt::format("writes {}; reads {}", list(grant.access.writes), list(grant.access.reads));
-  if (!grant.partitions.empty()) {
-    std::vector<std::string> names = grant.partitions;
-    std::ranges::replace(names, std::string(), R"("")");
-    text += fmt::format("; in partitions {}", fmt::join(names, ", "));
-  }
+  if (!grant.partitions.empty()) text += "; in partitions " + partitions_text(grant);
   return text;
 }
 

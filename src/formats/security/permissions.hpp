@@ -15,7 +15,7 @@ struct Grant {
   std::string subject;  ///< "CN=/bridge", or "dnQualifier=4711,CN=/panel"
   Validity validity;
   Access access;
-  std::vector<std::string> partitions;  ///< names or patterns; empty: only without a partition
+  std::vector<std::string> partitions;  ///< names or patterns, "" for none; empty: only without one
 };
 
 /// Protection of the messages on the bus.
@@ -39,6 +39,9 @@ std::string governance_xml(Protection protection);
 
 /// Returns how a governance protects the data of topics: "sign", "encrypt" or "mixed".
 std::string protection_in(const std::string& governance, const std::string& origin);
+
+/// Returns the partitions of a grant, separated by commas.
+std::string partitions_text(const Grant& grant);
 
 /// Returns what a grant allows, in words.
 std::string words_of(const Grant& grant);
