@@ -38,13 +38,15 @@ public:
   }
 
 private:
-  /// Readings of about a second.
+  /// Readings of one to two seconds.
   struct Block {
     TimeNs begin_ns = 0;
     std::size_t samples = 0;
     std::size_t fast = 0;                   ///< faster than a vehicle turns
     std::array<std::size_t, 6> repeated{};  ///< by axis: equal to the value before; gyroscope first
     double force_sum_mps2 = 0;
+    Quaterniond q_body_to_begin = Quaterniond::Identity();  ///< by the gyroscope
+    Vector3d force_sum_begin_mps2 = Vector3d::Zero();       ///< in the body axes at its beginning
   };
 
   /// Integrals of the IMU at a pose.

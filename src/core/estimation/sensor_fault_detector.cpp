@@ -95,6 +95,10 @@ void SensorFaultDetector::on_imu(const ImuSample& raw) {
     ++block_.samples;
     if (rate.norm() > max_rate_radps) ++block_.fast;
     block_.force_sum_mps2 += force.norm();
+    if (bad_blocks_ > 0) {
+      block_.q_body_to_begin *= geometry::rotation_by((step_s * rate).eval());
+      block_.force_sum_begin_mps2 += block_.q_body_to_begin * force;
+    }
     for (std::size_t i = 0; i < values.size(); ++i) {
       if (values[i] == last_values_[i]) ++block_.repeated[i];
     }
@@ -104,15 +108,21 @@ void SensorFaultDetector::on_imu(const ImuSample& raw) {
 }
 
 void SensorFaultDetector::judge_block(TimeNs time_ns) {
+  // A fall or a blow is shorter than both. The force of a swinging arm averages out in the longer one.
   constexpr TimeNs min_ns = 1'000'000'000;
+  constexpr TimeNs min_suspicious_ns = 2'000'000'000;
   constexpr std::size_t min_samples = 100;
   constexpr double stuck_share = 0.98;
   constexpr double varying_share = 0.2;  // noise alone changes nearly every reading
   constexpr double fast_share = 0.05;
   constexpr double min_force_mps2 = 7.0;
   constexpr double max_force_mps2 = 18.0;
-  constexpr int min_bad_blocks = 2;  // a fall or a blow is shorter
-  if (block_.samples < min_samples || time_ns - block_.begin_ns < min_ns) return;
+  constexpr int min_bad_blocks = 2;
+  const bool is_suspicious = bad_blocks_ > 0;
+  if (block_.samples < min_samples ||
+      time_ns - block_.begin_ns < (is_suspicious ? min_suspicious_ns : min_ns)) {
+    return;
+  }
   const auto count = static_cast<double>(block_.samples);
   bool is_faulty = static_cast<double>(block_.fast) > fast_share * count;
   for (const std::size_t first : {std::size_t{0}, std::size_t{3}}) {
@@ -122,7 +132,8 @@ void SensorFaultDetector::judge_block(TimeNs time_ns) {
     is_faulty = is_faulty || (static_cast<double>(begin[2]) >= stuck_share * count &&
                               static_cast<double>(begin[1]) <= varying_share * count);
   }
-  const double force_mps2 = block_.force_sum_mps2 / count;
+  const double force_mps2 =
+      (is_suspicious ? block_.force_sum_begin_mps2.norm() : block_.force_sum_mps2) / count;
   const bool is_force_possible = force_mps2 > min_force_mps2 && force_mps2 < max_force_mps2;
   bad_blocks_ = is_force_possible ? 0 : std::min(bad_blocks_ + 1, min_bad_blocks);
   if (is_faulty || bad_blocks_ == min_bad_blocks) fault(time_ns);

@@ -150,6 +150,43 @@ TEST_CASE("a fault ends with its cause, and with a clock that is set back") {
   CHECK(feed(1, 1e-3) == 0);
 }
 
+/// Seconds until a fault of an IMU at the end of an arm that swings for 20 s; infinite without one.
+double found_on_swinging_arm_after_s(double force_factor) {
+  constexpr double arm_m = 0.65;
+  constexpr double amplitude_rad = 1.0;
+  constexpr double omega_radps = 2.0 * std::numbers::pi * 1.2;
+  constexpr TimeNs begin_ns = 1'700'000'000'000'000'000;
+  estimation::SensorFaultDetector detector{settings::Settings{}};
+  double force_sum_mps2 = 0;
+  int samples = 0;
+  for (double time_s = 0; time_s < 20.0; time_s += 0.01) {
+    const double pitch_rad = amplitude_rad * std::sin(omega_radps * time_s);
+    const double rate_radps = omega_radps * amplitude_rad * std::cos(omega_radps * time_s);
+    const double angular_acceleration_radps2 = -omega_radps * omega_radps * pitch_rad;
+    ImuSample imu;
+    imu.sensor_time_ns = begin_ns + to_ns(time_s);
+    imu.angular_velocity_body_radps = Vector3d(0, rate_radps, 0);
+    // It hangs from the pivot along -z: the centripetal acceleration is along +z. Gravity turns with the
+    // body, and the free axis has noise.
+    const Vector3d force_mps2(
+        -arm_m * angular_acceleration_radps2 - standard_gravity_mps2 * std::sin(pitch_rad),
+        0.02 * std::sin(700.0 * time_s),
+        arm_m * rate_radps * rate_radps + standard_gravity_mps2 * std::cos(pitch_rad));
+    imu.specific_force_body_mps2 = force_factor * force_mps2;
+    force_sum_mps2 += force_mps2.norm();
+    ++samples;
+    detector.on(Event(imu));
+    if (detector.status(imu.sensor_time_ns) != 0) return time_s;
+  }
+  CHECK(force_sum_mps2 / samples > 19.0);  // about twice gravity
+  return std::numeric_limits<double>::infinity();
+}
+
+TEST_CASE("the forces at the end of a swinging arm are no wrong unit, but thrice these are") {
+  CHECK(found_on_swinging_arm_after_s(1.0) > 20.0);
+  CHECK(found_on_swinging_arm_after_s(3.0) < 5.0);
+}
+
 TEST_CASE("a unit that contradicts gravity is found within four seconds") {
   for (const double unit : {1.0 / standard_gravity_mps2, 3.28}) {
     CAPTURE(unit);
