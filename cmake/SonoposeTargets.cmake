@@ -19,10 +19,13 @@ function(sonopose_compile_options target)
   endif()
   if(SONOPOSE_SANITIZE)
     target_compile_options(${target} PRIVATE -fsanitize=${SONOPOSE_SANITIZE} -fno-omit-frame-pointer)
+    if(SONOPOSE_SANITIZE MATCHES undefined)
+      target_compile_options(${target} PRIVATE -fno-sanitize-recover=undefined)
+    endif()
     target_link_options(${target} PUBLIC -fsanitize=${SONOPOSE_SANITIZE})
     if(SONOPOSE_SANITIZE MATCHES fuzzer)  # scripts/fuzz prints the coverage
       target_compile_options(${target} PRIVATE
-        -fno-sanitize-recover=undefined -fsanitize-ignorelist=${PROJECT_SOURCE_DIR}/fuzz/ignored.txt
+        -fsanitize-ignorelist=${PROJECT_SOURCE_DIR}/fuzz/ignored.txt
         -fprofile-instr-generate -fcoverage-mapping)
       target_link_options(${target} PUBLIC -fprofile-instr-generate)
     endif()
