@@ -203,7 +203,7 @@ public:
 
   /// Adds to the variance of three states.
   void add_variance(StateIndex index, const Vector3d& variance);
-  /// Adds the variance of three states' error that is a multiple of this one, with a standard deviation of 1.
+  /// Adds the variance of an error s · `error` of three states, where s has a standard deviation of 1.
   void add_uncertain_error(StateIndex index, const Vector3d& error);
 
   /// Turns position, velocity and attitude, and their covariance, about the vertical through the origin.

@@ -30,7 +30,7 @@ struct ImuStep {
   double attitude_std_rad = 0;  ///< attitude that it may miss
   Vector3d made_up_turn_body_rad = Vector3d::Zero();     ///< turn of earlier readings that were held back
   Vector3d made_up_impulse_body_mps = Vector3d::Zero();  ///< integral of earlier forces that were held back
-  Vector3d made_up_shift_body_m = Vector3d::Zero();      ///< way of the body by them meanwhile
+  Vector3d made_up_shift_body_m = Vector3d::Zero();      ///< distance that the body moved by them meanwhile
 
   bool operator==(const ImuStep&) const = default;
 };
@@ -61,9 +61,8 @@ inline constexpr double max_jump_radps = 4.0;
 inline constexpr double dropped_share = 0.5;  ///< standard deviation of what a dropped integral may be worth
 
 /// Holds back readings of a sensor that leave the last one suddenly, by far more than other readings of late.
-/// If they return within some samples, they were wrong, or a shock whose integral is hardly known, and count
-/// as the last one. Otherwise, or if they turn out to change gradually, they were right, and their integral
-/// is made up for.
+/// If they return within some samples, they were wrong, and count as the last one. Otherwise, or if they
+/// change gradually, as in a shock, they were right, and their integral is made up for.
 struct SpikeFilter {
   double recent_jump = 0;                            ///< largest change of late, which fades
   double held_s = 0;                                 ///< duration of the held readings; 0: none

@@ -66,12 +66,12 @@ SpikeFilter::Output SpikeFilter::add(const Vector3d& last_body, const Vector3d& 
   const bool is_held = held_s > 0.0;
   const bool continues = is_held && !(jump < returned_share * largest_jump);
   const bool begins = !is_held && jump > limit;
-  recent_jump = std::max(jump, std::exp(-duration_s / fading_s) * recent_jump);
   Output output{.reading_body = reading_body};
   if (duration_s == 0.0) {  // a repeated stamp: nothing is integrated
     if (begins || is_held) output.reading_body = last_body;
     return output;
   }
+  recent_jump = std::max(jump, std::exp(-duration_s / fading_s) * recent_jump);
   largest_jump = std::max(largest_jump, jump);
   largest_change = std::max(largest_change, (reading_body - (is_held ? held_body : last_body)).norm());
   const bool is_gradual = largest_change < gradual_share * largest_jump;

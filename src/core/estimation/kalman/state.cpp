@@ -117,7 +117,7 @@ void update_rest(State& state, const ImuMeasurement& sample, ImuOutcome& outcome
   outcome.zero_velocity_variance = rest::still_velocity_variance(rest, sample.time_ns);
 }
 
-/// Adds the variance of a motion that is a multiple of this one, with a standard deviation of 1.
+/// Adds the variance of a motion s times this one, where s has a standard deviation of 1.
 void add_uncertain_motion(State& state, const Vector3d& impulse_body_mps, const Vector3d& turn_body_rad) {
   if (impulse_body_mps.isZero(0.0) && turn_body_rad.isZero(0.0)) return;
   state.propagate();
@@ -207,6 +207,9 @@ AdmittedStep State::step_to(const ImuMeasurement& sample) const {
   next.step = step_between(imu.latest(), next.sample, imu.nominal_imu_period_s);
   next.step.made_up_impulse_body_mps = force.made_up_body;
   next.step.made_up_shift_body_m = force.made_up_shift_body;
+  // The impulse acts over the next step, half of which it should have had before. The means of both ends of
+  // the steps have this already.
+  if (sample.is_mean) next.step.made_up_shift_body_m += 0.5 * dt_s * force.made_up_body;
   next.step.made_up_turn_body_rad = rate.made_up_body;
   next.dropped_impulse_body_mps = force.dropped_body;
   next.dropped_turn_body_rad = rate.dropped_body;

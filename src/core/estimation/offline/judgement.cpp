@@ -116,18 +116,20 @@ void drop_wrong_readings(Segment& segment, Vector3d ImuMeasurement::*reading, do
   kalman::SpikeFilter spikes;
   std::vector<ImuMeasurement>& imu = segment.imu;
   std::size_t last = 0;  // sample before the held ones
+  const auto drop = [&](std::size_t end, TimeNs time_ns, const Vector3d& integral_body) {
+    for (std::size_t k = last + 1; k < end; ++k) imu[k].*reading = imu[last].*reading;
+    segment.dropped.push_back({.time_ns = time_ns});
+    segment.dropped.back().*motion = integral_body;
+  };
   for (std::size_t i = 1; i < imu.size(); ++i) {
     const double dt_s = seconds_between(imu[i - 1].time_ns, imu[i].time_ns);
     const auto output = spikes.add(imu[last].*reading, imu[i].*reading, dt_s, max_jump);
     if (spikes.held_s > 0.0) continue;
-    if (!output.dropped_body.isZero(0.0)) {
-      for (std::size_t k = last + 1; k < i; ++k) imu[k].*reading = imu[last].*reading;
-      segment.dropped.push_back({.time_ns = imu[i].time_ns});
-      segment.dropped.back().*motion = output.dropped_body;
-    }
+    if (!output.dropped_body.isZero(0.0)) drop(i, imu[i].time_ns, output.dropped_body);
     imu[i].*reading = output.reading_body;
     last = i;
   }
+  if (spikes.held_s > 0.0) drop(imu.size(), imu.back().time_ns, spikes.excess_integral_body);
 }
 
 void drop_wrong_readings(Segment& segment) {

@@ -198,6 +198,16 @@ SCENARIO("a few wrong samples move nothing, and a sudden motion is made up for")
       CHECK(spikes.add({0.0, 0.0, 9.8}, fast_mps2, 0.02, 20.0).reading_body == fast_mps2);
     }
   }
+  GIVEN("a wrong reading that comes first with the stamp of the reading before") {
+    const Vector3d usual_mps2{0.0, 0.0, 9.8};
+    const Vector3d wrong_mps2{150.0, 0.0, 9.8};
+    SpikeFilter spikes;
+    CHECK(spikes.add(usual_mps2, wrong_mps2, 0.0, 20.0).reading_body == usual_mps2);
+    THEN("it is held back at the next stamp too, and dropped") {
+      CHECK(spikes.add(usual_mps2, wrong_mps2, 0.01, 20.0).reading_body == usual_mps2);
+      CHECK(spikes.add(usual_mps2, usual_mps2, 0.01, 20.0).dropped_body.x() > 1.0);
+    }
+  }
   GIVEN("a reading that is held back, and another one of the same time") {
     SpikeFilter spikes;
     const Vector3d usual_mps2{0.0, 0.0, 9.8};
