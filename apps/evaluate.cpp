@@ -80,8 +80,9 @@ int compare(const Options& options) {
     if (!is_scored(second_m, second)) return;
     costs.push_back({runs.front().name, first_results.front().has_truth, *first_m, *second_m});
   };
-  const std::size_t left_out = apps::for_each_case(
-      options.cases, compare_case, [&](const apps::CasePlace& place) { show(place, progress); });
+  const std::size_t left_out =
+      apps::for_each_case(options.cases, first_settings, compare_case,
+                          [&](const apps::CasePlace& place) { show(place, progress); });
   progress.clear();
   if (costs.empty()) throw std::invalid_argument("--compare: no case can be scored");
   apps::print("{}", options.json ? json_of(costs, first.string(), second.string())
@@ -113,7 +114,7 @@ int evaluate(const Options& options) {
       apps::flush_output();
     }
   };
-  const std::size_t left_out = apps::for_each_case(options.cases, score, begin);
+  const std::size_t left_out = apps::for_each_case(options.cases, engines.front(), score, begin);
   progress.clear();
   apps::print("{}", options.json ? evaluation::json_of(table->rows()) : table->predictions());
   return left_out == 0 ? 0 : 1;

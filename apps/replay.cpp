@@ -55,8 +55,7 @@ evaluation::RunResult timed_run(const recording::SensorLog& log, const evaluatio
                                        observer.on_report(fix);
                                      }};
   const auto running = Clock::now();
-  const auto run_log = smooth ? evaluation::run_smoothed : evaluation::run;
-  evaluation::RunResult result = run_log(log, run, watched);
+  evaluation::RunResult result = (smooth ? evaluation::run_smoothed : evaluation::run)(log, run, watched);
   timing.running_s = seconds_since(running);
   return result;
 }
@@ -104,7 +103,8 @@ int compare(const apps::ReplayOptions& options) {
     apps::print("{}", report(results.back(), timing, options.json));
   }
   draw(plot);
-  for (const auto& result : results) require_result(options, result);
+  for (std::size_t i = 0; i < results.size(); ++i)
+    require_result(options, log, apps::settings_of(configs[i], log.address), results[i]);
   return 0;
 }
 
@@ -136,7 +136,7 @@ int replay_log(const apps::ReplayOptions& options) {
   if (options.save_state) evaluation::save_state(*options.save_state, result.end);
   draw(plot);
   apps::print("{}", report(result, timing, options.json));
-  require_result(options, result);
+  require_result(options, log, run.settings, result);
   return 0;
 }
 

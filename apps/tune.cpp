@@ -68,7 +68,7 @@ evaluation::CostFunction cost_function(const Options& options, const settings::S
                                        std::size_t& left_out) {
   std::vector<std::vector<evaluation::Case>> cases;
   left_out = apps::for_each_case(
-      options.cases, [&](std::vector<evaluation::Case> runs) { cases.push_back(std::move(runs)); });
+      options.cases, start, [&](std::vector<evaluation::Case> runs) { cases.push_back(std::move(runs)); });
   evaluation::CostFunction cost(std::move(cases), start);
   for (const std::string& text : cost.left_out()) logging::warning("left out: " + text);
   if (cost.empty()) throw std::invalid_argument("no case can be scored");

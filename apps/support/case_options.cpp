@@ -4,6 +4,7 @@
 #include "bus_log/recording_files.hpp"
 #include "config_options.hpp"
 #include "expanded_option.hpp"
+#include "installation_warning.hpp"
 #include "logging/log.hpp"
 #include "run.hpp"
 #include "sim/scenario.hpp"
@@ -166,7 +167,7 @@ CasePlace place_before(const Chosen& chosen) {
 
 }  // namespace
 
-std::size_t for_each_case(const CaseOptions& options,
+std::size_t for_each_case(const CaseOptions& options, const settings::Settings& settings,
                           const std::function<void(std::vector<evaluation::Case>)>& use,
                           const std::function<void(const CasePlace&)>& begin) {
   const Chosen chosen = chosen_by(options);
@@ -198,6 +199,7 @@ std::size_t for_each_case(const CaseOptions& options,
       if (is_named(recording.front(), options)) ++named_unreadable;
       continue;
     }
+    warn_of_installation(runs.front().name, runs.front().events, settings, installation::Search::brief);
     use(std::move(runs));
   }
   if (chosen.scenarios.empty() && unreadable == chosen.recordings.size())

@@ -37,9 +37,10 @@ struct CasePlace {
 };
 
 /// Calls `begin(place)` and then `use(runs)` with the runs of each scenario, then with each recording.
-/// Reports omitted recordings on standard error, and returns the number of those that are named. Throws
-/// files::IoError, and std::invalid_argument for a name that is neither a scenario nor a folder.
-std::size_t for_each_case(const CaseOptions& options,
+/// Reports recordings that are omitted, or contradict the settings, on standard error, and returns the number
+/// of omitted ones that are named. Throws files::IoError, and std::invalid_argument for a name that is
+/// neither a scenario nor a folder.
+std::size_t for_each_case(const CaseOptions& options, const settings::Settings& settings,
                           const std::function<void(std::vector<evaluation::Case>)>& use,
                           const std::function<void(const CasePlace&)>& begin = {});
 

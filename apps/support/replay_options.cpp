@@ -4,6 +4,7 @@
 #include "bus_log/recording_files.hpp"
 #include "choice.hpp"
 #include "expanded_option.hpp"
+#include "installation_warning.hpp"
 #include "logging/log.hpp"
 #include "ros2/bag/topic_choice.hpp"
 #include "run.hpp"
@@ -106,21 +107,30 @@ config::FusionConfig configuration(const ReplayOptions& options) {
 
 namespace {
 
-void warn_of_contradictions(const std::string& name, const evaluation::RunResult& result) {
+/// Warns of faults of the installation, and of contradictions that they do not explain.
+void warn_of_contradictions(const std::string& name, const recording::SensorLog& log,
+                            const settings::Settings& settings, const evaluation::RunResult& result) {
   const auto exceeds = [&result](PoseStatus bit, double share) {
     const auto found = result.warned.find(bit);
     return found != result.warned.end() &&
            static_cast<double>(found->second) > share * static_cast<double>(result.judged_poses);
   };
-  if (exceeds(status_imu_inconsistent, 0.1) ||
-      (exceeds(status_heading_unknown, 0.5) && 100 * result.counters.headings > result.judged_poses)) {
+  const bool is_imu_wrong =
+      exceeds(status_imu_inconsistent, 0.1) ||
+      (exceeds(status_heading_unknown, 0.5) && 100 * result.counters.headings > result.judged_poses);
+  const bool are_fixes_wrong = exceeds(status_fixes_inconsistent, 0.5);
+  const bool is_contradicted = is_imu_wrong || are_fixes_wrong;
+  if (warn_of_installation(name, log.events, settings,
+                           is_contradicted ? installation::Search::thorough : installation::Search::brief)) {
+    return;
+  }
+  if (is_imu_wrong) {
     logging::warning(fmt::format(
         "{0}: the IMU contradicts fixes, headings or gravity: check its units, signs, axes and mount. "
-        "`sonopose-calibrate mount {0}` measures the mount, and sonopose-doctor names other "
-        "causes while a bridge plays the recording to a fusion",
+        "`sonopose-calibrate mount {0}` measures the mount",
         name));
   }
-  if (exceeds(status_fixes_inconsistent, 0.5)) {
+  if (are_fixes_wrong) {
     logging::warning(fmt::format(
         "{0}: fixes are inconsistent at most poses: {1}. `sonopose-calibrate delay {0}` measures how far "
         "the clocks are apart",
@@ -130,7 +140,8 @@ void warn_of_contradictions(const std::string& name, const evaluation::RunResult
 
 }  // namespace
 
-void require_result(const ReplayOptions& options, const evaluation::RunResult& result) {
+void require_result(const ReplayOptions& options, const recording::SensorLog& log,
+                    const settings::Settings& settings, const evaluation::RunResult& result) {
   const std::string name = bus_log::name_of(options.logs);
   for (const std::string& text : result.remarks) logging::warning(fmt::format("{}: {}", name, text));
   for (const evaluation::UnusedInput& input : result.unused_inputs) {
@@ -138,7 +149,7 @@ void require_result(const ReplayOptions& options, const evaluation::RunResult& r
     if (is_chosen(input) && !options.run.until_s) throw std::runtime_error(text);
     logging::warning(text);
   }
-  warn_of_contradictions(name, result);
+  warn_of_contradictions(name, log, settings, result);
   if (result.poses > 0 && result.judged_poses == 0) {
     throw std::runtime_error(fmt::format("{}: no score: no pose comes {} s (--after) after the first event",
                                          name, options.run.after_s));

@@ -37,7 +37,8 @@ config::FusionConfig configuration(const ReplayOptions& options);
 
 /// Throws std::runtime_error with the cause if the run used no fix, unless it is strapdown integration, or if
 /// it has truth and no score. A run that ends early needs neither.
-void require_result(const ReplayOptions& options, const evaluation::RunResult& result);
+void require_result(const ReplayOptions& options, const recording::SensorLog& log,
+                    const settings::Settings& settings, const evaluation::RunResult& result);
 
 /// Options of a run with these settings.
 evaluation::RunOptions run_options(const ReplayOptions& options, const settings::Settings& settings);

@@ -117,6 +117,34 @@ std::optional<Measured> clock_offset_in(const std::vector<Piece>& pieces) {
   return offset;
 }
 
+std::optional<Measured> map_scale_in(const std::vector<Piece>& pieces) {
+  constexpr double min_error = 0.08;  // more than an accelerometer and its axes err
+  constexpr double piece_std = 0.04;  // error of the fit of a piece
+  constexpr double good_residual_m = 0.025;
+  std::size_t judged = 0;
+  std::vector<Measured> scales;
+  double log_likelihood = 0;
+  double over_others = 0;
+  for (const Piece& piece : pieces) {
+    if (!is_judged(piece)) continue;
+    ++judged;
+    const Variant& scaled = piece.scaled;
+    // A larger map has more noise. Shocks and noise of the IMU look like longer ways, but do not fit well.
+    const double max_m =
+        piece.map_scale.value > 1.0 ? max_residual_m * piece.map_scale.value : good_residual_m;
+    if (scaled.residual_m > max_m || !are_few(scaled.outliers, piece, max_outliers)) continue;
+    log_likelihood += scaled.log_likelihood;
+    over_others += scaled.log_likelihood - std::max(best_of_imu(piece), mirrored_of(piece).log_likelihood);
+    scales.push_back(piece.map_scale);
+  }
+  if (!is_majority(scales.size(), judged) || log_likelihood < min_log_likelihood_ratio || over_others < 0) {
+    return std::nullopt;
+  }
+  const Measured scale = mean_of(scales, piece_std / std::sqrt(static_cast<double>(scales.size())));
+  const double error = std::abs(scale.value - 1.0);
+  return error > std::max(min_error, significant_stds * scale.std) ? std::optional(scale) : std::nullopt;
+}
+
 std::string_view text_of(MapChange change) {
   switch (change) {
     case MapChange::invert_y:

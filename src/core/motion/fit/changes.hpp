@@ -36,6 +36,10 @@ Measured mean_of(const std::vector<Measured>& all, double min_std);
 /// different clocks.
 std::optional<Measured> clock_offset_in(const std::vector<Piece>& pieces);
 
+/// Returns the ratio of the distances by the fixes to those by the IMU, if no other change explains the
+/// pieces as well as a map of another scale.
+std::optional<Measured> map_scale_in(const std::vector<Piece>& pieces);
+
 /// The change of a mirrored map. Without right headings it is not known which.
 enum class MapChange : std::uint8_t { invert_y, invert_x, exchange, exchange_and_invert, unknown };
 

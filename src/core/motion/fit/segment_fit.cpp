@@ -23,7 +23,8 @@ constexpr int at_accel_bias = 12;
 constexpr int at_lever_arm = 15;
 constexpr int at_delay = 18;
 constexpr int at_mount = 19;
-constexpr int unknowns = 20;
+constexpr int at_map_scale = 20;
+constexpr int unknowns = 21;
 using Unknowns = Eigen::Matrix<double, unknowns, 1>;
 using Normal = Eigen::Matrix<double, unknowns, unknowns>;
 using Row = Eigen::Matrix<double, 3, unknowns>;
@@ -33,6 +34,7 @@ using Stacked = Eigen::Matrix<double, Eigen::Dynamic, unknowns>;
 constexpr double gyro_bias_std_radps = 0.015;
 constexpr double accel_bias_std_mps2 = 0.1;
 constexpr double lever_arm_std_m = 0.1;
+constexpr double map_scale_std = 0.3;
 /// Least noise of good fixes; it also covers the noise of the integrated IMU.
 constexpr double min_noise_m = 0.02;
 /// Least noise of a heading of a pair.
@@ -50,6 +52,7 @@ struct Estimate {
   Vector3d lever_arm_body_m = Vector3d::Zero();
   double delay_s = 0;
   double mount_rad = 0;
+  double map_scale = 1;  ///< distance by the fixes over that by the IMU
 };
 
 /// Negative logarithm of a Cauchy distribution of a residual in standard deviations; near zero that of a
@@ -86,8 +89,8 @@ double persistent_noise_of(const std::vector<double>& residuals) {
 
 class Solver {
 public:
-  Solver(const Segment& segment, Vector3d signs, double delay_std_s)
-      : segment_(segment), delay_std_s_(delay_std_s), integral_(segment.imu, std::move(signs)) {}
+  Solver(const Segment& segment, Vector3d signs, const Freedom& freedom)
+      : segment_(segment), freedom_(freedom), integral_(segment.imu, std::move(signs)) {}
 
   /// A solver that keeps the mount and takes the yaw of the start from the headings.
   Solver(const Segment& segment, double mount_rad)
@@ -177,6 +180,7 @@ private:
   void evaluate_fixes() {
     const Vector3d gravity(0, 0, -standard_gravity_mps2);
     const Eigen::Matrix3d to_world = estimate_.q_start_to_world.toRotationMatrix();
+    const double scale = estimate_.map_scale;
     rows_.clear();
     residuals_.clear();
     for (const Position& fix : segment_.fixes) {
@@ -185,20 +189,22 @@ private:
       const Eigen::Matrix3d body_to_world = to_world * state.q_body_to_start.toRotationMatrix();
       const Vector3d moved = to_world * state.position_m;
       const Vector3d arm = body_to_world * estimate_.lever_arm_body_m;
-      const Vector3d velocity = estimate_.velocity_world_mps + time_s * gravity +
-                                to_world * state.velocity_mps -
-                                body_to_world * state.rate_body_radps.cross(estimate_.lever_arm_body_m);
+      const Vector3d velocity =
+          estimate_.velocity_world_mps +
+          scale * (time_s * gravity + to_world * state.velocity_mps -
+                   body_to_world * state.rate_body_radps.cross(estimate_.lever_arm_body_m));
+      const Vector3d by_imu = 0.5 * time_s * time_s * gravity + moved - arm;
       residuals_.emplace_back(fix.position_world_m - estimate_.position_world_m -
-                              time_s * estimate_.velocity_world_mps - 0.5 * time_s * time_s * gravity -
-                              moved + arm);
+                              time_s * estimate_.velocity_world_mps - scale * by_imu);
       Row row = Row::Zero();
       row.block<3, 3>(0, at_position).setIdentity();
       row.block<3, 3>(0, at_velocity) = time_s * Eigen::Matrix3d::Identity();
-      row.block<3, 3>(0, at_attitude) = geometry::cross_matrix(arm - moved);
-      row.block<3, 3>(0, at_gyro_bias) = to_world * state.position_by_gyro;
-      row.block<3, 3>(0, at_accel_bias) = to_world * state.position_by_accel;
-      row.block<3, 3>(0, at_lever_arm) = -body_to_world;
+      row.block<3, 3>(0, at_attitude) = scale * geometry::cross_matrix(arm - moved);
+      row.block<3, 3>(0, at_gyro_bias) = scale * to_world * state.position_by_gyro;
+      row.block<3, 3>(0, at_accel_bias) = scale * to_world * state.position_by_accel;
+      row.block<3, 3>(0, at_lever_arm) = -scale * body_to_world;
       row.col(at_delay) = -velocity;
+      if (freedom_.is_map_scaled) row.col(at_map_scale) = by_imu;
       rows_.push_back(row);
     }
     std::vector<double> sizes;
@@ -263,7 +269,8 @@ private:
     expect(at_gyro_bias, estimate_.gyro_bias_radps, gyro_bias_std_radps);
     expect(at_accel_bias, estimate_.accel_bias_mps2, accel_bias_std_mps2);
     expect(at_lever_arm, estimate_.lever_arm_body_m, lever_arm_std_m);
-    expect(at_delay, Eigen::Matrix<double, 1, 1>(estimate_.delay_s), delay_std_s_);
+    expect(at_delay, Eigen::Matrix<double, 1, 1>(estimate_.delay_s), freedom_.delay_std_s);
+    expect(at_map_scale, Eigen::Matrix<double, 1, 1>(estimate_.map_scale - 1.0), map_scale_std);
     normal.diagonal().array() += 1e-9;
     factor_.compute(normal);
     Unknowns change = factor_.solve(right);
@@ -277,6 +284,8 @@ private:
 
   void apply(const Unknowns& change) {
     constexpr double max_delay_s = 0.3;
+    constexpr double min_map_scale = 0.2;
+    constexpr double max_map_scale = 5.0;
     estimate_.position_world_m += change.segment<3>(at_position);
     estimate_.velocity_world_mps += change.segment<3>(at_velocity);
     const Vector3d turn = change.segment<3>(at_attitude);
@@ -286,6 +295,8 @@ private:
     estimate_.lever_arm_body_m += change.segment<3>(at_lever_arm);
     estimate_.delay_s = std::clamp(estimate_.delay_s + change(at_delay), -max_delay_s, max_delay_s);
     estimate_.mount_rad = geometry::wrap_angle(estimate_.mount_rad + change(at_mount));
+    estimate_.map_scale =
+        std::clamp(estimate_.map_scale + change(at_map_scale), min_map_scale, max_map_scale);
     integral_.set_biases(estimate_.gyro_bias_radps, estimate_.accel_bias_mps2);
     evaluate();
   }
@@ -299,10 +310,11 @@ private:
     for (const double residual : heading_residuals_) {
       cost += cost_of(residual * residual / (min_heading_noise_rad * min_heading_noise_rad));
     }
+    const double scale_error = (estimate_.map_scale - 1.0) / map_scale_std;
     return cost + 0.5 * ((estimate_.gyro_bias_radps / gyro_bias_std_radps).squaredNorm() +
                          (estimate_.accel_bias_mps2 / accel_bias_std_mps2).squaredNorm() +
                          (estimate_.lever_arm_body_m / lever_arm_std_m).squaredNorm() +
-                         estimate_.delay_s * estimate_.delay_s / (delay_std_s_ * delay_std_s_));
+                         std::pow(estimate_.delay_s / freedom_.delay_std_s, 2) + scale_error * scale_error);
   }
 
   [[nodiscard]] SegmentFit result() const {
@@ -316,6 +328,8 @@ private:
     fit.delay_std_s = std::sqrt(covariance(at_delay, at_delay));
     fit.mount_rad = estimate_.mount_rad;
     fit.mount_std_rad = std::sqrt(covariance(at_mount, at_mount));
+    fit.map_scale = estimate_.map_scale;
+    fit.map_scale_std = std::sqrt(covariance(at_map_scale, at_map_scale));
     if (!heading_residuals_.empty()) {
       fit.heading_spread_rad = std::sqrt(squares / static_cast<double>(heading_residuals_.size()));
     }
@@ -325,7 +339,7 @@ private:
   }
 
   const Segment& segment_;
-  double delay_std_s_ = usual_delay_std_s;
+  Freedom freedom_;
   std::optional<double> known_mount_rad_;
   Integral integral_;
   Estimate estimate_;
@@ -340,12 +354,12 @@ private:
 
 }  // namespace
 
-std::optional<SegmentFit> fit_segment(const Segment& segment, const Vector3d& signs, double delay_std_s) {
+std::optional<SegmentFit> fit_segment(const Segment& segment, const Vector3d& signs, const Freedom& freedom) {
   // All starts begin; the best ones continue.
   constexpr int starts = 12;
   constexpr int first_steps = 8;
   constexpr std::size_t finalists = 4;
-  Solver solver(segment, signs, delay_std_s);
+  Solver solver(segment, signs, freedom);
   std::vector<std::pair<double, Estimate>> begun;
   for (int start = 0; start < starts; ++start) {
     if (auto each = solver.begin(2.0 * std::numbers::pi * start / starts, first_steps)) {

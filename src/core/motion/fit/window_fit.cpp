@@ -15,7 +15,6 @@ using detail::SegmentFit;
 /// Length of a piece: enough to see accelerations, short enough for the drift of the integrated IMU.
 constexpr double piece_s = 8.0;
 constexpr double min_piece_s = 2.0;
-constexpr std::size_t max_pieces = 15;
 constexpr std::size_t min_fixes = 12;
 /// Longest gap over which the integral is known.
 constexpr double max_gap_s = 0.12;
@@ -89,12 +88,15 @@ double gain_of(const SegmentFit& before, const SegmentFit& after) {
   return before.cost - share * after.cost;
 }
 
+Variant variant_of(const SegmentFit& unchanged, const Segment& segment, const SegmentFit& changed) {
+  return Variant{gain_of(unchanged, changed), changed.residual_m, outliers_of(changed).size(),
+                 mount_of(changed, segment)};
+}
+
 std::optional<Variant> variant_of(const SegmentFit& unchanged, const Segment& segment,
                                   const Vector3d& signs = Vector3d::Ones()) {
   const auto fit = detail::fit_segment(segment, signs);
-  if (!fit) return std::nullopt;
-  return Variant{gain_of(unchanged, *fit), fit->residual_m, outliers_of(*fit).size(),
-                 mount_of(*fit, segment)};
+  return fit ? std::optional(variant_of(unchanged, segment, *fit)) : std::nullopt;
 }
 
 /// Fits the segment as it would be with a gyroscope or a map of the other sense.
@@ -122,7 +124,7 @@ void search_clock(const Window& window, const Segment& segment, const SegmentFit
   constexpr int steps = 10;       // to both sides
   constexpr double good_residual_m = 0.03;
   constexpr double good_log_likelihood = 25.0;
-  const auto one_clock = detail::fit_segment(segment, Vector3d::Ones(), beacon_delay_std_s);
+  const auto one_clock = detail::fit_segment(segment, Vector3d::Ones(), {.delay_std_s = beacon_delay_std_s});
   if (!one_clock) return;
   bool is_found = false;
   constexpr double inside_s = 0.12;  // further out the next change fits better
@@ -130,7 +132,7 @@ void search_clock(const Window& window, const Segment& segment, const SegmentFit
   const auto compare = [&](const SegmentFit& found, const Segment& of, double set_back_s) {
     const double gain = gain_of(*one_clock, found);
     if (gain <= piece.other_clock.log_likelihood || std::abs(found.delay_s) > edge_s) return;
-    piece.other_clock = {gain, found.residual_m, outliers_of(found).size(), mount_of(found, of)};
+    piece.other_clock = variant_of(*one_clock, of, found);
     piece.clock_offset_s = {set_back_s + found.delay_s, found.delay_std_s};
     is_found = found.residual_m < good_residual_m && gain > good_log_likelihood &&
                std::abs(found.delay_s) < inside_s;
@@ -165,9 +167,8 @@ struct FittedPiece {
   bool is_mirror_untried = false;  ///< true if no mirrored fit was made
 };
 
-/// Fits the samples in [begin, end). Searches another clock unless that is done.
-std::optional<FittedPiece> piece_of(const Window& window, TimeNs begin_ns, TimeNs end_ns,
-                                    const std::function<bool()>& is_stopped, bool is_clock_searched) {
+/// Fits the samples in [begin, end).
+std::optional<FittedPiece> piece_of(const Window& window, TimeNs begin_ns, TimeNs end_ns) {
   const auto imu = longest_run_of(between(window.imu, begin_ns, end_ns));
   if (imu.size() < 2) return std::nullopt;
   const TimeNs first_ns = imu.front().time_ns;
@@ -195,11 +196,26 @@ std::optional<FittedPiece> piece_of(const Window& window, TimeNs begin_ns, TimeN
   }
   piece.outliers_m = outliers_of(*fit);
   if (piece.span_m < min_span_m) return fitted;
+  const auto scaled = detail::fit_segment(segment, Vector3d::Ones(), {.is_map_scaled = true});
+  if (scaled) {
+    piece.scaled = variant_of(*fit, segment, *scaled);
+    piece.map_scale = {scaled->map_scale, scaled->map_scale_std};
+  }
+  return fitted;
+}
+
+/// Fits the piece with changes that may explain it better. Searches another clock unless that is done.
+/// Returns false if one with another sign fails.
+bool fit_changes(const Window& window, const std::function<bool()>& is_stopped, bool is_clock_searched,
+                 FittedPiece& fitted) {
+  Piece& piece = fitted.piece;
+  const Segment& segment = fitted.segment;
+  if (piece.span_m < min_span_m) return true;
   for (std::size_t axis = 0; axis < piece.inverted.size(); ++axis) {
     Vector3d signs = Vector3d::Ones();
     signs(static_cast<Eigen::Index>(axis)) = -1.0;
-    const auto inverted = variant_of(*fit, segment, signs);
-    if (!inverted) return std::nullopt;
+    const auto inverted = variant_of(fitted.fit, segment, signs);
+    if (!inverted) return false;
     piece.inverted.at(axis) = *inverted;
   }
   constexpr double poor_residual_m = 0.022;
@@ -212,14 +228,14 @@ std::optional<FittedPiece> piece_of(const Window& window, TimeNs begin_ns, TimeN
                          return inverted.log_likelihood > doubtful_log_likelihood;
                        });
   fitted.is_mirror_untried = !is_poor;
-  if (is_poor) fit_mirrored(segment, *fit, piece);
+  if (is_poor) fit_mirrored(segment, fitted.fit, piece);
   const bool has_doubtful_clock =
       piece.residual_m > doubtful_residual_m || std::abs(piece.delay_s.value) > doubtful_delay_s;
   if (has_doubtful_clock) piece.clock_search = ClockSearch::left_out;
   if (has_doubtful_clock && is_judged(piece) && !is_clock_searched) {
-    search_clock(window, segment, *fit, is_stopped, piece);
+    search_clock(window, segment, fitted.fit, is_stopped, piece);
   }
-  return fitted;
+  return true;
 }
 
 /// True if pieces with a known mount have different ones.
@@ -238,23 +254,24 @@ bool have_other_mounts(const std::vector<FittedPiece>& pieces) {
 
 }  // namespace
 
-std::vector<Piece> pieces_of(Window window, const std::function<bool()>& stops) {
+std::vector<Piece> pieces_of(Window window, const PieceOptions& options) {
   sort_by_time(window);
   if (window.imu.size() < 2) return {};
   const TimeNs begin_ns = window.imu.front().time_ns;
   const double length_s = seconds_between(begin_ns, window.imu.back().time_ns);
   if (length_s < min_piece_s) return {};
   const auto count = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(length_s / piece_s)));
-  const std::size_t step = (count + max_pieces - 1) / max_pieces;
-  const auto is_stopped = [&] { return stops && stops(); };
+  const std::size_t fitted_count = std::min(count, options.max_pieces);
+  const auto is_stopped = [&] { return options.is_stopped && options.is_stopped(); };
   bool is_clock_searched = false;
   std::vector<FittedPiece> fitted;
-  for (std::size_t i = 0; i < count && !is_stopped(); i += step) {
+  for (std::size_t each = 0; each < fitted_count && !is_stopped(); ++each) {
+    const std::size_t i = each * count / fitted_count;
     const double share_s = length_s / static_cast<double>(count);
-    auto piece =
-        piece_of(window, begin_ns + to_ns(static_cast<double>(i) * share_s),
-                 begin_ns + to_ns(static_cast<double>(i + 1) * share_s), is_stopped, is_clock_searched);
+    auto piece = piece_of(window, begin_ns + to_ns(static_cast<double>(i) * share_s),
+                          begin_ns + to_ns(static_cast<double>(i + 1) * share_s));
     if (!piece) continue;
+    if (options.with_changes && !fit_changes(window, is_stopped, is_clock_searched, *piece)) continue;
     is_clock_searched = is_clock_searched || piece->piece.clock_search == ClockSearch::done;
     fitted.push_back(std::move(*piece));
   }

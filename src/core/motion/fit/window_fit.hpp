@@ -43,6 +43,8 @@ struct Piece {
   std::optional<Measured> mount_rad;  ///< angle from body X to the axis of the pair; empty without headings
   /// Log-likelihood minus that of the motion with the configured mount; 0 without headings.
   double mount_log_likelihood = 0;
+  Variant scaled;                   ///< distances by the fixes, changed by 1 / `map_scale`
+  Measured map_scale{1.0, 0.0};     ///< distances by the fixes over those by the IMU
   std::array<Variant, 3> inverted;  ///< sign of one axis of the accelerometer: x, y, z
   // Only of pieces that no motion explains well without a change.
   Variant turned_gyroscope;  ///< sign of all rates
@@ -64,8 +66,14 @@ inline constexpr double min_span_m = 0.5;
   return piece.span_m >= min_span_m && piece.length_s >= min_length_s;
 }
 
+struct PieceOptions {
+  std::size_t max_pieces = 15;
+  bool with_changes = true;  ///< also fit signs, mirrored maps and other clocks
+  std::function<bool()> is_stopped{};
+};
+
 /// Pieces of the window with enough samples: about 8 s each, or the whole of a shorter window; of a long
-/// window 15 of them, evenly spread. Stops early, with the pieces so far, when `is_stopped` returns true.
-std::vector<Piece> pieces_of(Window window, const std::function<bool()>& is_stopped = {});
+/// window `max_pieces`, evenly spread. Stops early, with the pieces so far, when `is_stopped` returns true.
+std::vector<Piece> pieces_of(Window window, const PieceOptions& options = {});
 
 }  // namespace sonopose::motion::fit

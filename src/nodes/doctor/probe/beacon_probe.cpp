@@ -1,6 +1,7 @@
 #include "doctor/probe/beacon_probe.hpp"
 
 #include "doctor/probe/longest_rest.hpp"
+#include "installation/sample_window.hpp"
 #include "motion/fit/window_fit.hpp"
 #include "motion/fix_faults.hpp"
 #include "motion/imu_faults.hpp"
@@ -8,9 +9,7 @@
 #include "motion/turn_gain.hpp"
 #include "observation/beacon_observer.hpp"
 #include "observation/status_words.hpp"
-#include <sonopose/calibration/model/calibration.hpp>
-#include <sonopose/estimation/aiding/delay.hpp>
-#include <sonopose/geometry/rotation.hpp>
+#include <sonopose/estimation/aiding/height_check.hpp>
 #include <sonopose/settings/settings_table.hpp>
 
 #include <algorithm>
@@ -256,7 +255,7 @@ rules::BeaconObservation BeaconProbe::observation(TimeNs now_ns, const settings:
   beacon.imu_summary = motion::summary_of(window.imu);
   beacon.turn_gain = motion::turn_gain_of(window);
   beacon.fix_faults = motion::fix_faults_of(window, beacon.turn_gain);
-  window.imu = corrected_readings({});  // the sensor's own axes: a misalignment mixes them
+  window.imu = motion_window({}).imu;  // the sensor's own axes: a misalignment mixes them
   beacon.imu_faults = motion::imu_faults_of(window);
   beacon.rest = longest_rest(readings_, fixes_, settings.calibration);
   return beacon;
@@ -266,34 +265,16 @@ std::vector<motion::fit::Piece> BeaconProbe::pieces(const settings::Settings& se
                                                     const std::function<bool()>& is_stopped) const {
   motion::Window window = motion_window(settings);
   motion::remove_default_position(window.fixes);
-  return motion::fit::pieces_of(std::move(window), is_stopped);
+  return motion::fit::pieces_of(std::move(window), {.is_stopped = is_stopped});
 }
 
-/// The finite readings with the calibration applied.
-std::vector<motion::Reading> BeaconProbe::corrected_readings(const settings::Settings& settings) const {
-  const calibration::Calibration calibration(settings.calibration);
-  std::vector<motion::Reading> readings;
-  for (const auto& [received_ns, raw] : readings_.entries()) {
-    if (const auto reading = motion::reading_of(calibration.corrected(raw))) readings.push_back(*reading);
-  }
-  return readings;
-}
-
-/// The samples for the fit. Non-finite ones are left out: the fusion does not use them either.
+/// The samples for the fit.
 motion::Window BeaconProbe::motion_window(const settings::Settings& settings) const {
-  motion::Window window;
-  window.mount_rad = settings.heading.mount_offset_deg * geometry::radians_per_degree;
-  window.imu = corrected_readings(settings);
-  for (const auto& [received_ns, fix] : fixes_.entries()) {
-    if (!fix.position_world_m.allFinite()) continue;
-    window.fixes.push_back({estimation::aiding::measured_at(settings.delay, fix), fix.position_world_m});
-  }
-  for (const auto& [received_ns, heading] : headings_.entries()) {
-    if (!std::isfinite(heading.heading_world_rad)) continue;
-    window.headings.push_back(
-        {estimation::aiding::measured_at(settings.delay, heading), heading.heading_world_rad});
-  }
-  return window;
+  installation::SampleWindow samples(settings);
+  for (const auto& [received_ns, imu] : readings_.entries()) samples.add(imu);
+  for (const auto& [received_ns, fix] : fixes_.entries()) samples.add(fix);
+  for (const auto& [received_ns, heading] : headings_.entries()) samples.add(heading);
+  return std::move(samples).window();
 }
 
 settings::Settings settings_from(const EffectiveSettings& settings) {

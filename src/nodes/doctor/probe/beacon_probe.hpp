@@ -97,7 +97,6 @@ private:
   [[nodiscard]] bool stood_by(const rules::FusionSpan& ended) const;
   [[nodiscard]] std::optional<double> bridge_ahead_s() const;
   void count_missing_events(TimeNs ended_ns, rules::BeaconObservation& beacon) const;
-  [[nodiscard]] std::vector<motion::Reading> corrected_readings(const settings::Settings& settings) const;
   [[nodiscard]] motion::Window motion_window(const settings::Settings& settings) const;
   [[nodiscard]] bool in_window() const { return began_ns_ != 0; }
 

@@ -347,7 +347,7 @@ private:
 
   /// True if the silence of a stream is that of its source, which is reported already.
   static bool follows(const StreamObservation& stream, const StreamObservation& source) {
-    constexpr double late_s = 0.05;
+    constexpr double late_s = 0.3;  // an engine starts again with the next fix
     return source.longest_silence_s > source.deadline_s &&
            stream.longest_silence_s < source.longest_silence_s + late_s && stream.silences <= source.silences;
   }

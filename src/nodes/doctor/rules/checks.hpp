@@ -2,6 +2,7 @@
 // The checks of the doctor, one file per group. Each appends its findings.
 
 #include "doctor/rules/diagnosis.hpp"
+#include "installation/installation.hpp"
 
 #include <cstdint>
 #include <string>
@@ -33,10 +34,12 @@ void check_beacon(const Observations& observations, const BeaconObservation& bea
 enum class Cause : std::uint8_t { none, fixes, installation, imu };
 /// Reports lasting status bits of one beacon's poses, except those that `cause` explains.
 void check_pose(double window_s, const BeaconObservation& beacon, Cause cause, Findings& findings);
-/// Checks mount offset, delay and accelerometer signs of one beacon, if it moves.
+/// Properties of one beacon's samples that show faults of its installation.
+installation::Evidence evidence_of(const BeaconObservation& beacon);
+/// Adds faults of one beacon's installation.
+void add_faults(const BeaconObservation& beacon, std::vector<installation::Finding> faults, Findings& findings);
+/// Checks clocks, map, signs, mount offset and delay of one beacon, if it moves.
 void check_installation(const BeaconObservation& beacon, Findings& findings);
-/// Reports a wrong sign of one beacon's accelerometer axis Z, if it moves. Returns false if it is right.
-bool has_wrong_sign_of_z(const BeaconObservation& beacon, Findings& findings);
 /// Reports fixes and headings in wrong units, default positions and positions that are sent again. Returns
 /// false if whatever is fitted to them is wrong too; default positions are left out of the fit.
 bool check_fixes(const BeaconObservation& beacon, Findings& findings);

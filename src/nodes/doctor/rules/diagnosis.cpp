@@ -23,6 +23,27 @@ std::vector<const EndpointObservation*> on_topic(const std::vector<EndpointObser
   return found;
 }
 
+installation::Evidence evidence_of(const BeaconObservation& beacon) {
+  return {.settings = beacon.fusion_settings,
+          .pieces = beacon.pieces,
+          .imu_summary = beacon.imu_summary,
+          .turn_gain = beacon.turn_gain,
+          .are_fixes_timed = 2 * beacon.timed_fixes > beacon.fix.samples,
+          .min_fix_delay_s = beacon.min_fix_delay_s};
+}
+
+void add_faults(const BeaconObservation& beacon, std::vector<installation::Finding> faults,
+                Findings& findings) {
+  for (installation::Finding& fault : faults) {
+    findings.push_back({fault.is_error ? Severity::error : Severity::warning, name_of(beacon),
+                        std::move(fault.text), std::move(fault.remedy)});
+  }
+}
+
+void check_installation(const BeaconObservation& beacon, Findings& findings) {
+  add_faults(beacon, installation::findings_of(evidence_of(beacon)), findings);
+}
+
 namespace {
 
 constexpr double max_frozen_share = 0.1;  ///< share of the time; with more, the installation is not judged

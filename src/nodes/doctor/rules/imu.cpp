@@ -27,7 +27,12 @@ bool check_direction(const BeaconObservation& beacon, std::string_view when, con
   if (auto problem = calibration::axes_problem(force, when, axes)) {
     // A wrong sign of Z alone also turns the force upside down.
     constexpr double upside_down_deg = 135.0;
-    if (tilt_deg > upside_down_deg && has_wrong_sign_of_z(beacon, findings)) return false;
+    if (tilt_deg > upside_down_deg) {
+      auto faults = installation::wrong_sign_of_z(evidence_of(beacon));
+      const bool is_explained = !faults.empty();
+      add_faults(beacon, std::move(faults), findings);
+      if (is_explained) return false;
+    }
     findings.push_back(
         {Severity::warning, name_of(beacon), std::move(problem->text), std::move(problem->remedy)});
     return false;

@@ -2,7 +2,6 @@
 
 #include "estimation/digest.hpp"
 #include "evaluation/score/comparison.hpp"
-#include <sonopose/calibration/model/axes_check.hpp>
 #include <sonopose/estimation/aiding/height_check.hpp>
 #include <sonopose/estimation/aiding/reading_limits.hpp>
 #include <sonopose/estimation/aiding/twist_problem.hpp>
@@ -217,7 +216,6 @@ void run_engine(const recording::SensorLog& log, const RunOptions& options, Resu
   if (options.start) estimator.restore(options.start->snapshot);
   estimation::SensorFaultDetector faults(estimator.settings());
   estimation::aiding::HeightCheck heights;
-  calibration::AxesCheck axes(estimator.settings().calibration);
   Aiding aiding;
   const EstimatorCounters before = estimator.counters();
   run_through(log, options, results, [&](const Event& event) {
@@ -226,7 +224,6 @@ void run_engine(const recording::SensorLog& log, const RunOptions& options, Resu
     aiding.add(event);
     if (const auto* fix = std::get_if<UltrasonicFix>(&event)) heights.on(estimator.settings().planar, *fix);
     if (const auto* imu = std::get_if<ImuSample>(&event)) {
-      axes.on(*imu);
       const auto limit = estimation::aiding::exceeded_limit(estimator.settings().admission, *imu);
       if (limit) results.result().refusals.on_excess(*limit);
     }
@@ -240,11 +237,9 @@ void run_engine(const recording::SensorLog& log, const RunOptions& options, Resu
   });
   results.result().end.snapshot = estimator.snapshot();
   results.digest().add(results.result().end.snapshot);
-  const auto remark = [&results](const auto& problem) {
-    if (problem) results.result().remarks.push_back(problem->text + ": " + problem->remedy);
-  };
-  remark(axes.problem());
-  remark(heights.problem());
+  if (const auto problem = heights.problem()) {
+    results.result().remarks.push_back(problem->text + ": " + problem->remedy);
+  }
   results.result().counters = estimator.counters() - before;
   aiding.judge(estimator.settings(), results.result());
 }

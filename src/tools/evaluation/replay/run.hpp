@@ -88,7 +88,7 @@ struct RunResult {
   FixFlagCounts rejected_fix_flags;  ///< flags of the unused fixes
   estimation::aiding::RefusedFixes refusals;
   std::vector<UnusedInput> unused_inputs{};
-  /// Texts about what contradicts the settings: gravity, heights, velocities.
+  /// Texts about what contradicts the settings: heights, velocities.
   std::vector<std::string> remarks{};
   std::uint64_t judged_poses = 0;                ///< from RunOptions::after_s on
   std::map<PoseStatus, std::uint64_t> warned{};  ///< numbers of these with a warning, by its bit

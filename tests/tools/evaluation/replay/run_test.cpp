@@ -181,25 +181,6 @@ TEST_CASE("velocities and headings that cannot be used are named") {
   CHECK_THAT(unwanted.remarks[0], Contains("the documented engine uses none"));
 }
 
-TEST_CASE("an IMU that is mounted upside down is named with the setting that turns it") {
-  using Catch::Matchers::Contains;
-  recording::SensorLog log = sample_log();
-  for (Event& event : log.events) {
-    auto* const imu = std::get_if<ImuSample>(&event);
-    if (imu == nullptr) continue;
-    for (Vector3d* const vector : {&imu->angular_velocity_body_radps, &imu->specific_force_body_mps2}) {
-      *vector = Vector3d(vector->x(), -vector->y(), -vector->z());
-    }
-  }
-  const auto result = evaluation::run(log, {});
-  REQUIRE(result.remarks.size() == 1);
-  CHECK_THAT(result.remarks[0], Contains("calibration.axes=+x-y-z"));
-  settings::Settings turned;
-  settings::set(turned, "calibration.axes", std::string("+x-y-z"));
-  CHECK(evaluation::run(log, {.settings = turned}).remarks.empty());
-  CHECK(evaluation::run(sample_log(), {}).remarks.empty());
-}
-
 TEST_CASE("pure integration starts at the first complete truth and needs one") {
   recording::SensorLog log = sample_log();
   for (std::size_t i = 0; i < 100; ++i) {

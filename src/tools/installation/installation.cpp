@@ -1,4 +1,5 @@
-#include "doctor/rules/checks.hpp"
+#include "installation/installation.hpp"
+
 #include "motion/fit/changes.hpp"
 #include <sonopose/calibration/model/axes.hpp>
 #include <sonopose/calibration/model/axes_check.hpp>
@@ -13,9 +14,11 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string_view>
+#include <utility>
 
-namespace sonopose::doctor::rules {
+namespace sonopose::installation {
 namespace {
 
 using motion::fit::are_few;
@@ -43,6 +46,7 @@ constexpr double wrong_mount_rad = 15.0 * geometry::radians_per_degree;
 constexpr double wrong_delay_s = 0.025;
 constexpr double mount_error_rad = 2.0 * geometry::radians_per_degree;
 constexpr double delay_error_s = 0.003;
+constexpr double feet_per_m = 1 / 0.3048;
 /// Largest share of fixes far from the motion. Beyond it the cause is a wrong track, not the installation.
 constexpr double max_outliers = 0.2;
 /// Three initial standard deviations of `kalman.delay.estimate`: the engine finds such a delay itself.
@@ -75,48 +79,45 @@ bool majority_exceeds(const std::vector<Measured>& all, const Measured& mean, do
 
 class InstallationCheck {
 public:
-  InstallationCheck(const BeaconObservation& beacon, Findings& findings)
-      : beacon_(beacon), findings_(findings) {}
+  explicit InstallationCheck(const Evidence& evidence) : evidence_(evidence) {}
 
   /// Runs the checks. Other clocks, mirrored fixes and a wrong sign make mount and delay wrong too, so they
   /// come first.
-  void run() const {
-    if (clocks() || mirror() || signs()) return;
+  void run() {
+    if (clocks() || map_scale() || mirror() || report_sign(inverted_axes())) return;
     mount();
     delay();
   }
 
-  /// Reports a wrong sign. Returns false if there is none.
-  [[nodiscard]] bool signs() const { return report_sign(inverted_axes()); }
-
-  /// Reports a wrong sign of axis Z alone. Returns false if it is right, or if another is wrong too.
-  [[nodiscard]] bool sign_of_z() const {
+  /// Reports a wrong sign of axis Z alone.
+  void sign_of_z() {
     const std::vector<std::size_t> axes = inverted_axes();
-    return axes == std::vector<std::size_t>{2} && report_sign(axes);
+    if (axes == std::vector<std::size_t>{2}) report_sign(axes);
   }
+
+  [[nodiscard]] std::vector<Finding> findings() && { return std::move(findings_); }
 
 private:
   /// Reports stamps of fixes and IMU that are of different clocks. Returns false if they are of one, or if
   /// that is not known.
-  [[nodiscard]] bool clocks() const {
-    const auto offset = motion::fit::clock_offset_in(beacon_.pieces);
-    if (!offset || !beacon_.fusion_settings.delay.extrapolate) return false;
+  bool clocks() {
+    const auto offset = motion::fit::clock_offset_in(evidence_.pieces);
+    if (!offset || !evidence_.settings.delay.extrapolate) return false;
     if (offset->value > 0 && can_set(age_setting(*offset))) {
-      report_age(*offset, Severity::warning, ": another delay, or another clock than that of the IMU");
+      report_age(*offset, false, ": another delay, or another clock than that of the IMU");
     } else {
-      report_age(*offset, Severity::error, ": the stamps of fixes and IMU are of different clocks");
+      report_age(*offset, true, ": the stamps of fixes and IMU are of different clocks");
     }
     return true;
   }
 
   /// Reports fixes of a left-handed map. Returns false if there are none, or if that is not known.
-  [[nodiscard]] bool mirror() const {
+  bool mirror() {
     if (!has_gravity_upwards()) return false;  // an IMU upside down turns as a mirrored one
-    const auto change = motion::fit::mirror_in(beacon_.pieces, configured_mount_rad());
+    const auto change = motion::fit::mirror_in(evidence_.pieces, configured_mount_rad());
     if (!change) return false;
     findings_.push_back(
-        {Severity::error, name_of(beacon_),
-         "its fixes are mirrored: they agree with the IMU only if an axis of the map is inverted",
+        {true, "its fixes are mirrored: they agree with the IMU only if an axis of the map is inverted",
          fmt::format(
              "{} at the source of the positions: the map of the beacons is left-handed, or their driver "
              "mixes the axes",
@@ -127,26 +128,27 @@ private:
   /// True if the mean force is up, as at rest. If it is down, an inverted accelerometer explains the fit as
   /// well as a gyroscope with the wrong sign does.
   [[nodiscard]] bool has_gravity_upwards() const {
-    const Vector3d& force = beacon_.imu_summary.mean_force_body_mps2;
+    const Vector3d& force = evidence_.imu_summary.mean_force_body_mps2;
     return force.z() > force.head<2>().norm();
   }
 
-  [[nodiscard]] bool report_sign(std::vector<std::size_t> axes) const {
+  /// Returns false if no axis has the wrong sign.
+  bool report_sign(std::vector<std::size_t> axes) {
     if (axes.empty()) return false;
     // In the horizontal plane, inverting X equals inverting Y with a mount that is off by 180°.
-    const bool has_mount = std::any_of(beacon_.pieces.begin(), beacon_.pieces.end(), [&](const Piece& piece) {
-      return piece.inverted.at(axes.front()).mount_rad.has_value();
-    });
+    const bool has_mount = std::any_of(
+        evidence_.pieces.begin(), evidence_.pieces.end(),
+        [&](const Piece& piece) { return piece.inverted.at(axes.front()).mount_rad.has_value(); });
     if (has_mount) {
       axes = {*std::min_element(axes.begin(), axes.end(), [&](std::size_t a, std::size_t b) {
         return mount_error_rad_with(a) < mount_error_rad_with(b);
       })};
     }
-    const motion::TurnGain& turn = beacon_.turn_gain;
+    const motion::TurnGain& turn = evidence_.turn_gain;
     if (turn.by_heading && motion::turn_fault_of(turn) == motion::TurnFault::wrong_sign &&
         has_gravity_upwards()) {
       findings_.push_back(
-          {Severity::error, name_of(beacon_),
+          {true,
            "its gyroscope has the wrong sign about the body's axis z, or about all axes, or its headings are "
            "clockwise, as those of a compass: each turns against the other",
            "correct the sign in the driver of the IMU or of the headings; calibration.axes can only rotate"});
@@ -154,7 +156,7 @@ private:
     }
     if (axes == std::vector<std::size_t>{2} && has_gravity_upwards()) {
       findings_.push_back(
-          {Severity::error, name_of(beacon_),
+          {true,
            "its gyroscope has the wrong sign about the body's axis z, or about all axes: only then "
            "does the IMU agree with the fixes and headings",
            "correct the sign in the driver of the IMU; calibration.axes can only rotate"});
@@ -170,7 +172,7 @@ private:
     if (may_be_all && !has_mount) names += ", or on all axes";
     if (may_be_all && has_mount && mount_error_rad_with(2) > 0.5 * std::numbers::pi) names = "on all axes";
     findings_.push_back(
-        {Severity::error, name_of(beacon_),
+        {true,
          fmt::format("its accelerometer has the wrong sign {}: only then does the IMU agree with the fixes "
                      "and headings",
                      names),
@@ -180,16 +182,16 @@ private:
   }
 
   [[nodiscard]] double configured_mount_rad() const {
-    return beacon_.fusion_settings.heading.mount_offset_deg * geometry::radians_per_degree;
+    return evidence_.settings.heading.mount_offset_deg * geometry::radians_per_degree;
   }
 
   /// The accelerometer axes whose other sign explains most pieces.
   [[nodiscard]] std::vector<std::size_t> inverted_axes() const {
-    if (motion::turn_fault_of(beacon_.turn_gain) == motion::TurnFault::wrong_sign) return {2};
+    if (motion::turn_fault_of(evidence_.turn_gain) == motion::TurnFault::wrong_sign) return {2};
     std::array<double, 3> evidence{};
     std::array<std::size_t, 3> pieces{};
     std::size_t judged = 0;
-    for (const Piece& piece : beacon_.pieces) {
+    for (const Piece& piece : evidence_.pieces) {
       if (!is_judged(piece)) continue;
       ++judged;
       for (std::size_t axis = 0; axis < evidence.size(); ++axis) {
@@ -211,7 +213,7 @@ private:
   /// Deviation of the mount from the configured one if this axis is inverted; large without headings.
   [[nodiscard]] double mount_error_rad_with(std::size_t axis) const {
     double min_error_rad = 2.0 * std::numbers::pi;
-    for (const Piece& piece : beacon_.pieces) {
+    for (const Piece& piece : evidence_.pieces) {
       const auto& mount = piece.inverted.at(axis).mount_rad;
       if (mount)
         min_error_rad =
@@ -226,16 +228,40 @@ private:
     const double turn_rad = std::round(error_rad / right_angle_rad) * right_angle_rad;
     if (std::abs(error_rad - turn_rad) > 0.5 * wrong_mount_rad) return "";
     const Eigen::Matrix3d turned = geometry::rotation_about_z(-turn_rad).toRotationMatrix() *
-                                   calibration::sensor_to_body(beacon_.fusion_settings.calibration.axes);
+                                   calibration::sensor_to_body(evidence_.settings.calibration.axes);
     return fmt::format(", or, if the IMU is turned in the beacon, calibration.axes={}",
                        calibration::nearest_axes(turned));
   }
 
-  void mount() const {
+  /// Reports a map of another size, if gravity shows that the accelerometer does not measure another scale.
+  bool map_scale() {
+    constexpr double gravity_tolerance = 0.04;
+    constexpr double feet_tolerance = 0.3;
+    const auto scale = motion::fit::map_scale_in(evidence_.pieces);
+    if (!scale) return false;
+    // A turn adds to the horizontal force, and so to the median.
+    const motion::ImuSummary& imu = evidence_.imu_summary;
+    const double median = imu.median_force_mps2 / standard_gravity_mps2;
+    const double mean_up = imu.mean_force_body_mps2.z() / standard_gravity_mps2;
+    if (scale->value > 1 ? median < 1.0 - gravity_tolerance
+                         : std::min(median, mean_up) > 1.0 + gravity_tolerance) {
+      return false;
+    }
+    findings_.push_back(
+        {true,
+         fmt::format("its fixes move {:.2f} (±{:.2f}) times as far as the IMU: the map has a wrong scale",
+                     scale->value, scale->std),
+         std::abs(scale->value - feet_per_m) < feet_tolerance
+             ? "publish the positions in m: they seem to be in feet"
+             : "measure a distance between two stationary beacons, and correct those of the map"});
+    return true;
+  }
+
+  void mount() {
     std::vector<Measured> errors;
     bool credible = true;
     std::ptrdiff_t wrong = 0;
-    for (const Piece& piece : beacon_.pieces) {
+    for (const Piece& piece : evidence_.pieces) {
       if (!has_known_mount(piece)) continue;
       credible = credible && std::abs(piece.delay_s.value) < credible_delay_s;
       errors.push_back(
@@ -254,7 +280,7 @@ private:
     if (2 * wrong <= static_cast<std::ptrdiff_t>(errors.size())) return;
     if (std::abs(error.value) < std::max(wrong_mount_rad, significant_stds * error.std)) return;
     findings_.push_back(
-        {Severity::error, name_of(beacon_),
+        {true,
          fmt::format(
              "its mount offset is wrong by about {:.0f}° (±{:.0f}°): the IMU, the fixes and the heading "
              "of the pair do not agree",
@@ -265,19 +291,19 @@ private:
                      axes_advice(error.value))});
   }
 
-  void delay() const {
+  void delay() {
     std::vector<Measured> errors;
-    for (const Piece& piece : beacon_.pieces) {
+    for (const Piece& piece : evidence_.pieces) {
       if (has_known_delay(piece)) errors.push_back(piece.delay_s);
     }
-    const settings::DelaySettings& settings = beacon_.fusion_settings.delay;
+    const settings::DelaySettings& settings = evidence_.settings.delay;
     if (errors.empty() || !settings.extrapolate) return;
     const Measured error = mean_of(errors, delay_error_s);
     const bool is_estimated = settings.estimate && std::abs(error.value) < estimated_delay_s;
     if (is_estimated || std::abs(error.value) > credible_delay_s) return;
     if (std::abs(error.value) < std::max(wrong_delay_s, significant_stds * error.std)) return;
     if (!majority_exceeds(errors, error, 0.5 * wrong_delay_s)) return;
-    report_age(error, Severity::warning, "");
+    report_age(error, false, "");
   }
 
   /// Setting that corrects the age of the fixes, and the value that does. Below `min_s` the fusion would
@@ -290,13 +316,12 @@ private:
   };
 
   [[nodiscard]] AgeSetting age_setting(const Measured& error) const {
-    const settings::DelaySettings& settings = beacon_.fusion_settings.delay;
-    const bool own =
-        settings.source == settings::DelaySource::measured && 2 * beacon_.timed_fixes > beacon_.fix.samples;
+    const settings::DelaySettings& settings = evidence_.settings.delay;
+    const bool own = settings.source == settings::DelaySource::measured && evidence_.are_fixes_timed;
     const std::string key = own ? "delay.correction_s" : "delay.processing_s";
     const settings::SettingInfo& limits = settings::setting_info(key);
     const double min_s =
-        -estimation::aiding::admission::future_tolerance_s - (own ? beacon_.min_fix_delay_s : 0.0);
+        -estimation::aiding::admission::future_tolerance_s - (own ? evidence_.min_fix_delay_s : 0.0);
     return {key, (own ? settings.correction_s : settings.processing_s) + error.value,
             std::max(std::get<double>(limits.minimum), min_s), std::get<double>(limits.maximum)};
   }
@@ -306,10 +331,10 @@ private:
   }
 
   /// Reports the age of the fixes beyond what the fusion assumes, with the setting that corrects it.
-  void report_age(const Measured& error, Severity severity, std::string_view cause) const {
+  void report_age(const Measured& error, bool is_error, std::string_view cause) {
     const AgeSetting setting = age_setting(error);
     findings_.push_back(
-        {severity, name_of(beacon_),
+        {is_error,
          fmt::format("its fixes are about {:.0f} ms (±{:.0f} ms) {} than the fusion assumes{}",
                      std::abs(error.value) * 1e3, error.std * 1e3, error.value > 0 ? "older" : "younger",
                      cause),
@@ -323,18 +348,29 @@ private:
                            text::number_text(setting.min_s, 2), text::number_text(setting.max_s, 2))});
   }
 
-  const BeaconObservation& beacon_;
-  Findings& findings_;
+  const Evidence& evidence_;
+  std::vector<Finding> findings_;
 };
 
 }  // namespace
 
-bool has_wrong_sign_of_z(const BeaconObservation& beacon, Findings& findings) {
-  return InstallationCheck(beacon, findings).sign_of_z();
+std::vector<Finding> findings_of(const Evidence& evidence) {
+  InstallationCheck check(evidence);
+  check.run();
+  return std::move(check).findings();
 }
 
-void check_installation(const BeaconObservation& beacon, Findings& findings) {
-  InstallationCheck(beacon, findings).run();
+bool is_explained(const Piece& piece) {
+  return !is_judged(piece) ||
+         (piece.residual_m < max_residual_m && piece.mount_log_likelihood < min_log_likelihood_ratio &&
+          std::abs(piece.delay_s.value) < wrong_delay_s &&
+          std::abs(piece.map_scale.value - 1.0) < significant_stds * piece.map_scale.std);
 }
 
-}  // namespace sonopose::doctor::rules
+std::vector<Finding> wrong_sign_of_z(const Evidence& evidence) {
+  InstallationCheck check(evidence);
+  check.sign_of_z();
+  return std::move(check).findings();
+}
+
+}  // namespace sonopose::installation

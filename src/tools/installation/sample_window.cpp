@@ -1,0 +1,33 @@
+#include "installation/sample_window.hpp"
+
+#include <sonopose/estimation/aiding/delay.hpp>
+#include <sonopose/geometry/rotation.hpp>
+
+#include <cmath>
+
+namespace sonopose::installation {
+
+SampleWindow::SampleWindow(const settings::Settings& settings)
+    : delay_(settings.delay), calibration_(settings.calibration) {
+  window_.mount_rad = settings.heading.mount_offset_deg * geometry::radians_per_degree;
+}
+
+void SampleWindow::add(const ImuSample& imu) {
+  if (const auto reading = motion::reading_of(calibration_.corrected(imu))) window_.imu.push_back(*reading);
+}
+
+void SampleWindow::add(const UltrasonicFix& fix) {
+  if ((fix.flags & ultrasonic_flag_set_pose) != 0U || !fix.position_world_m.allFinite()) return;
+  if (!tag_body_m_) tag_body_m_ = fix.point_body_m;
+  if (fix.point_body_m != *tag_body_m_) return;
+  window_.fixes.push_back({estimation::aiding::measured_at(delay_, fix), fix.position_world_m});
+}
+
+void SampleWindow::add(const PairHeading& heading) {
+  constexpr std::uint32_t of_others = heading_flag_set_pose | heading_flag_of_body;
+  if ((heading.flags & of_others) != 0U || !heading.valid || !std::isfinite(heading.heading_world_rad))
+    return;
+  window_.headings.push_back({estimation::aiding::measured_at(delay_, heading), heading.heading_world_rad});
+}
+
+}  // namespace sonopose::installation

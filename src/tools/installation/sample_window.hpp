@@ -1,0 +1,35 @@
+#pragma once
+/// \file
+/// Collects samples as a fusion takes them, for fits of their motion.
+
+#include "motion/window.hpp"
+#include <sonopose/calibration/model/calibration.hpp>
+#include <sonopose/samples/samples.hpp>
+#include <sonopose/settings/settings.hpp>
+
+#include <optional>
+#include <utility>
+
+namespace sonopose::installation {
+
+/// Applies calibration and delay. Leaves out what is not finite, since the fusion does not use it either,
+/// fixes of a second tag, which moves otherwise, and headings that are not of the pair.
+class SampleWindow {
+public:
+  /// The settings must outlive it.
+  explicit SampleWindow(const settings::Settings& settings);
+
+  void add(const ImuSample& imu);
+  void add(const UltrasonicFix& fix);
+  void add(const PairHeading& heading);
+
+  [[nodiscard]] motion::Window window() && { return std::move(window_); }
+
+private:
+  const settings::DelaySettings& delay_;
+  calibration::Calibration calibration_;
+  std::optional<Vector3d> tag_body_m_;
+  motion::Window window_;
+};
+
+}  // namespace sonopose::installation

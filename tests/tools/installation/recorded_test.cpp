@@ -1,0 +1,108 @@
+#include "installation/recorded.hpp"
+
+#include "sim/simulator.hpp"
+#include <sonopose/settings/settings_table.hpp>
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace recorded_test {
+
+using namespace sonopose;
+using namespace sonopose::installation;
+using Catch::Contains;
+
+/// Events of a run, with changed fixes.
+std::vector<Event> events_of(const std::string& scenario, std::uint64_t seed,
+                             const std::function<void(UltrasonicFix&)>& change = {}) {
+  const sim::Run run{.seed = seed, .duration_s = 30};
+  auto events = sim::record(sim::drawn(sim::find_scenario(scenario), run), run).events;
+  for (Event& event : events) {
+    auto* const fix = std::get_if<UltrasonicFix>(&event);
+    if (fix != nullptr && change) change(*fix);
+  }
+  return events;
+}
+
+std::string text_of(const std::vector<Finding>& findings) {
+  std::string text;
+  for (const Finding& finding : findings) text += finding.text + ": " + finding.remedy + "\n";
+  return text;
+}
+
+SCENARIO("A map of the wrong size is named with its factor") {
+  const std::string scenario = GENERATE("walk", "forklift", "drone", "hand_held");
+  const double factor = GENERATE(0.8, 1.2);
+  CAPTURE(scenario, factor);
+  const auto events =
+      events_of(scenario, 2101, [factor](UltrasonicFix& fix) { fix.position_world_m *= factor; });
+  const std::string text = text_of(findings_in(events, {}, Search::brief));
+  CAPTURE(text);
+  const std::string begin = "its fixes move ";
+  REQUIRE(text.starts_with(begin));
+  CHECK(std::stod(text.substr(begin.size())) == Approx(factor).margin(0.05));
+  CHECK_THAT(text, Contains("measure a distance between two stationary beacons"));
+}
+
+SCENARIO("Positions in feet are named as that") {
+  const auto events = events_of("drone", 2121, [](UltrasonicFix& fix) { fix.position_world_m /= 0.3048; });
+  CHECK_THAT(text_of(findings_in(events, {}, Search::brief)), Contains("they seem to be in feet"));
+}
+
+SCENARIO("A right installation shows no fault, whatever the motion and the noise") {
+  std::uint64_t seed = 2131;
+  for (const char* const scenario : {"walk", "circle", "kart", "spin", "drone", "outlier_bursts", "imu_scale",
+                                     "door_sills", "noisy_imu", "bias_field"}) {
+    CAPTURE(scenario, seed);
+    CHECK(text_of(findings_in(events_of(scenario, seed++), {}, Search::thorough)) == "");
+  }
+}
+
+SCENARIO("A brief search goes on where a piece shows a fault or fits badly") {
+  GIVEN("mirrored fixes") {
+    const auto events = events_of("walk", 2151, [](UltrasonicFix& fix) { fix.position_world_m.x() *= -1; });
+    THEN("the axis is named, which no single piece without changes shows") {
+      CHECK_THAT(text_of(findings_in(events, {}, Search::brief)),
+                 Contains("its fixes are mirrored") && Contains("change the sign of x"));
+    }
+  }
+  GIVEN("an accelerometer whose axis x has the wrong sign") {
+    auto events = events_of("forklift", 2152);
+    for (Event& event : events) {
+      if (auto* imu = std::get_if<ImuSample>(&event)) imu->specific_force_body_mps2.x() *= -1;
+    }
+    THEN("the axis is named") {
+      CHECK_THAT(text_of(findings_in(events, {}, Search::brief)),
+                 Contains("the wrong sign on the body's axis x"));
+    }
+  }
+}
+
+SCENARIO("An IMU upside down is named with the setting that turns it") {
+  auto events = events_of("walk", 2161);
+  for (Event& event : events) {
+    auto* const imu = std::get_if<ImuSample>(&event);
+    if (imu == nullptr) continue;
+    for (Vector3d* const vector : {&imu->angular_velocity_body_radps, &imu->specific_force_body_mps2}) {
+      *vector = Vector3d(vector->x(), -vector->y(), -vector->z());
+    }
+  }
+  CHECK_THAT(text_of(findings_in(events, {}, Search::brief)), Contains("calibration.axes=+x-y-z"));
+  settings::Settings turned;
+  settings::set(turned, "calibration.axes", std::string("+x-y-z"));
+  CHECK(findings_in(events, turned, Search::brief).empty());
+}
+
+SCENARIO("An accelerometer in g says nothing about the installation") {
+  auto events = events_of("walk", 2171);
+  for (Event& event : events) {
+    if (auto* imu = std::get_if<ImuSample>(&event)) imu->specific_force_body_mps2 /= standard_gravity_mps2;
+  }
+  CHECK(findings_in(events, {}, Search::thorough).empty());
+}
+
+}  // namespace recorded_test
