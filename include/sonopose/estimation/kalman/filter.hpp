@@ -203,8 +203,8 @@ public:
 
   /// Adds to the variance of three states.
   void add_variance(StateIndex index, const Vector3d& variance);
-  /// Adds the variance of an error s · `error` of three states, where s has a standard deviation of 1.
-  void add_uncertain_error(StateIndex index, const Vector3d& error);
+  /// Adds the variance of a motion s times this one, where s has a standard deviation of 1.
+  void add_uncertain_motion(const Vector3d& impulse_body_mps, const Vector3d& turn_body_rad);
 
   /// Turns position, velocity and attitude, and their covariance, about the vertical through the origin.
   void turn_world(double angle_rad);

@@ -87,6 +87,11 @@ Candidate best_at(const std::vector<Measurements>& logs, double delay_s, int str
   return best;
 }
 
+/// Flag of the fix or heading of a residual.
+bool& used_flag(Measurements& log, const Residual& residual) {
+  return residual.is_heading ? log.headings[residual.index].used : log.fixes[residual.index].used;
+}
+
 }  // namespace
 
 double best_start_yaw_rad(const Measurements& log, double delay_s) {
@@ -135,11 +140,7 @@ void reject_outliers(std::vector<Measurements>& logs, const Start& start) {
     const Pass pass = forward_pass(logs[log], parameters, {.soft_gate = soft_gate});
     for (const Residual& residual : pass.residuals) {
       if (residual.squared_norm < max_squared_norm) continue;
-      if (residual.is_heading) {
-        logs[log].headings[residual.index].used = false;
-      } else {
-        logs[log].fixes[residual.index].used = false;
-      }
+      used_flag(logs[log], residual) = false;
     }
   }
 }
@@ -171,8 +172,7 @@ bool reject_tail(std::vector<Measurements>& logs, const std::vector<Pass>& passe
     bool is_any_heading = false;
     for (const Residual& residual : passes[log].residuals) {
       if (residual.squared_norm < limits.at(residual.is_heading ? 1 : 0)) continue;
-      (residual.is_heading ? logs[log].headings[residual.index].used : logs[log].fixes[residual.index].used) =
-          false;
+      used_flag(logs[log], residual) = false;
       (residual.is_heading ? is_any_heading : is_any) = true;
     }
     if (!logs[log].has_heading()) {  // without any, its yaw is another unknown

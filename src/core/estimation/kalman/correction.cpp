@@ -183,8 +183,10 @@ void Filter::add_variance(StateIndex index, const Vector3d& variance) {
   covariance.diagonal().segment<3>(index) += variance;
 }
 
-void Filter::add_uncertain_error(StateIndex index, const Vector3d& error) {
-  covariance.block<3, 3>(index, index) += error * error.transpose();
+void Filter::add_uncertain_motion(const Vector3d& impulse_body_mps, const Vector3d& turn_body_rad) {
+  const Vector3d impulse_world_mps = q_body_to_world * impulse_body_mps;
+  covariance.block<3, 3>(at_velocity, at_velocity) += impulse_world_mps * impulse_world_mps.transpose();
+  covariance.block<3, 3>(at_attitude, at_attitude) += turn_body_rad * turn_body_rad.transpose();
 }
 
 void Filter::decorrelate(StateIndex index, const Vector3d& variance) {

@@ -117,14 +117,11 @@ void update_rest(State& state, const ImuMeasurement& sample, ImuOutcome& outcome
   outcome.zero_velocity_variance = rest::still_velocity_variance(rest, sample.time_ns);
 }
 
-/// Adds the variance of a motion s times this one, where s has a standard deviation of 1.
+/// Adds the variance of a motion to all filters.
 void add_uncertain_motion(State& state, const Vector3d& impulse_body_mps, const Vector3d& turn_body_rad) {
   if (impulse_body_mps.isZero(0.0) && turn_body_rad.isZero(0.0)) return;
   state.propagate();
-  for (Hypothesis& each : state.bank) {
-    each.filter.add_uncertain_error(at_velocity, each.filter.q_body_to_world * impulse_body_mps);
-    each.filter.add_uncertain_error(at_attitude, turn_body_rad);
-  }
+  for (Hypothesis& each : state.bank) each.filter.add_uncertain_motion(impulse_body_mps, turn_body_rad);
 }
 
 /// Adds the variance of a turn beyond the range of the gyroscope.

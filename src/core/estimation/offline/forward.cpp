@@ -49,13 +49,6 @@ Correction correction_of(const kalman::FixJacobian& jacobian, const kalman::Stat
   return correction;
 }
 
-/// Adds the variance of a motion by readings that were dropped.
-void add_dropped_motion(Filter& filter, const DroppedMotion& dropped) {
-  filter.add_uncertain_error(kalman::at_velocity,
-                             kalman::dropped_share * (filter.q_body_to_world * dropped.impulse_body_mps));
-  filter.add_uncertain_error(kalman::at_attitude, kalman::dropped_share * dropped.turn_body_rad);
-}
-
 /// Moves the state as the engine did, and adds uncertainty of the same size.
 void change_track(Filter& filter, const TrackChange& change) {
   filter.position_world_m += change.jump_world_m;
@@ -136,7 +129,8 @@ void Forward::move(ForwardState& state, std::vector<Operation>* operations) cons
        ++state.next_dropped) {
     const DroppedMotion& dropped = segment_.dropped[state.next_dropped];
     propagate(state, operations);
-    add_dropped_motion(state.filter, dropped);
+    state.filter.add_uncertain_motion(kalman::dropped_share * dropped.impulse_body_mps,
+                                      kalman::dropped_share * dropped.turn_body_rad);
   }
   state.time_ns = next.time_ns;
 }
