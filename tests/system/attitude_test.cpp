@@ -21,25 +21,19 @@ using nlohmann::json;
 /// Simulates a walk, which has no magnetometer, and returns its folder.
 std::string walk_in(const TemporaryFolder& folder) {
   std::string log = (folder / "walk").string();
-  const Result made = run(SONOPOSE_TEST_SIMULATE, {"walk", "--out", log, "--seed", "3", "--duration", "30"});
-  CAPTURE(made.error);
-  REQUIRE(made.code == 0);
+  output_of(SONOPOSE_TEST_SIMULATE, {"walk", "--out", log, "--seed", "3", "--duration", "30"});
   return log;
 }
 
 std::string refusal(const std::vector<std::string>& arguments) {
-  const Result result = run(SONOPOSE_TEST_ATTITUDE, arguments);
-  CAPTURE(arguments, result.output);
-  REQUIRE(result.code);
-  CHECK(*result.code > 0);
-  return result.error;
+  return refusal_of(SONOPOSE_TEST_ATTITUDE, arguments);
 }
 
 double inclination_of(const std::vector<std::string>& arguments) {
-  const Result result = run(SONOPOSE_TEST_ATTITUDE, arguments);
-  CAPTURE(arguments, result.error);
-  REQUIRE(result.code == 0);
-  return json::parse(result.output).at("mean").at("inclination_rmse_deg").get<double>();
+  return json::parse(output_of(SONOPOSE_TEST_ATTITUDE, arguments))
+      .at("mean")
+      .at("inclination_rmse_deg")
+      .get<double>();
 }
 
 SCENARIO("each filter processes a log, is scored and writes its trajectory") {
@@ -62,9 +56,8 @@ SCENARIO("each filter processes a log, is scored and writes its trajectory") {
   }
   THEN("it also writes the trajectory on request") {
     const std::string out = (folder / "out").string();
-    const Result result = run(SONOPOSE_TEST_ATTITUDE, {log, "--out", out});
-    REQUIRE(result.code == 0);
-    CHECK_THAT(result.output, Contains("inclination") && Contains("walk"));
+    const std::string report = output_of(SONOPOSE_TEST_ATTITUDE, {log, "--out", out});
+    CHECK_THAT(report, Contains("inclination") && Contains("walk"));
     std::istringstream lines(read_text(folder / "out/walk.tum"));
     std::string line;
     std::getline(lines, line);

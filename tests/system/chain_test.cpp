@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
-#include <functional>
 #include <map>
 #include <string>
 #include <vector>

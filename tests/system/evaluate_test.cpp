@@ -22,10 +22,7 @@ using nlohmann::json;
 double rmse_of(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(),
                    {"walk", "--seeds", "1", "--json", "--set", "fusion.engine=documented"});
-  const Result result = run(SONOPOSE_TEST_EVALUATE, arguments);
-  CAPTURE(result.error);
-  REQUIRE(result.code == 0);
-  return json::parse(result.output).at(0).at("position_rmse_m").get<double>();
+  return json::parse(output_of(SONOPOSE_TEST_EVALUATE, arguments)).at(0).at("position_rmse_m").get<double>();
 }
 
 /// Runs the program with a full output device.
@@ -57,11 +54,8 @@ SCENARIO("the row of a case is printed before the next case ends") {
 }
 
 SCENARIO("--engine scores each engine in a row of its own") {
-  const Result result = run(SONOPOSE_TEST_EVALUATE,
-                            {"no_heading", "--seeds", "1", "--json", "--engine", "documented", "kalman"});
-  CAPTURE(result.error);
-  REQUIRE(result.code == 0);
-  const json rows = json::parse(result.output);
+  const json rows = json::parse(output_of(
+      SONOPOSE_TEST_EVALUATE, {"no_heading", "--seeds", "1", "--json", "--engine", "documented", "kalman"}));
   REQUIRE(rows.size() == 2);
   CHECK(rows.at(0).at("engine") == "documented");
   CHECK(rows.at(1).at("engine") == "kalman");
@@ -88,10 +82,8 @@ SCENARIO("another first seed gives other runs") {
 }
 
 SCENARIO("--harder scores the harder scenarios, the violations, and those that are named") {
-  const Result result = run(SONOPOSE_TEST_EVALUATE, {"rest", "--harder", "--seeds", "1", "--json"});
-  CAPTURE(result.error);
-  REQUIRE(result.code == 0);
-  const json rows = json::parse(result.output);
+  const json rows =
+      json::parse(output_of(SONOPOSE_TEST_EVALUATE, {"rest", "--harder", "--seeds", "1", "--json"}));
   REQUIRE(rows.size() == 35);
   CHECK(rows.at(0).at("case") == "rest");
   CHECK(rows.at(1).at("case") == "wrong_tracks");
@@ -161,13 +153,10 @@ SCENARIO("own logs are scored with and without truth, alone, and what is left ou
     WHEN("two files of settings are compared") {
       write_text(folder / "right.toml", "[heading]\nmount_offset_deg = 0\n");
       write_text(folder / "wrong.toml", "[heading]\nmount_offset_deg = 40\n");
-      const Result result =
-          run(SONOPOSE_TEST_EVALUATE, {folder.path().string(), "--json", "--compare",
-                                       (folder / "right.toml").string(), (folder / "wrong.toml").string()});
-      CAPTURE(result.error);
-      REQUIRE(result.code == 0);
+      const json comparison = json::parse(output_of(
+          SONOPOSE_TEST_EVALUATE, {folder.path().string(), "--json", "--compare",
+                                   (folder / "right.toml").string(), (folder / "wrong.toml").string()}));
       THEN("the wrong mount is worse on each, with and without truth") {
-        const json comparison = json::parse(result.output);
         REQUIRE(comparison.at("cases").size() == 2);
         for (const json& row : comparison.at("cases")) {
           CHECK(row.at("change").get<double>() > 0.01);  // the motion overrules the headings

@@ -92,10 +92,7 @@ SCENARIO("clocks that differ by more than the fusion corrects are corrected by a
         "--out", (folder.path() / name).string(), "--shift",     shift_s};
     for (const char* const column : {"w_x=GyroA_x", "w_y=GyroA_y", "w_z=GyroA_z"})
       arguments.insert(arguments.end(), {"--column", column});
-    const Result result = run(SONOPOSE_TEST_IMPORT, arguments);
-    CAPTURE(result.output, result.error);
-    REQUIRE(result.code == 0);
-    return result.output;
+    return output_of(SONOPOSE_TEST_IMPORT, arguments);
   };
   const std::string first = imported("first", "0");
   const auto match = first_match(first, "import again with --shift (-?[0-9.]+)");

@@ -74,15 +74,15 @@ std::string play_to(Process& fusion, Consumer<sonopose_FusedPose>& poses, const 
 /// Checks that the fusion's log has the state hash of a replay of the file, for each beacon.
 void check_state_hashes(const std::string& log, const fs::path& file) {
   for (const BeaconAddress address : beacons) {
-    const Result replay = run(SONOPOSE_TEST_REPLAY, {file.string(), "--beacon", std::to_string(address)});
-    REQUIRE(replay.code == 0);
-    const std::size_t name_at = replay.output.find("state hash");
+    const std::string replay =
+        output_of(SONOPOSE_TEST_REPLAY, {file.string(), "--beacon", std::to_string(address)});
+    const std::size_t name_at = replay.find("state hash");
     REQUIRE(name_at != std::string::npos);
-    const std::size_t at = replay.output.find_first_not_of(' ', name_at + 10);
+    const std::size_t at = replay.find_first_not_of(' ', name_at + 10);
     const std::size_t line_at = log.find("beacon " + std::to_string(address) + ": state hash ");
     REQUIRE(line_at != std::string::npos);
     const std::string line = log.substr(line_at, log.find('\n', line_at) - line_at);
-    CHECK_THAT(line, Contains("state hash " + replay.output.substr(at, 16) + " after event") &&
+    CHECK_THAT(line, Contains("state hash " + replay.substr(at, 16) + " after event") &&
                          Catch::EndsWith("; 0 events lost"));
   }
 }

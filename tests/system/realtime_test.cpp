@@ -57,9 +57,8 @@ SCENARIO("a fusion with and without --realtime") {
 }
 
 SCENARIO("an invalid priority is refused") {
-  const Result result = run(SONOPOSE_TEST_FUSION, {"--realtime=100"}, neutral);
-  CHECK(result.code.value_or(0) > 0);
-  CHECK_THAT(result.error, Contains("--realtime") && Contains("100"));
+  CHECK_THAT(refusal_of(SONOPOSE_TEST_FUSION, {"--realtime=100"}, neutral),
+             Contains("--realtime") && Contains("100"));
 }
 
 }  // namespace sonopose::realtime_test

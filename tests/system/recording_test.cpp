@@ -3,6 +3,7 @@
 #include "recording/log_folder.hpp"
 #include "recording/log_meta.hpp"
 #include "support/bus.hpp"
+#include "support/events.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/wait_until.hpp"
 
@@ -48,15 +49,6 @@ Event as_recorded(Event event) {
   return event;
 }
 
-template <class Sample>
-std::vector<Sample> of_kind(const std::vector<Event>& events) {
-  std::vector<Sample> found;
-  for (const Event& event : events) {
-    if (const auto* sample = std::get_if<Sample>(&event)) found.push_back(*sample);
-  }
-  return found;
-}
-
 /// Range of the difference `a − b`, ns: the difference of two clocks without their offset.
 template <class Sample, class TimeOf>
 TimeNs time_spread_ns(const std::vector<Sample>& a, const std::vector<Sample>& b, const TimeOf& time_of) {
@@ -83,7 +75,7 @@ SCENARIO("a recording of a live run contains what was published") {
     WHEN("the recording is read") {
       const auto log = recording::read_sensor_log(folder / "log");
       THEN("it contains every event of the run, and the received events are equal") {
-        CHECK(log.truth.size() == of_kind<ImuSample>(log.events).size());
+        CHECK(log.truth.size() == test::samples_of<ImuSample>(log.events).size());
         std::map<std::uint64_t, Event> events;
         REQUIRE(wait_until([&] {
           events = published.events();
@@ -119,8 +111,8 @@ SCENARIO("a raw capture of the simulated beacon gives its samples up to the reso
       const auto sent = recording::read_sensor_log(folder / "sent").events;
       const auto received = recording::read_sensor_log(folder / "received").events;
       THEN("IMU samples agree within half a step of 1 mg and 0.0175 deg/s, stamps within 1 ms") {
-        const auto before = of_kind<ImuSample>(sent);
-        const auto after = of_kind<ImuSample>(received);
+        const auto before = test::samples_of<ImuSample>(sent);
+        const auto after = test::samples_of<ImuSample>(received);
         REQUIRE(after.size() == before.size());
         REQUIRE(after.size() == 1000);
         for (std::size_t k = 0; k < after.size(); ++k) {
@@ -133,10 +125,10 @@ SCENARIO("a raw capture of the simulated beacon gives its samples up to the reso
               1'000'000);
       }
       THEN("fixes agree within half a millimetre and a percent, stamps within 1 ms, headings within 0.05°") {
-        auto fixes_before = of_kind<UltrasonicFix>(sent);
-        const auto fixes = of_kind<UltrasonicFix>(received);
-        const auto headings_before = of_kind<PairHeading>(sent);
-        const auto headings = of_kind<PairHeading>(received);
+        auto fixes_before = test::samples_of<UltrasonicFix>(sent);
+        const auto fixes = test::samples_of<UltrasonicFix>(received);
+        const auto headings_before = test::samples_of<PairHeading>(sent);
+        const auto headings = test::samples_of<PairHeading>(received);
         REQUIRE(fixes.size() == fixes_before.size());
         REQUIRE(headings.size() == fixes.size());
         REQUIRE(fixes.size() >= 78);  // at least 8 Hz
@@ -193,7 +185,7 @@ SCENARIO("a full disk ends the recording and the capture, and the stream goes on
         AND_THEN("what was recorded before is complete, in a folder with another name") {
           CHECK_FALSE(exists(folder / "log"));
           const auto recorded = recording::read_sensor_log(folder / "log.part/beacon_7");
-          CHECK(of_kind<ImuSample>(recorded.events).size() > 50);
+          CHECK(test::samples_of<ImuSample>(recorded.events).size() > 50);
         }
       }
     }

@@ -21,11 +21,7 @@ std::string refusal(const char* program, const Arguments& arguments, const Envir
   Environment environment = neutral;
   environment["ROS_DOMAIN_ID"] = std::to_string(domain.id());
   for (const auto& [name, value] : changes) environment[name] = value;
-  const Result result = run(program, arguments, environment);
-  CAPTURE(arguments, result.error);
-  REQUIRE(result.code);  // not killed
-  CHECK(*result.code > 0);
-  return result.error;
+  return refusal_of(program, arguments, environment);
 }
 
 /// Runs the fusion with an invalid configuration file; returns the message.

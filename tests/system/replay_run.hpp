@@ -51,19 +51,12 @@ inline Result replay(const std::vector<std::string>& arguments, const Environmen
 
 inline nlohmann::json report_of(std::vector<std::string> arguments) {
   arguments.emplace_back("--json");
-  const Result result = replay(arguments);
-  CAPTURE(result.error);
-  REQUIRE(result.code == 0);
-  return nlohmann::json::parse(result.output);
+  return nlohmann::json::parse(output_of(SONOPOSE_TEST_REPLAY, arguments));
 }
 
 /// Runs the program with arguments that it must refuse; returns the message.
 inline std::string refusal(const std::vector<std::string>& arguments, const Environment& environment = {}) {
-  const Result result = replay(arguments, environment);
-  CAPTURE(arguments, result.error);
-  REQUIRE(result.code);
-  CHECK(*result.code > 0);
-  return result.error;
+  return refusal_of(SONOPOSE_TEST_REPLAY, arguments, environment);
 }
 
 }  // namespace replay_run

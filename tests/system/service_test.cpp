@@ -34,22 +34,19 @@ struct ConfigFile {
 SCENARIO("every option is a key of the file of --config") {
   for (const char* const program : {SONOPOSE_TEST_BRIDGE, SONOPOSE_TEST_RECORD, SONOPOSE_TEST_ROS2}) {
     CAPTURE(program);
-    const Result all = run(program, {"--print-config"}, neutral);
-    REQUIRE(all.code == 0);
-    CHECK_THAT(all.output, Contains("# domain = ") && Contains("= false\n"));
+    const std::string all = output_of(program, {"--print-config"}, neutral);
+    CHECK_THAT(all, Contains("# domain = ") && Contains("= false\n"));
     GIVEN(std::string("what it prints, and a drop-in with a domain: ") + program) {
-      const ConfigFile file(all.output);
+      const ConfigFile file(all);
       write_text(file.drop_ins / "50-domain.toml", "domain = 9\nlog-level = \"error\"\n");
       const std::string path = file.path.string();
       THEN("the drop-in has precedence over the file, and the command line over both") {
-        const Result used = run(program, {"--config", path, "--log-level=debug", "--print-config"}, neutral);
-        CAPTURE(used.error);
-        REQUIRE(used.code == 0);
-        CHECK_THAT(used.output, Contains("\ndomain = 9\n") && Contains("\nlog-level = \"debug\"\n"));
+        const std::string used =
+            output_of(program, {"--config", path, "--log-level=debug", "--print-config"}, neutral);
+        CHECK_THAT(used, Contains("\ndomain = 9\n") && Contains("\nlog-level = \"debug\"\n"));
       }
       THEN("each default that it shows is a value of its key") {
-        write_text(file.path,
-                   std::regex_replace(all.output, std::regex("(^|\n)# ([a-z0-9-]+ = [^\n])"), "$1$2"));
+        write_text(file.path, std::regex_replace(all, std::regex("(^|\n)# ([a-z0-9-]+ = [^\n])"), "$1$2"));
         const Result used = run(program, {"--config", path, "--print-config"}, neutral);
         CHECK(used.error.empty());
         CHECK(used.code == 0);
@@ -68,11 +65,9 @@ SCENARIO("every option is a key of the file of --config") {
       }
       THEN("an empty text is a value, and does not take the next option for one") {
         write_text(file.drop_ins / "50-domain.toml", "log-level = \"debug\"\npartition = \"\"\ndomain = 9\n");
-        const Result used = run(program, {"--config", path, "--print-config"}, neutral);
-        CAPTURE(used.error);
-        REQUIRE(used.code == 0);
-        CHECK_THAT(used.output, Contains("\npartition = \"\"\n") && Contains("\ndomain = 9\n") &&
-                                    Contains("\nlog-level = \"debug\"\n"));
+        const std::string used = output_of(program, {"--config", path, "--print-config"}, neutral);
+        CHECK_THAT(used, Contains("\npartition = \"\"\n") && Contains("\ndomain = 9\n") &&
+                             Contains("\nlog-level = \"debug\"\n"));
       }
     }
   }

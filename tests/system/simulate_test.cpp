@@ -25,11 +25,7 @@ Result simulate(const std::vector<std::string>& arguments) {
 
 /// Runs the program with arguments that it must refuse; returns the message.
 std::string refusal(const std::vector<std::string>& arguments) {
-  const Result result = simulate(arguments);
-  CAPTURE(arguments, result.error);
-  REQUIRE(result.code);  // not killed
-  CHECK(*result.code > 0);
-  return result.error;
+  return refusal_of(SONOPOSE_TEST_SIMULATE, arguments);
 }
 
 /// The whole recording as text.

@@ -1,7 +1,6 @@
 #include "csv/writer.hpp"
 
 #include "csv/units.hpp"
-#include "files/append_file.hpp"
 
 #include <array>
 #include <charconv>
@@ -16,11 +15,6 @@ namespace {
 
 constexpr std::size_t full_buffer = std::size_t{1} << 16U;  ///< bytes
 
-files::AppendFile::Existing for_append_file(Writer::Existing existing) {
-  return existing == Writer::Existing::refuse ? files::AppendFile::Existing::refuse
-                                              : files::AppendFile::Existing::replace;
-}
-
 template <class Integer>
 void append_integer(std::string& text, Integer value) {
   std::array<char, 24> digits{};
@@ -31,7 +25,7 @@ void append_integer(std::string& text, Integer value) {
 }  // namespace
 
 Writer::Writer(const std::filesystem::path& file, Existing existing, char separator)
-    : file_{std::make_unique<files::AppendFile>(file, for_append_file(existing))}, separator_{separator} {}
+    : file_{file, existing}, separator_{separator} {}
 
 Writer::~Writer() {
   try {
@@ -108,7 +102,7 @@ void Writer::end_row() {
 }
 
 void Writer::flush() {
-  file_->append(std::as_bytes(std::span(lines_)));
+  file_.append(std::as_bytes(std::span(lines_)));
   lines_.clear();
 }
 

@@ -2,17 +2,13 @@
 /// \file
 /// Writes a CSV file whose numbers read back to the same bits. Errors name the file.
 
+#include "files/append_file.hpp"
 #include <sonopose/samples/samples.hpp>
 
 #include <filesystem>
-#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
-
-namespace sonopose::files {
-class AppendFile;
-}
 
 namespace sonopose::csv {
 
@@ -20,7 +16,7 @@ namespace sonopose::csv {
 /// for example on a full disk.
 class Writer {
 public:
-  enum class Existing { refuse, replace };
+  using Existing = files::AppendFile::Existing;
 
   /// Opens the file; `separator` separates cells.
   Writer(const std::filesystem::path& file, Existing existing, char separator = ',');
@@ -51,7 +47,7 @@ public:
 private:
   void begin_cell();
 
-  std::unique_ptr<files::AppendFile> file_;
+  files::AppendFile file_;
   std::string lines_;
   char separator_;
   bool in_row_ = false;

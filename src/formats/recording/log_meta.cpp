@@ -1,6 +1,5 @@
 #include "recording/log_meta.hpp"
 
-#include "files/append_file.hpp"
 #include "files/missing.hpp"
 #include "files/replacement.hpp"
 #include "recording/log_columns.hpp"
@@ -10,7 +9,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <span>
 #include <utility>
 
 namespace sonopose::recording {
@@ -112,10 +110,7 @@ void write_log_meta(const std::filesystem::path& folder, const LogMeta& meta) {
   for (const auto& [name, value] : meta.settings) {
     text.append(name).append(" = ").append(toml::quoted(value)).append("\n");
   }
-  files::Replacement replacement(folder / meta_file);
-  files::AppendFile(replacement.part(), files::AppendFile::Existing::replace)
-      .append(std::as_bytes(std::span(text)));
-  replacement.commit();
+  files::write_whole(folder / meta_file, text);
 }
 
 }  // namespace sonopose::recording

@@ -51,9 +51,6 @@ public:
   /// Passes all lines to the operating system.
   void flush();
 
-  /// Magnetic fields without a column, because the first IMU sample had none.
-  [[nodiscard]] std::uint64_t magnetic_fields_dropped() const { return magnetic_fields_dropped_; }
-
   /// Fixes of a tag beside the tracked point or of a set pose, and headings of the body. A reader of the log
   /// takes them for those of the beacon and of a pair, because there are no columns for the difference.
   [[nodiscard]] std::uint64_t misread() const { return misread_; }

@@ -1,6 +1,6 @@
 #include "security/key_store.hpp"
 
-#include "files/input_file.hpp"
+#include "files/descriptor.hpp"
 #include "files/replacement.hpp"
 #include "security/authority.hpp"
 #include "security/enclave.hpp"

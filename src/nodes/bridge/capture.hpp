@@ -2,8 +2,8 @@
 /// \file
 /// Captures raw beacon bytes to a file while they are published.
 
+#include "files/append_file.hpp"
 #include "publication/background_writer.hpp"
-#include "transport/byte_file.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -19,9 +19,8 @@ public:
   /// Throws files::IoError if the file cannot be opened. Later errors end the capture and are logged.
   Capture(const std::filesystem::path& file, publication::FullQueuePolicy when_full)
       : writer_({"the capture", "byte"}, capacity, when_full,
-                [to = std::make_shared<transport::CaptureFile>(file)](std::span<const std::uint8_t> bytes) {
-                  to->append(bytes);
-                }) {}
+                [to = std::make_shared<files::AppendFile>(file, files::AppendFile::Existing::extend)](
+                    std::span<const std::uint8_t> bytes) { to->append(std::as_bytes(bytes)); }) {}
 
   /// Limits waits of `append` for a slow disk after the stop. `stop` must outlive this.
   void obey(const process::StopSignal& stop) { writer_.obey(stop); }

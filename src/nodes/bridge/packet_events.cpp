@@ -2,7 +2,6 @@
 
 #include "marvelmind/conversions.hpp"
 
-#include <utility>
 #include <variant>
 
 namespace sonopose::bridge {

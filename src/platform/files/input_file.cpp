@@ -37,10 +37,6 @@ void require_file(const std::filesystem::path& file, const struct stat& status, 
 
 }  // namespace
 
-Descriptor::~Descriptor() {
-  if (number_ >= 0) ::close(number_);
-}
-
 Descriptor open_input(const std::filesystem::path& file) {
   struct stat status {};
   struct statfs system {};

@@ -1,6 +1,7 @@
 #include "files/replacement.hpp"
 
 #include "files/append_file.hpp"
+#include "files/descriptor.hpp"
 #include "files/error.hpp"
 
 #include <cerrno>
@@ -18,11 +19,9 @@ namespace {
 
 /// Waits until a file is on its medium.
 void sync_file(const fs::path& file) {
-  const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
-  const bool is_synced = descriptor >= 0 && ::fsync(descriptor) == 0;
-  const std::string reason = std::generic_category().message(errno);
-  if (descriptor >= 0) ::close(descriptor);
-  if (!is_synced) throw IoError(file.string() + ": cannot be written: " + reason);
+  const Descriptor opened(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  if (opened.number() < 0 || ::fsync(opened.number()) != 0)
+    throw IoError(file.string() + ": cannot be written: " + std::generic_category().message(errno));
 }
 
 }  // namespace
@@ -59,11 +58,10 @@ void write_private(const fs::path& file, std::string_view text) {
   const fs::path& part = replacement.part();
   std::error_code none_yet;
   fs::remove(part, none_yet);
-  const int descriptor = ::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-  if (descriptor < 0) {
+  const Descriptor created(::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
+  if (created.number() < 0) {
     throw IoError(part.string() + ": cannot be created: " + std::generic_category().message(errno));
   }
-  ::close(descriptor);
   AppendFile(part, AppendFile::Existing::extend).append(std::as_bytes(std::span(text)));
   sync_file(part);  // before it replaces the old one, which nothing could bring back
   replacement.commit();

@@ -1,5 +1,6 @@
 #include "launch/together.hpp"
 
+#include "files/descriptor.hpp"
 #include "launch/execute.hpp"
 #include "logging/log.hpp"
 #include <sonopose/text/kept_lines.hpp>
@@ -40,27 +41,6 @@ constexpr int cannot_execute = 127;
   throw std::system_error(errno, std::generic_category(), call);
 }
 
-/// A file descriptor that closes itself.
-class File {
-public:
-  explicit File(int descriptor = -1) : descriptor_(descriptor) {}
-  ~File() { close(); }
-  File(const File&) = delete;
-  File& operator=(const File&) = delete;
-  File(File&&) = delete;
-  File& operator=(File&&) = delete;
-
-  void set(int descriptor) { descriptor_ = descriptor; }
-  void close() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-    descriptor_ = -1;
-  }
-  [[nodiscard]] int get() const { return descriptor_; }
-
-private:
-  int descriptor_;
-};
-
 /// Receives SIGINT, SIGTERM, SIGHUP and SIGXCPU (out of processor time) as events. The programs get their
 /// previous handling back.
 class Signals {
@@ -75,17 +55,15 @@ public:
         ::sigaddset(&mask, signal);  // stays ignored, as by nohup(1); a signalfd would receive it
     }
     if (::sigprocmask(SIG_BLOCK, &mask, &before_) != 0) fail("sigprocmask");
-    file_.set(::signalfd(-1, &mask, SFD_CLOEXEC | SFD_NONBLOCK));
-    if (file_.get() < 0) fail("signalfd");
+    file_ = files::Descriptor(::signalfd(-1, &mask, SFD_CLOEXEC | SFD_NONBLOCK));
+    if (file_.number() < 0) fail("signalfd");
   }
   ~Signals() { restore(); }
   Signals(const Signals&) = delete;
   Signals& operator=(const Signals&) = delete;
-  Signals(Signals&&) = delete;
-  Signals& operator=(Signals&&) = delete;
 
   void restore() const { ::sigprocmask(SIG_SETMASK, &before_, nullptr); }
-  [[nodiscard]] int file() const { return file_.get(); }
+  [[nodiscard]] int file() const { return file_.number(); }
   struct Taken {
     bool is_asked = false;        ///< by a person or a program
     bool is_out_of_time = false;  ///< SIGXCPU, which the kernel repeats each second
@@ -94,7 +72,7 @@ public:
   [[nodiscard]] Taken take() const {
     signalfd_siginfo info{};
     Taken taken;
-    while (::read(file_.get(), &info, sizeof info) == sizeof info) {
+    while (::read(file_.number(), &info, sizeof info) == sizeof info) {
       (info.ssi_signo == SIGXCPU ? taken.is_out_of_time : taken.is_asked) = true;
     }
     return taken;
@@ -102,7 +80,7 @@ public:
 
 private:
   sigset_t before_{};
-  File file_;
+  files::Descriptor file_;
 };
 
 class Child {
@@ -112,15 +90,15 @@ public:
     std::array<int, 2> ends{-1, -1};
     const bool is_kept = !program.has_terminal && output == ErrorOutput::keep;
     if (is_kept && ::pipe2(ends.data(), O_CLOEXEC) != 0) fail("pipe2");
-    errors_.set(ends[0]);
-    File writing(ends[1]);
-    if (errors_.get() >= 0) ::fcntl(errors_.get(), F_SETFL, O_NONBLOCK);
+    errors_ = files::Descriptor(ends[0]);
+    const files::Descriptor writing(ends[1]);
+    if (errors_.number() >= 0) ::fcntl(errors_.number(), F_SETFL, O_NONBLOCK);
     const pid_t parent = ::getpid();
     pid_ = ::fork();
     if (pid_ < 0) fail("fork");
-    if (pid_ == 0) become(program, signals, parent, writing.get());
-    handle_.set(::pidfd_open(pid_, 0));
-    if (handle_.get() >= 0) return;
+    if (pid_ == 0) become(program, signals, parent, writing.number());
+    handle_ = files::Descriptor(::pidfd_open(pid_, 0));
+    if (handle_.number() >= 0) return;
     const int error = errno;
     end();  // no destructor runs
     errno = error;
@@ -136,18 +114,18 @@ public:
 
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] bool has_terminal() const { return has_terminal_; }
-  [[nodiscard]] int handle() const { return handle_.get(); }
-  [[nodiscard]] int errors() const { return errors_.get(); }
+  [[nodiscard]] int handle() const { return handle_.number(); }
+  [[nodiscard]] int errors() const { return errors_.number(); }
   [[nodiscard]] bool has_ended() const { return status_.has_value(); }
   text::KeptLines& lines() { return lines_; }
 
   void read_errors() {
     std::array<char, 4096> buffer{};
-    while (errors_.get() >= 0) {
-      const ssize_t got = ::read(errors_.get(), buffer.data(), buffer.size());
+    while (errors_.number() >= 0) {
+      const ssize_t got = ::read(errors_.number(), buffer.data(), buffer.size());
       if (got < 0 && errno == EINTR) continue;
       if (got < 0) return;
-      if (got == 0) errors_.close();
+      if (got == 0) errors_ = files::Descriptor();
       lines_.add({buffer.data(), static_cast<std::size_t>(got)});
     }
   }
@@ -157,8 +135,8 @@ public:
     if (::waitpid(pid_, &status, WNOHANG) != pid_) return;
     status_ = status;
     read_errors();
-    handle_.close();
-    errors_.close();
+    handle_ = files::Descriptor();
+    errors_ = files::Descriptor();
   }
 
   void send(int signal) const {
@@ -188,7 +166,7 @@ private:
     signals.restore();
     if (writing >= 0) {
       // Both ends let a program that briefly outlives this process still write its last lines.
-      ::fcntl(errors_.get(), F_SETFD, 0);
+      ::fcntl(errors_.number(), F_SETFD, 0);
       ::dup2(writing, STDERR_FILENO);
     }
     if (!program.has_terminal) {
@@ -203,8 +181,8 @@ private:
   std::string name_;
   bool has_terminal_;
   text::KeptLines lines_;
-  File errors_;
-  File handle_;
+  files::Descriptor errors_;
+  files::Descriptor handle_;
   pid_t pid_ = -1;
   std::optional<int> status_;
 };

@@ -62,16 +62,12 @@ bool may_lock_everything() {
   return has_ipc_lock();
 }
 
-int hold_awake(const char* device, int& file) {
-  const int opened = ::open(device, O_WRONLY | O_CLOEXEC);
-  if (opened < 0) return errno;
+int hold_awake(const char* device, files::Descriptor& file) {
+  files::Descriptor opened(::open(device, O_WRONLY | O_CLOEXEC));
   const std::int32_t latency_us = 0;
-  if (::write(opened, &latency_us, sizeof latency_us) != sizeof latency_us) {
-    const int error = errno;
-    ::close(opened);
-    return error;
-  }
-  file = opened;
+  if (opened.number() < 0 || ::write(opened.number(), &latency_us, sizeof latency_us) != sizeof latency_us)
+    return errno;
+  file = std::move(opened);
   return 0;
 }
 
@@ -99,22 +95,6 @@ const RealtimeCalls& linux_calls() {
   static const RealtimeCalls calls{threads_of_this_process, set_fifo, lock_memory, may_lock_everything,
                                    hold_awake};
   return calls;
-}
-
-Realtime::Realtime(Realtime&& other) noexcept
-    : awake_file_(std::exchange(other.awake_file_, -1)),
-      applied_(std::move(other.applied_)),
-      refused_(std::move(other.refused_)) {}
-
-Realtime& Realtime::operator=(Realtime&& other) noexcept {
-  std::swap(awake_file_, other.awake_file_);
-  std::swap(applied_, other.applied_);
-  std::swap(refused_, other.refused_);
-  return *this;
-}
-
-Realtime::~Realtime() {
-  if (awake_file_ >= 0) ::close(awake_file_);
 }
 
 void Realtime::give_priority(int priority, const RealtimeCalls& calls) {

@@ -3,6 +3,8 @@
 /// Reduces delays caused by other programs: real-time priority, locked memory, and no deep sleep states of
 /// the cores. Each needs a privilege; the process reports what Linux refuses and runs without it.
 
+#include "files/descriptor.hpp"
+
 #include <functional>
 #include <string>
 #include <vector>
@@ -25,7 +27,7 @@ struct RealtimeCalls {
   std::function<int(int thread_id, int priority)> set_fifo;  ///< sched_setscheduler(SCHED_FIFO)
   std::function<int(bool future_too)> lock_memory;           ///< mlockall
   std::function<bool()> may_lock_everything;                 ///< true if RLIMIT_MEMLOCK does not apply
-  std::function<int(const char* device, int& file)>
+  std::function<int(const char* device, files::Descriptor& file)>
       hold_awake;  ///< opens the device and writes a latency of 0 µs
 };
 
@@ -34,13 +36,6 @@ const RealtimeCalls& linux_calls();
 /// The applied settings. After its destruction, the cores may sleep again.
 class Realtime {
 public:
-  Realtime() = default;
-  Realtime(const Realtime&) = delete;
-  Realtime& operator=(const Realtime&) = delete;
-  Realtime(Realtime&& other) noexcept;
-  Realtime& operator=(Realtime&& other) noexcept;
-  ~Realtime();
-
   /// One line per setting that took effect.
   [[nodiscard]] const std::vector<std::string>& applied() const { return applied_; }
   /// One line per setting that did not: the call, the cause and a remedy.
@@ -52,7 +47,7 @@ private:
   void lock_memory(const RealtimeCalls& calls);
   void stay_awake(const RealtimeCalls& calls);
 
-  int awake_file_ = -1;
+  files::Descriptor awake_file_;
   std::vector<std::string> applied_;
   std::vector<std::string> refused_;
 };

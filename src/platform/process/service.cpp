@@ -1,5 +1,7 @@
 #include "process/service.hpp"
 
+#include "files/descriptor.hpp"
+
 #include <atomic>
 #include <cerrno>
 #include <charconv>
@@ -38,23 +40,18 @@ public:
     std::memcpy(address_.sun_path, path.data(), path.size());
     if (path.front() == '@') address_.sun_path[0] = '\0';  // an abstract name
     length_ = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size());
-    socket_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    socket_ = files::Descriptor(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
     const std::string_view watched = environment_variable("WATCHDOG_PID");
     if (!watched.empty() && number_in(watched) != static_cast<std::uint64_t>(::getpid())) return;
     constexpr std::uint64_t max_us = 86'400'000'000;  // a day
     const std::uint64_t period_us = number_in(environment_variable("WATCHDOG_USEC"));
     if (period_us > 0 && period_us <= max_us) watchdog_ns_ = static_cast<TimeNs>(period_us) * 1000;
   }
-  Manager(const Manager&) = delete;
-  Manager& operator=(const Manager&) = delete;
-  ~Manager() {
-    if (socket_ >= 0) ::close(socket_);
-  }
 
   /// Sends without waiting: the service manager restarts what it does not hear from.
   void send(std::string_view text) const noexcept {
-    if (socket_ < 0) return;
-    ::sendto(socket_, text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL,
+    if (socket_.number() < 0) return;
+    ::sendto(socket_.number(), text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL,
              reinterpret_cast<const sockaddr*>(&address_), length_);
   }
 
@@ -63,7 +60,7 @@ public:
 private:
   sockaddr_un address_{};
   socklen_t length_ = 0;
-  int socket_ = -1;
+  files::Descriptor socket_;
   TimeNs watchdog_ns_ = 0;
 };
 

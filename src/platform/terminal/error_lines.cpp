@@ -30,45 +30,40 @@ void write_all(int fd, std::string_view text) {
 
 }  // namespace
 
-ErrorLines::ErrorLines() : on_terminal_(::isatty(STDERR_FILENO) == 1) {
-  original_fd_ = ::fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
-  require(original_fd_ >= 0, "dup of standard error");
+ErrorLines::ErrorLines()
+    : original_(::fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1)),
+      on_terminal_(::isatty(STDERR_FILENO) == 1) {
+  require(original_.number() >= 0, "dup of standard error");
   std::array<int, 2> ends{};
-  if (::pipe2(ends.data(), O_CLOEXEC) != 0) {
-    ::close(original_fd_);
-    require(false, "pipe2");
-  }
-  read_fd_ = ends[0];
+  require(::pipe2(ends.data(), O_CLOEXEC) == 0, "pipe2");
+  pipe_ = files::Descriptor(ends[0]);
+  const files::Descriptor writing(ends[1]);
   // Signals are for the main thread.
   sigset_t all{};
   sigset_t before{};
   ::sigfillset(&all);
   ::pthread_sigmask(SIG_SETMASK, &all, &before);
-  if (on_terminal_) CrashRestore::read_from(read_fd_);  // elsewhere each line is passed on immediately
+  if (on_terminal_) CrashRestore::read_from(pipe_.number());  // elsewhere each line is passed on immediately
   try {
     reader_ = std::thread([this] { read_lines(); });
   } catch (...) {
     ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
     CrashRestore::read_from(-1);
-    for (const int fd : {ends[0], ends[1], original_fd_}) ::close(fd);
     throw;
   }
   ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
   std::fflush(stderr);
-  ::dup2(ends[1], STDERR_FILENO);
-  ::close(ends[1]);
+  ::dup2(writing.number(), STDERR_FILENO);
 }
 
 ErrorLines::~ErrorLines() {
   std::fflush(stderr);
-  ::dup2(original_fd_, STDERR_FILENO);  // closes the last write end, so the reader ends
+  ::dup2(original_.number(), STDERR_FILENO);  // closes the last write end, so the reader ends
   reader_.join();
   CrashRestore::read_from(-1);
   if (on_terminal_) {
     for (const std::string& line : kept_.take()) write_all(STDERR_FILENO, line + "\n");
   }
-  ::close(read_fd_);
-  ::close(original_fd_);
 }
 
 std::vector<std::string> ErrorLines::take() {
@@ -80,7 +75,7 @@ void ErrorLines::read_lines() {
   unblock_crash_signals();
   std::array<char, 4096> buffer{};
   while (true) {
-    const ssize_t got = ::read(read_fd_, buffer.data(), buffer.size());
+    const ssize_t got = ::read(pipe_.number(), buffer.data(), buffer.size());
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) break;
     if (on_terminal_) CrashRestore::keep({buffer.data(), static_cast<std::size_t>(got)});
@@ -90,7 +85,7 @@ void ErrorLines::read_lines() {
 }
 
 void ErrorLines::on_line(const std::string& line) {
-  if (!on_terminal_) write_all(original_fd_, line + "\n");
+  if (!on_terminal_) write_all(original_.number(), line + "\n");
   const threads::Lock lock(mutex_);
   if (new_lines_.size() < text::KeptLines::max_lines) new_lines_.push_back(line);
 }

@@ -2,6 +2,7 @@
 /// \file
 /// Collects standard error while a screen is shown: text of any library would destroy the screen.
 
+#include "files/descriptor.hpp"
 #include "threads/mutex.hpp"
 #include <sonopose/text/kept_lines.hpp>
 
@@ -23,7 +24,7 @@ public:
   ~ErrorLines();
 
   /// The original standard error.
-  [[nodiscard]] int original_fd() const { return original_fd_; }
+  [[nodiscard]] int original_fd() const { return original_.number(); }
 
   /// The complete lines since the last call.
   std::vector<std::string> take();
@@ -32,8 +33,8 @@ private:
   void read_lines();
   void on_line(const std::string& line);
 
-  int original_fd_ = -1;
-  int read_fd_ = -1;
+  files::Descriptor original_;
+  files::Descriptor pipe_;  ///< its end to read
   bool on_terminal_ = false;
   threads::Mutex mutex_;
   std::vector<std::string> new_lines_ SONOPOSE_GUARDED_BY(mutex_);  ///< lines for take()

@@ -1,7 +1,6 @@
 #include "transport/byte_file.hpp"
 
 #include "clocks/clocks.hpp"
-#include "files/append_file.hpp"
 #include "files/error.hpp"
 #include "files/missing.hpp"
 
@@ -25,15 +24,6 @@ ReadResult ByteFile::read(std::span<std::uint8_t> buffer, std::chrono::milliseco
     throw files::IoError(name_ + ": cannot be read: " + std::strerror(errno));
   if (count == 0) return {ReadStatus::end};
   return {ReadStatus::data, count, clocks::steady_now()};
-}
-
-CaptureFile::CaptureFile(const std::filesystem::path& path)
-    : file_{std::make_unique<files::AppendFile>(path, files::AppendFile::Existing::extend)} {}
-
-CaptureFile::~CaptureFile() = default;
-
-void CaptureFile::append(std::span<const std::uint8_t> bytes) {
-  file_->append(std::as_bytes(bytes));
 }
 
 }  // namespace sonopose::transport

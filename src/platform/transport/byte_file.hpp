@@ -1,6 +1,6 @@
 #pragma once
 /// \file
-/// Files of raw beacon bytes: sources and captures.
+/// Files of raw beacon bytes as sources.
 
 #include "transport/byte_source.hpp"
 
@@ -9,10 +9,6 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-
-namespace sonopose::files {
-class AppendFile;
-}
 
 namespace sonopose::transport {
 
@@ -34,24 +30,6 @@ private:
   std::string name_;
   std::unique_ptr<std::FILE, Close> file_;
   std::atomic<bool> stopped_ = false;
-};
-
-class CaptureFile {
-public:
-  /// Throws files::IoError if it cannot be opened.
-  explicit CaptureFile(const std::filesystem::path& path);
-  ~CaptureFile();
-  CaptureFile(const CaptureFile&) = delete;
-  CaptureFile& operator=(const CaptureFile&) = delete;
-  CaptureFile(CaptureFile&&) = delete;
-  CaptureFile& operator=(CaptureFile&&) = delete;
-
-  /// Passes the bytes to the operating system immediately, so that they survive a crash of the process.
-  /// Throws files::IoError, for example on a full disk; the file then contains none of these bytes.
-  void append(std::span<const std::uint8_t> bytes);
-
-private:
-  std::unique_ptr<files::AppendFile> file_;
 };
 
 }  // namespace sonopose::transport

@@ -3,6 +3,7 @@
 #include "support/allocations.hpp"
 #include "support/bits.hpp"
 #include "support/engine_driver.hpp"
+#include "support/events.hpp"
 #include <sonopose/estimation/any_estimator.hpp>
 #include <sonopose/estimation/snapshot_fields.hpp>
 
@@ -224,9 +225,7 @@ TEMPLATE_LIST_TEST_CASE("a stamp that goes backward is counted and gives no pose
 template <class Change>
 void for_each_imu(std::vector<Event>& log, Change change) {
   std::size_t index = 0;
-  for (Event& event : log) {
-    if (auto* imu = std::get_if<ImuSample>(&event)) change(index++, *imu);
-  }
+  for (auto* imu : test::each<ImuSample>(log)) change(index++, *imu);
 }
 
 /// Largest position error of the poses from `from_s` on.

@@ -2,6 +2,7 @@
 
 #include "sim/scenario.hpp"
 #include "sim/simulator.hpp"
+#include "support/events.hpp"
 #include <sonopose/estimation/any_estimator.hpp>
 #include <sonopose/geometry/rotation.hpp>
 
@@ -321,10 +322,7 @@ SCENARIO("the estimate starts again at a pose that the user sets") {
       fix.point_body_m = {0.3, 0, 0};
       engine.correct(heading);
       const FixReport report = engine.correct(fix);
-      ImuSample next;
-      for (const Event& event : walk.events) {
-        if (const auto* imu = std::get_if<ImuSample>(&event)) next = *imu;
-      }
+      ImuSample next = test::samples_of<ImuSample>(walk.events).back();
       next.sensor_time_ns = last.time_ns + 10'000'000;
       const auto pose = engine.predict(next);
       THEN("the next pose is there, with the biases that were learned and without a reset") {

@@ -1,6 +1,7 @@
 /// Randomly drawn disturbances and sensors lie in their ranges and show in the runs.
 
 #include "sim/simulator.hpp"
+#include "support/events.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
 #include <catch2/catch.hpp>
@@ -22,15 +23,6 @@ constexpr std::uint64_t seeds = 100;
 
 Scenario drawn_of(const char* name, std::uint64_t seed) {
   return drawn(find_scenario(name), {.seed = seed});
-}
-
-template <class Sample>
-std::vector<Sample> of_kind(const Recording& recording) {
-  std::vector<Sample> found;
-  for (const Event& event : recording.events) {
-    if (const auto* sample = std::get_if<Sample>(&event)) found.push_back(*sample);
-  }
-  return found;
 }
 
 /// A run and the values drawn for it.
@@ -105,7 +97,7 @@ SCENARIO("wrong tracks are as many, as long and as far off as the scenario says"
 
 SCENARIO("the fixes of a run lie on its wrong tracks") {
   const Drawn drawn("wrong_tracks", 3);
-  for (const UltrasonicFix& fix : of_kind<UltrasonicFix>(drawn.recording)) {
+  for (const UltrasonicFix& fix : test::samples_of<UltrasonicFix>(drawn.recording.events)) {
     Vector3d error_m = fix.position_world_m - drawn.truth_at(fix.emission_time_ns).position_world_m;
     for (const OutlierBurst& track : tracks_at(drawn.scenario, emitted_s(fix)))
       error_m -= track.offset_world_m;
@@ -115,7 +107,7 @@ SCENARIO("the fixes of a run lie on its wrong tracks") {
 
 SCENARIO("a wrong track has as many fixes as were drawn") {
   const Drawn drawn("wrong_tracks", 3);
-  const auto all = of_kind<UltrasonicFix>(drawn.recording);
+  const auto all = test::samples_of<UltrasonicFix>(drawn.recording.events);
   for (const OutlierBurst& track : drawn.scenario.disturbances.outlier_bursts) {
     const double end_s = track.begin_s + track.duration_s;
     if (end_s > 59.0) continue;  // cut off by the end of the run
@@ -132,7 +124,7 @@ SCENARIO("drifting tracks leave the true one slowly, mirrored ones mirror it") {
   int mirrored = 0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const Drawn drawn("drifting_tracks", seed);
-    for (const UltrasonicFix& fix : of_kind<UltrasonicFix>(drawn.recording)) {
+    for (const UltrasonicFix& fix : test::samples_of<UltrasonicFix>(drawn.recording.events)) {
       const auto tracks = tracks_at(drawn.scenario, emitted_s(fix));
       if (tracks.size() != 1) continue;
       const OutlierBurst& track = tracks.front();
@@ -170,10 +162,10 @@ SCENARIO("the IMU has gaps, and the fixes continue in them") {
   for (const Outage& gap : drawn.scenario.disturbances.imu_outages) {
     silent_s += std::min(gap.duration_s, drawn.scenario.duration_s - gap.begin_s);
   }
-  const auto imu = of_kind<ImuSample>(drawn.recording);
+  const auto imu = test::samples_of<ImuSample>(drawn.recording.events);
   CHECK(static_cast<double>(imu.size()) == Approx(100.0 * (60.0 - silent_s)).margin(20.0));
   CHECK(drawn.recording.truth.size() == imu.size());
-  const auto fixes = of_kind<UltrasonicFix>(drawn.recording);
+  const auto fixes = test::samples_of<UltrasonicFix>(drawn.recording.events);
   for (std::size_t i = 1; i < fixes.size(); ++i) {
     REQUIRE(emitted_s(fixes[i]) - emitted_s(fixes[i - 1]) < 0.13);
   }
@@ -206,7 +198,7 @@ SCENARIO("the pair's heading is off for seconds, by up to 30 degrees") {
   CHECK(peak_deg.spans(-30.0, 30.0));
   const Drawn drawn("magnetic_heading", 1);
   int wrong = 0;
-  for (const PairHeading& heading : of_kind<PairHeading>(drawn.recording)) {
+  for (const PairHeading& heading : test::samples_of<PairHeading>(drawn.recording.events)) {
     const Motion motion = drawn.truth_at(heading.emission_time_ns);
     const double error_rad =
         geometry::wrap_angle(heading.heading_world_rad - geometry::yaw_of(motion.q_body_to_world));
@@ -223,7 +215,7 @@ SCENARIO("sparse fixes are sparse or noisy") {
   Extent noise_m;
   for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
     const Drawn drawn("sparse_fixes", seed);
-    const auto fixes = of_kind<UltrasonicFix>(drawn.recording);
+    const auto fixes = test::samples_of<UltrasonicFix>(drawn.recording.events);
     double squares = 0;
     for (const UltrasonicFix& fix : fixes) {
       squares += (fix.position_world_m - drawn.truth_at(fix.emission_time_ns).position_world_m).squaredNorm();
@@ -250,7 +242,7 @@ SCENARIO("the hall has gaps, spikes, poor fixes and half the fixes for half of t
     const HalvedFixRate& halved = drawn.scenario.disturbances.halved_fix_rates.front();
     CHECK(halved.duration_s == 30.0);
     int halved_fixes = 0;
-    const auto all = of_kind<UltrasonicFix>(drawn.recording);
+    const auto all = test::samples_of<UltrasonicFix>(drawn.recording.events);
     for (const UltrasonicFix& fix : all) {
       const double error_m =
           (fix.position_world_m - drawn.truth_at(fix.emission_time_ns).position_world_m).norm();
@@ -301,19 +293,19 @@ SCENARIO("a moved map turns and shifts the truth once") {
       }
     }
     THEN("the IMU does not feel it") {
-      const auto imu = of_kind<ImuSample>(moved.recording);
-      const auto other = of_kind<ImuSample>(unmoved);
+      const auto imu = test::samples_of<ImuSample>(moved.recording.events);
+      const auto other = test::samples_of<ImuSample>(unmoved.events);
       for (std::size_t i = 0; i < imu.size(); ++i) {
         REQUIRE((imu[i].specific_force_body_mps2 - other[i].specific_force_body_mps2).norm() < 0.02);
         REQUIRE(imu[i].angular_velocity_body_radps == other[i].angular_velocity_body_radps);
       }
     }
     THEN("fixes and headings are in the moved map") {
-      for (const UltrasonicFix& fix : of_kind<UltrasonicFix>(moved.recording)) {
+      for (const UltrasonicFix& fix : test::samples_of<UltrasonicFix>(moved.recording.events)) {
         const Motion truth = moved.truth_at(fix.emission_time_ns);
         REQUIRE((fix.position_world_m - truth.position_world_m).norm() < max_noise_m);
       }
-      for (const PairHeading& heading : of_kind<PairHeading>(moved.recording)) {
+      for (const PairHeading& heading : test::samples_of<PairHeading>(moved.recording.events)) {
         const double yaw_rad = geometry::yaw_of(moved.truth_at(heading.emission_time_ns).q_body_to_world);
         REQUIRE(std::abs(geometry::wrap_angle(heading.heading_world_rad - yaw_rad)) < 4.0 * per_deg);
       }
@@ -338,7 +330,7 @@ SCENARIO("any of the four beacons is misplaced, and the fixes are off with the p
     const Drawn drawn("misplaced_beacon", 1);
     THEN("each fix is off by what the map does to the ranges at its place") {
       Extent offset_m;
-      for (const UltrasonicFix& fix : of_kind<UltrasonicFix>(drawn.recording)) {
+      for (const UltrasonicFix& fix : test::samples_of<UltrasonicFix>(drawn.recording.events)) {
         const Vector3d position_m = drawn.truth_at(fix.emission_time_ns).position_world_m;
         const Vector3d expected_m =
             track_offset_world_m(drawn.scenario.disturbances, emitted_s(fix), position_m);
@@ -360,7 +352,7 @@ SCENARIO("a wrong delay is reported, not real") {
   const Drawn drawn("wrong_delay", 1);
   const double drawn_s = drawn.scenario.sensors.reported_delay_error_s;
   double reported_s = 0;
-  const auto fixes = of_kind<UltrasonicFix>(drawn.recording);
+  const auto fixes = test::samples_of<UltrasonicFix>(drawn.recording.events);
   for (const UltrasonicFix& fix : fixes) {
     CHECK(seconds_between(fix.emission_time_ns, fix.received_time_ns) == Approx(*fix.measured_delay_s));
     reported_s += *fix.measured_delay_s / static_cast<double>(fixes.size());

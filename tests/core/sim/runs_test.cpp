@@ -1,6 +1,7 @@
 /// The runs of a scenario have its disturbances and no others.
 
 #include "sim/simulator.hpp"
+#include "support/events.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
 #include <catch2/catch.hpp>
@@ -17,15 +18,6 @@ using namespace sonopose;
 using namespace sonopose::sim;
 
 constexpr TimeNs start_ns = Run{}.start_time_ns;
-
-template <class Sample>
-std::vector<Sample> of_kind(const Recording& recording) {
-  std::vector<Sample> found;
-  for (const Event& event : recording.events) {
-    if (const auto* sample = std::get_if<Sample>(&event)) found.push_back(*sample);
-  }
-  return found;
-}
 
 Recording run_of(const char* scenario, std::uint64_t seed = 1) {
   return record(find_scenario(scenario), {.seed = seed});
@@ -59,7 +51,7 @@ SCENARIO("each run draws its fix rate and fix noise from the beacons' ranges") {
     double min_m = 1e9;
     double max_m = 0;
     for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-      const auto fixes = of_kind<UltrasonicFix>(run_of("walk", seed));
+      const auto fixes = test::samples_of<UltrasonicFix>(run_of("walk", seed).events);
       std::vector<Vector3d> errors;
       double delay_s = 0;
       for (const UltrasonicFix& fix : fixes) {
@@ -87,8 +79,8 @@ SCENARIO("each run draws its fix rate and fix noise from the beacons' ranges") {
 
 SCENARIO("fixes stop during an outage only") {
   const Recording recording = run_of("outages");
-  const auto fixes = of_kind<UltrasonicFix>(recording);
-  const double period_s = 1.0 / fix_rate_hz(of_kind<UltrasonicFix>(run_of("walk")));
+  const auto fixes = test::samples_of<UltrasonicFix>(recording.events);
+  const double period_s = 1.0 / fix_rate_hz(test::samples_of<UltrasonicFix>(run_of("walk").events));
   std::vector<double> gaps_s;
   double sound_s = 1e9;  // shortest time between two outages
   double last_end_s = 0;
@@ -108,8 +100,8 @@ SCENARIO("fixes stop during an outage only") {
     CHECK(emitted_s(fixes.back()) - last_end_s > 10.0);
   }
   THEN("there is no heading without its fix, and the IMU goes on") {
-    CHECK(of_kind<PairHeading>(recording).size() == fixes.size());
-    CHECK(of_kind<ImuSample>(recording).size() == 7500);
+    CHECK(test::samples_of<PairHeading>(recording.events).size() == fixes.size());
+    CHECK(test::samples_of<ImuSample>(recording.events).size() == 7500);
   }
 }
 
@@ -124,7 +116,7 @@ SCENARIO("in an outlier burst the fixes lie on a parallel track") {
   }
   const Recording recording = run_of("outlier_bursts");
   std::map<std::size_t, std::vector<Vector3d>> error_by_burst_m;  // the last entry: outside all bursts
-  for (const UltrasonicFix& fix : of_kind<UltrasonicFix>(recording)) {
+  for (const UltrasonicFix& fix : test::samples_of<UltrasonicFix>(recording.events)) {
     std::size_t i = 0;
     while (i < bursts.size() && !(emitted_s(fix) >= bursts[i].begin_s &&
                                   emitted_s(fix) < bursts[i].begin_s + bursts[i].duration_s)) {
@@ -142,7 +134,7 @@ SCENARIO("in an outlier burst the fixes lie on a parallel track") {
     CHECK(per_axis(error_by_burst_m[bursts.size()]) < 0.026);
   }
   THEN("the headings stay correct throughout") {
-    for (const PairHeading& heading : of_kind<PairHeading>(recording)) {
+    for (const PairHeading& heading : test::samples_of<PairHeading>(recording.events)) {
       const Motion motion = find_scenario("walk").motion(seconds_between(start_ns, heading.emission_time_ns));
       const double yaw = geometry::yaw_of(motion.q_body_to_world);
       REQUIRE(std::abs(geometry::wrap_angle(heading.heading_world_rad - yaw)) < 0.08);
@@ -155,7 +147,7 @@ SCENARIO("fixes of low quality are worse, and report it") {
   std::vector<Vector3d> moderate;
   std::vector<Vector3d> bad;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    for (const UltrasonicFix& fix : of_kind<UltrasonicFix>(run_of("low_quality", seed))) {
+    for (const UltrasonicFix& fix : test::samples_of<UltrasonicFix>(run_of("low_quality", seed).events)) {
       const double quality = *fix.quality_percent;
       auto& kind = quality < 50.0 ? bad : quality <= 75.0 ? moderate : good;
       kind.push_back(error_m("low_quality", fix));
@@ -191,10 +183,10 @@ SCENARIO("a relocation moves the body at once without a trace in its IMU samples
     CHECK(jumps == 1);
   }
   THEN("the fixes jump with it, and the IMU's samples are the same to the bit") {
-    const auto fixes = of_kind<UltrasonicFix>(moved);
+    const auto fixes = test::samples_of<UltrasonicFix>(moved.events);
     CHECK(error_m("relocation", fixes[fixes.size() / 4]).norm() < 0.14);
     CHECK((error_m("relocation", fixes.back()) - relocation.by_world_m).norm() < 0.14);
-    CHECK(of_kind<ImuSample>(moved) == of_kind<ImuSample>(unmoved));
+    CHECK(test::samples_of<ImuSample>(moved.events) == test::samples_of<ImuSample>(unmoved.events));
   }
 }
 
@@ -217,12 +209,12 @@ SCENARIO("without a heading each seed starts in another direction") {
       for (std::uint64_t seed = 1; seed <= 5; ++seed) {
         const Run run{.seed = seed, .duration_s = 30.0};
         const Recording recording = record(scenario, run);
-        REQUIRE(of_kind<PairHeading>(recording).empty());
+        REQUIRE(test::samples_of<PairHeading>(recording.events).empty());
         // The body faces its course, whatever the initial yaw, and the fixes agree with the truth.
         const TruthSample& last = recording.truth.back();
         const double course = std::atan2(last.velocity_world_mps.y(), last.velocity_world_mps.x());
         CHECK(std::abs(geometry::wrap_angle(course - geometry::yaw_of(last.q_body_to_world))) < 1e-9);
-        const auto fix = of_kind<UltrasonicFix>(recording).back();
+        const auto fix = test::samples_of<UltrasonicFix>(recording.events).back();
         const Motion motion = Simulator(scenario, run).motion_at(fix.emission_time_ns);
         CHECK((motion.position_world_m - fix.position_world_m).norm() < 0.14);
       }
@@ -239,7 +231,7 @@ SCENARIO("the gyro's bias grows after the calibration") {
     for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
       Vector3d early = Vector3d::Zero();
       Vector3d late = Vector3d::Zero();
-      for (const ImuSample& imu : of_kind<ImuSample>(run_of("gyro_bias", seed))) {
+      for (const ImuSample& imu : test::samples_of<ImuSample>(run_of("gyro_bias", seed).events)) {
         const double t = seconds_between(start_ns, imu.sensor_time_ns);
         const Vector3d error =
             imu.angular_velocity_body_radps - scenario.motion(t).angular_velocity_body_radps;
@@ -257,7 +249,7 @@ SCENARIO("the gyro's bias grows after the calibration") {
 SCENARIO("with jitter the delay's mean stays and its spread grows") {
   std::vector<double> delays_s;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    for (const auto& fix : of_kind<UltrasonicFix>(run_of("jitter", seed))) {
+    for (const auto& fix : test::samples_of<UltrasonicFix>(run_of("jitter", seed).events)) {
       delays_s.push_back(*fix.measured_delay_s);
     }
   }
@@ -276,7 +268,7 @@ SCENARIO("a whole run is recorded in order") {
   GIVEN("a run without an end") {
     const Recording recording = run_of("outages");
     THEN("it ends with its scenario, and has the truth of each IMU sample") {
-      const auto imu = of_kind<ImuSample>(recording);
+      const auto imu = test::samples_of<ImuSample>(recording.events);
       CHECK(seconds_between(start_ns, imu.back().sensor_time_ns) == Approx(74.99));
       REQUIRE(recording.truth.size() == imu.size());
       for (std::size_t i = 0; i < imu.size(); ++i) {

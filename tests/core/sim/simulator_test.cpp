@@ -1,5 +1,6 @@
 #include "sim/simulator.hpp"
 
+#include "support/events.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
 #include <catch2/catch.hpp>
@@ -137,9 +138,7 @@ SCENARIO("a run is reproducible") {
     settings.pair_heading = false;
     std::vector<Vector3d> before;
     std::vector<Vector3d> after;
-    for (const Event& event : events) {
-      if (const auto* imu = std::get_if<ImuSample>(&event)) before.push_back(imu->specific_force_body_mps2);
-    }
+    for (const auto* imu : test::each<ImuSample>(events)) before.push_back(imu->specific_force_body_mps2);
     for (const Step& step : all_steps(settings, run)) {
       CHECK_FALSE(std::holds_alternative<PairHeading>(step.event));
       if (const auto* imu = std::get_if<ImuSample>(&step.event))

@@ -1,22 +1,19 @@
 #include "json/json.hpp"
 
-#include "monitor/echo/echo.hpp"
 #include "support/matches.hpp"
 #include "support/temporary_folder.hpp"
 #include <sonopose/dds/topics/topics.hpp>
 
 #include <catch2/catch.hpp>
 
-#include <algorithm>
 #include <array>
 #include <limits>
 #include <string>
-#include <tuple>
+#include <vector>
 
 namespace sonopose::json_test {
 
 using namespace sonopose::json;
-using namespace sonopose::monitor::echo;
 
 /// Names of a struct's fields in sonopose.idl.
 std::vector<std::string> idl_fields(const std::string& type) {
@@ -48,14 +45,6 @@ TEST_CASE("a sample has the fields of the IDL, in their order") {
   CHECK(json_fields(sonopose_LineStatus{}) == idl_fields("LineStatus"));
   CHECK(json_fields(sonopose_LogLine{}) == idl_fields("LogLine"));
   CHECK(json_fields(sonopose_EffectiveSettings{}) == idl_fields("EffectiveSettings"));
-}
-
-TEST_CASE("every topic of the project can be echoed") {
-  const auto names = topic_names();
-  CHECK(names.size() == std::tuple_size_v<decltype(dds::topics::all)>);
-  for (const char* name : {"imu", "fix", "pose", "report", "line_status", "settings_request"}) {
-    CHECK(std::find(names.begin(), names.end(), name) != names.end());
-  }
 }
 
 SCENARIO("values of every kind are JSON") {

@@ -3,6 +3,7 @@
 /// An assembler that collects its events, and packets of beacon 7 to feed it.
 
 #include "marvelmind/assembler.hpp"
+#include "support/events.hpp"
 
 #include <cstdint>
 #include <vector>
@@ -32,11 +33,7 @@ struct Fixture {
 
   template <typename Sample>
   std::vector<Sample> all() const {
-    std::vector<Sample> found;
-    for (const Event& event : events) {
-      if (const auto* sample = std::get_if<Sample>(&event)) found.push_back(*sample);
-    }
-    return found;
+    return test::samples_of<Sample>(events);
   }
 };
 

@@ -4,6 +4,7 @@
 #include "marvelmind/conversions.hpp"
 #include "marvelmind/decoder.hpp"
 #include "marvelmind/frames.hpp"
+#include "support/events.hpp"
 #include "support/recordings.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -51,15 +52,6 @@ marvelmind::testing::Bytes read_stream() {
   return {bytes.begin(), bytes.end()};
 }
 
-template <typename Sample>
-std::vector<Sample> of_kind(const std::vector<Event>& events) {
-  std::vector<Sample> found;
-  for (const Event& event : events) {
-    if (const auto* sample = std::get_if<Sample>(&event)) found.push_back(*sample);
-  }
-  return found;
-}
-
 TEST_CASE("The car's recorded bytes give every sample of its log folder") {
   const auto stream = read_stream();
   if (stream.empty()) return;
@@ -86,9 +78,9 @@ TEST_CASE("The car's recorded bytes give every sample of its log folder") {
   assembler.finish(collect);
 
   CHECK(decoder.counters() == DecoderCounters{.frames = 10555 + 1182 + 1182});
-  const auto samples = of_kind<ImuSample>(events);
-  const auto fixes = of_kind<UltrasonicFix>(events);
-  const auto headings = of_kind<PairHeading>(events);
+  const auto samples = test::samples_of<ImuSample>(events);
+  const auto fixes = test::samples_of<UltrasonicFix>(events);
+  const auto headings = test::samples_of<PairHeading>(events);
   REQUIRE(samples.size() == imu_rows.size());
   REQUIRE(fixes.size() == fix_rows.size());
   REQUIRE(headings.size() == fix_rows.size());
@@ -135,9 +127,9 @@ TEST_CASE("The car's bytes over a line with jitter lose nothing, and keep the IM
   });
   assembler.finish(collect);
 
-  const auto samples = of_kind<ImuSample>(events);
+  const auto samples = test::samples_of<ImuSample>(events);
   CHECK(samples.size() == 10555);
-  CHECK(of_kind<UltrasonicFix>(events).size() == 1182);
+  CHECK(test::samples_of<UltrasonicFix>(events).size() == 1182);
   const auto status = assembler.beacon(7)->status();
   CHECK(status.clock_resets == 0);
   CHECK(status.clock_jitter_s < 10e-3);

@@ -3,6 +3,7 @@
 #include "recording/input_check.hpp"
 
 #include "recording/standing_events.hpp"
+#include "support/events.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -24,9 +25,7 @@ using sonopose::test::start_ns;
 /// The findings after a change of each IMU sample.
 std::vector<std::string> with_imu(const std::function<void(ImuSample&)>& change) {
   std::vector<Event> events = standing();
-  for (Event& event : events) {
-    if (auto* imu = std::get_if<ImuSample>(&event)) change(*imu);
-  }
+  for (auto* imu : test::each<ImuSample>(events)) change(*imu);
   return input_findings("log", events);
 }
 
@@ -92,9 +91,7 @@ SCENARIO("a wrong unit or clock is found, with the unit to name") {
   }
   GIVEN("times of reception in another unit") {
     std::vector<Event> events = standing();
-    for (Event& event : events) {
-      if (auto* fix = std::get_if<UltrasonicFix>(&event)) fix->received_time_ns /= 1000;
-    }
+    for (auto* fix : test::each<UltrasonicFix>(events)) fix->received_time_ns /= 1000;
     const auto findings = input_findings("log", events);
     THEN("the fixes seem to arrive before they are emitted") {
       REQUIRE(findings.size() == 1);
@@ -104,11 +101,9 @@ SCENARIO("a wrong unit or clock is found, with the unit to name") {
   }
   GIVEN("fixes of another clock, and one IMU sample with a wrong stamp") {
     std::vector<Event> events = standing();
-    for (Event& event : events) {
-      if (auto* fix = std::get_if<UltrasonicFix>(&event)) {
-        fix->emission_time_ns += 100'000'000'000;
-        fix->received_time_ns += 100'000'000'000;
-      }
+    for (auto* fix : test::each<UltrasonicFix>(events)) {
+      fix->emission_time_ns += 100'000'000'000;
+      fix->received_time_ns += 100'000'000'000;
     }
     std::get<ImuSample>(events.back()).sensor_time_ns += 200'000'000'000;
     THEN("the one stamp does not hide it") {
@@ -162,9 +157,8 @@ SCENARIO("a wrong unit or clock is found, with the unit to name") {
 /// The findings after a change of each fix, by its time since the start.
 std::vector<std::string> with_fixes(const std::function<void(UltrasonicFix&, double)>& change) {
   std::vector<Event> events = standing();
-  for (Event& event : events) {
-    auto* fix = std::get_if<UltrasonicFix>(&event);
-    if (fix != nullptr) change(*fix, seconds_between(start_ns, fix->emission_time_ns));
+  for (auto* fix : test::each<UltrasonicFix>(events)) {
+    change(*fix, seconds_between(start_ns, fix->emission_time_ns));
   }
   return input_findings("log", events);
 }
@@ -209,9 +203,7 @@ SCENARIO("positions that are not in metres are found") {
 SCENARIO("positions that are sent again while the IMU moves are found") {
   std::vector<Event> events = standing();
   const auto with_acceleration = [&events](double most_mps2) {
-    for (Event& event : events) {
-      auto* const imu = std::get_if<ImuSample>(&event);
-      if (imu == nullptr) continue;
+    for (auto* imu : test::each<ImuSample>(events)) {
       const double at_s = seconds_between(start_ns, imu->sensor_time_ns);
       imu->specific_force_body_mps2 = {0, 0, standard_gravity_mps2};
       imu->specific_force_body_mps2 +=
@@ -224,18 +216,15 @@ SCENARIO("positions that are sent again while the IMU moves are found") {
   REQUIRE(findings.size() == 1);
   CHECK_THAT(findings[0], Contains("83 of 84 fixes repeat the position of the one before"));
   int count = 0;
-  for (Event& event : events) {
-    if (auto* fix = std::get_if<UltrasonicFix>(&event))
-      fix->position_world_m.x() = 0.1 * std::floor(count++ / 2.0);
+  for (auto* fix : test::each<UltrasonicFix>(events)) {
+    fix->position_world_m.x() = 0.1 * std::floor(count++ / 2.0);
   }
   CHECK(with_acceleration(1.0).empty());
 }
 
 SCENARIO("headings in radians are found") {
   std::vector<Event> events = standing();
-  for (Event& event : events) {
-    if (auto* imu = std::get_if<ImuSample>(&event)) imu->angular_velocity_body_radps.z() += 1.0;
-  }
+  for (auto* imu : test::each<ImuSample>(events)) imu->angular_velocity_body_radps.z() += 1.0;
   const auto findings_with = [&](double unit_rad) {
     std::vector<Event> all = events;
     for (int i = 0; i < 80; ++i) {
@@ -269,9 +258,7 @@ SCENARIO("a quality that is a share is found") {
 
 SCENARIO("findings about imported tables propose an option of the import") {
   std::vector<Event> events = standing();
-  for (Event& event : events) {
-    if (auto* imu = std::get_if<ImuSample>(&event)) imu->specific_force_body_mps2 /= standard_gravity_mps2;
-  }
+  for (auto* imu : test::each<ImuSample>(events)) imu->specific_force_body_mps2 /= standard_gravity_mps2;
   csv::ColumnNames names;
   names.columns_by_reader = {{{"a_x", "Acc 1"}, {"a_y", "Acc 2"}, {"a_z", "Acc 3"}}};
   const auto findings = input_findings("log", events, &names);
@@ -281,9 +268,8 @@ SCENARIO("findings about imported tables propose an option of the import") {
 
 SCENARIO("times that are taken for seconds may be in milliseconds") {
   std::vector<Event> events = standing();
-  for (Event& event : events) {
-    if (auto* imu = std::get_if<ImuSample>(&event))
-      imu->sensor_time_ns += 999 * (imu->sensor_time_ns - start_ns);
+  for (auto* imu : test::each<ImuSample>(events)) {
+    imu->sensor_time_ns += 999 * (imu->sensor_time_ns - start_ns);
   }
   csv::ColumnNames names;
   names.columns_by_reader = {{{"timestamp", "t"}}, {{"timestamp", "t"}}};
@@ -313,9 +299,7 @@ SCENARIO("fixes of another clock than the headings of their pair are found") {
   const auto findings_with = [](TimeNs shift_ns) {
     std::vector<Event> events = standing();
     std::vector<Event> headings;
-    for (Event& event : events) {
-      auto* const fix = std::get_if<UltrasonicFix>(&event);
-      if (fix == nullptr) continue;
+    for (auto* fix : test::each<UltrasonicFix>(events)) {
       PairHeading heading;
       heading.emission_time_ns = fix->emission_time_ns;
       heading.received_time_ns = fix->received_time_ns;
@@ -381,9 +365,8 @@ SCENARIO("velocities in another unit are found by the fixes") {
   GIVEN("a body that drives at 1 m/s, with velocities at 20 Hz") {
     const auto factor = GENERATE(1.0, 3.6, 100.0, 1000.0, 8.0);
     std::vector<Event> events = standing();
-    for (Event& event : events) {
-      auto* const fix = std::get_if<UltrasonicFix>(&event);
-      if (fix != nullptr) fix->position_world_m.x() = seconds_between(start_ns, fix->emission_time_ns);
+    for (auto* fix : test::each<UltrasonicFix>(events)) {
+      fix->position_world_m.x() = seconds_between(start_ns, fix->emission_time_ns);
     }
     for (int i = 0; i < 200; ++i) {
       TwistSample twist;

@@ -2,6 +2,7 @@
 
 #include "recording/input_check.hpp"
 #include "recording/standing_events.hpp"
+#include "support/events.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
 #include <catch2/catch.hpp>
@@ -46,11 +47,8 @@ SCENARIO("a gyroscope of another clock than the truth is told from another order
     return 1.5 * std::cos(time_s) + 1.84 * std::cos(2.3 * time_s);
   };
   const double ahead_s = GENERATE(0.0, 0.8, 2.5, -1.2);
-  for (Event& event : events) {
-    auto* imu = std::get_if<ImuSample>(&event);
-    if (imu != nullptr) {
-      imu->angular_velocity_body_radps.z() += rate_radps(imu->sensor_time_ns - to_ns(ahead_s));
-    }
+  for (auto* imu : test::each<ImuSample>(events)) {
+    imu->angular_velocity_body_radps.z() += rate_radps(imu->sensor_time_ns - to_ns(ahead_s));
   }
   std::vector<TruthSample> truths(500);
   for (std::size_t i = 0; i < truths.size(); ++i) {
@@ -124,9 +122,7 @@ SCENARIO("a truth of another frame, unit or order of the quaternion is found") {
                  Contains("axes of the body?"));
     }
     THEN("an IMU that lies otherwise than the true poses is named with its axes") {
-      for (Event& event : events) {
-        auto* const imu = std::get_if<ImuSample>(&event);
-        if (imu == nullptr) continue;
+      for (auto* imu : test::each<ImuSample>(events)) {
         for (Vector3d* const vector : {&imu->angular_velocity_body_radps, &imu->specific_force_body_mps2}) {
           *vector = Vector3d(vector->x(), -vector->y(), -vector->z());
         }
@@ -135,9 +131,7 @@ SCENARIO("a truth of another frame, unit or order of the quaternion is found") {
                  Contains("with calibration.axes=+x-y-z") && !Contains("quaternion"));
     }
     THEN("another finding does not hide it, unless it is the cause") {
-      for (Event& event : events) {
-        if (auto* fix = std::get_if<UltrasonicFix>(&event)) fix->quality_percent = 230;
-      }
+      for (auto* fix : test::each<UltrasonicFix>(events)) fix->quality_percent = 230;
       const auto mirrored = [](TruthSample& truth) { truth.position_world_m.y() *= -1; };
       CHECK_THAT(finding_of(mirrored), Contains("230 %") && Contains("are both in one frame?"));
       const auto conjugated = [](TruthSample& truth) {
@@ -145,11 +139,9 @@ SCENARIO("a truth of another frame, unit or order of the quaternion is found") {
         truth.velocity_world_mps *= 3.6;
       };
       CHECK_THAT(finding_of(conjugated), Contains("than the gyroscope") && Contains("km h^-1"));
-      for (Event& event : events) {
-        if (auto* fix = std::get_if<UltrasonicFix>(&event)) {
-          fix->emission_time_ns += 3'000'000'000;
-          fix->received_time_ns += 3'000'000'000;
-        }
+      for (auto* fix : test::each<UltrasonicFix>(events)) {
+        fix->emission_time_ns += 3'000'000'000;
+        fix->received_time_ns += 3'000'000'000;
       }
       CHECK_THAT(finding_of([](TruthSample&) {}),
                  Contains("after the IMU samples") && !Contains("true positions"));

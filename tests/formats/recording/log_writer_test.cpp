@@ -207,7 +207,6 @@ SCENARIO("a magnetometer that appears after the first sample is counted and repo
     writer.write(sample);
     sample.magnetic_field_body_t = Vector3d(1e-5, 0, 0);
     writer.write(sample);
-    CHECK(writer.magnetic_fields_dropped() == 1);
   }
   error.restore();
   CHECK_THAT(error.read(), Contains("imu.csv: 1 magnetic field not written"));

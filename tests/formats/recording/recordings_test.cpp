@@ -3,6 +3,7 @@
 #include "support/recordings.hpp"
 
 #include "recording/log_folder.hpp"
+#include "support/events.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -30,24 +31,15 @@ std::size_t rows_in(const std::filesystem::path& file) {
   return lines - 1;
 }
 
-template <class Sample>
-std::vector<Sample> only(const std::vector<Event>& events) {
-  std::vector<Sample> samples;
-  for (const Event& event : events) {
-    if (const auto* sample = std::get_if<Sample>(&event)) samples.push_back(*sample);
-  }
-  return samples;
-}
-
 TEST_CASE("the beacon recordings are read completely and in order") {
   if (!recordings_are_here()) return;
   for (const char* name : {"car", "drone_a", "drone_b"}) {
     const auto folder = recordings / "beacons" / name;
     INFO(folder);
     const SensorLog log = read_sensor_log(folder);
-    const auto imu = only<ImuSample>(log.events);
-    const auto fixes = only<UltrasonicFix>(log.events);
-    const auto headings = only<PairHeading>(log.events);
+    const auto imu = test::samples_of<ImuSample>(log.events);
+    const auto fixes = test::samples_of<UltrasonicFix>(log.events);
+    const auto headings = test::samples_of<PairHeading>(log.events);
     CHECK(imu.size() == rows_in(folder / "imu.csv"));
     CHECK(fixes.size() == rows_in(folder / "ultrasonic.csv"));
     CHECK(headings.size() == rows_in(folder / "heading.csv"));
@@ -70,12 +62,12 @@ TEST_CASE("the beacon recordings are read completely and in order") {
 TEST_CASE("the car's first heading and fix are those in the file") {
   if (!recordings_are_here()) return;
   const auto events = read_sensor_log(recordings / "beacons" / "car").events;
-  const auto fix = only<UltrasonicFix>(events).at(0);
+  const auto fix = test::samples_of<UltrasonicFix>(events).at(0);
   CHECK(fix.emission_time_ns == 1'700'000'000'591'497'023);
   CHECK(fix.position_world_m == Vector3d(0.085, 0.055, 0));
   CHECK(fix.quality_percent == 90.0);
   CHECK(*fix.measured_delay_s == Approx(0.068));
-  CHECK(only<PairHeading>(events).at(0).heading_world_rad == Approx(1.63188285));  // 93.5 deg
+  CHECK(test::samples_of<PairHeading>(events).at(0).heading_world_rad == Approx(1.63188285));  // 93.5 deg
 }
 
 TEST_CASE("the attitude recordings have a magnetometer, and truth without position") {

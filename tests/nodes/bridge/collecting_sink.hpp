@@ -3,6 +3,7 @@
 /// A sink that stores the output of a source.
 
 #include "publication/source.hpp"
+#include "support/events.hpp"
 
 #include <vector>
 
@@ -23,11 +24,7 @@ public:
   /// Events of one kind, in order.
   template <class Sample>
   [[nodiscard]] std::vector<Sample> of_kind() const {
-    std::vector<Sample> found;
-    for (const Event& event : events) {
-      if (const auto* sample = std::get_if<Sample>(&event)) found.push_back(*sample);
-    }
-    return found;
+    return test::samples_of<Sample>(events);
   }
 
   std::vector<Event> events;

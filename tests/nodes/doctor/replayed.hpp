@@ -5,6 +5,7 @@
 #include "doctor/rules/healthy_system.hpp"
 #include "fusion/beacon_estimator.hpp"
 #include "sim/simulator.hpp"
+#include "support/events.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -89,9 +90,7 @@ inline std::vector<Event> events_of(const std::string& scenario, std::uint64_t s
 
 /// Changes the sign of one axis of the accelerometer.
 inline void invert_axis(std::vector<Event>& events, Eigen::Index axis) {
-  for (Event& event : events) {
-    if (auto* imu = std::get_if<ImuSample>(&event)) imu->specific_force_body_mps2(axis) *= -1.0;
-  }
+  for (auto* imu : sonopose::test::each<ImuSample>(events)) imu->specific_force_body_mps2(axis) *= -1.0;
 }
 
 /// Warnings and errors as text, one per line.

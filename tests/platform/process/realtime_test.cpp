@@ -36,8 +36,9 @@ struct Machine {
       return memory_error;
     };
     calls.may_lock_everything = [this] { return unlimited; };
-    calls.hold_awake = [this](const char* /*device*/, int& file) {
-      if (device_error == 0) file = awake_file = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+    calls.hold_awake = [this](const char* /*device*/, sonopose::files::Descriptor& file) {
+      if (device_error == 0) file = sonopose::files::Descriptor(::open("/dev/null", O_WRONLY | O_CLOEXEC));
+      awake_file = file.number();
       return device_error;
     };
     return calls;

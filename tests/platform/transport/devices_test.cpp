@@ -1,22 +1,18 @@
 #include "clocks/clocks.hpp"
 #include "files/error.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/udp_sender.hpp"
 #include "transport/byte_file.hpp"
 #include "transport/udp_listener.hpp"
 
 #include <catch2/catch.hpp>
 
-#include <arpa/inet.h>
 #include <array>
 #include <chrono>
-#include <netinet/in.h>
 #include <numeric>
 #include <stdexcept>
 #include <string>
-#include <sys/socket.h>
 #include <thread>
-#include <unistd.h>
-#include <vector>
 
 namespace devices_test {
 
@@ -27,32 +23,8 @@ using namespace std::chrono_literals;
 using Catch::Contains;
 using sonopose::test::read_text;
 using sonopose::test::TemporaryFolder;
+using sonopose::test::UdpSender;
 using sonopose::test::write_text;
-
-/// Sends datagrams to a port of this machine.
-class Sender {
-public:
-  explicit Sender(std::uint16_t port) : descriptor_{::socket(AF_INET, SOCK_DGRAM, 0)} {
-    to_.sin_family = AF_INET;
-    to_.sin_port = htons(port);
-    to_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  }
-  ~Sender() { ::close(descriptor_); }
-  Sender(const Sender&) = delete;
-  Sender& operator=(const Sender&) = delete;
-  Sender(Sender&&) = delete;
-  Sender& operator=(Sender&&) = delete;
-
-  void send(const std::string& text) const {
-    const auto sent = ::sendto(descriptor_, text.data(), text.size(), 0,
-                               reinterpret_cast<const sockaddr*>(&to_), sizeof(to_));
-    REQUIRE(sent == static_cast<ssize_t>(text.size()));
-  }
-
-private:
-  int descriptor_;
-  sockaddr_in to_{};
-};
 
 std::string text_of(std::span<const std::uint8_t> bytes) {
   return {bytes.begin(), bytes.end()};
@@ -92,7 +64,7 @@ SCENARIO("datagrams are read one by one, with their arrival time") {
     const auto listener = open_udp_listener(parse_endpoint("127.0.0.1:0"));
     const std::uint16_t port = port_of(*listener);
     REQUIRE(port != 0);
-    const Sender sender(port);
+    const UdpSender sender(port);
     std::array<std::uint8_t, 2048> buffer{};
     WHEN("nothing is sent") {
       THEN("the read ends in time, and the next one still works") {
@@ -145,9 +117,9 @@ SCENARIO("datagrams are read one by one, with their arrival time") {
     const std::uint16_t port = port_of(*listener);
     std::array<std::uint8_t, 2048> buffer{};
     WHEN("two programs of this machine send") {
-      const Sender beacon(port);
+      const UdpSender beacon(port);
       beacon.send("beacon");
-      const Sender forger(port);
+      const UdpSender forger(port);
       forger.send("forged");
       THEN("they are different senders, by their ports") {
         const ReadResult first = listener->read(buffer, 60s);
@@ -188,23 +160,6 @@ SCENARIO("a file of bytes is played to its end") {
   THEN("a missing file or a folder is reported by name") {
     CHECK_THROWS_WITH(ByteFile(folder / "none.bin"), Contains("none.bin: does not exist"));
     CHECK_THROWS_WITH(ByteFile(folder.path()), Contains("is a folder, not a file"));
-  }
-}
-
-SCENARIO("a capture appends bytes at once") {
-  const TemporaryFolder folder;
-  const std::vector<std::uint8_t> bytes{0xFF, 0x47, 0x00, 0x0A};
-  const std::string text(bytes.begin(), bytes.end());
-  CaptureFile capture(folder / "capture.bin");
-  capture.append(bytes);
-  CHECK(read_text(folder / "capture.bin") == text);
-  CaptureFile(folder / "capture.bin").append(bytes);
-  CHECK(read_text(folder / "capture.bin") == text + text);
-  THEN("a folder that does not exist, and a full disk, are reported") {
-    CHECK_THROWS_WITH(CaptureFile(folder / "none" / "capture.bin"),
-                      Contains("cannot be created: No such file"));
-    CHECK_THROWS_WITH(CaptureFile("/dev/full").append(bytes),
-                      Contains("/dev/full: cannot be written: No space left"));
   }
 }
 

@@ -112,13 +112,6 @@ bool echo_topic(const topics::Entry<T>& entry, const EchoOptions& options, const
 
 }  // namespace
 
-std::vector<std::string> topic_names() {
-  std::vector<std::string> names;
-  std::apply([&names](const auto&... entries) { (names.push_back(topics::short_name(entries.name)), ...); },
-             topics::all);
-  return names;
-}
-
 bool echo(const EchoOptions& options, const process::StopSignal& stop) {
   std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is the end of the output, not a crash
   const std::string topic = topics::short_name(options.topic);

@@ -10,21 +10,17 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <vector>
 
 namespace sonopose::monitor::echo {
 
 struct EchoOptions {
   dds::DomainOptions domain;
   std::optional<std::filesystem::path> qos_file;
-  std::string topic;                    ///< one of topic_names()
+  std::string topic;                    ///< "imu" for sonopose/imu
   std::optional<BeaconAddress> beacon;  ///< only beacon to print; empty: all
   std::uint64_t count = 0;              ///< number of samples to print; 0: no limit
   double duration_s = 0;                ///< 0: run until stopped
 };
-
-/// Native topics without their common prefix: "imu" for sonopose/imu.
-std::vector<std::string> topic_names();
 
 /// Prints to standard output until the stop, the end of count or duration, or the loss of its reader. Returns
 /// false if the duration ended without a sample. Throws dds::core::Exception, dds::qos::FileError,

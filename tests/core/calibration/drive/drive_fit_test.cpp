@@ -1,6 +1,7 @@
 #include "calibration/drive/drive_fit.hpp"
 
 #include "calibration/drive/simulated_drive.hpp"
+#include "support/events.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -101,9 +102,7 @@ SCENARIO("headings that are wrong for two seconds, again and again, do not count
   GIVEN("a forklift whose headings are off by 10 to 25 deg in four spells, near metal") {
     SimulatedDrive drive = random_drive("forklift", 907, 60.0);
     const TimeNs start_ns = available_at_ns(drive.recordings[0].front());
-    for (Event& event : drive.recordings[0]) {
-      auto* const heading = std::get_if<PairHeading>(&event);
-      if (heading == nullptr) continue;
+    for (auto* heading : test::each<PairHeading>(drive.recordings[0])) {
       constexpr double period_s = 12.0;
       const double time_s = seconds_between(start_ns, heading->emission_time_ns);
       const double spell = std::floor(time_s / period_s);

@@ -4,6 +4,7 @@
 #include "calibration/drive/simulated_drive.hpp"
 #include "sim/laps.hpp"
 #include "sim/simulator.hpp"
+#include "support/events.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -149,9 +150,7 @@ std::vector<Event> without_headings(std::vector<Event> events) {
 /// Delays the headings so far that no engine can use them.
 std::vector<Event> with_late_headings(std::vector<Event> events) {
   constexpr TimeNs late_ns = 20'000'000'000;
-  for (Event& event : events) {
-    if (auto* heading = std::get_if<PairHeading>(&event)) heading->received_time_ns += late_ns;
-  }
+  for (auto* heading : test::each<PairHeading>(events)) heading->received_time_ns += late_ns;
   std::stable_sort(events.begin(), events.end(),
                    [](const Event& a, const Event& b) { return available_at_ns(a) < available_at_ns(b); });
   return events;

@@ -4,6 +4,7 @@
 #include "calibration/drive/simulated_drive.hpp"
 #include "sim/random.hpp"
 #include "sim/simulator.hpp"
+#include "support/events.hpp"
 #include "support/seeds.hpp"
 
 #include <catch2/catch.hpp>
@@ -33,10 +34,7 @@ Events drive_of(const char* scenario, std::uint64_t seed, bool pair_heading, dou
 }
 
 TimeNs start_of(const Events& events) {
-  for (const Event& event : events) {
-    if (const auto* imu = std::get_if<ImuSample>(&event)) return imu->sensor_time_ns;
-  }
-  return 0;
+  return test::each<ImuSample>(events).front()->sensor_time_ns;
 }
 
 /// Removes the samples of the IMU in a part of the drive.
@@ -51,9 +49,7 @@ void silence(Events& events, double from_s, double duration_s) {
 
 /// The IMU's clock is ahead of that of the fixes, in the order in which a log folder has its rows.
 Events with_imu_ahead(Events events, double ahead_s) {
-  for (Event& event : events) {
-    if (auto* imu = std::get_if<ImuSample>(&event)) imu->sensor_time_ns += to_ns(ahead_s);
-  }
+  for (auto* imu : test::each<ImuSample>(events)) imu->sensor_time_ns += to_ns(ahead_s);
   std::stable_sort(events.begin(), events.end(),
                    [](const Event& a, const Event& b) { return available_at_ns(a) < available_at_ns(b); });
   return events;
@@ -116,9 +112,7 @@ SCENARIO("an IMU that repeats its last sample is cut out like a silence") {
   Events events = drive_of("forklift", 3102, true, 40.0);
   const TimeNs begin_ns = start_of(events) + to_ns(15.0);
   ImuSample last;
-  for (Event& event : events) {
-    auto* imu = std::get_if<ImuSample>(&event);
-    if (imu == nullptr) continue;
+  for (auto* imu : test::each<ImuSample>(events)) {
     if (imu->sensor_time_ns >= begin_ns && imu->sensor_time_ns < begin_ns + to_ns(3.0)) {
       imu->angular_velocity_body_radps = last.angular_velocity_body_radps;
       imu->specific_force_body_mps2 = last.specific_force_body_mps2;

@@ -2,6 +2,7 @@
 
 #include "sim/scenario.hpp"
 #include "sim/simulator.hpp"
+#include "support/events.hpp"
 #include <sonopose/estimation/estimator.hpp>
 #include <sonopose/estimation/kalman/engine.hpp>
 #include <sonopose/estimation/offline/judgement.hpp>
@@ -208,9 +209,8 @@ SCENARIO("fixes of a frozen track are taken back from the first repetition on") 
       return time_s > 20.0 && time_s < 23.0;
     };
     std::optional<Vector3d> repeated_world_m;
-    for (Event& event : events) {
-      auto* fix = std::get_if<UltrasonicFix>(&event);
-      if (fix == nullptr || !is_frozen(fix->emission_time_ns)) continue;
+    for (auto* fix : test::each<UltrasonicFix>(events)) {
+      if (!is_frozen(fix->emission_time_ns)) continue;
       if (!repeated_world_m) repeated_world_m = fix->position_world_m;
       fix->position_world_m = *repeated_world_m;
     }

@@ -5,6 +5,7 @@
 #include "recording/log_folder.hpp"
 #include "sim/scenario.hpp"
 #include "sim/simulator.hpp"
+#include "support/events.hpp"
 #include "support/recordings.hpp"
 #include "support/seeds.hpp"
 #include <sonopose/estimation/estimator.hpp>
@@ -195,9 +196,8 @@ SCENARIO("wrong samples of the IMU do not reach the smoother") {
   GIVEN("a walk with a sample of 16 g or 2000 °/s every other second") {
     auto recording = sim::record(sim::find_scenario("walk"), {.seed = 901, .duration_s = 40.0});
     int samples = 0;
-    for (Event& event : recording.events) {
-      auto* const imu = std::get_if<ImuSample>(&event);
-      if (imu == nullptr || ++samples % 200 != 0) continue;
+    for (auto* imu : test::each<ImuSample>(recording.events)) {
+      if (++samples % 200 != 0) continue;
       if (samples % 400 == 0) {
         imu->angular_velocity_body_radps.y() = -2000.0 * geometry::radians_per_degree;
       } else {

@@ -6,6 +6,7 @@
 #include "bus_log/sensor_log.hpp"
 #include "mcap/compression.hpp"
 #include "ros2/bag/drives.hpp"
+#include "support/events.hpp"
 #include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
@@ -168,9 +169,7 @@ SCENARIO("what drivers do is noticed as by the relay") {
   const auto events = test::walk_events(2.0);
   GIVEN("an accelerometer and a gyroscope apart, of which neither says so") {
     std::vector<RosMessage> messages;
-    for (const Event& event : events) {
-      const auto* const imu = std::get_if<ImuSample>(&event);
-      if (imu == nullptr) continue;
+    for (const auto* imu : test::each<ImuSample>(events)) {
       ImuSample force = *imu;
       force.angular_velocity_body_radps.setZero();
       ImuSample rate = *imu;

@@ -1,6 +1,7 @@
 /// Units and axes of an IMU in motion.
 
 #include "doctor/replayed.hpp"
+#include "support/events.hpp"
 #include "support/seeds.hpp"
 #include <sonopose/geometry/rotation.hpp>
 
@@ -21,9 +22,7 @@ std::string problems_with(const char* scenario, const std::function<void(ImuSamp
   static std::map<std::string, std::vector<Event>> drives;
   if (!drives.contains(scenario)) drives[scenario] = events_of(scenario, 1951, 16.5);
   auto events = drives[scenario];
-  for (Event& event : events) {
-    if (auto* imu = std::get_if<ImuSample>(&event)) change(*imu);
-  }
+  for (auto* imu : sonopose::test::each<ImuSample>(events)) change(*imu);
   return problems_of(observed(events, {}, {8, 8}));
 }
 

@@ -1,5 +1,6 @@
 #include "doctor/replayed.hpp"
 #include "doctor/rules/checks.hpp"
+#include "support/events.hpp"
 #include "support/matches.hpp"
 #include "support/seeds.hpp"
 #include <sonopose/geometry/rotation.hpp>
@@ -118,9 +119,7 @@ TEST_CASE("A gyroscope with the wrong sign is found where gravity shows the acce
       if (!all && seed % 4 > 1) continue;
       CAPTURE(scenario, seed, all_axes);
       auto events = events_of(scenario, seed, 18.5);
-      for (Event& event : events) {
-        auto* const imu = std::get_if<ImuSample>(&event);
-        if (imu == nullptr) continue;
+      for (auto* imu : sonopose::test::each<ImuSample>(events)) {
         Vector3d& rate = imu->angular_velocity_body_radps;
         rate = all_axes ? Vector3d(-rate) : Vector3d(rate.x(), rate.y(), -rate.z());
       }
@@ -137,9 +136,7 @@ TEST_CASE("Headings that are clockwise, as of a compass, are named beside the gy
   for (const char* const scenario : {"walk", "kart", "forklift"}) {
     CAPTURE(scenario);
     auto events = events_of(scenario, 1948, 30);
-    for (Event& event : events) {
-      if (auto* const heading = std::get_if<PairHeading>(&event)) heading->heading_world_rad *= -1;
-    }
+    for (auto* heading : sonopose::test::each<PairHeading>(events)) heading->heading_world_rad *= -1;
     const std::string problems = problems_of(observed(events, {}, {10, 12}));
     CAPTURE(problems);
     CHECK_THAT(problems, Contains("or its headings are clockwise, as those of a compass"));
@@ -152,9 +149,7 @@ TEST_CASE("Without headings, the direction of travel shows the sign of the gyros
     CAPTURE(scenario);
     const auto single = [](sim::SensorSettings& sensors) { sensors.pair_heading = false; };
     auto events = events_of(scenario, 1951, 18.5, single);
-    for (Event& event : events) {
-      if (auto* imu = std::get_if<ImuSample>(&event)) imu->angular_velocity_body_radps.z() *= -1;
-    }
+    for (auto* imu : sonopose::test::each<ImuSample>(events)) imu->angular_velocity_body_radps.z() *= -1;
     CHECK_THAT(problems_of(observed(events, {}, {10, 8})), Contains("its gyroscope has the wrong sign"));
   }
 }
@@ -176,9 +171,7 @@ TEST_CASE("Where the IMU may be turned by 90° in the beacon, the axes that corr
   auto events = events_of("walk", 1971, 18.5);
   const Eigen::Matrix3d sensor_from_body =
       geometry::rotation_about_z(0.5 * std::numbers::pi).toRotationMatrix();
-  for (Event& event : events) {
-    auto* const imu = std::get_if<ImuSample>(&event);
-    if (imu == nullptr) continue;
+  for (auto* imu : sonopose::test::each<ImuSample>(events)) {
     imu->angular_velocity_body_radps = sensor_from_body * imu->angular_velocity_body_radps;
     imu->specific_force_body_mps2 = sensor_from_body * imu->specific_force_body_mps2;
   }

@@ -1,4 +1,5 @@
 #include "doctor/replayed.hpp"
+#include "support/events.hpp"
 #include "support/matches.hpp"
 
 #include <catch2/catch.hpp>
@@ -19,9 +20,8 @@ using Catch::Contains;
 void displace(std::vector<Event>& events, double share, const Vector3d& by_world_m, unsigned seed) {
   std::mt19937 random(seed);
   std::bernoulli_distribution is_displaced(share);
-  for (Event& event : events) {
-    auto* fix = std::get_if<UltrasonicFix>(&event);
-    if (fix != nullptr && is_displaced(random)) fix->position_world_m += by_world_m;
+  for (auto* fix : sonopose::test::each<UltrasonicFix>(events)) {
+    if (is_displaced(random)) fix->position_world_m += by_world_m;
   }
 }
 
@@ -60,9 +60,7 @@ TEST_CASE("Faults of all fixes are named, and none of their consequences") {
     for (const Fault& fault : faults) {
       auto events = events_of(scenario, 1931, 18.5);
       int i = 0;
-      for (Event& event : events) {
-        if (auto* fix = std::get_if<UltrasonicFix>(&event)) fault.change(*fix, i++);
-      }
+      for (auto* fix : sonopose::test::each<UltrasonicFix>(events)) fault.change(*fix, i++);
       const std::string problems = problems_of(observed(events, {}, {10, 8}));
       CAPTURE(scenario, problems);
       CHECK_THAT(problems, Contains(fault.finding));
@@ -74,9 +72,8 @@ TEST_CASE("Faults of all fixes are named, and none of their consequences") {
 TEST_CASE("A few default positions hide no wrong mount") {
   auto events = events_of("walk", 1931, 18.5);
   int i = 0;
-  for (Event& event : events) {
-    auto* fix = std::get_if<UltrasonicFix>(&event);
-    if (fix != nullptr && ++i % 15 == 0) fix->position_world_m.setZero();
+  for (auto* fix : sonopose::test::each<UltrasonicFix>(events)) {
+    if (++i % 15 == 0) fix->position_world_m.setZero();
   }
   settings::Settings settings;
   settings.heading.mount_offset_deg = 90;
@@ -118,9 +115,8 @@ TEST_CASE("A move of the map is one jump, also where an engine spreads it over s
     CAPTURE(static_cast<int>(engine));
     auto events = events_of("walk", 1933, 25.5);
     const TimeNs moved_ns = available_at_ns(events.front()) + to_ns(15);
-    for (Event& event : events) {
-      auto* fix = std::get_if<UltrasonicFix>(&event);
-      if (fix != nullptr && fix->received_time_ns > moved_ns) fix->position_world_m += Vector3d(0.9, -1.2, 0);
+    for (auto* fix : sonopose::test::each<UltrasonicFix>(events)) {
+      if (fix->received_time_ns > moved_ns) fix->position_world_m += Vector3d(0.9, -1.2, 0);
     }
     settings::Settings settings;
     settings.engine.engine = engine;
@@ -133,10 +129,8 @@ TEST_CASE("A move of the map is one jump, also where an engine spreads it over s
 TEST_CASE("A frozen track is found") {
   auto events = events_of("walk", 1932, 18.5);
   std::optional<Vector3d> frozen_at;
-  for (Event& event : events) {
-    auto* fix = std::get_if<UltrasonicFix>(&event);
-    if (fix == nullptr || seconds_between(available_at_ns(events.front()), fix->received_time_ns) < 11)
-      continue;
+  for (auto* fix : sonopose::test::each<UltrasonicFix>(events)) {
+    if (seconds_between(available_at_ns(events.front()), fix->received_time_ns) < 11) continue;
     if (!frozen_at) frozen_at = fix->position_world_m;
     fix->position_world_m = *frozen_at;
   }

@@ -1,5 +1,6 @@
 #include "evaluation/replay/cases.hpp"
 
+#include "support/events.hpp"
 #include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>
@@ -41,9 +42,7 @@ SCENARIO("a case of a scenario that varies has the disturbances of its run") {
     const evaluation::Case moved = evaluation::simulated_case(sim::find_scenario("moved_map"), seed);
     THEN("no fix of seed " + std::to_string(seed) + " was emitted in one of its outages") {
       REQUIRE_FALSE(hall.outages.empty());
-      for (const Event& event : hall.events) {
-        const auto* fix = std::get_if<UltrasonicFix>(&event);
-        if (fix == nullptr) continue;
+      for (const auto* fix : test::each<UltrasonicFix>(hall.events)) {
         const double time_s = seconds_between(available_at_ns(hall.events.front()), fix->emission_time_ns);
         REQUIRE_FALSE(sim::is_outage(hall.outages, time_s));
       }

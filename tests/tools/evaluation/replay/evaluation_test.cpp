@@ -4,6 +4,7 @@
 #include "evaluation/replay/evaluation.hpp"
 
 #include "evaluation/report/summary_report.hpp"
+#include "support/events.hpp"
 #include "support/recordings.hpp"
 #include "support/seeds.hpp"
 
@@ -40,9 +41,7 @@ std::vector<CaseResult> runs_of(const std::string& scenario, std::uint64_t seeds
 /// A body at rest whose fixes are all offset along X.
 evaluation::Case standing(double fix_offset_m) {
   evaluation::Case standing = evaluation::simulated_case(sim::find_scenario("rest"), 1);
-  for (Event& event : standing.events) {
-    if (auto* fix = std::get_if<UltrasonicFix>(&event)) fix->position_world_m.x() += fix_offset_m;
-  }
+  for (auto* fix : test::each<UltrasonicFix>(standing.events)) fix->position_world_m.x() += fix_offset_m;
   return standing;
 }
 

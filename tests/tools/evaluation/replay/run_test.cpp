@@ -2,6 +2,7 @@
 
 #include "evaluation/sample_log.hpp"
 #include "recording/merge.hpp"
+#include "support/events.hpp"
 #include <sonopose/settings/settings_table.hpp>
 
 #include <catch2/catch.hpp>
@@ -91,12 +92,8 @@ TEST_CASE("a fix has no effect before it was received") {
   Outputs as_recorded;
   run_and_record(log, {}, as_recorded);
   // The same recording as merged by a folder's reader, with one fix received a second later.
-  std::vector<ImuSample> imu;
-  std::vector<UltrasonicFix> fixes;
-  for (const Event& event : log.events) {
-    if (const auto* sample = std::get_if<ImuSample>(&event)) imu.push_back(*sample);
-    if (const auto* fix = std::get_if<UltrasonicFix>(&event)) fixes.push_back(*fix);
-  }
+  const auto imu = test::samples_of<ImuSample>(log.events);
+  auto fixes = test::samples_of<UltrasonicFix>(log.events);
   const std::size_t late = fixes.size() / 2;
   std::vector<UltrasonicFix> with_late_fix(fixes.begin(),
                                            fixes.begin() + static_cast<std::ptrdiff_t>(late) + 1);
@@ -121,12 +118,7 @@ TEST_CASE("impossible rows are counted, and the result stays finite") {
   recording::SensorLog log = sample_log("walk", 5.0);
   std::get<ImuSample>(log.events[0]).angular_velocity_body_radps.x() =
       std::numeric_limits<double>::quiet_NaN();
-  for (Event& event : log.events) {
-    if (auto* fix = std::get_if<UltrasonicFix>(&event)) {
-      fix->position_world_m.y() = 1e9;
-      break;
-    }
-  }
+  test::each<UltrasonicFix>(log.events).front()->position_world_m.y() = 1e9;
   const auto result = evaluation::run(log, {});
   CHECK(result.counters.samples_invalid == 1);
   CHECK(result.fix_flags.of(fix_invalid) == 1);
