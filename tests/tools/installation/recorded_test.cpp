@@ -1,10 +1,10 @@
 #include "installation/recorded.hpp"
 
 #include "sim/simulator.hpp"
+#include "support/events.hpp"
 #include <sonopose/settings/settings_table.hpp>
 
 #include <catch2/catch.hpp>
-#include <fmt/format.h>
 
 #include <functional>
 #include <string>
@@ -21,9 +21,8 @@ std::vector<Event> events_of(const std::string& scenario, std::uint64_t seed,
                              const std::function<void(UltrasonicFix&)>& change = {}) {
   const sim::Run run{.seed = seed, .duration_s = 30};
   auto events = sim::record(sim::drawn(sim::find_scenario(scenario), run), run).events;
-  for (Event& event : events) {
-    auto* const fix = std::get_if<UltrasonicFix>(&event);
-    if (fix != nullptr && change) change(*fix);
+  for (auto* fix : test::each<UltrasonicFix>(events)) {
+    if (change) change(*fix);
   }
   return events;
 }
@@ -72,9 +71,7 @@ SCENARIO("A brief search goes on where a piece shows a fault or fits badly") {
   }
   GIVEN("an accelerometer whose axis x has the wrong sign") {
     auto events = events_of("forklift", 2152);
-    for (Event& event : events) {
-      if (auto* imu = std::get_if<ImuSample>(&event)) imu->specific_force_body_mps2.x() *= -1;
-    }
+    for (auto* imu : test::each<ImuSample>(events)) imu->specific_force_body_mps2.x() *= -1;
     THEN("the axis is named") {
       CHECK_THAT(text_of(findings_in(events, {}, Search::brief)),
                  Contains("the wrong sign on the body's axis x"));
@@ -84,9 +81,7 @@ SCENARIO("A brief search goes on where a piece shows a fault or fits badly") {
 
 SCENARIO("An IMU upside down is named with the setting that turns it") {
   auto events = events_of("walk", 2161);
-  for (Event& event : events) {
-    auto* const imu = std::get_if<ImuSample>(&event);
-    if (imu == nullptr) continue;
+  for (auto* imu : test::each<ImuSample>(events)) {
     for (Vector3d* const vector : {&imu->angular_velocity_body_radps, &imu->specific_force_body_mps2}) {
       *vector = Vector3d(vector->x(), -vector->y(), -vector->z());
     }
@@ -99,9 +94,7 @@ SCENARIO("An IMU upside down is named with the setting that turns it") {
 
 SCENARIO("An accelerometer in g says nothing about the installation") {
   auto events = events_of("walk", 2171);
-  for (Event& event : events) {
-    if (auto* imu = std::get_if<ImuSample>(&event)) imu->specific_force_body_mps2 /= standard_gravity_mps2;
-  }
+  for (auto* imu : test::each<ImuSample>(events)) imu->specific_force_body_mps2 /= standard_gravity_mps2;
   CHECK(findings_in(events, {}, Search::thorough).empty());
 }
 

@@ -153,11 +153,11 @@ TEST_CASE("In every scenario, the doctor finds only the fault that is there") {
   CHECK(result.not_found == std::set<std::string>{});
 }
 
-TEST_CASE("Hundreds of looks at all scenarios have a wrong finding in at most 2 %", "[.][accuracy]") {
+TEST_CASE("Hundreds of looks at all scenarios have a wrong finding in at most 3 %", "[.][accuracy]") {
   for (const Survey& result : {survey(2201, 12, 8.0, false), survey(2301, 12, 16.0, false)}) {
     for (const std::string& look : result.wrong) std::cout << look;
     std::cout << result.wrong.size() << " of " << result.looks << " looks have a wrong finding\n";
-    CHECK(static_cast<double>(result.wrong.size()) <= 0.02 * result.looks);
+    CHECK(static_cast<double>(result.wrong.size()) <= 0.03 * result.looks);
     CHECK(result.not_found == std::set<std::string>{});
   }
 }
