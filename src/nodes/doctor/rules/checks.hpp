@@ -37,7 +37,8 @@ void check_pose(double window_s, const BeaconObservation& beacon, Cause cause, F
 /// Properties of one beacon's samples that show faults of its installation.
 installation::Evidence evidence_of(const BeaconObservation& beacon);
 /// Adds faults of one beacon's installation.
-void add_faults(const BeaconObservation& beacon, std::vector<installation::Finding> faults, Findings& findings);
+void add_faults(const BeaconObservation& beacon, std::vector<installation::Finding> faults,
+                Findings& findings);
 /// Checks clocks, map, signs, mount offset and delay of one beacon, if it moves.
 void check_installation(const BeaconObservation& beacon, Findings& findings);
 /// Reports fixes and headings in wrong units, default positions and positions that are sent again. Returns
