@@ -4,15 +4,17 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace sonopose::apps {
 
-bool warn_of_installation(const std::string& name, const std::vector<Event>& events,
+bool warn_of_installation(const std::string& name, std::span<const Event> events,
                           const settings::Settings& settings, installation::Search search) {
   const auto findings = installation::findings_in(events, settings, search);
   for (const installation::Finding& each : findings) {
     logging::warning(fmt::format("{}: {}: {}", name, each.text, each.remedy));
   }
-  return !findings.empty();
+  return std::ranges::any_of(findings, &installation::Finding::is_error);
 }
 
 }  // namespace sonopose::apps

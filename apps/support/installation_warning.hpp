@@ -3,13 +3,13 @@
 
 #include "installation/recorded.hpp"
 
+#include <span>
 #include <string>
-#include <vector>
 
 namespace sonopose::apps {
 
-/// Logs each fault that the events show. Returns false if there is none.
-bool warn_of_installation(const std::string& name, const std::vector<Event>& events,
+/// Logs each fault that the events show. Returns true if there is an error among them.
+bool warn_of_installation(const std::string& name, std::span<const Event> events,
                           const settings::Settings& settings, installation::Search search);
 
 }  // namespace sonopose::apps

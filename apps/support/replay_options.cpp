@@ -15,6 +15,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 
@@ -107,8 +109,17 @@ config::FusionConfig configuration(const ReplayOptions& options) {
 
 namespace {
 
+/// Events until a time after the first.
+std::span<const Event> until(std::span<const Event> events, const std::optional<double>& until_s) {
+  if (!until_s || events.empty()) return events;
+  const TimeNs end_ns = available_at_ns(events.front()) + to_ns(*until_s);
+  const auto end =
+      std::ranges::find_if(events, [end_ns](const Event& event) { return available_at_ns(event) > end_ns; });
+  return {events.begin(), end};
+}
+
 /// Warns of faults of the installation, and of contradictions that they do not explain.
-void warn_of_contradictions(const std::string& name, const recording::SensorLog& log,
+void warn_of_contradictions(const std::string& name, std::span<const Event> events,
                             const settings::Settings& settings, const evaluation::RunResult& result) {
   const auto exceeds = [&result](PoseStatus bit, double share) {
     const auto found = result.warned.find(bit);
@@ -120,7 +131,7 @@ void warn_of_contradictions(const std::string& name, const recording::SensorLog&
       (exceeds(status_heading_unknown, 0.5) && 100 * result.counters.headings > result.judged_poses);
   const bool are_fixes_wrong = exceeds(status_fixes_inconsistent, 0.5);
   const bool is_contradicted = is_imu_wrong || are_fixes_wrong;
-  if (warn_of_installation(name, log.events, settings,
+  if (warn_of_installation(name, events, settings,
                            is_contradicted ? installation::Search::thorough : installation::Search::brief)) {
     return;
   }
@@ -149,7 +160,7 @@ void require_result(const ReplayOptions& options, const recording::SensorLog& lo
     if (is_chosen(input) && !options.run.until_s) throw std::runtime_error(text);
     logging::warning(text);
   }
-  warn_of_contradictions(name, log, settings, result);
+  warn_of_contradictions(name, until(log.events, options.run.until_s), settings, result);
   if (result.poses > 0 && result.judged_poses == 0) {
     throw std::runtime_error(fmt::format("{}: no score: no pose comes {} s (--after) after the first event",
                                          name, options.run.after_s));

@@ -81,8 +81,8 @@ class InstallationCheck {
 public:
   explicit InstallationCheck(const Evidence& evidence) : evidence_(evidence) {}
 
-  /// Runs the checks. Other clocks, mirrored fixes and a wrong sign make mount and delay wrong too, so they
-  /// come first.
+  /// Runs the checks. Other clocks, a wrong scale, mirrored fixes and a wrong sign make mount and delay wrong
+  /// too, so they come first.
   void run() {
     if (clocks() || map_scale() || mirror() || report_sign(inverted_axes())) return;
     mount();
@@ -116,13 +116,17 @@ private:
     if (!has_gravity_upwards()) return false;  // an IMU upside down turns as a mirrored one
     const auto change = motion::fit::mirror_in(evidence_.pieces, configured_mount_rad());
     if (!change) return false;
-    findings_.push_back(
-        {true, "its fixes are mirrored: they agree with the IMU only if an axis of the map is inverted",
-         fmt::format(
-             "{} at the source of the positions: the map of the beacons is left-handed, or their driver "
-             "mixes the axes",
-             motion::fit::text_of(*change))});
+    report_error(
+        "its fixes are mirrored: they agree with the IMU only if an axis of the map is inverted",
+        fmt::format(
+            "{} at the source of the positions: the map of the beacons is left-handed, or their driver "
+            "mixes the axes",
+            motion::fit::text_of(*change)));
     return true;
+  }
+
+  void report_error(std::string text, std::string remedy) {
+    findings_.push_back({.is_error = true, .text = std::move(text), .remedy = std::move(remedy)});
   }
 
   /// True if the mean force is up, as at rest. If it is down, an inverted accelerometer explains the fit as
@@ -147,19 +151,17 @@ private:
     const motion::TurnGain& turn = evidence_.turn_gain;
     if (turn.by_heading && motion::turn_fault_of(turn) == motion::TurnFault::wrong_sign &&
         has_gravity_upwards()) {
-      findings_.push_back(
-          {true,
-           "its gyroscope has the wrong sign about the body's axis z, or about all axes, or its headings are "
-           "clockwise, as those of a compass: each turns against the other",
-           "correct the sign in the driver of the IMU or of the headings; calibration.axes can only rotate"});
+      report_error(
+          "its gyroscope has the wrong sign about the body's axis z, or about all axes, or its headings are "
+          "clockwise, as those of a compass: each turns against the other",
+          "correct the sign in the driver of the IMU or of the headings; calibration.axes can only rotate");
       return true;
     }
     if (axes == std::vector<std::size_t>{2} && has_gravity_upwards()) {
-      findings_.push_back(
-          {true,
-           "its gyroscope has the wrong sign about the body's axis z, or about all axes: only then "
-           "does the IMU agree with the fixes and headings",
-           "correct the sign in the driver of the IMU; calibration.axes can only rotate"});
+      report_error(
+          "its gyroscope has the wrong sign about the body's axis z, or about all axes: only then "
+          "does the IMU agree with the fixes and headings",
+          "correct the sign in the driver of the IMU; calibration.axes can only rotate");
       return true;
     }
     std::string names;
@@ -171,13 +173,12 @@ private:
     const bool may_be_all = axes == std::vector<std::size_t>{2};
     if (may_be_all && !has_mount) names += ", or on all axes";
     if (may_be_all && has_mount && mount_error_rad_with(2) > 0.5 * std::numbers::pi) names = "on all axes";
-    findings_.push_back(
-        {true,
-         fmt::format("its accelerometer has the wrong sign {}: only then does the IMU agree with the fixes "
-                     "and headings",
-                     names),
-         "correct the sign in the driver of the IMU (of all axes if it reports gravity instead of specific "
-         "force), or replace the beacon; calibration.axes can only rotate"});
+    report_error(
+        fmt::format("its accelerometer has the wrong sign {}: only then does the IMU agree with the fixes "
+                    "and headings",
+                    names),
+        "correct the sign in the driver of the IMU (of all axes if it reports gravity instead of specific "
+        "force), or replace the beacon; calibration.axes can only rotate");
     return true;
   }
 
@@ -233,7 +234,7 @@ private:
                        calibration::nearest_axes(turned));
   }
 
-  /// Reports a map of another size, if gravity shows that the accelerometer does not measure another scale.
+  /// Reports a map of another scale, if gravity shows that the accelerometer does not measure another scale.
   bool map_scale() {
     constexpr double gravity_tolerance = 0.04;
     constexpr double feet_tolerance = 0.3;
@@ -247,13 +248,12 @@ private:
                          : std::min(median, mean_up) > 1.0 + gravity_tolerance) {
       return false;
     }
-    findings_.push_back(
-        {true,
-         fmt::format("its fixes move {:.2f} (±{:.2f}) times as far as the IMU: the map has a wrong scale",
-                     scale->value, scale->std),
-         std::abs(scale->value - feet_per_m) < feet_tolerance
-             ? "publish the positions in m: they seem to be in feet"
-             : "measure a distance between two stationary beacons, and correct those of the map"});
+    report_error(
+        fmt::format("its fixes move {:.2f} (±{:.2f}) times as far as the IMU: the map has a wrong scale",
+                    scale->value, scale->std),
+        std::abs(scale->value - feet_per_m) < feet_tolerance
+            ? "publish the positions in m: they seem to be in feet"
+            : "measure a distance between two stationary beacons, and correct those of the map");
     return true;
   }
 
@@ -279,16 +279,15 @@ private:
     error.value = geometry::wrap_angle(error.value + origin_rad);
     if (2 * wrong <= static_cast<std::ptrdiff_t>(errors.size())) return;
     if (std::abs(error.value) < std::max(wrong_mount_rad, significant_stds * error.std)) return;
-    findings_.push_back(
-        {true,
-         fmt::format(
-             "its mount offset is wrong by about {:.0f}° (±{:.0f}°): the IMU, the fixes and the heading "
-             "of the pair do not agree",
-             whole_degrees(error.value), error.std * degrees),
-         fmt::format("try heading.mount_offset_deg={}{}; sonopose-calibrate mount finds it exactly "
-                     "(docs/calibration.md)",
-                     text::number_text(whole_degrees(configured_mount_rad() + error.value), 0),
-                     axes_advice(error.value))});
+    report_error(
+        fmt::format(
+            "its mount offset is wrong by about {:.0f}° (±{:.0f}°): the IMU, the fixes and the heading "
+            "of the pair do not agree",
+            whole_degrees(error.value), error.std * degrees),
+        fmt::format("try heading.mount_offset_deg={}{}; sonopose-calibrate mount finds it exactly "
+                    "(docs/calibration.md)",
+                    text::number_text(whole_degrees(configured_mount_rad() + error.value), 0),
+                    axes_advice(error.value)));
   }
 
   void delay() {
@@ -334,18 +333,20 @@ private:
   void report_age(const Measured& error, bool is_error, std::string_view cause) {
     const AgeSetting setting = age_setting(error);
     findings_.push_back(
-        {is_error,
-         fmt::format("its fixes are about {:.0f} ms (±{:.0f} ms) {} than the fusion assumes{}",
-                     std::abs(error.value) * 1e3, error.std * 1e3, error.value > 0 ? "older" : "younger",
-                     cause),
-         can_set(setting)
-             ? fmt::format("try {}={}; sonopose-calibrate delay finds it exactly (docs/calibration.md)",
-                           setting.key, text::number_text(setting.value_s, 3))
-             : fmt::format("synchronise the clocks that stamp the fixes and the IMU samples, or add {} s to "
-                           "the stamps "
-                           "of the fixes in their driver; {} allows only {} to {} s",
-                           text::number_text(-error.value, 3), setting.key,
-                           text::number_text(setting.min_s, 2), text::number_text(setting.max_s, 2))});
+        {.is_error = is_error,
+         .text = fmt::format("its fixes are about {:.0f} ms (±{:.0f} ms) {} than the fusion assumes{}",
+                             std::abs(error.value) * 1e3, error.std * 1e3,
+                             error.value > 0 ? "older" : "younger", cause),
+         .remedy =
+             can_set(setting)
+                 ? fmt::format("try {}={}; sonopose-calibrate delay finds it exactly (docs/calibration.md)",
+                               setting.key, text::number_text(setting.value_s, 3))
+                 : fmt::format(
+                       "synchronise the clocks that stamp the fixes and the IMU samples, or add {} s to "
+                       "the stamps "
+                       "of the fixes in their driver; {} allows only {} to {} s",
+                       text::number_text(-error.value, 3), setting.key, text::number_text(setting.min_s, 2),
+                       text::number_text(setting.max_s, 2))});
   }
 
   const Evidence& evidence_;
@@ -364,7 +365,7 @@ bool is_explained(const Piece& piece) {
   return !is_judged(piece) ||
          (piece.residual_m < max_residual_m && piece.mount_log_likelihood < min_log_likelihood_ratio &&
           std::abs(piece.delay_s.value) < wrong_delay_s &&
-          std::abs(piece.map_scale.value - 1.0) < significant_stds * piece.map_scale.std);
+          std::abs(piece.map_scale.value - 1.0) <= significant_stds * piece.map_scale.std);
 }
 
 std::vector<Finding> wrong_sign_of_z(const Evidence& evidence) {

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
 /// Derives faults of the installation of a beacon from fits of its motion: other clocks, a mirrored map or
-/// one of the wrong size, wrong signs, mount offset and delay.
+/// one of a wrong scale, wrong signs, mount offset and delay.
 
 #include "motion/fit/window_fit.hpp"
 #include "motion/imu_summary.hpp"

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <utility>
 #include <variant>
 
@@ -15,7 +16,7 @@ namespace sonopose::installation {
 namespace {
 
 /// False if the input check names a fault that makes every fit wrong.
-bool are_usable(const motion::Window& window, const Evidence& evidence) {
+bool is_fit_possible(const motion::Window& window, const Evidence& evidence) {
   if (motion::force_unit_of(evidence.imu_summary) != motion::ForceUnit::mps2 ||
       motion::has_rates_in_degrees(evidence.imu_summary) || !motion::imu_faults_of(window).empty()) {
     return false;
@@ -28,7 +29,7 @@ bool are_usable(const motion::Window& window, const Evidence& evidence) {
 
 }  // namespace
 
-std::vector<Finding> findings_in(const std::vector<Event>& events, const settings::Settings& settings,
+std::vector<Finding> findings_in(std::span<const Event> events, const settings::Settings& settings,
                                  Search search) {
   constexpr std::size_t brief_pieces = 3;
   SampleWindow samples(settings);
@@ -58,14 +59,20 @@ std::vector<Finding> findings_in(const std::vector<Event>& events, const setting
   motion::sort_by_time(window);
   evidence.imu_summary = motion::summary_of(window.imu);
   evidence.turn_gain = motion::turn_gain_of(window);
-  if (!are_usable(window, evidence)) return {};
+  const bool is_possible = is_fit_possible(window, evidence);
+  motion::remove_default_position(window.fixes);
   if (auto problem = axes.problem()) {
+    // A wrong sign of z alone also turns the force upside down.
+    if (is_possible) evidence.pieces = motion::fit::pieces_of(std::move(window));
+    auto wrong_sign = wrong_sign_of_z(evidence);
+    if (!wrong_sign.empty()) return wrong_sign;
     return {{.is_error = false, .text = std::move(problem->text), .remedy = std::move(problem->remedy)}};
   }
-  motion::remove_default_position(window.fixes);
+  if (!is_possible) return {};
   if (search == Search::brief) {
     evidence.pieces = motion::fit::pieces_of(window, {.max_pieces = brief_pieces, .with_changes = false});
-    if (std::ranges::all_of(evidence.pieces, is_explained)) return {};
+    const bool is_any_judged = std::ranges::any_of(evidence.pieces, motion::fit::is_judged);
+    if (is_any_judged && std::ranges::all_of(evidence.pieces, is_explained)) return {};
   }
   evidence.pieces = motion::fit::pieces_of(std::move(window));
   return findings_of(evidence);

@@ -16,7 +16,6 @@ namespace sonopose::installation {
 /// fixes of a second tag, which moves otherwise, and headings that are not of the pair.
 class SampleWindow {
 public:
-  /// The settings must outlive it.
   explicit SampleWindow(const settings::Settings& settings);
 
   void add(const ImuSample& imu);
@@ -26,7 +25,7 @@ public:
   [[nodiscard]] motion::Window window() && { return std::move(window_); }
 
 private:
-  const settings::DelaySettings& delay_;
+  settings::DelaySettings delay_;
   calibration::Calibration calibration_;
   std::optional<Vector3d> tag_body_m_;
   motion::Window window_;

@@ -33,7 +33,7 @@ std::string text_of(const std::vector<Finding>& findings) {
   return text;
 }
 
-SCENARIO("A map of the wrong size is named with its factor") {
+SCENARIO("A map of a wrong scale is named with its factor") {
   const std::string scenario = GENERATE("walk", "forklift", "drone", "hand_held");
   const double factor = GENERATE(0.8, 1.2);
   CAPTURE(scenario, factor);
@@ -90,6 +90,38 @@ SCENARIO("An IMU upside down is named with the setting that turns it") {
   settings::Settings turned;
   settings::set(turned, "calibration.axes", std::string("+x-y-z"));
   CHECK(findings_in(events, turned, Search::brief).empty());
+}
+
+SCENARIO("An accelerometer of another scale or sign is no fault of the map or mount") {
+  const double factor = GENERATE(0.85, 1.15, -1.0);
+  CAPTURE(factor);
+  auto events = events_of("forklift", 2165);
+  for (auto* imu : test::each<ImuSample>(events)) imu->specific_force_body_mps2 *= factor;
+  const std::string text = text_of(findings_in(events, {}, Search::thorough));
+  CHECK_THAT(text, !Contains("times as far as the IMU") && !Contains("calibration.axes=+x-y-z"));
+  CHECK(text.empty() == (factor > 0));
+}
+
+SCENARIO("A wrong mount is found where most of a recording is at rest") {
+  const sim::Run run{.seed = 2181, .duration_s = 30};
+  auto events = sim::record(sim::drawn(sim::find_scenario("walk"), run), run).events;
+  const sim::Run rest{.seed = 2182, .duration_s = 90};
+  auto after = sim::record(sim::drawn(sim::find_scenario("rest"), rest), rest).events;
+  settings::Settings turned;
+  settings::set(turned, "heading.mount_offset_deg", 90.0);
+  const TimeNs later_ns = available_at_ns(events.back()) - available_at_ns(after.front()) + to_ns(1);
+  for (auto* imu : test::each<ImuSample>(after)) imu->sensor_time_ns += later_ns;
+  for (auto* fix : test::each<UltrasonicFix>(after)) {
+    fix->emission_time_ns += later_ns;
+    fix->received_time_ns += later_ns;
+  }
+  for (auto* heading : test::each<PairHeading>(after)) {
+    heading->emission_time_ns += later_ns;
+    heading->received_time_ns += later_ns;
+  }
+  std::vector<Event> parked = after;
+  parked.insert(parked.begin(), events.begin(), events.end());
+  CHECK_THAT(text_of(findings_in(parked, turned, Search::brief)), Contains("its mount offset is wrong"));
 }
 
 SCENARIO("An accelerometer in g says nothing about the installation") {

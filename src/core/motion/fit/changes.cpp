@@ -132,7 +132,8 @@ std::optional<Measured> map_scale_in(const std::vector<Piece>& pieces) {
     // A larger map has more noise. Shocks and noise of the IMU look like longer ways, but do not fit well.
     const double max_m =
         piece.map_scale.value > 1.0 ? max_residual_m * piece.map_scale.value : good_residual_m;
-    if (scaled.residual_m > max_m || !are_few(scaled.outliers, piece, max_outliers)) continue;
+    const bool is_fitted = piece.map_scale.std > 0.0;
+    if (!is_fitted || scaled.residual_m > max_m || !are_few(scaled.outliers, piece, max_outliers)) continue;
     log_likelihood += scaled.log_likelihood;
     over_others += scaled.log_likelihood - std::max(best_of_imu(piece), mirrored_of(piece).log_likelihood);
     scales.push_back(piece.map_scale);

@@ -1,7 +1,7 @@
 #pragma once
 /// \file
-/// The installation of a beacon as shown by the samples of a window: mount, delay, signs of the
-/// accelerometer's axes. Independent of the fusion and its engine.
+/// The installation of a beacon as shown by the samples of a window: mount, delay, scale of the map, signs of
+/// the accelerometer's axes. Independent of the fusion and its engine.
 
 #include "motion/window.hpp"
 
@@ -44,7 +44,7 @@ struct Piece {
   /// Log-likelihood minus that of the motion with the configured mount; 0 without headings.
   double mount_log_likelihood = 0;
   Variant scaled;                   ///< distances by the fixes, changed by 1 / `map_scale`
-  Measured map_scale{1.0, 0.0};     ///< distances by the fixes over those by the IMU
+  Measured map_scale{1.0, 0.0};     ///< distances by the fixes over those by the IMU; std 0 if not fitted
   std::array<Variant, 3> inverted;  ///< sign of one axis of the accelerometer: x, y, z
   // Only of pieces that no motion explains well without a change.
   Variant turned_gyroscope;  ///< sign of all rates

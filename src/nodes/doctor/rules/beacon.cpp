@@ -168,7 +168,7 @@ public:
     if (beacon_.pose.samples == 0) {
       add(Severity::error, "a fusion runs, but no poses of this beacon were received",
           "keep it still for a second, check that fixes arrive, and check the output of sonopose-fusion");
-    } else if (!follows(beacon_.pose, beacon_.imu)) {
+    } else if (constexpr double restart_s = 0.3; !follows(beacon_.pose, beacon_.imu, restart_s)) {
       check_silence(beacon_.pose, "poses", "check whether the machine of the fusion is overloaded");
     }
   }
@@ -345,9 +345,10 @@ private:
     }
   }
 
-  /// True if the silence of a stream is that of its source, which is reported already.
-  static bool follows(const StreamObservation& stream, const StreamObservation& source) {
-    constexpr double late_s = 0.3;  // an engine starts again with the next fix
+  /// True if the silence of a stream is that of its source, which is reported already. It may end later by
+  /// `late_s`: an engine starts again with the next fix.
+  static bool follows(const StreamObservation& stream, const StreamObservation& source,
+                      double late_s = 0.05) {
     return source.longest_silence_s > source.deadline_s &&
            stream.longest_silence_s < source.longest_silence_s + late_s && stream.silences <= source.silences;
   }
