@@ -30,7 +30,7 @@ void record_walks(const Path& file, const std::vector<BeaconAddress>& addresses)
   }
 }
 
-/// What a replay prints from its state hash on.
+/// Output of a replay from its state hash on.
 std::string state_hash_of(const std::vector<std::string>& arguments) {
   const std::string output = output_of(SONOPOSE_TEST_REPLAY, arguments);
   const std::size_t at = output.find("state hash");
