@@ -29,7 +29,7 @@ struct Finding {
   std::string remedy;
 };
 
-/// Returns the faults, the causes of others alone.
+/// Returns the faults. A fault that causes others is returned without them.
 std::vector<Finding> findings_of(const Evidence& evidence);
 
 /// True if a motion with the configured mount and a map of the right scale explains the piece, or if the
