@@ -141,6 +141,18 @@ void add_stuck(const Sensor& sensor, const Sensor& other, bool is_moving, std::v
 
 }  // namespace
 
+void remove_held_readings(Window& window) {
+  const auto remove = [&imu = window.imu](const std::vector<Row>& rows) {
+    // From the last one, because a removal shifts what follows.
+    for (auto row = rows.rbegin(); row != rows.rend(); ++row) {
+      imu.erase(imu.begin() + static_cast<std::ptrdiff_t>(row->begin),
+                imu.begin() + static_cast<std::ptrdiff_t>(row->end));
+    }
+  };
+  remove(zero_rows(window.imu));
+  remove(repeated_rows(window));
+}
+
 std::vector<std::string> imu_faults_of(const Window& window) {
   const std::vector<Reading>& imu = window.imu;
   if (imu.size() < min_readings) return {};

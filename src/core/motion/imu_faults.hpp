@@ -14,4 +14,8 @@ namespace sonopose::motion {
 /// readings are finite, in order of time and in the sensor's own axes.
 std::vector<std::string> imu_faults_of(const Window& window);
 
+/// Removes the readings of an accelerometer that reads 0 for a while, and the samples that are repeated while
+/// the body moves.
+void remove_held_readings(Window& window);
+
 }  // namespace sonopose::motion

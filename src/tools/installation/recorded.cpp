@@ -15,7 +15,8 @@
 namespace sonopose::installation {
 namespace {
 
-/// False if the input check names a fault that makes every fit wrong.
+/// False if the input check names a fault that makes every fit wrong. Readings that are held for a while have
+/// been removed.
 bool is_fit_possible(const motion::Window& window, const Evidence& evidence) {
   if (motion::force_unit_of(evidence.imu_summary) != motion::ForceUnit::mps2 ||
       motion::has_rates_in_degrees(evidence.imu_summary) || !motion::imu_faults_of(window).empty()) {
@@ -57,6 +58,7 @@ std::vector<Finding> findings_in(std::span<const Event> events, const settings::
   evidence.min_fix_delay_s = min_fix_delay_s.value_or(0.0);
   motion::Window window = std::move(samples).window();
   motion::sort_by_time(window);
+  motion::remove_held_readings(window);
   evidence.imu_summary = motion::summary_of(window.imu);
   evidence.turn_gain = motion::turn_gain_of(window);
   const bool is_possible = is_fit_possible(window, evidence);
