@@ -15,6 +15,11 @@ inline std::string_view trimmed(std::string_view text) {
   return text;
 }
 
+/// True for a line that begins as a comment does, with `#` or as of MATLAB with `%`.
+inline bool is_marked(std::string_view line) {
+  return line.starts_with('#') || line.starts_with('%');
+}
+
 /// A text without quotation marks around it.
 inline std::string_view unquoted(std::string_view text) {
   const bool is_quoted = text.size() > 1 && text.front() == '"' && text.back() == '"';

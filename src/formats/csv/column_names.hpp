@@ -23,6 +23,7 @@ struct ColumnNames {
   std::vector<std::map<std::string, std::string>> columns_by_reader = {};
   std::vector<std::filesystem::path> file_by_reader = {};
   std::set<std::size_t> readers_in_seconds = {};  ///< those that took times without a unit for seconds
+  std::map<std::string, std::size_t> titles_by_file = {};  ///< number of lines above the header
   /// Columns of each file that one of its readers does not use, instead of a warning.
   std::map<std::string, std::vector<std::vector<std::string>>> unused_by_file = {};
 

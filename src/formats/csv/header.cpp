@@ -49,6 +49,13 @@ std::optional<std::string> path_before(std::string_view name, std::initializer_l
 
 }  // namespace
 
+bool is_title_above(std::string_view text, std::string_view line) {
+  const auto cells = [](std::string_view counted) {
+    return split_cells(separator_of(counted), counted, [](auto, auto) {});
+  };
+  return separator_of(line) != ' ' && cells(line) > cells(text);
+}
+
 bool is_line_of_units(std::string_view names, std::string_view line) {
   for (std::string_view* const each : {&names, &line}) {
     if (each->starts_with('#')) each->remove_prefix(1);

@@ -29,7 +29,7 @@ bool is_absent(std::string_view text) {
 
 /// True for a comment. The first cell may also be what a spreadsheet writes for a missing value.
 bool is_comment(std::string_view line) {
-  return line.starts_with('#') && !is_absent(line.substr(0, line.find_first_of(",;\t ")));
+  return is_marked(line) && !is_absent(line.substr(0, line.find_first_of(",;\t ")));
 }
 
 }  // namespace
@@ -41,36 +41,34 @@ Reader::Reader(const std::filesystem::path& file, Layout layout)
 }
 
 void Reader::read_header() {
-  std::exception_ptr refusal;
-  std::optional<std::string_view> line;
+  std::exception_ptr refusal;  // of a comment or title
   bool is_found = false;
-  line = next_line();
+  std::size_t titles = 0;
+  std::optional<std::string_view> line = next_line();
   if (line && unquoted(*line).starts_with("sep=")) line = next_line();  // for spreadsheets
-  // Reads on before it returns: an error of the file ends the search, a line that is no header does not.
-  const auto read_names = [&](bool is_last_try) {
+  while (!is_found) {
+    if (!line && !refusal)
+      throw files::IoError(name_ + ": is empty; expected a header line with the names of the columns");
+    // Below a comment or title, a row of numbers is not the header.
+    if (!line || (refusal && parse_number(line->substr(0, line->find_first_not_of("+-.0123456789eE")))))
+      std::rethrow_exception(refusal);
     const std::string names(*line);
     const std::string where = position();
+    // Reads on before it judges: an error of the file ends the search, a line that is no header does not.
     line = next_line();
+    const bool is_title = layout_.given_names != nullptr && line && is_title_above(names, *line);
     const bool has_units = line && is_line_of_units(names, *line);
     try {
       header_ = Header(layout_, names, where, has_units ? *line : std::string_view{});
       is_found = true;
+      if (has_units) line = next_line();
     } catch (const files::IoError&) {
-      if (is_last_try) throw;
+      if (!is_marked(names) && !is_title) throw;
+      if (!is_marked(names)) ++titles;
       refusal = std::current_exception();
     }
-    if (is_found && has_units) line = next_line();
-  };
-  while (line && line->starts_with('#') && !is_found) read_names(false);
-  if (!is_found) {
-    if (!line && refusal) std::rethrow_exception(refusal);
-    if (!line)
-      throw files::IoError(name_ + ": is empty; expected a header line with the names of the columns");
-    // Below a comment, a row of numbers is not the header.
-    if (refusal && parse_number(line->substr(0, line->find_first_not_of("+-.0123456789eE"))))
-      std::rethrow_exception(refusal);
-    read_names(true);
   }
+  if (titles > 0) layout_.given_names->titles_by_file[name_] = titles;
   if (line) read_ahead_ = std::make_unique<std::string>(*line);
   if (header_.width() > cells_.size()) {
     throw files::IoError(name_ + ": the header has " + std::to_string(header_.width()) +
@@ -158,7 +156,8 @@ TimeNs Reader::other_time_ns(std::size_t column) const {
   const auto time = parse_long_number(text);
   if (!time) {
     const auto utc_ns = clocks::utc_time_ns(text);
-    if (!utc_ns) fail(column, "is not a time");
+    if (!utc_ns)
+      fail(column, "is not a time: a number, or a date such as 2026-01-31 12:00:00.5 or 31.01.2026 12:00");
     return *utc_ns;
   }
   const long double time_ns = *time * factor;

@@ -22,9 +22,9 @@ namespace sonopose::csv {
 /// units.
 class Reader {
 public:
-  /// Opens the file and reads its header: the first of its lines that begin with `#` and have the required
-  /// columns, or else the first line that does not begin so. Later lines that begin with `#` are comments. A
-  /// first line `sep=;` is skipped.
+  /// Opens the file and reads its header: the first of its lines that begin with `#` or `%` and have the
+  /// required columns, or else the first line that does not begin so; in a table with given names the first
+  /// that is no title. Later lines that begin with `#` or `%` are comments. A first line `sep=;` is skipped.
   /// Logs a warning about columns that the layout does not have.
   Reader(const std::filesystem::path& file, Layout layout);
 

@@ -7,6 +7,7 @@
 #include "recording/log_columns.hpp"
 #include "recording/log_files.hpp"
 #include "recording/merge.hpp"
+#include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
 
@@ -317,6 +318,10 @@ Tables read_tables(const TableFiles& given_files, csv::ColumnNames& names, Beaco
   if (fixes.empty()) throw files::IoError(files.positions.string() + ": has no row with a position");
   if (files.truth && tables.log.truth.empty()) throw files::IoError(files.truth->string() + ": has no row");
   tables.unused_columns = unused_columns(names);
+  for (const auto& [file, titles] : names.titles_by_file) {
+    tables.log.warnings.push_back(fmt::format("{}: not read: {} above the names of the columns", file,
+                                              text::count_text(titles, "line")));
+  }
 
   move_times(tables, imu, fixes);
   SensorLog merged = merge_by_availability(files.imu.string(), imu, fixes, {});

@@ -62,8 +62,12 @@ std::optional<std::int64_t> utc_time_ns(std::string_view text) {
   unsigned minute = 0;
   unsigned second = 0;
   std::int64_t fraction_ns = 0;
-  const bool has_day = parts.take(4, year_number) && parts.take('-') && parts.take(2, month_number) &&
-                       parts.take('-') && parts.take(2, day_number);
+  const bool is_day_first = text.find('.') == 2;  // 31.01.2026
+  const bool has_day = is_day_first
+                           ? parts.take(2, day_number) && parts.take('.') && parts.take(2, month_number) &&
+                                 parts.take('.') && parts.take(4, year_number)
+                           : parts.take(4, year_number) && parts.take('-') && parts.take(2, month_number) &&
+                                 parts.take('-') && parts.take(2, day_number);
   const bool has_time = has_day && (parts.take('T') || parts.take(' ')) && parts.take(2, hour) &&
                         parts.take(':') && parts.take(2, minute);
   if (!has_time) return std::nullopt;

@@ -72,6 +72,17 @@ SCENARIO("tables of other programs become a log") {
   }
 }
 
+SCENARIO("Titles and comments above the names of the columns are no names") {
+  const TemporaryFolder folder;
+  csv::ColumnNames names;
+  write_text(folder / "imu.csv", "Robot 7, hall 3\n\n" + imu_rows);
+  write_text(folder / "positions.csv", "% exported\n" + position_rows + "% end\n");
+  const Tables tables = read_tables({folder / "imu.csv", folder / "positions.csv", {}}, names, 7);
+  CHECK(tables.log.events.size() == 2);
+  REQUIRE(tables.log.warnings.size() == 1);
+  CHECK_THAT(tables.log.warnings.front(), Contains("imu.csv: not read: 1 line above the names"));
+}
+
 /// The first IMU sample and fix of tables with these headers and rows.
 std::pair<ImuSample, UltrasonicFix> first_of(const std::string& imu, const std::string& positions,
                                              csv::ColumnNames names = {}) {
