@@ -84,10 +84,10 @@ extern "C" void sonopose_on_stop_signal(int signal) {
   errno = saved_errno;
 }
 
-int make_event() {
-  const int fd = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-  if (fd < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
-  return fd;
+files::Descriptor make_event() {
+  files::Descriptor event(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+  if (event.number() < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
+  return event;
 }
 
 timespec to_timespec(TimeNs ns) {
@@ -111,22 +111,14 @@ void set_emergency_cleanup(EmergencyCleanup call) noexcept {
   emergency_cleanup.store(call);
 }
 
-Wakeup::Wakeup() : event_fd_(make_event()) {}
-
-Wakeup::~Wakeup() {
-  ::close(event_fd_);
-}
+Wakeup::Wakeup() : event_(make_event()) {}
 
 void Wakeup::wake() noexcept {
-  raise_event(event_fd_);
+  raise_event(event_.number());
 }
 
-Alarm::Alarm() : timer_fd_(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)) {
-  if (timer_fd_ < 0) throw std::system_error(errno, std::generic_category(), "timerfd_create");
-}
-
-Alarm::~Alarm() {
-  ::close(timer_fd_);
+Alarm::Alarm() : timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)) {
+  if (timer_.number() < 0) throw std::system_error(errno, std::generic_category(), "timerfd_create");
 }
 
 void Alarm::set(SteadyTime at) noexcept {
@@ -134,20 +126,19 @@ void Alarm::set(SteadyTime at) noexcept {
   const TimeNs at_ns = std::max<TimeNs>(at.ns, 1);  // 0 would disarm it
   itimerspec once{};
   once.it_value = to_timespec(at_ns);
-  ::timerfd_settime(timer_fd_, TFD_TIMER_ABSTIME, &once, nullptr);
+  ::timerfd_settime(timer_.number(), TFD_TIMER_ABSTIME, &once, nullptr);
 }
 
-StopSignal::StopSignal() : event_fd_(make_event()) {}
+StopSignal::StopSignal() : event_(make_event()) {}
 
 StopSignal::~StopSignal() {
-  int mine = event_fd_;
+  int mine = event_.number();
   signalled_fd.compare_exchange_strong(mine, -1);
-  ::close(event_fd_);
 }
 
 void StopSignal::listen_to_signals() {
   signalled_ns.store(0);
-  signalled_fd.store(event_fd_);
+  signalled_fd.store(event_.number());
   struct sigaction action {};
   action.sa_handler = sonopose_on_stop_signal;
   action.sa_flags = SA_RESTART;
@@ -165,34 +156,34 @@ void StopSignal::listen_to_signals() {
 }
 
 void StopSignal::request() noexcept {
-  raise_event(event_fd_);
+  raise_event(event_.number());
 }
 
 bool StopSignal::requested() const noexcept {
-  return is_readable(event_fd_, 0);
+  return is_readable(event_.number(), 0);
 }
 
 bool StopSignal::wait_until(SteadyTime deadline) const {
   TimeNs left_ns = deadline - clocks::steady_now();
   if (left_ns <= 0) return requested();
   while (left_ns > 0) {
-    if (is_readable(event_fd_, left_ns)) return true;
+    if (is_readable(event_.number(), left_ns)) return true;
     left_ns = deadline - clocks::steady_now();  // a signal may have cut the sleep short
   }
   return false;
 }
 
 bool StopSignal::wait_until(SteadyTime deadline, Wakeup& wakeup) const {
-  return wait_until(deadline, wakeup.event_fd_);
+  return wait_until(deadline, wakeup.event_.number());
 }
 
 bool StopSignal::wait_until(SteadyTime deadline, Alarm& alarm) const {
-  return wait_until(deadline, alarm.timer_fd_);
+  return wait_until(deadline, alarm.timer_.number());
 }
 
 bool StopSignal::wait_until(SteadyTime deadline, int other_fd) const {
   // A signal that cuts the sleep short only wakes the caller early.
-  std::array<pollfd, 2> events{{{event_fd_, POLLIN, 0}, {other_fd, POLLIN, 0}}};
+  std::array<pollfd, 2> events{{{event_.number(), POLLIN, 0}, {other_fd, POLLIN, 0}}};
   wait_for(events, std::max<TimeNs>(deadline - clocks::steady_now(), 0));
   std::uint64_t count = 0;
   [[maybe_unused]] const auto consumed = ::read(other_fd, &count, sizeof count);

@@ -2,6 +2,7 @@
 /// \file
 /// A request to end the process, by a signal or the program itself, and other events that wake its threads.
 
+#include "files/descriptor.hpp"
 #include <sonopose/samples/samples.hpp>
 
 #include <atomic>
@@ -12,9 +13,6 @@ namespace sonopose::process {
 class Wakeup {
 public:
   Wakeup();
-  Wakeup(const Wakeup&) = delete;
-  Wakeup& operator=(const Wakeup&) = delete;
-  ~Wakeup();
 
   /// Wakes the thread. Never blocks, so any thread may call it, even a listener of Cyclone DDS.
   void wake() noexcept;
@@ -22,16 +20,13 @@ public:
 private:
   friend class StopSignal;
 
-  int event_fd_;
+  files::Descriptor event_;
 };
 
 /// Ends a sleep in StopSignal::wait_until at a time that another thread can change meanwhile.
 class Alarm {
 public:
   Alarm();
-  Alarm(const Alarm&) = delete;
-  Alarm& operator=(const Alarm&) = delete;
-  ~Alarm();
 
   /// Replaces the previous time; a past one ends the sleep immediately. Never blocks, so any thread may call
   /// it, even a listener of Cyclone DDS. One thread at a time.
@@ -43,7 +38,7 @@ public:
 private:
   friend class StopSignal;
 
-  int timer_fd_;
+  files::Descriptor timer_;
   std::atomic<TimeNs> at_ns_ = 0;
 };
 
@@ -74,7 +69,7 @@ public:
 private:
   bool wait_until(SteadyTime deadline, int other_fd) const;
 
-  int event_fd_;
+  files::Descriptor event_;
 };
 
 }  // namespace sonopose::process
