@@ -43,7 +43,6 @@ public:
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
   Child(Child&& other) noexcept;
-  Child& operator=(Child&&) = delete;
   ~Child();
 
   [[nodiscard]] std::int64_t cpu_time_ns() const { return benchmarks::cpu_time_ns(pid_); }

@@ -36,8 +36,6 @@ public:
   }
   HourOfWalking(const HourOfWalking&) = delete;
   HourOfWalking& operator=(const HourOfWalking&) = delete;
-  HourOfWalking(HourOfWalking&&) = delete;
-  HourOfWalking& operator=(HourOfWalking&&) = delete;
 
   [[nodiscard]] std::filesystem::path folder(bool with_truth) const {
     return folder_ / (with_truth ? "with_truth" : "without_truth");

@@ -42,8 +42,6 @@ public:
   ~CdrType() { ddsi_serdata_unref(any_); }
   CdrType(const CdrType&) = delete;
   CdrType& operator=(const CdrType&) = delete;
-  CdrType(CdrType&&) = delete;
-  CdrType& operator=(CdrType&&) = delete;
 
   /// Calls `use(const T&)` if Cyclone DDS accepts the bytes: an encapsulation header, then the sample. Only
   /// XCDR1: Cyclone DDS 0.10.2 reads an array of doubles in XCDR2 beyond the end of the sample (its pull

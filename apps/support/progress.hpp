@@ -15,8 +15,6 @@ public:
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
-  Progress(Progress&&) = delete;
-  Progress& operator=(Progress&&) = delete;
 
   /// `share`: 0 … 1, or NaN if unknown, which shows no bar.
   void at(double share, std::string_view what);

@@ -19,8 +19,6 @@ public:
   ~Waiting();
   Waiting(const Waiting&) = delete;
   Waiting& operator=(const Waiting&) = delete;
-  Waiting(Waiting&&) = delete;
-  Waiting& operator=(Waiting&&) = delete;
 
 private:
   void show();

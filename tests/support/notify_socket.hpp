@@ -25,8 +25,6 @@ public:
   }
   NotifySocket(const NotifySocket&) = delete;
   NotifySocket& operator=(const NotifySocket&) = delete;
-  NotifySocket(NotifySocket&&) = delete;
-  NotifySocket& operator=(NotifySocket&&) = delete;
   ~NotifySocket() { ::close(socket_); }
 
   /// Returns the next message; empty if none arrives within the limit.

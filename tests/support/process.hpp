@@ -29,8 +29,6 @@ public:
   ChildProcess() = default;
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
-  ChildProcess(ChildProcess&&) = delete;
-  ChildProcess& operator=(ChildProcess&&) = delete;
   ~ChildProcess();
 
   /// Runs a program after `attach`, which sets its standard streams and may only make async-signal-safe
@@ -58,8 +56,6 @@ public:
           const Environment& environment = {});
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
-  Process(Process&&) = delete;
-  Process& operator=(Process&&) = delete;
   /// Kills the process if it still runs, and reaps it.
   ~Process();
 

@@ -15,8 +15,6 @@ public:
   PseudoTerminal();
   PseudoTerminal(const PseudoTerminal&) = delete;
   PseudoTerminal& operator=(const PseudoTerminal&) = delete;
-  PseudoTerminal(PseudoTerminal&&) = delete;
-  PseudoTerminal& operator=(PseudoTerminal&&) = delete;
   ~PseudoTerminal();
 
   /// Device name of the host's side.

@@ -133,8 +133,6 @@ public:
   explicit Filled(Filler filler = Filler()) { visit(filler, message); }
   Filled(const Filled&) = delete;
   Filled& operator=(const Filled&) = delete;
-  Filled(Filled&&) = delete;
-  Filled& operator=(Filled&&) = delete;
   ~Filled() { dds_sample_free(&message, &dds::TopicTraits<Message>::descriptor(), DDS_FREE_CONTENTS); }
 
   Message message{};

@@ -63,8 +63,6 @@ public:
   }
   SecuredByEnvironment(const SecuredByEnvironment&) = delete;
   SecuredByEnvironment& operator=(const SecuredByEnvironment&) = delete;
-  SecuredByEnvironment(SecuredByEnvironment&&) = delete;
-  SecuredByEnvironment& operator=(SecuredByEnvironment&&) = delete;
 };
 
 }  // namespace sonopose::test

@@ -15,8 +15,6 @@ public:
   TestDomain();
   TestDomain(const TestDomain&) = delete;
   TestDomain& operator=(const TestDomain&) = delete;
-  TestDomain(TestDomain&&) = delete;
-  TestDomain& operator=(TestDomain&&) = delete;
   ~TestDomain();
 
   [[nodiscard]] std::uint32_t id() const { return id_; }

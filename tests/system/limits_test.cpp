@@ -23,8 +23,6 @@ public:
   ~UsualHangup() { std::signal(SIGHUP, before_); }
   UsualHangup(const UsualHangup&) = delete;
   UsualHangup& operator=(const UsualHangup&) = delete;
-  UsualHangup(UsualHangup&&) = delete;
-  UsualHangup& operator=(UsualHangup&&) = delete;
 
 private:
   void (*before_)(int);

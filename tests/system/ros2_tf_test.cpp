@@ -309,8 +309,6 @@ public:
   }
   ShortTimeoutRelay(const ShortTimeoutRelay&) = delete;
   ShortTimeoutRelay& operator=(const ShortTimeoutRelay&) = delete;
-  ShortTimeoutRelay(ShortTimeoutRelay&&) = delete;
-  ShortTimeoutRelay& operator=(ShortTimeoutRelay&&) = delete;
   ~ShortTimeoutRelay() {
     ::kill(pid_, SIGKILL);
     ::waitpid(pid_, nullptr, 0);

@@ -56,8 +56,6 @@ public:
   }
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
-  Recorder(Recorder&&) = delete;
-  Recorder& operator=(Recorder&&) = delete;
   ~Recorder() {
     finish();
     if (socket_ >= 0) ::close(socket_);
@@ -108,8 +106,6 @@ public:
   Stranger() { REQUIRE(socket_ >= 0); }
   Stranger(const Stranger&) = delete;
   Stranger& operator=(const Stranger&) = delete;
-  Stranger(Stranger&&) = delete;
-  Stranger& operator=(Stranger&&) = delete;
   ~Stranger() { ::close(socket_); }
 
   /// Sends datagrams again, in their order. Any thread may call it.

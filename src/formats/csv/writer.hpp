@@ -24,8 +24,6 @@ public:
   ~Writer();
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
-  Writer(Writer&&) = delete;
-  Writer& operator=(Writer&&) = delete;
 
   /// Writes a line with `#` before the first name.
   void header(std::span<const std::string_view> columns);

@@ -29,8 +29,6 @@ public:
   ~Compressor();
   Compressor(const Compressor&) = delete;
   Compressor& operator=(const Compressor&) = delete;
-  Compressor(Compressor&&) = delete;
-  Compressor& operator=(Compressor&&) = delete;
 
   [[nodiscard]] Compression compression() const { return compression_; }
   /// Upper limit of the compressed size of `size` bytes.

@@ -87,8 +87,6 @@ public:
   ~Messages();
   Messages(const Messages&) = delete;
   Messages& operator=(const Messages&) = delete;
-  Messages(Messages&&) = delete;
-  Messages& operator=(Messages&&) = delete;
 
   /// The next message; its data are valid until the next call. Empty at the end. Throws FormatError if a
   /// chunk is damaged, or if overlapping chunks exceed the limit of memory.

@@ -42,8 +42,6 @@ public:
   virtual ~Definitions() = default;
   Definitions(const Definitions&) = delete;
   Definitions& operator=(const Definitions&) = delete;
-  Definitions(Definitions&&) = delete;
-  Definitions& operator=(Definitions&&) = delete;
 
   virtual void on(Schema schema, const Place& place) = 0;
   virtual void on(Channel channel, const Place& place) = 0;

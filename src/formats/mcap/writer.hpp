@@ -32,8 +32,6 @@ public:
   ~Writer();
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
-  Writer(Writer&&) = delete;
-  Writer& operator=(Writer&&) = delete;
 
   // All of these throw files::IoError if the sink fails, and std::logic_error after close().
 

@@ -35,8 +35,6 @@ public:
   ~SensorLogWriter();
   SensorLogWriter(const SensorLogWriter&) = delete;
   SensorLogWriter& operator=(const SensorLogWriter&) = delete;
-  SensorLogWriter(SensorLogWriter&&) = delete;
-  SensorLogWriter& operator=(SensorLogWriter&&) = delete;
 
   /// All samples must belong to one beacon, else files::IoError. The first IMU sample decides whether
   /// `imu.csv` has magnetometer columns. The first velocity creates `twist.csv`, the first truth `truth.csv`;

@@ -51,8 +51,6 @@ public:
   Keys(PlayControl& control, process::StopSignal& stop);
   Keys(const Keys&) = delete;
   Keys& operator=(const Keys&) = delete;
-  Keys(Keys&&) = delete;
-  Keys& operator=(Keys&&) = delete;
   /// Restores the line mode of the terminal.
   ~Keys();
 

@@ -55,8 +55,6 @@ public:
   explicit FileSeries(SeriesOptions options);
   FileSeries(const FileSeries&) = delete;
   FileSeries& operator=(const FileSeries&) = delete;
-  FileSeries(FileSeries&&) = delete;
-  FileSeries& operator=(FileSeries&&) = delete;
   ~FileSeries() = default;
 
   /// Adds a channel to the current and all later files. Returns its id.
@@ -96,8 +94,6 @@ private:
     explicit Part(std::filesystem::path of) : path(std::move(of)) {}
     Part(const Part&) = delete;
     Part& operator=(const Part&) = delete;
-    Part(Part&&) = delete;
-    Part& operator=(Part&&) = delete;
     ~Part();
 
     std::filesystem::path path;

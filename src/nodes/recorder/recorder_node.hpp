@@ -81,8 +81,6 @@ public:
   explicit Recorder(const RecorderOptions& options);
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
-  Recorder(Recorder&&) = delete;
-  Recorder& operator=(Recorder&&) = delete;
   ~Recorder() = default;
 
   /// Records until the stop, the end of the duration, or an error, which the report of `finish` contains.

@@ -13,8 +13,6 @@ public:
   SignalTrigger(int signal, Trigger& trigger);
   SignalTrigger(const SignalTrigger&) = delete;
   SignalTrigger& operator=(const SignalTrigger&) = delete;
-  SignalTrigger(SignalTrigger&&) = delete;
-  SignalTrigger& operator=(SignalTrigger&&) = delete;
   /// Disables the signal.
   ~SignalTrigger();
 

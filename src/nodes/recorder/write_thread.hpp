@@ -37,8 +37,6 @@ public:
   explicit WriteThread(Parts parts) : parts_(std::move(parts)) {}
   WriteThread(const WriteThread&) = delete;
   WriteThread& operator=(const WriteThread&) = delete;
-  WriteThread(WriteThread&&) = delete;
-  WriteThread& operator=(WriteThread&&) = delete;
   ~WriteThread() = default;
 
   /// Starts writing.

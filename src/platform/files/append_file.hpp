@@ -20,8 +20,6 @@ public:
   ~AppendFile();
   AppendFile(const AppendFile&) = delete;
   AppendFile& operator=(const AppendFile&) = delete;
-  AppendFile(AppendFile&&) = delete;
-  AppendFile& operator=(AppendFile&&) = delete;
 
   /// Passes all bytes to the operating system, so that they survive a crash. Throws IoError with the cause. A
   /// regular file then contains none of these bytes, so that it does not end within a line.

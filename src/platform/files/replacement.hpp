@@ -16,8 +16,6 @@ public:
   ~Replacement();
   Replacement(const Replacement&) = delete;
   Replacement& operator=(const Replacement&) = delete;
-  Replacement(Replacement&&) = delete;
-  Replacement& operator=(Replacement&&) = delete;
 
   /// The file to write to.
   [[nodiscard]] const std::filesystem::path& part() const { return part_; }

@@ -109,8 +109,6 @@ public:
   }
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
-  Child(Child&&) = delete;
-  Child& operator=(Child&&) = delete;
 
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] bool has_terminal() const { return has_terminal_; }

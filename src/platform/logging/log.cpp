@@ -166,8 +166,6 @@ struct SessionState {
   }
   SessionState(const SessionState&) = delete;
   SessionState& operator=(const SessionState&) = delete;
-  SessionState(SessionState&&) = delete;
-  SessionState& operator=(SessionState&&) = delete;
   /// Joins the thread before what it uses ends.
   ~SessionState() {
     finish();

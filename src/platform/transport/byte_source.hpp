@@ -49,8 +49,6 @@ public:
   virtual ~ByteSource() = default;
   ByteSource(const ByteSource&) = delete;
   ByteSource& operator=(const ByteSource&) = delete;
-  ByteSource(ByteSource&&) = delete;
-  ByteSource& operator=(ByteSource&&) = delete;
 
   /// Waits for at most `timeout` and returns the available bytes. One thread at a time. A signal does not end
   /// the wait, so a program that checks a stop flag uses a timeout below a second.

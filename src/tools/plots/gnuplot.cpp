@@ -43,8 +43,6 @@ public:
   }
   WorkFolder(const WorkFolder&) = delete;
   WorkFolder& operator=(const WorkFolder&) = delete;
-  WorkFolder(WorkFolder&&) = delete;
-  WorkFolder& operator=(WorkFolder&&) = delete;
 
   [[nodiscard]] fs::path script() const { return fs::path(name_) / "plot.gnuplot"; }
   [[nodiscard]] fs::path messages() const { return fs::path(name_) / "messages.txt"; }

@@ -77,8 +77,6 @@ public:
   }
   Environment(const Environment&) = delete;
   Environment& operator=(const Environment&) = delete;
-  Environment(Environment&&) = delete;
-  Environment& operator=(Environment&&) = delete;
   ~Environment() { set(had_ ? before_.c_str() : nullptr); }
 
 private:

@@ -65,8 +65,6 @@ struct UnopenedTerminal {
   ~UnopenedTerminal() { ::close(our_end); }
   UnopenedTerminal(const UnopenedTerminal&) = delete;
   UnopenedTerminal& operator=(const UnopenedTerminal&) = delete;
-  UnopenedTerminal(UnopenedTerminal&&) = delete;
-  UnopenedTerminal& operator=(UnopenedTerminal&&) = delete;
 
   /// Returns true once the other end was opened and closed.
   [[nodiscard]] bool was_opened() const {
@@ -96,8 +94,6 @@ public:
   }
   StandardInput(const StandardInput&) = delete;
   StandardInput& operator=(const StandardInput&) = delete;
-  StandardInput(StandardInput&&) = delete;
-  StandardInput& operator=(StandardInput&&) = delete;
 
 private:
   int before_ = ::fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 3);

@@ -23,8 +23,6 @@ public:
   }
   DefaultSignal(const DefaultSignal&) = delete;
   DefaultSignal& operator=(const DefaultSignal&) = delete;
-  DefaultSignal(DefaultSignal&&) = delete;
-  DefaultSignal& operator=(DefaultSignal&&) = delete;
   ~DefaultSignal() { ::sigaction(signal_, &before_, nullptr); }
 
 private:

@@ -48,8 +48,6 @@ public:
   ~Beacon() { ::close(descriptor_); }
   Beacon(const Beacon&) = delete;
   Beacon& operator=(const Beacon&) = delete;
-  Beacon(Beacon&&) = delete;
-  Beacon& operator=(Beacon&&) = delete;
 
   [[nodiscard]] const std::string& device() const { return device_; }
   void send(const std::string& bytes) const {
@@ -118,8 +116,6 @@ public:
   }
   Sleeper(const Sleeper&) = delete;
   Sleeper& operator=(const Sleeper&) = delete;
-  Sleeper(Sleeper&&) = delete;
-  Sleeper& operator=(Sleeper&&) = delete;
 
   [[nodiscard]] pid_t pid() const { return pid_; }
 

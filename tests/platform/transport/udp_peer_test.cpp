@@ -42,8 +42,6 @@ public:
   ~Port() { ::close(descriptor_); }
   Port(const Port&) = delete;
   Port& operator=(const Port&) = delete;
-  Port(Port&&) = delete;
-  Port& operator=(Port&&) = delete;
 
   [[nodiscard]] const Endpoint& endpoint() const { return endpoint_; }
 

@@ -35,8 +35,6 @@ public:
   ~Path() { ::setenv("PATH", before_.c_str(), 1); }
   Path(const Path&) = delete;
   Path& operator=(const Path&) = delete;
-  Path(Path&&) = delete;
-  Path& operator=(Path&&) = delete;
 
 private:
   std::string before_;

@@ -108,8 +108,6 @@ public:
   explicit DomainLease(const DomainOptions& options);
   DomainLease(const DomainLease&) = delete;
   DomainLease& operator=(const DomainLease&) = delete;
-  DomainLease(DomainLease&&) = delete;
-  DomainLease& operator=(DomainLease&&) = delete;
   ~DomainLease();
 
   std::uint32_t domain_id() const noexcept { return id_; }

@@ -38,8 +38,6 @@ public:
   ~CdrSample() { dds_sample_free(&sample_, &TopicTraits<T>::descriptor(), DDS_FREE_CONTENTS); }
   CdrSample(const CdrSample&) = delete;
   CdrSample& operator=(const CdrSample&) = delete;
-  CdrSample(CdrSample&&) = delete;
-  CdrSample& operator=(CdrSample&&) = delete;
 
   /// The sample; null if the bytes are invalid.
   [[nodiscard]] const T* get() const { return is_valid_ ? &sample_ : nullptr; }

@@ -83,8 +83,6 @@ struct SerializedBatch {
   SerializedBatch() noexcept = default;
   SerializedBatch(const SerializedBatch&) = delete;
   SerializedBatch& operator=(const SerializedBatch&) = delete;
-  SerializedBatch(SerializedBatch&&) = delete;
-  SerializedBatch& operator=(SerializedBatch&&) = delete;
   ~SerializedBatch();
   ReturnCode take(dds_entity_t reader) noexcept;
   /// True if no later sample of the batch belongs to the same instance.

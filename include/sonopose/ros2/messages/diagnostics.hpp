@@ -29,8 +29,6 @@ public:
   DiagnosticMessage(const std::vector<Diagnostic>& diagnostics, TimeNs stamp_ns);
   DiagnosticMessage(const DiagnosticMessage&) = delete;
   DiagnosticMessage& operator=(const DiagnosticMessage&) = delete;
-  DiagnosticMessage(DiagnosticMessage&&) = delete;
-  DiagnosticMessage& operator=(DiagnosticMessage&&) = delete;
   ~DiagnosticMessage() = default;
 
   [[nodiscard]] const DiagnosticArray& message() const { return message_; }

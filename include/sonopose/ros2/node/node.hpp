@@ -43,8 +43,6 @@ public:
        Distro layout, QosOverrides overrides = {});
   Node(const Node&) = delete;
   Node& operator=(const Node&) = delete;
-  Node(Node&&) = delete;
-  Node& operator=(Node&&) = delete;
   ~Node();
 
   const NameResolver& names() const noexcept { return names_; }

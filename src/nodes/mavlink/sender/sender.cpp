@@ -51,8 +51,6 @@ public:
   }
   AutopilotConnection(const AutopilotConnection&) = delete;
   AutopilotConnection& operator=(const AutopilotConnection&) = delete;
-  AutopilotConnection(AutopilotConnection&&) = delete;
-  AutopilotConnection& operator=(AutopilotConnection&&) = delete;
   ~AutopilotConnection() { link_->stop(); }
 
   void send(const Frame& frame) {

@@ -27,8 +27,6 @@ public:
   AutopilotOutput(ros2::Node& node, const AutopilotOptions& options);
   AutopilotOutput(const AutopilotOutput&) = delete;
   AutopilotOutput& operator=(const AutopilotOutput&) = delete;
-  AutopilotOutput(AutopilotOutput&&) = delete;
-  AutopilotOutput& operator=(AutopilotOutput&&) = delete;
   ~AutopilotOutput() = default;
 
   /// Takes every pose, on a receive thread. `mount`: empty if it is unknown.

@@ -40,8 +40,6 @@ struct InputReader {
         has_data(reader, dds::sub::status::DataState::any()) {}
   InputReader(const InputReader&) = delete;
   InputReader& operator=(const InputReader&) = delete;
-  InputReader(InputReader&&) = delete;
-  InputReader& operator=(InputReader&&) = delete;
   /// Ends the reader before its listener: a wait set may still have references to it.
   ~InputReader() { reader.close(); }
 

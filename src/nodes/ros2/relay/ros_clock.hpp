@@ -21,8 +21,6 @@ public:
   }
   RosClock(const RosClock&) = delete;
   RosClock& operator=(const RosClock&) = delete;
-  RosClock(RosClock&&) = delete;
-  RosClock& operator=(RosClock&&) = delete;
   ~RosClock() = default;
 
   /// Current time; 0 before the first message of /clock.

@@ -58,8 +58,6 @@ public:
         thread_([queue = queue_](const std::stop_token& end) { queue->serve(end); }) {}
   BackgroundWriter(const BackgroundWriter&) = delete;
   BackgroundWriter& operator=(const BackgroundWriter&) = delete;
-  BackgroundWriter(BackgroundWriter&&) = delete;
-  BackgroundWriter& operator=(BackgroundWriter&&) = delete;
   /// Ends like `finish`, without a report.
   ~BackgroundWriter() { end(); }
 

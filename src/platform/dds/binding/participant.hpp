@@ -17,8 +17,6 @@ public:
   Membership(const DomainOptions& options, dds_qos_t* qos);
   Membership(const Membership&) = delete;
   Membership& operator=(const Membership&) = delete;
-  Membership(Membership&&) = delete;
-  Membership& operator=(Membership&&) = delete;
   ~Membership();
 
   std::uint32_t domain_id() const noexcept { return lease_.domain_id(); }

@@ -265,8 +265,6 @@ public:
             "w")) {}
   Peer(const Peer&) = delete;
   Peer& operator=(const Peer&) = delete;
-  Peer(Peer&&) = delete;
-  Peer& operator=(Peer&&) = delete;
   ~Peer() { stop(); }
 
   /// Ends the process and returns its exit code.

@@ -27,8 +27,6 @@ public:
   explicit Node(std::shared_ptr<Node> owner) : owner_(std::move(owner)) {}
   Node(const Node&) = delete;
   Node& operator=(const Node&) = delete;
-  Node(Node&&) = delete;
-  Node& operator=(Node&&) = delete;
   virtual ~Node() = default;
 
   /// Makes a node. Its last reference closes it. In a callback of the node, another thread does so, since the
@@ -88,8 +86,6 @@ public:
   explicit Pin(const Node& node);
   Pin(const Pin&) = delete;
   Pin& operator=(const Pin&) = delete;
-  Pin(Pin&&) = delete;
-  Pin& operator=(Pin&&) = delete;
   ~Pin() { release(); }
 
 private:

@@ -108,8 +108,6 @@ public:
   Fetched(const core::detail::Node& reader, const Selection& selection, const dds_topic_descriptor_t& type);
   Fetched(const Fetched&) = delete;
   Fetched& operator=(const Fetched&) = delete;
-  Fetched(Fetched&&) = delete;
-  Fetched& operator=(Fetched&&) = delete;
   ~Fetched();
 
   std::size_t size() const { return infos_.size(); }

@@ -28,8 +28,6 @@ public:
   RunningCallback(void* node, dds_entity_t handle) noexcept;
   RunningCallback(const RunningCallback&) = delete;
   RunningCallback& operator=(const RunningCallback&) = delete;
-  RunningCallback(RunningCallback&&) = delete;
-  RunningCallback& operator=(RunningCallback&&) = delete;
   ~RunningCallback();
 
   void* listener() const { return node_.listener; }
