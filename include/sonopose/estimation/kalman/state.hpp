@@ -13,6 +13,7 @@
 #include <sonopose/estimation/kalman/imu_steps.hpp>
 #include <sonopose/estimation/kalman/measurements.hpp>
 #include <sonopose/estimation/kalman/rest.hpp>
+#include <sonopose/estimation/kalman/slow_error.hpp>
 #include <sonopose/estimation/kalman/twist.hpp>
 #include <sonopose/estimation/kalman/wrong_tracks.hpp>
 #include <sonopose/samples/field_fault.hpp>
@@ -111,7 +112,7 @@ struct FixGate {
   bool operator==(const FixGate&) const = default;
 };
 
-/// Contribution of the other directions of an unknown yaw to the covariance of the best filter.
+/// Contribution of what else may be true to the covariance of the best filter.
 struct Spread {
   double yaw_rad2 = 0;
   Matrix3d position_m2 = Matrix3d::Zero();
@@ -134,6 +135,7 @@ struct State {
   FrozenTrackDetector frozen_track;
   aiding::DefaultPosition default_position;
   WrongTracks wrong_tracks;
+  SlowErrorDetector slow_error;
   ImuFaultDetector imu_fault;
   AtMostOne<TwistGate> twist;             ///< there once a velocity was measured
   AtMostOne<aiding::KnownSensors> known;  ///< errors of the sensors before the first sample, if known
@@ -143,11 +145,12 @@ struct State {
   /// Best filter. Requires that the estimate has started.
   [[nodiscard]] const Filter& filter() const { return bank.best().filter; }
 
-  /// True while yaw is searched, or the IMU may be wrong: the best filter's covariance is too small then.
+  /// True while yaw is searched, or IMU or fixes may be wrong: the best filter's covariance is too small
+  /// then.
   [[nodiscard]] bool is_ambiguous() const;
   /// Mean square distance of the possible hypotheses from the best one, weighted by likelihood: the starts,
-  /// or the distrustful models of the IMU. Includes a mean innovation that is not zero. Requires
-  /// `is_ambiguous()`.
+  /// or the distrustful models of the IMU. Includes a mean innovation that is not zero, slow errors of the
+  /// fixes and an offset of the clocks. Requires `is_ambiguous()`.
   [[nodiscard]] Spread spread() const;
 
   ImuOutcome on_imu(const settings::Settings& settings, const ImuMeasurement& sample);
@@ -234,6 +237,7 @@ void for_each_field(IsFieldsOf<State> auto& state, const auto& visit) {
   visit("frozen_track", state.frozen_track);
   visit("default_position", state.default_position);
   visit("wrong_tracks", state.wrong_tracks);
+  visit("slow_error", state.slow_error);
   visit("imu_fault", state.imu_fault);
   visit("twist", state.twist);
   visit("known", state.known);

@@ -72,6 +72,18 @@ void learn_noise(State& state, const JudgedFix& judged) {
       (after.covariance_m2 - judged.covariance_m2).diagonal(), stands_still(state, min_rest_fixes));
 }
 
+/// Looks for slow errors in the innovations of `quiet`, unless a model without more noise explains the fixes.
+void observe_slow_error(State& state, const JudgedFix& judged) {
+  constexpr double moving_mps = 0.1;
+  const Hypothesis& best = state.bank.best();
+  const Hypothesis* const stiff = best.imu <= ImuModel::rough ? state.bank.find(ImuModel::quiet) : &best;
+  if (stiff == nullptr) return;
+  const Innovation& innovation = judged.innovation_of(state.bank, *stiff);
+  if (innovation.squared_norm > 2.0 * chi2_reject_threshold) return;  // the fix does not correct it
+  state.slow_error.add(judged.fix.time_ns, innovation.value_world_m, judged.covariance_m2,
+                       best.filter.velocity_world_mps.norm() > moving_mps);
+}
+
 /// Raises the noise after several consecutive fixes that fit badly and form no track. Otherwise it would stay
 /// small: most fixes are then rejected, and after a rejection a used one says little about the noise.
 void learn_from_scatter(State& state, const JudgedFix& judged, const Innovation& innovation) {
@@ -200,6 +212,7 @@ FixOutcome judge(State& state, const settings::Settings& settings, const FixMeas
     outcome.flags = fix_used;
     if (state.imu_fault.is_undecided && !fits_badly) end_comparison(state);
     const bool is_tracking = state.phase == Phase::tracking;
+    if (is_tracking) observe_slow_error(state, judged);
     correct_followed(state, judged, more_covariance_m2);
     if (is_tracking) learn_noise(state, judged);
     note_used(state, fix);

@@ -24,10 +24,10 @@ bool is_possible_track(const State& state, const Hypothesis& hypothesis) {
          hypothesis.explained >= min_track_fixes && state.fixes.rejected_in_row > 0;
 }
 
-/// Hypothesis that trusts the IMU most.
-const Hypothesis* find_quiet(const HypothesisBank& bank) {
-  const auto found = std::find_if(bank.begin(), bank.end(), [](const Hypothesis& each) {
-    return each.track == Track::followed && each.imu == ImuModel::quiet;
+/// Hypothesis of this model on the followed track; null: none.
+const Hypothesis* find_model(const HypothesisBank& bank, ImuModel model) {
+  const auto found = std::find_if(bank.begin(), bank.end(), [model](const Hypothesis& each) {
+    return each.track == Track::followed && each.imu == model;
   });
   return found == bank.end() ? nullptr : &*found;
 }
@@ -45,6 +45,22 @@ double unexplained_share(const State& state) {
   return 1.0;
 }
 
+/// Variance of the slow errors of the fixes, per axis.
+double slow_error_m2(const State& state) {
+  return state.slow_error.variance_m2(state.imu.shocks.density_rthz(), state.imu.turn_shocks.density_rthz());
+}
+
+/// Variance of an offset between the clocks of IMU and fixes that the best filter does not estimate, if it is
+/// unlikely to be chance.
+double clock_offset_s2(const State& state) {
+  constexpr double sigmas = 2.0;
+  const Hypothesis* const other = find_model(state.bank, ImuModel::other_clock);
+  if (other == nullptr) return 0.0;
+  const double estimated_s = other == &state.bank.best() ? 0.0 : state.filter().delay_error_s;
+  return std::max(0.0, square(other->filter.delay_error_s - estimated_s) -
+                           square(sigmas) * other->filter.delay_variance_s2);
+}
+
 }  // namespace
 
 bool has_left_track(const State& state) {
@@ -60,6 +76,7 @@ bool State::is_ambiguous() const {
   if (phase != Phase::tracking) return phase == Phase::searching_yaw;
   if (is_distrustful(bank.best().imu)) return false;
   return bank.best().imu != ImuModel::quiet || imu_fault.mean_innovation_chi2 > chi2_explain_threshold ||
+         slow_error_m2(*this) > 0.0 || clock_offset_s2(*this) > 0.0 ||
          std::any_of(bank.begin(), bank.end(), [this](const Hypothesis& each) {
            return (each.track == Track::followed && is_distrustful(each.imu)) ||
                   is_possible_track(*this, each);
@@ -75,6 +92,7 @@ Spread State::spread() const {
   const auto log_weight = [&](const Hypothesis& each) { return searches_yaw ? each.score : each.evidence; };
   constexpr double track_weight = 0.1;  // most tracks that are not followed are wrong
   constexpr double error_ratio = 3.0;   // both follow the fixes, and so they disagree by less than the error
+  constexpr double slow_error_lasts_s = 2.0;
   double max_log_weight = -std::numeric_limits<double>::infinity();
   for (const Hypothesis& each : bank) {
     if (is_possible(each)) max_log_weight = std::max(max_log_weight, log_weight(each));
@@ -106,21 +124,21 @@ Spread State::spread() const {
   if (!searches_yaw && imu_fault.mean_innovation_chi2 > chi2_explain_threshold) {
     spread.position_m2 += imu_fault.mean_innovation_world_m * imu_fault.mean_innovation_world_m.transpose();
   }
-  if (const Hypothesis* const quiet = searches_yaw ? nullptr : find_quiet(bank)) {
+  if (const Hypothesis* const quiet = searches_yaw ? nullptr : find_model(bank, ImuModel::quiet)) {
     // Either the IMU errs, or the fixes do for a while.
-    const double ratio = error_ratio * unexplained_share(*this);
-    const Vector3d by_m =
-        ratio * (quiet->filter.tracked_position_world_m() - filter().tracked_position_world_m());
-    const double by_rad =
-        ratio * geometry::wrap_angle(geometry::yaw_of(quiet->filter.q_body_to_world) - yaw_rad);
-    spread.position_m2 += by_m * by_m.transpose();
-    yaw_rad2 += square(by_rad);
+    yaw_rad2 += square(error_ratio * unexplained_share(*this) *
+                       geometry::wrap_angle(geometry::yaw_of(quiet->filter.q_body_to_world) - yaw_rad));
   }
   spread.yaw_rad2 = std::max(0.0, std::min(yaw_rad2, no_yaw_rad2) - filter().yaw_variance_rad2());
-  if (bank.best().imu == ImuModel::other_clock) {  // either clock may be right
-    const Vector3d by_m = filter().delay_error_s * filter().tracked_velocity_world_mps();
-    spread.position_m2 += by_m * by_m.transpose();
-  }
+  if (searches_yaw) return spread;
+  const double slow_m2 = slow_error_m2(*this);
+  spread.position_m2 += slow_m2 * Matrix3d::Identity();
+  spread.velocity_m2ps2 += slow_m2 / square(slow_error_lasts_s) * Matrix3d::Identity();
+  const double clock_s2 = clock_offset_s2(*this);  // either clock may be right
+  const Vector3d per_s = filter().tracked_velocity_world_mps();
+  const Vector3d per_s2 = filter().acceleration_world_mps2;
+  spread.position_m2 += clock_s2 * per_s * per_s.transpose();
+  spread.velocity_m2ps2 += clock_s2 * per_s2 * per_s2.transpose();
   return spread;
 }
 

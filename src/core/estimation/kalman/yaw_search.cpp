@@ -119,6 +119,7 @@ void start_at(State& state, const FixMeasurement& fix, const settings::Settings&
   // What was held back before the start is not made up for after it.
   state.imu.force_spikes.forget_held();
   state.imu.rate_spikes.forget_held();
+  state.slow_error = {};
   const bool at_rest = state.rest.still_windows >= 1;
   const Vector3d up_body = at_rest ? state.rest.still_accel_mean
                            : state.phase != Phase::waiting
