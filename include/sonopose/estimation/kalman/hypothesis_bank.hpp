@@ -131,6 +131,7 @@ struct HypothesisBank {
 
   /// Hypothesis of this model on the followed track; null: none.
   [[nodiscard]] Hypothesis* find(ImuModel model);
+  [[nodiscard]] const Hypothesis* find(ImuModel model) const;
   /// Hypothesis on a track that is not followed; null: none.
   [[nodiscard]] Hypothesis* find(Track track);
 

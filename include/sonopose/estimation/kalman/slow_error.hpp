@@ -12,12 +12,14 @@ namespace sonopose::estimation::kalman {
 struct SlowErrorDetector {
   TimeNs seen_ns = 0;                        ///< time of the latest fix
   Vector3d mean_world_m = Vector3d::Zero();  ///< mean of the innovations of late
+  double mean_m2 = 0;                        ///< its variance if they are white, per axis
   double power_m2 = 0;  ///< mean product of an innovation with the mean before it, per axis; 0 if white
-  double noise_m2 = 0;  ///< variance of the latest fix, per axis
+  double power_m4 = 0;  ///< its variance if they are white
 
-  /// Adds the innovation of a used fix with this covariance. The power stays unless the body `moves`: errors
-  /// by place or velocity do not vary at rest.
-  void add(TimeNs time_ns, const Vector3d& innovation_world_m, const Eigen::Matrix3d& fix_covariance_m2,
+  /// Adds the innovation of a used fix, and the covariances of both. The power stays unless the body `moves`:
+  /// errors by place do not vary at rest.
+  void add(TimeNs time_ns, const Vector3d& innovation_world_m,
+           const Eigen::Matrix3d& innovation_covariance_m2, const Eigen::Matrix3d& fix_covariance_m2,
            bool moves);
   /// Variance of the slow error, per axis: what neither chance nor noise of the IMU with these densities
   /// explains.
@@ -28,8 +30,9 @@ struct SlowErrorDetector {
 void for_each_field(IsFieldsOf<SlowErrorDetector> auto& detector, const auto& visit) {
   visit("seen_ns", detector.seen_ns);
   visit("mean_world_m", detector.mean_world_m);
+  visit("mean_m2", detector.mean_m2);
   visit("power_m2", detector.power_m2);
-  visit("noise_m2", detector.noise_m2);
+  visit("power_m4", detector.power_m4);
 }
 
 }  // namespace sonopose::estimation::kalman

@@ -72,16 +72,16 @@ void learn_noise(State& state, const JudgedFix& judged) {
       (after.covariance_m2 - judged.covariance_m2).diagonal(), stands_still(state, min_rest_fixes));
 }
 
-/// Looks for slow errors in the innovations of `quiet`, unless a model without more noise explains the fixes.
+/// Looks for slow errors in the innovations of `quiet`, or of the best model if it differs in more than the
+/// noise of the IMU.
 void observe_slow_error(State& state, const JudgedFix& judged) {
   constexpr double moving_mps = 0.1;
   const Hypothesis& best = state.bank.best();
   const Hypothesis* const stiff = best.imu <= ImuModel::rough ? state.bank.find(ImuModel::quiet) : &best;
-  if (stiff == nullptr) return;
   const Innovation& innovation = judged.innovation_of(state.bank, *stiff);
   if (innovation.squared_norm > 2.0 * chi2_reject_threshold) return;  // the fix does not correct it
-  state.slow_error.add(judged.fix.time_ns, innovation.value_world_m, judged.covariance_m2,
-                       best.filter.velocity_world_mps.norm() > moving_mps);
+  state.slow_error.add(judged.fix.time_ns, innovation.value_world_m, innovation.covariance_m2,
+                       judged.covariance_m2, best.filter.velocity_world_mps.norm() > moving_mps);
 }
 
 /// Raises the noise after several consecutive fixes that fit badly and form no track. Otherwise it would stay

@@ -2,6 +2,7 @@
 #include <sonopose/estimation/kalman/hypothesis_bank.hpp>
 
 #include <algorithm>
+#include <utility>
 
 namespace sonopose::estimation::kalman {
 
@@ -80,11 +81,16 @@ void HypothesisBank::clear() {
   best_index = 0;
 }
 
-Hypothesis* HypothesisBank::find(ImuModel model) {
+const Hypothesis* HypothesisBank::find(ImuModel model) const {
   const auto found = std::find_if(begin(), end(), [model](const Hypothesis& each) {
     return each.track == Track::followed && each.imu == model;
   });
   return found == end() ? nullptr : &*found;
+}
+
+Hypothesis* HypothesisBank::find(ImuModel model) {
+  const Hypothesis* const found = std::as_const(*this).find(model);
+  return found == nullptr ? nullptr : &(*this)[index_of(*found)];
 }
 
 Hypothesis* HypothesisBank::find(Track track) {

@@ -24,14 +24,6 @@ bool is_possible_track(const State& state, const Hypothesis& hypothesis) {
          hypothesis.explained >= min_track_fixes && state.fixes.rejected_in_row > 0;
 }
 
-/// Hypothesis of this model on the followed track; null: none.
-const Hypothesis* find_model(const HypothesisBank& bank, ImuModel model) {
-  const auto found = std::find_if(bank.begin(), bank.end(), [model](const Hypothesis& each) {
-    return each.track == Track::followed && each.imu == model;
-  });
-  return found == bank.end() ? nullptr : &*found;
-}
-
 /// Share of the best model's noise that the samples do not show: the IMU errs in another way, or the fixes
 /// do.
 double unexplained_share(const State& state) {
@@ -54,7 +46,7 @@ double slow_error_m2(const State& state) {
 /// unlikely to be chance.
 double clock_offset_s2(const State& state) {
   constexpr double sigmas = 2.0;
-  const Hypothesis* const other = find_model(state.bank, ImuModel::other_clock);
+  const Hypothesis* const other = state.bank.find(ImuModel::other_clock);
   if (other == nullptr) return 0.0;
   const double estimated_s = other == &state.bank.best() ? 0.0 : state.filter().delay_error_s;
   return std::max(0.0, square(other->filter.delay_error_s - estimated_s) -
@@ -124,7 +116,7 @@ Spread State::spread() const {
   if (!searches_yaw && imu_fault.mean_innovation_chi2 > chi2_explain_threshold) {
     spread.position_m2 += imu_fault.mean_innovation_world_m * imu_fault.mean_innovation_world_m.transpose();
   }
-  if (const Hypothesis* const quiet = searches_yaw ? nullptr : find_model(bank, ImuModel::quiet)) {
+  if (const Hypothesis* const quiet = searches_yaw ? nullptr : bank.find(ImuModel::quiet)) {
     // Either the IMU errs, or the fixes do for a while.
     yaw_rad2 += square(error_ratio * unexplained_share(*this) *
                        geometry::wrap_angle(geometry::yaw_of(quiet->filter.q_body_to_world) - yaw_rad));

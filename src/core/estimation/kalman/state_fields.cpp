@@ -76,7 +76,8 @@ std::optional<FieldFault> find_timing_fault(const State& state) {
   if (state.default_position.fixes >= 2 * static_cast<int>(aiding::DefaultPosition::capacity)) {
     return FieldFault{"default_position", "has more fixes than twice the number of places"};
   }
-  if (!(state.slow_error.noise_m2 >= 0.0)) return FieldFault{"slow_error", "has a negative variance"};
+  if (!(state.slow_error.mean_m2 >= 0.0 && state.slow_error.power_m4 >= 0.0))
+    return FieldFault{"slow_error", "has a negative variance"};
   if (!is_trend(state.rest.fixes)) return FieldFault{"rest.fixes", "have a negative weight or square"};
   if (!is_trend(state.rest.headings)) return FieldFault{"rest.headings", "have a negative weight or square"};
   return std::nullopt;

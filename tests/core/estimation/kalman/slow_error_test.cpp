@@ -22,55 +22,95 @@ using namespace sonopose;
 using namespace sonopose::estimation::kalman;
 
 constexpr TimeNs begin_ns = 1'700'000'000'000'000'000;
-constexpr double interval_s = 0.1;
 constexpr double noise_m = 0.02;
+const Eigen::Matrix3d noise_m2 = noise_m * noise_m * Eigen::Matrix3d::Identity();
 
-/// Adds ten fixes a second with white noise, and in their innovations a sinusoid of this amplitude along all
-/// axes.
-void add(SlowErrorDetector& detector, sim::Random& random, double duration_s, double amplitude_m,
-         bool moves = true) {
+/// Fixes with white noise, and in their innovations a sinusoid of an amplitude along all axes.
+struct Fixes {
+  double interval_s = 0.1;
+  double amplitude_m = 0;
+  bool moves = true;
+};
+
+/// Adds fixes. Returns the mean of the variance after each.
+double add(SlowErrorDetector& detector, sim::Random& random, double duration_s, const Fixes& fixes) {
   const TimeNs from_ns = detector.seen_ns == 0 ? begin_ns : detector.seen_ns;
-  for (double time_s = interval_s; time_s < duration_s; time_s += interval_s) {
-    const double slow_m = amplitude_m * std::sin(1.2 * time_s);
+  double sum_m2 = 0;
+  int count = 0;
+  for (double time_s = fixes.interval_s; time_s < duration_s; time_s += fixes.interval_s) {
+    const double slow_m = fixes.amplitude_m * std::sin(1.2 * time_s);
     const Vector3d white_m(random.normal(), random.normal(), random.normal());
-    detector.add(from_ns + to_ns(time_s), Vector3d::Constant(slow_m) + noise_m * white_m,
-                 noise_m * noise_m * Eigen::Matrix3d::Identity(), moves);
+    detector.add(from_ns + to_ns(time_s), Vector3d::Constant(slow_m) + noise_m * white_m, noise_m2, noise_m2,
+                 fixes.moves);
+    sum_m2 += detector.variance_m2(0.0, 0.0);
+    ++count;
+  }
+  return sum_m2 / count;
+}
+
+SCENARIO("white innovations show no slow error, whatever their rate") {
+  GIVEN("ten minutes of them") {
+    const double interval_s = GENERATE(0.05, 0.1, 0.5);
+    CAPTURE(interval_s);
+    SlowErrorDetector detector;
+    sim::Random random(1);
+    const double mean_m2 = add(detector, random, 600.0, {.interval_s = interval_s});
+    THEN("the variance is on average a small part of the noise") {
+      CHECK(mean_m2 < 0.05 * noise_m * noise_m);
+    }
   }
 }
 
-SCENARIO("white innovations show no slow error, and correlated ones a larger one") {
-  GIVEN("a minute of white innovations") {
+SCENARIO("correlated innovations show a slow error that is larger") {
+  GIVEN("innovations that are a sinusoid of 5 cm, beside their noise") {
     SlowErrorDetector detector;
     sim::Random random(1);
-    add(detector, random, 60.0, 0.0);
-    THEN("it is at most as large as the noise") {
-      CHECK(detector.variance_m2(0.0, 0.0) < noise_m * noise_m);
+    add(detector, random, 30.0, {.amplitude_m = 0.05});
+    const double variance_m2 = detector.variance_m2(0.0, 0.0);
+    THEN("the error is more than that, because the filter follows most of it") {
+      CHECK(std::sqrt(variance_m2) > 0.05);
+      CHECK(std::sqrt(variance_m2) < 0.2);
+      AND_THEN("vibration of the IMU that is strong enough explains it instead") {
+        CHECK(detector.variance_m2(0.15, 0.0) == 0.0);
+        CHECK(detector.variance_m2(0.0, 0.01) == 0.0);
+      }
     }
-    WHEN("they become a sinusoid of 5 cm") {
-      add(detector, random, 30.0, 0.05);
-      const double variance_m2 = detector.variance_m2(0.0, 0.0);
-      THEN("the error is more than that, because the filter follows most of it") {
-        CHECK(std::sqrt(variance_m2) > 0.05);
-        CHECK(std::sqrt(variance_m2) < 0.2);
-        AND_THEN("vibration of the IMU that is strong enough explains it instead") {
-          CHECK(detector.variance_m2(0.15, 0.0) == 0.0);
-          CHECK(detector.variance_m2(0.0, 0.01) == 0.0);
-        }
+    WHEN("the body stands still, where its error stays") {
+      add(detector, random, 30.0, {.moves = false});
+      THEN("so does the variance") {
+        CHECK(detector.variance_m2(0.0, 0.0) == Approx(variance_m2));
       }
-      AND_WHEN("the body stands still, where its error stays") {
-        add(detector, random, 30.0, 0.0, false);
-        THEN("so does the variance") {
-          CHECK(detector.variance_m2(0.0, 0.0) == Approx(variance_m2));
-        }
-      }
-      AND_WHEN("the body moves on without it") {
-        add(detector, random, 15.0, 0.0);
-        THEN("it fades within seconds") {
-          CHECK(detector.variance_m2(0.0, 0.0) < 0.1 * variance_m2);
-        }
+    }
+    WHEN("the body moves on without it") {
+      add(detector, random, 15.0, {});
+      THEN("it fades within seconds") {
+        CHECK(detector.variance_m2(0.0, 0.0) < 0.1 * variance_m2);
       }
     }
   }
+}
+
+SCENARIO("the first fix after an outage shows the drift meanwhile, and no error of the fixes") {
+  SlowErrorDetector detector;
+  sim::Random random(2);
+  add(detector, random, 30.0, {});
+  const double before_m2 = detector.variance_m2(0.0, 0.0);
+  detector.add(detector.seen_ns + to_ns(10.0), Vector3d(1.5, 0, 0), Eigen::Matrix3d::Identity(), noise_m2,
+               true);
+  CHECK(detector.variance_m2(0.0, 0.0) == before_m2);
+  CHECK(add(detector, random, 10.0, {}) < 0.1 * noise_m * noise_m);
+}
+
+SCENARIO("an axis of the fixes that is unknown says nothing") {
+  SlowErrorDetector detector;
+  Eigen::Matrix3d unknown_m2 = noise_m2;
+  unknown_m2(1, 1) = unknown_m2(2, 2) = 1e308;
+  for (int i = 0; i < 300; ++i) {
+    const double slow_m = 0.05 * std::sin(0.12 * i);
+    detector.add(begin_ns + to_ns(0.1 * i), Vector3d(slow_m, 50.0, 50.0), unknown_m2, unknown_m2, true);
+  }
+  CHECK(std::sqrt(detector.variance_m2(0.0, 0.0)) > 0.05);
+  CHECK(std::sqrt(detector.variance_m2(0.0, 0.0)) < 0.2);
 }
 
 /// Errors over their standard deviations.

@@ -138,7 +138,7 @@ SCENARIO("an impossible state is refused by the field at fault") {
             }) == "bins");
       CHECK(fault_after([](Snapshot& s) { s.history.base.noise.heading_rad2.motion_variance = 0.0; }) ==
             "heading_rad2");
-      CHECK(fault_after([](Snapshot& s) { s.history.base.slow_error.noise_m2 = -1.0; }) == "slow_error");
+      CHECK(fault_after([](Snapshot& s) { s.history.base.slow_error.power_m4 = -1.0; }) == "slow_error");
     }
     THEN("what was learned of times is within its limits") {
       CHECK(fault_after([](Snapshot& s) { s.history.base.imu.nominal_imu_period_s = -0.01; }) ==
