@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <utility>
 
 namespace sonopose::motion {
 namespace {
@@ -143,11 +144,17 @@ void add_stuck(const Sensor& sensor, const Sensor& other, bool is_moving, std::v
 
 void remove_held_readings(Window& window) {
   const auto remove = [&imu = window.imu](const std::vector<Row>& rows) {
-    // From the last one, because a removal shifts what follows.
-    for (auto row = rows.rbegin(); row != rows.rend(); ++row) {
-      imu.erase(imu.begin() + static_cast<std::ptrdiff_t>(row->begin),
-                imu.begin() + static_cast<std::ptrdiff_t>(row->end));
+    std::vector<Reading> others;
+    std::size_t next = 0;
+    const auto keep_until = [&](std::size_t end) {
+      for (; next < end; ++next) others.push_back(imu[next]);
+    };
+    for (const Row& row : rows) {
+      keep_until(row.begin);
+      next = row.end;
     }
+    keep_until(imu.size());
+    imu = std::move(others);
   };
   remove(zero_rows(window.imu));
   remove(repeated_rows(window));

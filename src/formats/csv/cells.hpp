@@ -15,9 +15,23 @@ inline std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// True for a line that begins as a comment does, with `#` or as of MATLAB with `%`.
+/// True for a line that begins as a comment does: with `#`, or with `%` as in MATLAB.
 inline bool is_marked(std::string_view line) {
   return line.starts_with('#') || line.starts_with('%');
+}
+
+/// A line without the mark of a comment. Without a space, `%` is part of a name, such as `%time` of ROS.
+inline std::string_view unmarked(std::string_view line) {
+  if (line.starts_with('#') || line.starts_with("% ")) line.remove_prefix(1);
+  return line;
+}
+
+/// What separates the cells of a line.
+inline char separator_of(std::string_view line) {
+  for (const char separator : {',', ';', '\t'}) {
+    if (line.find(separator) != std::string_view::npos) return separator;
+  }
+  return ' ';
 }
 
 /// A text without quotation marks around it.

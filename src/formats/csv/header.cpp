@@ -25,13 +25,6 @@ bool is_vector(std::string_view one, std::string_view other) {
          first.substr(0, first.size() - 1) == second.substr(0, second.size() - 1);
 }
 
-char separator_of(std::string_view header) {
-  for (const char separator : {',', ';', '\t'}) {
-    if (header.find(separator) != std::string_view::npos) return separator;
-  }
-  return ' ';
-}
-
 /// A text without brackets around it.
 std::string_view without_brackets(std::string_view text) {
   const bool is_bracketed = text.size() > 1 && (text.starts_with('[') || text.starts_with('(')) &&
@@ -49,17 +42,9 @@ std::optional<std::string> path_before(std::string_view name, std::initializer_l
 
 }  // namespace
 
-bool is_title_above(std::string_view text, std::string_view line) {
-  const auto cells = [](std::string_view counted) {
-    return split_cells(separator_of(counted), counted, [](auto, auto) {});
-  };
-  return separator_of(line) != ' ' && cells(line) > cells(text);
-}
-
 bool is_line_of_units(std::string_view names, std::string_view line) {
-  for (std::string_view* const each : {&names, &line}) {
-    if (each->starts_with('#')) each->remove_prefix(1);
-  }
+  names = unmarked(names);
+  line = unmarked(line);
   const char separator = separator_of(names);
   bool has_unit = false;
   bool has_number = false;
@@ -74,7 +59,7 @@ bool is_line_of_units(std::string_view names, std::string_view line) {
 
 Header::Header(const Layout& layout, std::string_view line, const std::string& where,
                std::string_view units) {
-  if (line.starts_with('#')) line.remove_prefix(1);
+  line = unmarked(line);
   separator_ = separator_of(line);
   split_cells(separator_, line, [this](std::size_t, std::string_view cell) { add_name(cell); });
   names_in_file_ = names_;
@@ -131,7 +116,7 @@ void Header::rename(ColumnNames& given, const std::filesystem::path& file, const
 /// Appends the units of a line to names without one.
 void Header::add_units(std::string_view units) {
   if (units.empty()) return;
-  if (units.starts_with('#')) units.remove_prefix(1);
+  units = unmarked(units);
   split_cells(separator_, units, [this](std::size_t place, std::string_view cell) {
     const std::string_view unit = without_brackets(cell);
     if (place >= names_.size() || unit.empty() || unit == "-") return;

@@ -74,9 +74,6 @@ private:
   std::array<std::string_view, max_columns> own_units_{};
 };
 
-/// Returns true if the line below has more cells, as the names of the columns below a title.
-bool is_title_above(std::string_view text, std::string_view line);
-
 /// Returns true if the line below the names has units instead of values: "s, rad/s, m/s^2". A column that is
 /// not used may have any words there.
 bool is_line_of_units(std::string_view names, std::string_view line);

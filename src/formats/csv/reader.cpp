@@ -32,6 +32,23 @@ bool is_comment(std::string_view line) {
   return is_marked(line) && !is_absent(line.substr(0, line.find_first_of(",;\t ")));
 }
 
+/// True for a row of values: its first cell, or most, begin as numbers and dates do, or are missing. Names
+/// and titles are words.
+bool has_values(std::string_view line) {
+  std::size_t cells = 0;
+  std::size_t values = 0;
+  bool begins_with_value = false;
+  split_cells(separator_of(line), line, [&](std::size_t index, std::string_view cell) {
+    if (cell.empty()) return;
+    const bool is_value =
+        std::string_view("+-.0123456789").find(cell.front()) != std::string_view::npos || is_absent(cell);
+    ++cells;
+    if (is_value) ++values;
+    if (index == 0) begins_with_value = is_value;
+  });
+  return begins_with_value || 2 * values > cells;
+}
+
 }  // namespace
 
 Reader::Reader(const std::filesystem::path& file, Layout layout)
@@ -41,7 +58,7 @@ Reader::Reader(const std::filesystem::path& file, Layout layout)
 }
 
 void Reader::read_header() {
-  std::exception_ptr refusal;  // of a comment or title
+  std::exception_ptr refusal;  // of a comment
   bool is_found = false;
   std::size_t titles = 0;
   std::optional<std::string_view> line = next_line();
@@ -49,24 +66,26 @@ void Reader::read_header() {
   while (!is_found) {
     if (!line && !refusal)
       throw files::IoError(name_ + ": is empty; expected a header line with the names of the columns");
-    // Below a comment or title, a row of numbers is not the header.
+    // Below a comment, a row of numbers is not the header.
     if (!line || (refusal && parse_number(line->substr(0, line->find_first_not_of("+-.0123456789eE")))))
       std::rethrow_exception(refusal);
     const std::string names(*line);
     const std::string where = position();
     // Reads on before it judges: an error of the file ends the search, a line that is no header does not.
     line = next_line();
-    const bool is_title = layout_.given_names != nullptr && line && is_title_above(names, *line);
     const bool has_units = line && is_line_of_units(names, *line);
+    if (layout_.given_names != nullptr && line && !has_units && !is_marked(*line) && !has_values(*line)) {
+      ++titles;
+      continue;
+    }
     try {
       header_ = Header(layout_, names, where, has_units ? *line : std::string_view{});
       is_found = true;
-      if (has_units) line = next_line();
     } catch (const files::IoError&) {
-      if (!is_marked(names) && !is_title) throw;
-      if (!is_marked(names)) ++titles;
+      if (!is_marked(names)) throw;
       refusal = std::current_exception();
     }
+    if (is_found && has_units) line = next_line();
   }
   if (titles > 0) layout_.given_names->titles_by_file[name_] = titles;
   if (line) read_ahead_ = std::make_unique<std::string>(*line);

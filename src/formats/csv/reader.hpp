@@ -23,8 +23,8 @@ namespace sonopose::csv {
 class Reader {
 public:
   /// Opens the file and reads its header: the first of its lines that begin with `#` or `%` and have the
-  /// required columns, or else the first line that does not begin so; in a table with given names the first
-  /// that is no title. Later lines that begin with `#` or `%` are comments. A first line `sep=;` is skipped.
+  /// required columns, or else the first line that does not begin so; in a table with given names the last
+  /// before the values. Later lines that begin with `#` or `%` are comments. A first line `sep=;` is skipped.
   /// Logs a warning about columns that the layout does not have.
   Reader(const std::filesystem::path& file, Layout layout);
 

@@ -121,4 +121,22 @@ SCENARIO("a stuck axis is found, moving or not") {
   }
 }
 
+SCENARIO("held readings can be removed, and the others show no fault") {
+  Reading held;
+  Window window = circling(1.0, [&held](Reading& reading, double time_s) {
+    if (time_s > 4.995 && time_s < 5.995) reading.force_body_mps2.setZero();
+    if (time_s < 9.995) {
+      held = reading;
+    } else if (time_s < 10.995) {
+      reading.rate_body_radps = held.rate_body_radps;
+      reading.force_body_mps2 = held.force_body_mps2;
+    }
+  });
+  REQUIRE(imu_faults_of(window).size() == 1);
+  const std::size_t readings = window.imu.size();
+  remove_held_readings(window);
+  CHECK(imu_faults_of(window).empty());
+  CHECK(window.imu.size() == readings - 100 - 101);  // of the repeated samples the first one too
+}
+
 }  // namespace imu_faults_test

@@ -75,12 +75,24 @@ SCENARIO("tables of other programs become a log") {
 SCENARIO("Titles and comments above the names of the columns are no names") {
   const TemporaryFolder folder;
   csv::ColumnNames names;
-  write_text(folder / "imu.csv", "Robot 7, hall 3\n\n" + imu_rows);
-  write_text(folder / "positions.csv", "% exported\n" + position_rows + "% end\n");
-  const Tables tables = read_tables({folder / "imu.csv", folder / "positions.csv", {}}, names, 7);
-  CHECK(tables.log.events.size() == 2);
-  REQUIRE(tables.log.warnings.size() == 1);
-  CHECK_THAT(tables.log.warnings.front(), Contains("imu.csv: not read: 1 line above the names"));
+  GIVEN("titles, comments, and names in a comment of MATLAB") {
+    write_text(folder / "imu.csv", "Robot 7\n\nHall 3; Device;7\n" + imu_rows);
+    write_text(folder / "positions.csv", "% exported\n% time x y z\n% s m m m\n1.5 1 2 3\n% end\n");
+    const Tables tables = read_tables({folder / "imu.csv", folder / "positions.csv", {}}, names, 7);
+    THEN("the rows are read, and the titles counted") {
+      CHECK(tables.log.events.size() == 2);
+      REQUIRE(tables.log.warnings.size() == 1);
+      CHECK_THAT(tables.log.warnings.front(), Contains("imu.csv: not read: 2 lines above the names"));
+    }
+  }
+  GIVEN("names of which one is missing, above rows that begin with a date and end with a separator") {
+    write_text(folder / "imu.csv", imu_rows);
+    write_text(folder / "positions.csv", "stamp,east,side\n2026-01-31 12:00:00,1,2,\n");
+    THEN("the line of the names is blamed") {
+      CHECK_THROWS_WITH(read_tables({folder / "imu.csv", folder / "positions.csv", {}}, names, 7),
+                        Contains("positions.csv:1: "));
+    }
+  }
 }
 
 /// The first IMU sample and fix of tables with these headers and rows.
