@@ -54,24 +54,22 @@ double range_of(const std::vector<double>& angles_rad) {
 }
 
 /// On straight ways the fit is as good without a mirror, but finds another mount in each piece. With the
-/// mirror the mounts agree. If most are the configured one without it, the map turned in between.
+/// mirror the mounts agree.
 std::optional<MapChange> mirror_by_mounts(const std::vector<Piece>& pieces, double mount_rad) {
   constexpr double min_range_rad = 45.0 * geometry::radians_per_degree;
   std::vector<double> mounts_rad;
   std::vector<double> mirrored_rad;
-  std::size_t as_configured = 0;
   for (const Piece& piece : pieces) {
     const auto& mirrored = piece.mirrored_fixes;
     if (!is_judged(piece) || !piece.mount_rad || piece.mount_rad->std > max_mount_std_rad) continue;
     mounts_rad.push_back(piece.mount_rad->value);
-    if (std::abs(geometry::wrap_angle(piece.mount_rad->value - mount_rad)) < max_range_rad) ++as_configured;
     if (!mirrored.mount_rad || mirrored.mount_rad->std > max_mount_std_rad ||
-        mirrored.residual_m > max_residual_m)
+        mirrored.residual_m > max_residual_m || mirrored.log_likelihood < -min_log_likelihood_ratio)
       return std::nullopt;
     mirrored_rad.push_back(geometry::wrap_angle(mirrored.mount_rad->value - mount_rad));
   }
   if (mirrored_rad.size() < 2 || range_of(mirrored_rad) > max_range_rad ||
-      range_of(mounts_rad) < min_range_rad || is_majority(as_configured, mounts_rad.size()))
+      range_of(mounts_rad) < min_range_rad)
     return std::nullopt;
   return change_of(mirrored_rad.front());
 }
