@@ -11,6 +11,7 @@
 #include <array>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 namespace sonopose::ros2 {
 
@@ -21,6 +22,9 @@ struct FrameNames {
   std::string base = "base_link";
   std::string imu = "imu_link";
 };
+
+/// Removes a leading slash, which tf2 ignores.
+std::string_view without_slash(std::string_view frame);
 
 /// Replaces `{address}` in `pattern`.
 std::string for_beacon(const std::string& pattern, BeaconAddress address);

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 
 namespace sonopose::ros2 {
@@ -31,14 +32,22 @@ public:
   /// Pose of `frame` in another one of the same tree, in whatever direction; empty if they are not connected.
   std::optional<Transform> between(const std::string& in, const std::string& frame) const;
 
+  /// Child frames whose transform has changed, at most `max_moved` of them.
+  const std::set<std::string>& moved() const { return moved_; }
+
 private:
+  static constexpr std::size_t max_moved = 8;
+
   struct Edge {
     std::string parent;
     Transform child_in_parent;
   };
+  static bool is_same(const Edge& a, const Edge& b);
+  bool add(std::string parent, const std::string& child, const Transform& child_in_parent);
   std::string root_of(std::string frame) const;
 
   std::map<std::string, Edge> edges_;  ///< edges by child frame
+  std::set<std::string> moved_;
 };
 
 }  // namespace sonopose::ros2

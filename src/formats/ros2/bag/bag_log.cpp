@@ -2,6 +2,7 @@
 
 #include "files/error.hpp"
 #include "mcap/decompression.hpp"
+#include "ros2/bag/truth_input.hpp"
 #include "ros2/inputs/aiding_samples.hpp"
 #include "ros2/inputs/beacon_inputs.hpp"
 #include <sonopose/dds/psm/cdr.hpp>
@@ -34,39 +35,6 @@ bool is_time(TimeNs time_ns) {
   return time_ns > 0 && static_cast<std::uint64_t>(time_ns) < too_late_ns;
 }
 
-/// Pose of a base as that of its IMU; NaN where the orientation is unknown.
-TruthSample truth_of(const Pose& pose, const Mount& mount) {
-  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-  const auto& [x, y, z, w] = pose.orientation;
-  Quaterniond q_base_to_world(w, x, y, z);
-  const bool is_rotation = std::abs(q_base_to_world.squaredNorm() - 1) < 0.02;  // false for NaN
-  if (is_rotation) q_base_to_world.normalize();
-  const bool needs_rotation = !mount.imu_in_base_m.isZero(0);
-  TruthSample truth;
-  truth.position_world_m = {pose.position.x, pose.position.y, pose.position.z};
-  if (needs_rotation) truth.position_world_m += q_base_to_world * mount.imu_in_base_m;
-  truth.q_body_to_world = q_base_to_world * mount.q_imu_to_base;
-  if (!is_rotation) truth.q_body_to_world = {unknown, unknown, unknown, unknown};
-  if (!is_rotation && needs_rotation) truth.position_world_m.setConstant(unknown);
-  truth.velocity_world_mps.setConstant(unknown);
-  return truth;
-}
-
-TruthSample truth_of(const PoseStamped& pose, const Mount& mount) {
-  return truth_of(pose.pose, mount);
-}
-TruthSample truth_of(const PoseWithCovarianceStamped& pose, const Mount& mount) {
-  return truth_of(pose.pose.pose, mount);
-}
-TruthSample truth_of(const Odometry& odometry, const Mount& mount) {
-  const auto& [linear, angular] = odometry.twist.twist;
-  TruthSample truth = truth_of(odometry.pose.pose, mount);
-  const Vector3d velocity_base_mps = Vector3d(linear.x, linear.y, linear.z) +
-                                     Vector3d(angular.x, angular.y, angular.z).cross(mount.imu_in_base_m);
-  truth.velocity_world_mps = truth.q_body_to_world * (mount.q_imu_to_base.conjugate() * velocity_base_mps);
-  return truth;
-}
-
 class Reading {
 public:
   Reading(const Storage& storage, const TopicChoice& choice, std::optional<BeaconAddress> address,
@@ -87,8 +55,8 @@ public:
     const bool has_tags = std::ranges::any_of(inputs_.inputs, [](const Inputs::OfInput& input) {
       return input.option.tag_base_m || !input.option.tag_frame.empty();
     });
-    names_.base = choice.base_frame;
-    names_.map = choice.map_frame;
+    names_.base = without_slash(choice.base_frame);
+    names_.map = without_slash(choice.map_frame);
     if (!inputs_.aidings.empty() || inputs_.truth || has_tags) find_mount();
     are_imus_named_ = !choice.imu.empty();
     are_fixes_named_ = !choice.fix.empty();
@@ -152,7 +120,7 @@ private:
       if (input.option.kind == Input::Kind::imu) imus.insert(input.topic);
     }
     storage_.for_each(imus, [&](const BagMessage& message) {
-      return !decode<Imu>(message, [&](const Imu& imu) { names_.imu = imu.header.frame_id; });
+      return !decode<Imu>(message, [&](const Imu& imu) { names_.imu = without_slash(imu.header.frame_id); });
     });
     unused_.clear();  // read again
     const auto used = topics_named(static_transforms, "tf2_msgs/msg/TFMessage");
@@ -161,6 +129,11 @@ private:
       return true;
     });
     transform_topics_ = used;
+    if (!transforms_.moved().empty()) {
+      read_.log.warnings.push_back(fmt::format(
+          "{}: {} moves {}: the latest place counts for the whole recording", storage_.name(),
+          static_transforms, text::escaped(fmt::format("{}", fmt::join(transforms_.moved(), ", ")))));
+    }
     if (const auto found = transforms_.find(names_.base, names_.imu)) {
       mount_ = {found->translation_m, found->rotation};
       return;
@@ -191,7 +164,11 @@ private:
       const auto taken = beacon_.on(position, input, moment, frames_, lines_);
       is_valid = taken.is_valid;
       if (!taken.unused.empty()) reason = taken.unused;
-      if (taken.fix) is_valid = add(*taken.fix);
+      if (!taken.fix) return;
+      is_valid = add(*taken.fix);
+      if (fix_frame_.empty()) fix_frame_ = without_slash(position.header.frame_id);
+      // A recording shows latencies, and so an age, but no stamps after the arrival.
+      if (input.offset.value_s() < 0) beacon_.check_clocks(input, moment.now, lines_);
     };
     if (input.option.kind == Input::Kind::imu) {
       is_decoded = decode<Imu>(message, [&](const Imu& imu) {
@@ -226,6 +203,9 @@ private:
       const bool is_used = measured_ns && are_valid;
       count(*aiding.second, message.topic, is_used, measured_ns ? "a stamp is invalid" : samples.unused);
       if (!is_used) return;
+      if constexpr (requires { measured.header; }) {
+        BeaconInputs::notice_stamp(measured.header, *aiding.second, lines_);
+      }
       BeaconInputs::note_stamp(*measured_ns, *aiding.second, moment);
       beacon_.check_clocks(*aiding.second, moment.now, lines_);
     };
@@ -261,12 +241,9 @@ private:
 
   void take_truth(const BagMessage& message, TimeNs received_ns) {
     const auto convert = [&](const auto& pose) {
-      TruthSample truth = truth_of(pose, mount_);
-      truth.address = inputs_.address;
-      const auto& stamp = pose.header.stamp;
-      truth.time_ns = stamp.sec == 0 && stamp.nanosec == 0 ? received_ns : from_ros(stamp).value_or(0);
-      if (is_time(truth.time_ns)) {
-        read_.log.truth.push_back(truth);
+      const auto truth = truth_.on(pose, inputs_.address, received_ns);
+      if (truth && is_time(truth->time_ns)) {
+        read_.log.truth.push_back(*truth);
       } else {
         ++unused_[{message.topic, "a stamp is invalid"}];
       }
@@ -348,6 +325,10 @@ private:
                                                text::count_text(input.unstamped, "message"),
                                                text::escaped(input.option.topic)));
     }
+    for (const std::string& assumed : truth_.assumptions(fix_frame_)) {
+      read_.log.warnings.push_back(fmt::format(
+          "{}: {} {}", storage_.name(), text::escaped(storage_.topics()[*inputs_.truth].name), assumed));
+    }
     warn(beacon_.dropped(), "sample", "of a gyroscope, without a linear acceleration near it");
     constexpr std::size_t max_listed = 20;
     std::vector<std::string> unused;
@@ -377,6 +358,8 @@ private:
   const InputFrames frames_ = input_frames(
       names_, [this](BeaconAddress /*address*/) { return mount_; },
       [this](const auto& in, const auto& frame) { return transforms_.between(in, frame); });
+  TruthInput truth_{frames_};
+  std::string fix_frame_;  ///< that of the first used fix
   RisingStamp received_;
   std::vector<ImuSample> ready_;
   InputMonitor::Lines lines_;

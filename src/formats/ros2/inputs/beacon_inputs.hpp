@@ -70,6 +70,9 @@ public:
   /// Takes the time of measurement of an input other than those of `on`, for `check_clocks`.
   static void note_stamp(TimeNs measured_ns, MonitoredInput& input, Moment moment);
 
+  /// Says that a message has no stamp, and counts it.
+  static void notice_stamp(const Header& header, MonitoredInput& input, Lines& lines);
+
   /// Warns of stamps that are of another clock than those of the IMU: each arrives soon after its
   /// stamp, and the least delay of the last second is compared.
   void check_clocks(MonitoredInput& input, SteadyTime now, Lines& lines) const;
@@ -87,7 +90,6 @@ private:
   template <class Position>
   TakenFix take(const Position& message, MonitoredInput& input, Moment moment, const InputFrames& frames,
                 Lines& lines);
-  static void notice_stamp(const Header& header, MonitoredInput& input, Lines& lines);
   void notice_joined(Lines& lines);
 
   int imus_ = 0;

@@ -15,7 +15,7 @@ InputFrames input_frames(const FrameNames& names, std::function<std::optional<Mo
   const auto find_in = [&names, &tf](std::string FrameNames::*parent) {
     return [&names, tf, parent](BeaconAddress address, const std::string& frame) -> std::optional<Transform> {
       const std::string in = for_beacon(names, address).*parent;
-      const std::string name = frame.starts_with('/') ? frame.substr(1) : frame;
+      const std::string name(without_slash(frame));
       if (name.empty() || name == in) return Transform{};
       return tf ? tf(in, name) : std::nullopt;
     };
@@ -23,7 +23,7 @@ InputFrames input_frames(const FrameNames& names, std::function<std::optional<Mo
   frames.in_map = find_in(&FrameNames::map);
   frames.in_base = [&names, mount = frames.mount, find = find_in(&FrameNames::base)](
                        BeaconAddress address, const std::string& frame) -> std::optional<Transform> {
-    if (frame != for_beacon(names, address).imu) return find(address, frame);
+    if (without_slash(frame) != for_beacon(names, address).imu) return find(address, frame);
     const auto current = mount(address);
     if (!current) return std::nullopt;
     return Transform{current->imu_in_base_m, current->q_imu_to_base};

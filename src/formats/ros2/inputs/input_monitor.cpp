@@ -1,5 +1,6 @@
 #include "ros2/inputs/input_monitor.hpp"
 
+#include <sonopose/ros2/messages/frames.hpp>
 #include <sonopose/text/count_text.hpp>
 
 #include <fmt/format.h>
@@ -15,12 +16,6 @@ using text::count_text;
 constexpr TimeNs loss_report_period_ns = 1'000'000'000;
 /// Bounds log lines about a sender that uses a new frame for each message.
 constexpr std::size_t max_unexpected_frames = 8;
-
-/// Removes a leading slash, which old tf2 versions accept and ignore.
-std::string_view without_slash(std::string_view frame) {
-  if (frame.starts_with('/')) frame.remove_prefix(1);
-  return frame;
-}
 
 const char* noun_of(Input::Kind kind) {
   switch (kind) {

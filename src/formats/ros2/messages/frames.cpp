@@ -32,6 +32,11 @@ void check_differ(const FrameNames& names, const Why& why) {
 
 }  // namespace
 
+std::string_view without_slash(std::string_view frame) {
+  if (frame.starts_with('/')) frame.remove_prefix(1);
+  return frame;
+}
+
 std::string for_beacon(const std::string& pattern, BeaconAddress address) {
   std::string name = pattern;
   const std::string number = std::to_string(address);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <utility>
 
 namespace sonopose::ros2 {
 
@@ -26,12 +27,32 @@ bool StaticTransforms::add(const TFMessage& message) {
     const TransformStamped& one = message.transforms._buffer[i];
     const auto transform = transform_of(one);
     if (!transform) continue;
-    const bool fits = !is_long(one.header.frame_id) && !is_long(one.child_frame_id) &&
-                      (edges_.size() < max_frames || edges_.contains(one.child_frame_id));
-    if (fits) edges_[one.child_frame_id] = {one.header.frame_id, *transform};
-    all_fit = all_fit && fits;
+    all_fit = !is_long(one.header.frame_id) && !is_long(one.child_frame_id) &&
+              add(std::string(without_slash(one.header.frame_id)),
+                  std::string(without_slash(one.child_frame_id)), *transform) &&
+              all_fit;
   }
   return all_fit;
+}
+
+/// True up to rounding.
+bool StaticTransforms::is_same(const Edge& a, const Edge& b) {
+  constexpr double max_difference = 1e-6;
+  const Transform& one = a.child_in_parent;
+  const Transform& other = b.child_in_parent;
+  return a.parent == b.parent && (one.translation_m - other.translation_m).norm() < max_difference &&
+         one.rotation.angularDistance(other.rotation) < max_difference;
+}
+
+bool StaticTransforms::add(std::string parent, const std::string& child, const Transform& child_in_parent) {
+  const auto known = edges_.find(child);
+  if (known == edges_.end() && edges_.size() >= max_frames) return false;
+  if (known != edges_.end() && !is_same(known->second, {parent, child_in_parent}) &&
+      moved_.size() < max_moved) {
+    moved_.insert(child);
+  }
+  edges_[child] = {std::move(parent), child_in_parent};
+  return true;
 }
 
 std::optional<Transform> StaticTransforms::find(const std::string& parent, const std::string& child) const {

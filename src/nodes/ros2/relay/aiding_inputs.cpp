@@ -106,6 +106,10 @@ public:
     dds::ext::try_take_each(reader_.reader, [&](const T& message, const dds::sub::SampleInfo&) {
       const Received received = reception(input_);
       pass(samples_of(message, input_, frames, received.in_stamps_ns), received.time_ns, sink, lines);
+      if constexpr (requires { message.header; }) {
+        if (input_.kind != AidingInput::Kind::set_pose)
+          BeaconInputs::notice_stamp(message.header, monitored_, lines);
+      }
     });
   }
 

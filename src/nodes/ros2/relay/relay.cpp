@@ -193,7 +193,10 @@ void Relay::Impl::on_transforms(const ros2::TFMessage& message) {
     const ros2::TransformStamped& transform = message.transforms._buffer[i];
     for (const auto& [address, publishers] : beacons) {
       const ros2::FrameNames& frames = publishers->frames();
-      if (frames.odom != transform.header.frame_id || frames.base != transform.child_frame_id) continue;
+      if (frames.odom != ros2::without_slash(transform.header.frame_id) ||
+          frames.base != ros2::without_slash(transform.child_frame_id)) {
+        continue;
+      }
       const auto time_ns = ros2::from_ros(transform.header.stamp);
       const auto base_in_odom = ros2::transform_of(transform);
       if (time_ns && base_in_odom) publishers->on_odometry(*time_ns, *base_in_odom);

@@ -278,6 +278,23 @@ SCENARIO("velocities whose clock is not that of the IMU are named") {
       CHECK(is_named == (ahead_s > 0));
     }
   }
+  GIVEN("a walk of five seconds whose fixes have stamps 0.3 s ahead, or right") {
+    const double ahead_s = GENERATE(0.3, 0.0);
+    auto events = test::walk_events(5.0);
+    for (Event& event : events) {
+      if (auto* const fix = std::get_if<UltrasonicFix>(&event)) fix->emission_time_ns += to_ns(ahead_s);
+    }
+    test::write_bag(file, test::messages_of(events));
+    THEN("stamps after their arrival are named, and the latency of fixes is not") {
+      const std::string warnings = joined(read(file).log.warnings);
+      if (ahead_s > 0) {
+        CHECK_THAT(warnings,
+                   Contains("/tag/point has stamps that are 0.2") && Contains(" s newer than those of"));
+      } else {
+        CHECK(warnings.empty());
+      }
+    }
+  }
 }
 
 SCENARIO("velocities and truth are those of the base") {
@@ -418,6 +435,33 @@ SCENARIO("velocities and truth are those of the base") {
       CHECK_THROWS_WITH(read(tag_file, {.fix = {"/tag/point@tag_link"}}),
                         Contains("--fix-in /tag/point: none of its 1 message is used: /tf_static does not "
                                  "connect 'tag_link' with the base"));
+    }
+    THEN("the slash of old drivers before a frame is ignored, and a later place of the IMU is told") {
+      const std::string old_name = "/" + imu_frame;
+      ros2::FrameNames frames;
+      frames.imu = old_name;
+      messages.front() = test::message_of("/imu/data", ros2::raw_imu(imu, start_ns, frames, {}), start_ns);
+      const auto slash_file = folder / "slash_0.mcap";
+      test::write_bag(slash_file, messages);
+      const TopicChoice choice{.truth = "/odom", .base_frame = "/base_link"};
+      CHECK(read(slash_file, choice).log.truth[3].position_world_m.isApprox(Vector3d(4, 4, 0)));
+      transforms.front().transform.translation.x = 2;
+      messages.push_back(test::message_of("/tf_static", tf, start_ns + 50'000'000));
+      const auto moved_file = folder / "moved_0.mcap";
+      test::write_bag(moved_file, messages);
+      const auto bag = read(moved_file, choice);
+      CHECK(bag.log.truth[3].position_world_m.isApprox(Vector3d(5, 4, 0)));
+      CHECK_THAT(joined(bag.log.warnings), Contains("/tf_static moves imu_link: the latest place counts"));
+    }
+    THEN("velocities without a stamp are told") {
+      ros2::TwistStamped twist{};
+      twist.header = ros2::header_of(0, base);
+      messages.push_back(test::message_of("/wheel", twist, start_ns + 50'000'000));
+      const auto unstamped_file = folder / "unstamped_0.mcap";
+      test::write_bag(unstamped_file, messages);
+      const auto bag =
+          read(unstamped_file, {.aiding = {{AidingInput::Kind::twist, {"/wheel:TwistStamped"}}}});
+      CHECK_THAT(joined(bag.log.warnings), Contains("/wheel has messages without a stamp"));
     }
     THEN("without a transform they count as those of the IMU, which is told") {
       const auto bag = read(file, {.truth = "/odom", .base_frame = "chassis"});

@@ -5,6 +5,7 @@
 
 #include <limits>
 #include <numbers>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,11 @@ SCENARIO("the mount of the IMU is found over the frames between") {
       CHECK((found->translation_m - Vector3d(1, 0.5, 0.1)).norm() < 1e-12);
       CHECK(found->rotation.angularDistance(quarter_left) < 1e-7);
     }
+    THEN("the same transform again, with the slash of old drivers, moves nothing") {
+      add(tree, {ros2::transform({{0.5, 0, 0.1}, Quaterniond::Identity()}, 0, "/" + plate, "/" + imu)});
+      CHECK((tree.find(base, imu)->translation_m - Vector3d(1, 0.5, 0.1)).norm() < 1e-12);
+      CHECK(tree.moved().empty());
+    }
     THEN("frames that are not connected, and the opposite direction, give nothing") {
       CHECK_FALSE(tree.find("map", imu));
       CHECK_FALSE(tree.find(imu, base));
@@ -53,8 +59,9 @@ SCENARIO("the mount of the IMU is found over the frames between") {
       add(tree, {ros2::transform({{0.7, 0, 0}, Quaterniond::Identity()}, 0, plate, imu)});
       add(tree, {ros2::transform({{nan, 0, 0}, Quaterniond::Identity()}, 0, plate, imu)});
       add(tree, {ros2::transform({{9, 0, 0}, Quaterniond(0, 0, 0, 0)}, 0, plate, imu)});
-      THEN("the latest valid one counts") {
+      THEN("the latest valid one counts, and is known to have moved") {
         CHECK((tree.find(base, imu)->translation_m - Vector3d(1, 0.7, 0)).norm() < 1e-12);
+        CHECK(tree.moved() == std::set<std::string>{imu});
       }
     }
   }
