@@ -357,4 +357,27 @@ SCENARIO("another beacon takes over the transforms of one that was switched off"
   }
 }
 
+SCENARIO("a description of the robot without the frame of the IMU is named") {
+  GIVEN("a relay that waits for the mount of imu_link, and a description that calls it os_imu") {
+    const Bus bus;
+    const auto fusion = bus.fusion();
+    const auto relay = bus.ros2({"--mount-from-tf"});
+    const std::string base = "base_link";
+    const std::string imu = "os_imu";
+    const auto participant = dds::ext::participant({.domain_id = bus.domain_id()});
+    dds::pub::DataWriter<ros2::TFMessage> robot(
+        dds::pub::Publisher(participant), dds::topic::Topic<ros2::TFMessage>(participant, "rt/tf_static"),
+        qos_of(Subscription::latched));
+    auto transform = ros2::transform({}, clocks::host_now(), base, imu);
+    robot.write({{1, 1, &transform, false}});
+    const auto bridge = bus.bridge({"--scenario", "walk"});
+    THEN("the relay names the frames that there are, and the options") {
+      CHECK(
+          relay->wait_for_line(Stream::error,
+                               "/tf_static does not connect imu_link with base_link, so there are no poses "
+                               "(--mount-from-tf): it has os_imu; --base-frame and --imu-frame name others"));
+    }
+  }
+}
+
 }  // namespace sonopose::ros2_tf_test

@@ -10,6 +10,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 namespace sonopose::ros2 {
 
@@ -31,6 +32,9 @@ public:
 
   /// Pose of `frame` in another one of the same tree, in whatever direction; empty if they are not connected.
   std::optional<Transform> between(const std::string& in, const std::string& frame) const;
+
+  /// Child frames, at most `max_count` of them.
+  std::vector<std::string> frames(std::size_t max_count) const;
 
   /// Child frames whose transform has changed, at most `max_moved` of them.
   const std::set<std::string>& moved() const { return moved_; }

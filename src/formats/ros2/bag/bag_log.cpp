@@ -146,7 +146,7 @@ private:
 
   void take(const BagMessage& message) {
     const auto received_ns = static_cast<TimeNs>(std::min(message.received_ns, too_late_ns - 1));
-    const BeaconInputs::Moment moment{received_.next(received_ns).value_or(received_ns), {received_ns}};
+    const BeaconInputs::Moment moment{received_.next(received_ns).value_or(received_ns), {received_ns}, 0};
     beacon_.update(moment.now, ready_, lines_);
     add_ready();
     if (inputs_.truth == message.topic) take_truth(message, moment.received_ns);

@@ -8,8 +8,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace sonopose::ros2 {
@@ -60,6 +63,16 @@ AidingSamples of_twist(const std::string& frame, const AidingInput& input, const
     samples.unused =
         "a value or stamp is invalid, no axis is measured, or not all three are and the mount is oblique";
   }
+  return samples;
+}
+
+/// Says that an axis is left out because its variance is no number.
+AidingSamples with_variances(AidingSamples samples, const double* covariance) {
+  constexpr std::size_t next_diagonal = 7;
+  bool are_finite = true;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    are_finite = are_finite && std::isfinite(covariance[axis * next_diagonal]);
+  if (!are_finite && samples.twist) samples.unused = "a variance is not finite: its axis is not measured";
   return samples;
 }
 
@@ -147,16 +160,18 @@ AidingSamples samples_of(const Odometry& message, const AidingInput& input, cons
     return of_pose(as_pose(message), message.header.frame_id, message.child_frame_id, input, frames,
                    received_ns);
   }
-  return of_twist(message.child_frame_id, input, frames, [&](const Mount& mount) {
+  auto samples = of_twist(message.child_frame_id, input, frames, [&](const Mount& mount) {
     return twist_sample(message, input.address, mount, received_ns);
   });
+  return with_variances(std::move(samples), &message.twist.covariance[0]);
 }
 
 AidingSamples samples_of(const TwistWithCovarianceStamped& message, const AidingInput& input,
                          const InputFrames& frames, TimeNs received_ns) {
-  return of_twist(message.header.frame_id, input, frames, [&](const Mount& mount) {
+  auto samples = of_twist(message.header.frame_id, input, frames, [&](const Mount& mount) {
     return twist_sample(message, input.address, mount, received_ns);
   });
+  return with_variances(std::move(samples), &message.twist.covariance[0]);
 }
 
 AidingSamples samples_of(const TwistStamped& message, const AidingInput& input, const InputFrames& frames,

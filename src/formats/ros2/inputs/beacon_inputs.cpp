@@ -61,6 +61,7 @@ void BeaconInputs::take(ReceivedImu& received, std::string_view frame, Monitored
   if (!received.has_angular_velocity) input.monitor.on_notice(Notice::no_angular_velocity, cause, lines);
   if (!received.has_specific_force) input.monitor.on_notice(Notice::no_specific_force, cause, lines);
   const bool is_complete = received.has_angular_velocity && received.has_specific_force;
+  if (is_complete) notice_publisher(input, moment, lines);  // others may be of two sensors
   if (is_complete && complete_ == nullptr) complete_ = &input;
   if (complete_ != nullptr && complete_ != &input) {
     input.monitor.on_notice(
@@ -89,6 +90,7 @@ BeaconInputs::TakenFix BeaconInputs::take(const Position& message, MonitoredInpu
     return {.unused = unused};
   }
   notice_stamp(message.header, input, lines);
+  notice_publisher(input, moment, lines);
   converted->point_body_m = *point_body_m;
   note_stamp(converted->emission_time_ns, input, moment);
   if (imus_ == 0) offset_.add(seconds_between(converted->emission_time_ns, moment.received_ns), moment.now);
@@ -136,6 +138,11 @@ void BeaconInputs::notice_stamp(const Header& header, MonitoredInput& input, Lin
   if (header.stamp.sec != 0 || header.stamp.nanosec != 0) return;
   ++input.unstamped;
   input.monitor.on_notice(Notice::no_stamp, {}, lines);
+}
+
+void BeaconInputs::notice_publisher(MonitoredInput& input, Moment moment, Lines& lines) {
+  if (input.publishers.on(moment.publisher, moment.now))
+    input.monitor.on_notice(Notice::publishers, {}, lines);
 }
 
 void BeaconInputs::notice_joined(Lines& lines) {

@@ -7,6 +7,7 @@
 #include "ros2/inputs/input_frames.hpp"
 #include "ros2/inputs/input_monitor.hpp"
 #include "ros2/inputs/input_option.hpp"
+#include "ros2/inputs/publisher_mix.hpp"
 #include "ros2/inputs/stamp_clock.hpp"
 #include <sonopose/ros2/messages/idl_types.hpp>
 #include <sonopose/ros2/messages/input.hpp>
@@ -27,6 +28,7 @@ struct MonitoredInput {
 
   Input option;
   InputMonitor monitor;
+  PublisherMix publishers;
   FixRepeats repeats;     ///< for a topic of fixes, like the next two
   SmallestOffset offset;  ///< age of its samples at their arrival
   std::optional<SteadyTime> since{};
@@ -41,6 +43,7 @@ public:
   struct Moment {
     TimeNs received_ns = 0;
     SteadyTime now;
+    std::uint64_t publisher = 0;  ///< its identity; 0: unknown
   };
   using Lines = InputMonitor::Lines;
 
@@ -72,6 +75,9 @@ public:
 
   /// Says that a message has no stamp, and counts it.
   static void notice_stamp(const Header& header, MonitoredInput& input, Lines& lines);
+
+  /// Says that several publishers of its topic take turns. Call it for each measurement that is used.
+  static void notice_publisher(MonitoredInput& input, Moment moment, Lines& lines);
 
   /// Warns of stamps that are of another clock than those of the IMU: each arrives soon after its
   /// stamp, and the least delay of the last second is compared.

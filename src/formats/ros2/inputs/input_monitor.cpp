@@ -173,6 +173,9 @@ std::string InputMonitor::text_of(Notice notice, const std::string& detail) cons
     case Notice::no_stamp:
       return "has messages without a stamp: they count as measured when they arrived; let the driver stamp "
              "them";
+    case Notice::publishers:
+      return "has several publishers at a time, whose measurements mix: stop all but one, or remap their "
+             "topics";
     case Notice::repeats:
       return "repeats its last position: each one is used once";
   }

@@ -56,6 +56,7 @@ public:
     covariance,  ///< a covariance is unusable
     repeats,     ///< positions come again
     no_stamp,    ///< messages have the stamp 0
+    publishers,  ///< several publishers take turns
     clocks       ///< its stamps and those of the IMU are of different clocks
   };
 

@@ -68,6 +68,14 @@ std::optional<Transform> StaticTransforms::find(const std::string& parent, const
   return found;
 }
 
+std::vector<std::string> StaticTransforms::frames(std::size_t max_count) const {
+  std::vector<std::string> names;
+  for (auto edge = edges_.begin(); edge != edges_.end() && names.size() < max_count; ++edge) {
+    names.push_back(edge->first);
+  }
+  return names;
+}
+
 /// The frame without a parent above this one.
 std::string StaticTransforms::root_of(std::string frame) const {
   auto edge = edges_.find(frame);

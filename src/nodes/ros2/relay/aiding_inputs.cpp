@@ -62,13 +62,15 @@ public:
 protected:
   [[nodiscard]] virtual std::uint64_t publishers() = 0;
 
-  /// Passes on the samples of a message, and says what is not used.
-  void pass(const AidingSamples& samples, TimeNs received_ns, publication::SampleSink& sink,
+  /// Passes on the samples of a message, and says what is not used. Returns false if nothing is.
+  bool pass(const AidingSamples& samples, BeaconInputs::Moment moment, publication::SampleSink& sink,
             InputMonitor::Lines& lines) {
-    if (const auto measured_ns = samples.measured_ns()) {
-      const SteadyTime now = clocks::steady_now();
-      monitored_.monitor.on_sample({}, now, lines);
-      BeaconInputs::note_stamp(*measured_ns, monitored_, {received_ns, now});
+    const auto measured_ns = samples.measured_ns();
+    if (measured_ns) {
+      monitored_.monitor.on_sample({}, moment.now, lines);
+      BeaconInputs::note_stamp(*measured_ns, monitored_, moment);
+      if (input_.kind != AidingInput::Kind::set_pose)
+        BeaconInputs::notice_publisher(monitored_, moment, lines);
     } else {
       ++unused_;
     }
@@ -80,6 +82,7 @@ protected:
     if (samples.twist) sink.on(*samples.twist);
     if (samples.heading) sink.on(*samples.heading);
     if (samples.fix) sink.on(*samples.fix);
+    return measured_ns.has_value();
   }
 
   const AidingInput input_;
@@ -103,11 +106,13 @@ public:
 
   void take(publication::SampleSink& sink, const Reception& reception, const InputFrames& frames,
             InputMonitor::Lines& lines) override {
-    dds::ext::try_take_each(reader_.reader, [&](const T& message, const dds::sub::SampleInfo&) {
+    dds::ext::try_take_each(reader_.reader, [&](const T& message, const dds::sub::SampleInfo& info) {
       const Received received = reception(input_);
-      pass(samples_of(message, input_, frames, received.in_stamps_ns), received.time_ns, sink, lines);
+      const bool is_used =
+          pass(samples_of(message, input_, frames, received.in_stamps_ns),
+               {received.time_ns, clocks::steady_now(), info.publication_handle().c_value()}, sink, lines);
       if constexpr (requires { message.header; }) {
-        if (input_.kind != AidingInput::Kind::set_pose)
+        if (is_used && input_.kind != AidingInput::Kind::set_pose)
           BeaconInputs::notice_stamp(message.header, monitored_, lines);
       }
     });
@@ -143,7 +148,8 @@ public:
     if (!request) return;
     request->pose.header.frame_id = request->frame.data();
     const Received received = reception(input_);
-    pass(samples_of(request->pose, input_, frames, received.in_stamps_ns), received.time_ns, sink, lines);
+    pass(samples_of(request->pose, input_, frames, received.in_stamps_ns),
+         {received.time_ns, clocks::steady_now(), 0}, sink, lines);
   }
 
 private:

@@ -9,6 +9,7 @@
 #include <sonopose/ros2/node/node.hpp>
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -24,18 +25,20 @@ public:
   /// Pose of a frame in another one; empty if they are not connected.
   [[nodiscard]] std::optional<ros2::Transform> find(const std::string& in, const std::string& frame) const;
 
-  /// Gives a beacon the mount of the IMU in the robot's own description, and logs a changed one. Main thread
-  /// only.
+  /// Gives a beacon the mount of the IMU in the robot's own description, and logs a changed one, or that
+  /// there is none for a while. Main thread only.
   void assign_mount_to(BeaconPublishers& publishers);
 
 private:
   void add(const ros2::TFMessage& message);
+  void report_missing(const ros2::FrameNames& frames);
 
   std::function<void()> wake_;
   mutable threads::Mutex mutex_;
   ros2::StaticTransforms transforms_ SONOPOSE_GUARDED_BY(mutex_);
   bool has_surplus_ SONOPOSE_GUARDED_BY(mutex_) = false;
-  bool reported_ = false;  ///< main thread only
+  bool reported_ = false;                            ///< main thread only
+  std::map<std::string, SteadyTime> missing_since_;  ///< by frame of the IMU, likewise
   dds::ext::SampleListener<ros2::TFMessage> listener_{
       [this](const ros2::TFMessage& message, const auto&) { add(message); }};
   dds::sub::DataReader<ros2::TFMessage> reader_;  ///< last, because its listener uses the others

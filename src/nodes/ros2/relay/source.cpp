@@ -197,37 +197,37 @@ private:
   void take(Stream<T>& stream, publication::SampleSink& sink) {
     InputState& input = stream.input;
     Beacon& beacon = beacons_.at(input.option.address);
-    dds::ext::try_take_each(stream.reader, [&](const T& message, const dds::sub::SampleInfo&) {
-      const TimeNs received_ns = next_reception_ns();
+    dds::ext::try_take_each(stream.reader, [&](const T& message, const dds::sub::SampleInfo& info) {
+      const BeaconInputs::Moment moment{next_reception_ns(), clocks::steady_now(),
+                                        info.publication_handle().c_value()};
       ++beacon.status.frames;
-      if (!process(message, input, beacon, received_ns, sink)) ++beacon.status.samples_rejected;
+      if (!process(message, input, beacon, moment, sink)) ++beacon.status.samples_rejected;
     });
   }
 
-  bool process(const ros2::Imu& message, InputState& input, Beacon& beacon, TimeNs received_ns,
+  bool process(const ros2::Imu& message, InputState& input, Beacon& beacon, BeaconInputs::Moment moment,
                publication::SampleSink& sink) {
-    return process_imu(message, input, beacon, received_ns, sink);
+    return process_imu(message, input, beacon, moment, sink);
   }
-  bool process(const ros2::SensorCombined& message, InputState& input, Beacon& beacon, TimeNs received_ns,
-               publication::SampleSink& sink) {
-    return process_imu(message, input, beacon, received_ns, sink);
+  bool process(const ros2::SensorCombined& message, InputState& input, Beacon& beacon,
+               BeaconInputs::Moment moment, publication::SampleSink& sink) {
+    return process_imu(message, input, beacon, moment, sink);
   }
 
   /// Processes a message of an IMU. Returns false if it is invalid.
   template <class Message>
-  bool process_imu(const Message& message, InputState& input, Beacon& beacon, TimeNs received_ns,
+  bool process_imu(const Message& message, InputState& input, Beacon& beacon, BeaconInputs::Moment moment,
                    publication::SampleSink& sink) {
-    const bool is_valid =
-        beacon.inputs.on(message, input, {received_ns, clocks::steady_now()}, ready_, lines_);
+    const bool is_valid = beacon.inputs.on(message, input, moment, ready_, lines_);
     pass_ready(sink);
     return is_valid;
   }
 
   /// Processes a message with a position. Returns false if it is invalid.
   template <class Position>
-  bool process(const Position& message, InputState& input, Beacon& beacon, TimeNs received_ns,
+  bool process(const Position& message, InputState& input, Beacon& beacon, BeaconInputs::Moment moment,
                publication::SampleSink& sink) {
-    const auto taken = beacon.inputs.on(message, input, {received_ns, clocks::steady_now()}, frames_, lines_);
+    const auto taken = beacon.inputs.on(message, input, moment, frames_, lines_);
     if (taken.fix) sink.on(*taken.fix);
     return taken.is_valid;
   }

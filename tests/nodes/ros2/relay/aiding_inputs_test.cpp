@@ -13,6 +13,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -101,6 +102,7 @@ SCENARIO("velocities of drivers become samples") {
       ros2::Odometry message{};
       message.header.frame_id = frame.data();
       message.child_frame_id = frame.data();
+      message.header.stamp.sec = 3;
       for (const int i : {0, 7, 14}) message.twist.covariance[i] = -1.0;
       odometry.write(message);
       odometry.write(message);
@@ -110,6 +112,22 @@ SCENARIO("velocities of drivers become samples") {
         REQUIRE(take_until([&] { return sink.of_kind<TwistSample>().size() == 1; }));
         REQUIRE(lines.size() == 1);
         CHECK_THAT(lines.front().text(), Contains("beacon 7: /odom has velocities that are not used"));
+      }
+    }
+    WHEN("a driver publishes a variance that is no number, without a stamp") {
+      std::string frame = "base_link";
+      ros2::Odometry message{};
+      message.header.frame_id = frame.data();
+      message.child_frame_id = frame.data();
+      message.twist.covariance[0] = 0.01;
+      message.twist.covariance[7] = std::numeric_limits<double>::quiet_NaN();
+      odometry.write(message);
+      THEN("the other axes are used, and both are said") {
+        REQUIRE(take_until([&] { return sink.of_kind<TwistSample>().size() == 1; }));
+        CHECK((sink.of_kind<TwistSample>().front().axes & twist_velocity_y) == 0);
+        REQUIRE(lines.size() == 2);
+        CHECK_THAT(lines.front().text(), Contains("a variance is not finite: its axis is not measured"));
+        CHECK_THAT(lines.back().text(), Contains("/odom has messages without a stamp"));
       }
     }
     WHEN("the mount changes between two messages of a turning base") {
@@ -195,6 +213,7 @@ SCENARIO("headings of drivers become samples") {
     Rig<ros2::Imu> rig(Kind::heading, "/topic=7");
     ros2::Imu message{};
     message.header.frame_id = frame.data();
+    message.header.stamp.sec = 5;
     message.orientation = {.x = 0, .y = 0, .z = std::sqrt(0.5), .w = std::sqrt(0.5)};
     message.orientation_covariance[8] = 0.01;
     WHEN("it sends its orientation") {

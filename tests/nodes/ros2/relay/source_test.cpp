@@ -233,6 +233,38 @@ SCENARIO("a topic of fixes has one reader, of the type of its publisher") {
   }
 }
 
+SCENARIO("two publishers of one input are named") {
+  GIVEN("a driver of fixes, and a second one on its topic") {
+    Rig rig({Input::parse(Kind::fix, "/tag:PointStamped=7")});
+    auto driver = rig.driver<ros2::PointStamped>("/tag");
+    auto second = rig.driver<ros2::PointStamped>("/tag");
+    rig.run();
+    std::size_t sent = 0;
+    const auto send = [&](auto& writer) {
+      writer.write(fix_at(clocks::host_now(), {}));
+      ++sent;
+      REQUIRE(wait_until([&] { return rig.sink.count() == sent; }));
+    };
+    WHEN("only the first one sends, and then only the second") {
+      for (int i = 0; i < 4; ++i) send(driver);
+      for (int i = 0; i < 4; ++i) send(second);
+      THEN("nothing is said") {
+        rig.source->log_changes();
+        CHECK_FALSE(rig.has_logged("several publishers"));
+      }
+    }
+    WHEN("they send in turn") {
+      for (int i = 0; i < 4; ++i) {
+        send(driver);
+        send(second);
+      }
+      THEN("they are said to mix") {
+        CHECK(rig.logs("/tag has several publishers at a time"));
+      }
+    }
+  }
+}
+
 SCENARIO("a source does not mix two positioning systems") {
   GIVEN("two topics of fixes for one beacon") {
     THEN("it is rejected") {
