@@ -12,13 +12,17 @@
 #include <fmt/format.h>
 
 #include <map>
+#include <optional>
 #include <string>
+#include <string_view>
 
 namespace sonopose::bus_log {
 
 namespace {
 
 using marvelmind::DashboardLine;
+
+constexpr std::string_view zstd_magic = "\x28\xb5\x2f\xfd";
 
 /// The samples of one beacon in file order.
 struct Streams {
@@ -35,6 +39,7 @@ struct Streams {
 struct Dashboard {
   std::map<BeaconAddress, Streams> beacons;
   std::vector<std::string> warnings;
+  std::optional<std::string> first_line;
   bool has_line = false;  ///< a line has the timestamp of such a log
 };
 
@@ -48,6 +53,7 @@ Dashboard read_all(const std::filesystem::path& file) {
   std::string first_problem;
   files::LineReader lines(file);
   while (const auto line = lines.next()) {
+    if (!read.first_line) read.first_line = *line;
     if (line->empty()) continue;
     const DashboardLine parsed = marvelmind::parse_dashboard_line(*line);
     read.has_line = read.has_line || parsed.time_ns != 0;
@@ -74,6 +80,11 @@ recording::SensorLog read_dashboard_log(const std::filesystem::path& file,
   if (!read.has_line && files::is_present(file.parent_path() / recording::imu_file)) {
     throw files::IoError(fmt::format("{}: is in a log folder; give the folder, {}", file.string(),
                                      file.has_parent_path() ? file.parent_path().string() : "."));
+  }
+  if (!read.has_line && !read.first_line) throw files::IoError(file.string() + ": is empty");
+  if (!read.has_line && read.first_line->starts_with(zstd_magic)) {
+    throw files::IoError(
+        fmt::format("{}: is compressed as a whole: expand it with zstd -d {}", file.string(), file.string()));
   }
   if (!read.has_line) {
     throw files::IoError(

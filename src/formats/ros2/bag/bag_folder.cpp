@@ -28,6 +28,19 @@ std::string scalar_of(const YAML::Node& node) {
   return node && node.IsScalar() ? node.Scalar() : std::string();
 }
 
+/// Files of a recording that are compressed as a whole, and not expanded beside it.
+std::vector<fs::path> compressed_in(const fs::path& folder) {
+  std::error_code unknown;
+  std::vector<fs::path> files;
+  if (!fs::is_directory(folder, unknown)) return files;
+  for (const auto& entry : fs::directory_iterator(folder, unknown)) {
+    fs::path expanded = entry.path();
+    if (expanded.extension() != ".zstd" || is_there(expanded.replace_extension())) continue;
+    if (expanded.extension() == ".mcap" || expanded.extension() == ".db3") files.push_back(entry.path());
+  }
+  return files;
+}
+
 }  // namespace
 
 std::vector<fs::path> sqlite_files_in(const fs::path& folder) {
@@ -45,13 +58,24 @@ std::vector<fs::path> sqlite_files_in(const fs::path& folder) {
 
 bool is_bag_folder(const fs::path& folder) {
   if (is_there(folder / recording::imu_file)) return false;
-  return is_there(folder / "metadata.yaml") || !sqlite_files_in(folder).empty();
+  return is_there(folder / "metadata.yaml") || !sqlite_files_in(folder).empty() ||
+         !compressed_in(folder).empty();
 }
 
 Metadata read_metadata(const fs::path& folder) {
   const fs::path file = folder / "metadata.yaml";
   Metadata metadata;
-  if (!is_there(file)) return metadata;
+  const auto fail_if_compressed = [&](const std::string& cause) {
+    for (const fs::path& found : compressed_in(folder)) {
+      throw files::IoError(
+          fmt::format("{}: is compressed as a whole{}: expand the files with zstd -d {}/*.zstd",
+                      found.string(), cause, folder.string()));
+    }
+  };
+  if (!is_there(file)) {
+    fail_if_compressed("");
+    return metadata;
+  }
   try {
     const YAML::Node bag = YAML::Load(files::read_text(file))["rosbag2_bagfile_information"];
     if (!bag || !bag.IsMap()) return metadata;
@@ -77,14 +101,9 @@ Metadata read_metadata(const fs::path& folder) {
             fmt::format("{}: lacks {}, which metadata.yaml lists", folder.string(), listed.string()));
       }
     }
-    for (const auto& entry : fs::directory_iterator(folder)) {
-      const fs::path& found = entry.path();
-      fs::path expanded = found;
-      if (mode != "file" || found.extension() != ".zstd" || is_there(expanded.replace_extension())) continue;
-      throw files::IoError(fmt::format(
-          "{}: is compressed as a whole (compression_mode {} of metadata.yaml): expand the files with "
-          "zstd -d {}/*.zstd",
-          found.string(), scalar_of(bag["compression_mode"]), folder.string()));
+    if (mode == "file") {
+      fail_if_compressed(
+          fmt::format(" (compression_mode {} of metadata.yaml)", scalar_of(bag["compression_mode"])));
     }
   } catch (const YAML::Exception& error) {
     throw files::IoError(fmt::format("{}, line {}: {}", file.string(), error.mark.line + 1, error.msg));

@@ -71,6 +71,16 @@ SCENARIO("the folder of a recording says what belongs to it") {
       CHECK_THROWS_WITH(bus_log::read_sensor_log(folder.path()),
                         Contains("drive_0.mcap.zstd: is compressed as a whole") && Contains("zstd -d "));
     }
+    THEN("it says so without metadata too, and for one of the files") {
+      std::filesystem::remove(folder / "metadata.yaml");
+      CHECK_THROWS_WITH(bus_log::read_sensor_log(folder.path()), Contains("is compressed as a whole"));
+      CHECK_THROWS_WITH(bus_log::read_sensor_log(folder / "drive_0.mcap.zstd"),
+                        Contains("is compressed as a whole") && Contains("zstd -d "));
+    }
+    THEN("an empty file is said to be empty") {
+      write_text(folder / "drive_1.db3", "");
+      CHECK_THROWS_WITH(bus_log::read_sensor_log(folder / "drive_1.db3"), Contains("drive_1.db3: is empty"));
+    }
     THEN("the expanded ones are read") {
       test::write_bag(folder / "drive_0.mcap", test::messages_of(events));
       CHECK(read_metadata(folder.path()).missing.empty());
