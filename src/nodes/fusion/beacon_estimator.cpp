@@ -69,10 +69,7 @@ EventOutcome BeaconEstimator::process(const collation::CollatedEvent& collated) 
     outcome.settings_changed = true;
     outcome.prediction_period_ns = estimation::prediction_period_ns(estimator_.settings().output);
   }
-  if (const auto* imu = std::get_if<ImuSample>(&event)) {
-    const auto limit = estimation::aiding::exceeded_limit(estimator_.settings().admission, *imu);
-    if (limit) refusals_.on_excess(*limit);
-  }
+  refusals_.on(event, estimator_.settings().admission);
   if (const auto* fix = std::get_if<UltrasonicFix>(&event))
     height_check_.on(estimator_.settings().planar, *fix);
   outcome.result = estimation::process(estimator_, event);

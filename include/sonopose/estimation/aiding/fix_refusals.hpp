@@ -21,10 +21,13 @@ public:
   /// Takes a report of the engine; returns false if its fix was not refused. Does not allocate.
   bool on(const FixReport& report) noexcept;
 
-  /// Takes an IMU sample that exceeds a limit of the settings.
-  void on_excess(const ExceededLimit& limit) noexcept {
-    ++imu_refused_;
-    limit_ = limit;
+  /// Takes an IMU sample, which may exceed a limit of the settings.
+  void on(const ImuSample& imu, const settings::AdmissionSettings& settings) noexcept {
+    imu_.count(exceeded_limit(settings, imu));
+  }
+  /// Takes a fix before its report, likewise.
+  void on(const UltrasonicFix& fix, const settings::AdmissionSettings& settings) noexcept {
+    positions_.count(exceeded_limit(settings, fix));
   }
 
   [[nodiscard]] std::uint64_t count() const;
@@ -42,9 +45,20 @@ private:
   };
   [[nodiscard]] FixRefusal most_frequent() const;
 
+  struct Excess {
+    std::uint64_t samples = 0;
+    ExceededLimit limit;  ///< that of the latest one
+
+    void count(const std::optional<ExceededLimit>& exceeded) noexcept {
+      if (!exceeded) return;
+      ++samples;
+      limit = *exceeded;
+    }
+  };
+
   std::array<Refused, fix_refusal_count> refused_;
-  std::uint64_t imu_refused_ = 0;
-  ExceededLimit limit_;  ///< limit that the latest of these exceeds
+  Excess imu_;
+  Excess positions_;
 };
 
 /// Refusals of one beacon since the last accepted fix. Call `update` about once a second.
@@ -55,15 +69,17 @@ public:
   /// Takes a report of the engine. Does not allocate.
   void on(const FixReport& report) noexcept;
 
-  /// Takes an IMU sample that exceeds a limit (RefusedFixes).
-  void on_excess(const ExceededLimit& limit) noexcept { refused_.on_excess(limit); }
+  /// Takes a sample before it is processed (RefusedFixes).
+  void on(const Event& event, const settings::AdmissionSettings& settings) noexcept;
 
   /// A message for the user: once when all fixes have been refused for `timeout_ns`, with the most frequent
-  /// cause, and once when one is accepted again.
+  /// cause, and once when one is accepted again; for each refused pose that the user has set.
   std::optional<std::string> update(SteadyTime now);
 
 private:
   RefusedFixes refused_;
+  RefusedFixes set_pose_;     ///< the latest pose that the user has set
+  bool is_set_pose_ = false;  ///< the latest fix is one
   std::optional<SteadyTime> since_;
   bool reported_ = false;
 };

@@ -19,7 +19,15 @@ std::optional<ExceededLimit> exceeded_limit(const AdmissionSettings& settings, c
     return ExceededLimit{"admission.max_angular_rate_radps", settings.max_angular_rate_radps};
   if (!within(imu.specific_force_body_mps2, settings.max_specific_force_mps2))
     return ExceededLimit{"admission.max_specific_force_mps2", settings.max_specific_force_mps2};
+  if (imu.specific_force_body_mps2.isZero(0.0)) return ExceededLimit{};
   return std::nullopt;
+}
+
+std::optional<ExceededLimit> exceeded_limit(const AdmissionSettings& settings, const UltrasonicFix& fix) {
+  const bool is_within = within(fix.position_world_m, settings.max_position_m) &&
+                         within(fix.point_body_m, settings.max_position_m);
+  if (is_within) return std::nullopt;
+  return ExceededLimit{"admission.max_position_m", settings.max_position_m};
 }
 
 namespace admission {
@@ -49,9 +57,7 @@ bool is_time(TimeNs stamp_ns) {
 }
 
 bool admits(const AdmissionSettings& settings, TimeNs now_ns, const ImuSample& imu) {
-  // No accelerometer reads exactly zero on all axes.
-  return is_time(imu.sensor_time_ns) && imu.sensor_time_ns >= now_ns &&
-         !imu.specific_force_body_mps2.isZero(0.0) && !exceeded_limit(settings, imu);
+  return is_time(imu.sensor_time_ns) && imu.sensor_time_ns >= now_ns && !exceeded_limit(settings, imu);
 }
 
 bool is_time_jump(AdmissionState& state, TimeNs now_ns, const ImuSample& imu) {
@@ -88,10 +94,7 @@ bool admits(const AdmissionSettings& settings, TimeNs now_ns, const TwistSample&
 
 std::uint32_t fix_rejection_flags(const AdmissionSettings& settings, TimeNs now_ns, const UltrasonicFix& fix,
                                   TimeNs measured_ns, double ahead_s) {
-  if (!within(fix.position_world_m, settings.max_position_m) ||
-      !within(fix.point_body_m, settings.max_position_m)) {
-    return fix_invalid;
-  }
+  if (exceeded_limit(settings, fix)) return fix_invalid;
   if (is_too_late(settings, now_ns, measured_ns, fix.received_time_ns)) return fix_too_late;
   if (!is_recent(settings, now_ns, measured_ns, fix.received_time_ns, ahead_s)) return fix_invalid;
   const bool poor = fix.quality_percent && !(*fix.quality_percent >= settings.min_quality_percent);

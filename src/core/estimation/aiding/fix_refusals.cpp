@@ -8,6 +8,13 @@
 #include <utility>
 
 namespace sonopose::estimation::aiding {
+namespace {
+
+std::string text_of(const ExceededLimit& limit) {
+  return "above " + std::string(limit.key) + " (" + settings::to_text(limit.value) + ")";
+}
+
+}  // namespace
 
 bool RefusedFixes::on(const FixReport& report) noexcept {
   const auto cause = refusal_of(report);
@@ -41,13 +48,14 @@ std::string RefusedFixes::reason() const {
   const Refused& most = refused_.at(static_cast<std::size_t>(cause));
   const std::string share =
       most.fixes < count() ? std::to_string(most.fixes) + " of them for this reason: " : "";
+  if (most.fixes < 2 * positions_.samples) return share + "a coordinate is " + text_of(positions_.limit);
   switch (cause) {
     case FixRefusal::low_quality:
       return share + "their quality is below admission.min_quality_percent";
     case FixRefusal::no_imu:
-      if (imu_refused_ == 0) return share + "no IMU sample has arrived";
-      return share + text::count_text(imu_refused_, "IMU sample was", "IMU samples were") +
-             " refused, above " + limit_.key + " (" + settings::to_text(limit_.value) + ")";
+      if (imu_.samples == 0) return share + "no IMU sample has arrived";
+      return share + text::count_text(imu_.samples, "IMU sample was", "IMU samples were") + " refused, " +
+             (imu_.limit.key == nullptr ? "with a specific force of zero" : text_of(imu_.limit));
     case FixRefusal::too_old:
       return share + "the latest is " + text::number_text(most.age_s, 3) +
              " s older than the IMU samples, more than admission.max_fix_age_s";
@@ -60,13 +68,29 @@ std::string RefusedFixes::reason() const {
   return share + "the latest is not newer than the one before, or its position or its times are out of range";
 }
 
+void FixRefusals::on(const Event& event, const settings::AdmissionSettings& settings) noexcept {
+  if (const auto* imu = std::get_if<ImuSample>(&event)) refused_.on(*imu, settings);
+  const auto* const fix = std::get_if<UltrasonicFix>(&event);
+  if (fix == nullptr) return;
+  is_set_pose_ = (fix->flags & ultrasonic_flag_set_pose) != 0U;
+  if (is_set_pose_) set_pose_ = {};
+  (is_set_pose_ ? set_pose_ : refused_).on(*fix, settings);
+}
+
 void FixRefusals::on(const FixReport& report) noexcept {
+  if (std::exchange(is_set_pose_, false)) {
+    set_pose_.on(report);
+    return;
+  }
   if (refused_.on(report)) return;
   refused_ = {};
   since_.reset();
 }
 
 std::optional<std::string> FixRefusals::update(SteadyTime now) {
+  if (const RefusedFixes refused = std::exchange(set_pose_, {}); refused.count() > 0) {
+    return "the pose that the user has set is refused: " + refused.reason();
+  }
   if (!since_) {  // none refused, or one accepted since the last call
     if (refused_.count() > 0) since_ = now;
     if (!std::exchange(reported_, false)) return std::nullopt;

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace sonopose::evaluation {
@@ -178,7 +179,10 @@ public:
   void add(const Event& event) {
     const auto* const heading = std::get_if<PairHeading>(&event);
     const bool is_set = heading != nullptr && (heading->flags & heading_flag_set_pose) != 0U;
-    if (heading != nullptr && heading->valid && !is_set) ++headings_;
+    if (heading != nullptr && heading->valid && !is_set) {
+      ++headings_;
+      if (std::isfinite(heading->heading_world_rad)) ++finite_headings_;
+    }
     if (std::holds_alternative<TwistSample>(event)) ++twists_;
   }
 
@@ -201,13 +205,15 @@ public:
     if (headings_ < min_count || counted.headings > 1) return;
     result.unused_inputs.push_back(
         {.is_heading = true,
-         .text = fmt::format("headings are not used: all {} are newer than the IMU samples or too old: "
-                             "compare their stamps with those of the IMU",
-                             headings_)});
+         .text = fmt::format("headings are not used: all {} are {}", headings_,
+                             finite_headings_ == 0 ? "not finite"
+                                                   : "newer than the IMU samples or too old: compare their "
+                                                     "stamps with those of the IMU")});
   }
 
 private:
   std::uint64_t headings_ = 0;
+  std::uint64_t finite_headings_ = 0;
   std::uint64_t twists_ = 0;
 };
 
@@ -222,10 +228,11 @@ void run_engine(const recording::SensorLog& log, const RunOptions& options, Resu
     results.predict(event, estimator);
     faults.on(event);
     aiding.add(event);
-    if (const auto* fix = std::get_if<UltrasonicFix>(&event)) heights.on(estimator.settings().planar, *fix);
-    if (const auto* imu = std::get_if<ImuSample>(&event)) {
-      const auto limit = estimation::aiding::exceeded_limit(estimator.settings().admission, *imu);
-      if (limit) results.result().refusals.on_excess(*limit);
+    estimation::aiding::RefusedFixes& refusals = results.result().refusals;
+    if (const auto* imu = std::get_if<ImuSample>(&event)) refusals.on(*imu, estimator.settings().admission);
+    if (const auto* fix = std::get_if<UltrasonicFix>(&event)) {
+      heights.on(estimator.settings().planar, *fix);
+      refusals.on(*fix, estimator.settings().admission);
     }
     auto output = estimation::process(estimator, event);
     if (auto* pose = std::get_if<FusedPose>(&output)) {

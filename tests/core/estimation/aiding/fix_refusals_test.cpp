@@ -22,6 +22,7 @@ FixReport report(std::uint32_t flags, double age_s) {
 }
 
 SCENARIO("refused fixes are reported once, after a second") {
+  const settings::AdmissionSettings limits;
   FixRefusals refusals;
   const auto at = [&refusals](TimeNs time_s) { return refusals.update(SteadyTime{time_s * second_ns}); };
   GIVEN("fixes of a clock that is an hour behind") {
@@ -91,10 +92,40 @@ SCENARIO("refused fixes are reported once, after a second") {
     THEN("IMU samples that are all above a limit are named with it") {
       FixReport one = report(fix_invalid, 0.1);
       one.applied_time_ns = 0;
-      for (int i = 0; i < 340; ++i) refusals.on_excess({"admission.max_angular_rate_radps", 80.0});
+      ImuSample fast;
+      fast.specific_force_body_mps2 = {0, 0, standard_gravity_mps2};
+      fast.angular_velocity_body_radps = {100, 0, 0};
+      for (int i = 0; i < 340; ++i) refusals.on(fast, limits);
       CHECK_THAT(reason_of(one), Contains("340 IMU samples were refused, above "
                                           "admission.max_angular_rate_radps (80)") &&
                                      !Contains("arrived"));
+    }
+    THEN("an accelerometer that reads zero is named") {
+      FixReport one = report(fix_invalid, 0.1);
+      one.applied_time_ns = 0;
+      refusals.on(ImuSample{}, limits);
+      CHECK_THAT(reason_of(one), Contains("1 IMU sample was refused, with a specific force of zero"));
+    }
+    THEN("positions as of UTM are named with the limit") {
+      UltrasonicFix far;
+      far.position_world_m = {452'345, 5'411'234, 230};
+      refusals.on(far, limits);
+      refusals.on(report(fix_invalid, 0.1));
+      refusals.on(far, limits);
+      refusals.on(report(fix_invalid, 0.1));
+      CHECK_FALSE(at(20));
+      CHECK_THAT(at(21).value_or(""),
+                 Contains("2 until now: a coordinate is above admission.max_position_m (10000)"));
+    }
+    THEN("a pose that the user sets there is named alone, and at once") {
+      UltrasonicFix far;
+      far.position_world_m = {1e7, 0, 0};
+      far.flags = ultrasonic_flag_set_pose;
+      refusals.on(far, limits);
+      refusals.on(report(fix_invalid, -0.01));  // a user's pose is newer than the IMU samples
+      CHECK_THAT(at(20).value_or(""),
+                 Contains("the pose that the user has set is refused: a coordinate is above "));
+      CHECK_FALSE(at(21));
     }
   }
 }
