@@ -57,7 +57,9 @@ std::optional<std::string> wrong_unit_of(const std::vector<Position>& fixes) {
              " m/s^2 for most of the time, which the IMU does not measure";
     }
   }
-  if (fixes.size() < min_fixes || !are_whole || farthest_m < min_far_m) return std::nullopt;
+  constexpr double max_far_m = 1e9;  // in mm a thousand kilometres
+  const bool is_far = farthest_m >= min_far_m && farthest_m < max_far_m;
+  if (fixes.size() < min_fixes || !are_whole || !is_far) return std::nullopt;
   return "all positions are whole numbers, up to " + text::number_text(farthest_m, 0);
 }
 
@@ -147,17 +149,28 @@ std::optional<FixFault> repetitions_in(const Window& window) {
                       " fixes repeat the position of the one before, although the IMU moves"};
 }
 
-bool are_in_radians(const Window& window, const TurnGain& turn) {
+/// Finds headings that are constant, or small as in radians, while the gyroscope turns.
+std::optional<FixFault> heading_fault_of(const Window& window, const TurnGain& turn) {
   constexpr double fast_turn_radps = 0.5;
   constexpr double max_angle_in_radians = 6.3;  // read as degrees
+  constexpr double resolution_rad = 0.01 * geometry::radians_per_degree;
   const std::vector<Direction>& headings = window.headings;
-  if (headings.size() < min_fixes || turn.gyro_radps <= fast_turn_radps) return false;
+  if (headings.size() < min_fixes || turn.gyro_radps <= fast_turn_radps) return std::nullopt;
   // Headings of a small part of the window need not be those of the turn.
   const TimeNs imu_ns = window.imu.back().time_ns - window.imu.front().time_ns;
-  if (headings.back().time_ns - headings.front().time_ns < imu_ns / 2) return false;
-  return std::all_of(headings.begin(), headings.end(), [](const Direction& heading) {
-    return std::abs(heading.heading_world_rad) < max_angle_in_radians * geometry::radians_per_degree;
-  });
+  if (headings.back().time_ns - headings.front().time_ns < imu_ns / 2) return std::nullopt;
+  const double first_rad = headings.front().heading_world_rad;
+  const auto are_within = [&](double limit_rad, double centre_rad) {
+    return std::all_of(headings.begin(), headings.end(), [=](const Direction& heading) {
+      return std::abs(geometry::wrap_angle(heading.heading_world_rad - centre_rad)) < limit_rad;
+    });
+  };
+  if (are_within(resolution_rad, first_rad)) {
+    return FixFault{FixFaultKind::headings_constant, "all headings are equal although the gyroscope turns"};
+  }
+  if (!are_within(max_angle_in_radians * geometry::radians_per_degree, 0.0)) return std::nullopt;
+  return FixFault{FixFaultKind::headings_in_radians,
+                  "all headings are below 6.3 deg although the gyroscope turns"};
 }
 
 }  // namespace
@@ -177,10 +190,7 @@ std::vector<FixFault> fix_faults_of(const Window& window, const TurnGain& turn) 
   }
   if (auto found = wrong_unit_of(fixes)) faults.push_back({FixFaultKind::unit, *std::move(found)});
   if (auto found = repetitions_in(window)) faults.push_back(*std::move(found));
-  if (are_in_radians(window, turn)) {
-    faults.push_back(
-        {FixFaultKind::headings_in_radians, "all headings are below 6.3 deg although the gyroscope turns"});
-  }
+  if (auto found = heading_fault_of(window, turn)) faults.push_back(*std::move(found));
   return faults;
 }
 

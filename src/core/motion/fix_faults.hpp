@@ -18,6 +18,7 @@ enum class FixFaultKind : std::uint8_t {
   repeated,             ///< the source sends each position several times
   frozen,               ///< a long run of one position, or all
   headings_in_radians,  ///< read as degrees
+  headings_constant,    ///< a value that nobody measured
 };
 
 struct FixFault {

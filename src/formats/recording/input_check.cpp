@@ -72,9 +72,7 @@ void InputCheck::add(const PairHeading& heading) {
 void InputCheck::add(const TwistSample& twist) {
   twists_.push_back(twist.emission_time_ns);
   twist_ages_ns_.push_back(twist.received_time_ns - twist.emission_time_ns);
-  if ((twist.axes & twist_velocity_x) != 0 && twist.velocity_body_mps.allFinite()) {
-    speeds_mps_.emplace_back(twist.emission_time_ns, twist.velocity_body_mps.norm());
-  }
+  velocities_.add(twist);
 }
 
 void InputCheck::add(const TruthSample& truth) {
@@ -234,6 +232,8 @@ std::string InputCheck::question_about(const motion::FixFault& fault) const {
       return fault.text + ": leave them out, they were not measured";
     case motion::FixFaultKind::headings_in_radians:
       return fault.text + "; are they in rad? " + how_to_name("rad", Table::positions, {"heading"});
+    case motion::FixFaultKind::headings_constant:
+      return fault.text + ": leave them out, they were not measured";
     case motion::FixFaultKind::repeated:
     case motion::FixFaultKind::frozen:
       break;
@@ -255,48 +255,6 @@ std::optional<std::string> InputCheck::unit_of_quality() const {
   if (best > 1.0 || std::ranges::none_of(qualities_percent_, is_fraction)) return std::nullopt;
   return fmt::format("the quality of all fixes is at most {:.3g} %; is it a share from 0 to 1? {}", best,
                      how_to_name("1", Table::positions, {"quality"}));
-}
-
-/// Suspects another unit if measured speeds are a multiple of those that the fixes show over a second or
-/// more.
-std::optional<std::string> InputCheck::unit_of_velocities() const {
-  constexpr double min_span_s = 1.0;
-  constexpr double max_span_s = 4.0;
-  constexpr double min_m = 0.5;
-  constexpr double max_factor = 2.0;  // slip, curves and wrong radii
-  constexpr std::size_t min_count = 5;
-  constexpr std::array<std::pair<const char*, double>, 3> units{
-      {{"km h^-1", 3.6}, {"cm s^-1", 100}, {"mm s^-1", 1000}}};
-  std::vector<double> factors;
-  const std::vector<motion::Position>& fixes = window_.fixes;
-  std::size_t last = 0;
-  auto next = speeds_mps_.begin();
-  for (std::size_t i = 1; i < fixes.size(); ++i) {
-    const double span_s = seconds_between(fixes[last].time_ns, fixes[i].time_ns);
-    if (span_s < min_span_s) continue;
-    double sum_mps = 0;
-    int count = 0;
-    for (; next != speeds_mps_.end() && next->first < fixes[i].time_ns; ++next) {
-      if (next->first < fixes[last].time_ns) continue;
-      sum_mps += next->second;
-      ++count;
-    }
-    const double moved_m = (fixes[i].position_world_m - fixes[last].position_world_m).norm();
-    if (span_s < max_span_s && moved_m > min_m && count > 0)
-      factors.push_back(sum_mps / count / (moved_m / span_s));
-    last = i;
-  }
-  if (factors.size() < min_count) return std::nullopt;
-  const double factor = quantile(factors, 0.5);
-  if (factor <= max_factor && factor * max_factor >= 1.0) return std::nullopt;
-  const std::string text =
-      fmt::format("the velocities are {:.3g} times the speed of the fixes (median)", factor);
-  for (const auto& [unit, of_unit] : units) {
-    if (factor < of_unit / 1.5 || factor > 1.5 * of_unit) continue;
-    return fmt::format("{}; are they in {}? {}", text, unit,
-                       how_to_name(unit, Table::positions, {"v_x", "v_y", "v_z"}));
-  }
-  return text + "; check their unit, and the radius of the wheels";
 }
 
 std::vector<std::string> InputCheck::findings() const {
@@ -351,7 +309,10 @@ std::vector<std::string> InputCheck::findings() const {
     references.fixes &= !are_repeated && fault.kind != motion::FixFaultKind::unit;
   }
   add_if(unit_of_quality());
-  add_if(unit_of_velocities());
+  add_if(velocities_.unit(window_.fixes, [this](const char* unit) {
+    return how_to_name(unit, Table::positions, {"v_x", "v_y", "v_z"});
+  }));
+  add_if(velocities_.sign_of_turns(window_.imu));
   for (std::string& text : truth_findings(truths_, window_, references)) texts.push_back(std::move(text));
   return texts;
 }

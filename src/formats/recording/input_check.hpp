@@ -6,6 +6,7 @@
 #include "motion/fix_faults.hpp"
 #include "motion/turn_gain.hpp"
 #include "motion/window.hpp"
+#include "recording/velocity_check.hpp"
 #include <sonopose/samples/samples.hpp>
 
 #include <algorithm>
@@ -60,7 +61,6 @@ private:
   [[nodiscard]] std::vector<std::string> units_of_readings(const motion::TurnGain& turn) const;
   [[nodiscard]] std::string question_about(const motion::FixFault& fault) const;
   [[nodiscard]] std::optional<std::string> unit_of_quality() const;
-  [[nodiscard]] std::optional<std::string> unit_of_velocities() const;
 
   const csv::ColumnNames* names_;
   Stamps imu_;
@@ -73,7 +73,7 @@ private:
   std::vector<TimeNs> fix_ages_ns_;  ///< durations from emission to reception
   std::vector<TimeNs> heading_ages_ns_;
   std::vector<TimeNs> twist_ages_ns_;
-  std::vector<std::pair<TimeNs, double>> speeds_mps_;  ///< measured, with their stamps
+  VelocityCheck velocities_;
   motion::Window window_;
 };
 

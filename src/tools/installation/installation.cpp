@@ -279,6 +279,17 @@ private:
     error.value = geometry::wrap_angle(error.value + origin_rad);
     if (2 * wrong <= static_cast<std::ptrdiff_t>(errors.size())) return;
     if (std::abs(error.value) < std::max(wrong_mount_rad, significant_stds * error.std)) return;
+    if (evidence_.are_headings_of_body) {
+      report_error(
+          fmt::format(
+              "its headings are {:.0f}° (±{:.0f}°) too {}: the IMU, the fixes and the headings do not "
+              "agree",
+              std::abs(whole_degrees(error.value)), error.std * degrees, error.value > 0 ? "large" : "small"),
+          "let their driver give the yaw counter-clockwise from the map's x, not from north or from the "
+          "start, "
+          "or correct the place of the IMU (--mount, /tf_static)");
+      return;
+    }
     report_error(
         fmt::format(
             "its mount offset is wrong by about {:.0f}° (±{:.0f}°): the IMU, the fixes and the heading "

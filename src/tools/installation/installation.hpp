@@ -19,6 +19,7 @@ struct Evidence {
   std::vector<motion::fit::Piece> pieces;  ///< fits of its motion
   motion::ImuSummary imu_summary;          ///< summary with the calibration applied
   motion::TurnGain turn_gain;              ///< gain of the calibrated gyroscope
+  bool are_headings_of_body = false;       ///< true if they are not those of a pair
   bool are_fixes_timed = false;            ///< true if the hardware measured the delay of most fixes
   double min_fix_delay_s = 0;              ///< minimum time from emission to receipt
 };

@@ -56,6 +56,7 @@ std::vector<Finding> findings_in(std::span<const Event> events, const settings::
   }
   evidence.are_fixes_timed = 2 * timed_fixes > fixes;
   evidence.min_fix_delay_s = min_fix_delay_s.value_or(0.0);
+  evidence.are_headings_of_body = samples.are_headings_of_body();
   motion::Window window = std::move(samples).window();
   motion::sort_by_time(window);
   motion::remove_held_readings(window);

@@ -24,10 +24,14 @@ void SampleWindow::add(const UltrasonicFix& fix) {
 }
 
 void SampleWindow::add(const PairHeading& heading) {
-  constexpr std::uint32_t of_others = heading_flag_set_pose | heading_flag_of_body;
-  if ((heading.flags & of_others) != 0U || !heading.valid || !std::isfinite(heading.heading_world_rad))
-    return;
-  window_.headings.push_back({estimation::aiding::measured_at(delay_, heading), heading.heading_world_rad});
+  const bool is_set = (heading.flags & heading_flag_set_pose) != 0U;
+  if (is_set || !heading.valid || !std::isfinite(heading.heading_world_rad)) return;
+  const bool is_of_body = (heading.flags & heading_flag_of_body) != 0U;
+  if (is_of_body && !are_headings_of_body_ && !window_.headings.empty()) return;
+  if (!is_of_body && are_headings_of_body_) window_.headings.clear();
+  are_headings_of_body_ = is_of_body;
+  window_.headings.push_back({estimation::aiding::measured_at(delay_, heading),
+                              heading.heading_world_rad + (is_of_body ? window_.mount_rad : 0.0)});
 }
 
 }  // namespace sonopose::installation

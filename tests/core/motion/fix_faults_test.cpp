@@ -129,4 +129,18 @@ SCENARIO("headings in radians that are read as degrees are found") {
   CHECK(faults[0].kind == FixFaultKind::headings_in_radians);
 }
 
+SCENARIO("a heading that does not turn with the gyroscope is found, wherever it points") {
+  const double value_rad = GENERATE(0.0, 2.1);
+  Window window = circling([](Position&, int) {});
+  for (Direction& heading : window.headings) heading.heading_world_rad = value_rad;
+  const auto faults = faults_of(window);
+  REQUIRE(faults.size() == 1);
+  CHECK(faults[0].kind == FixFaultKind::headings_constant);
+}
+
+SCENARIO("coordinates that no unit explains are not taken for millimetres") {
+  Window window = circling([](Position& fix, int) { fix.position_world_m = {1e308, 0, 0}; });
+  for (const FixFault& fault : faults_of(window)) CHECK(fault.kind != FixFaultKind::unit);
+}
+
 }  // namespace fix_faults_test

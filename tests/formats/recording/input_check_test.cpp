@@ -363,7 +363,8 @@ SCENARIO("missing samples are a finding") {
 
 SCENARIO("velocities in another unit are found by the fixes") {
   GIVEN("a body that drives at 1 m/s, with velocities at 20 Hz") {
-    const auto factor = GENERATE(1.0, 3.6, 100.0, 1000.0, 8.0);
+    const auto factor = GENERATE(1.0, 3.6, 100.0, 1000.0, 8.0, 0.1);
+    const Eigen::Index axis = GENERATE(0, 1);  // the IMU may be turned on the robot
     std::vector<Event> events = standing();
     for (auto* fix : test::each<UltrasonicFix>(events)) {
       fix->position_world_m.x() = seconds_between(start_ns, fix->emission_time_ns);
@@ -371,8 +372,8 @@ SCENARIO("velocities in another unit are found by the fixes") {
     for (int i = 0; i < 200; ++i) {
       TwistSample twist;
       twist.emission_time_ns = twist.received_time_ns = start_ns + i * 50'000'000LL;
-      twist.velocity_body_mps.x() = factor;
-      twist.axes = twist_velocity_x;
+      twist.velocity_body_mps[axis] = factor;
+      twist.axes = axis == 0 ? twist_velocity_x : twist_velocity_y;
       events.emplace_back(twist);
     }
     const auto findings = input_findings("log", events);
@@ -381,7 +382,30 @@ SCENARIO("velocities in another unit are found by the fixes") {
       if (factor == 3.6) CHECK_THAT(findings[0], Contains("in km h^-1?") && Contains("v_x [km h^-1]"));
       if (factor == 100.0) CHECK_THAT(findings[0], Contains("in cm s^-1?"));
       if (factor == 1000.0) CHECK_THAT(findings[0], Contains("in mm s^-1?"));
-      if (factor == 8.0) CHECK_THAT(findings[0], Contains("check their unit"));
+      if (factor == 8.0 || factor == 0.1) CHECK_THAT(findings[0], Contains("check their unit"));
+    }
+  }
+}
+
+SCENARIO("velocities that turn against the gyroscope are found") {
+  GIVEN("a body that turns to and fro at up to 0.5 rad/s, and wheels that measure it with a slip of 30 %") {
+    const double gain = GENERATE(1.0, 1.3, -1.3, 0.0);
+    std::vector<Event> events = standing();
+    const auto rate_radps = [](TimeNs time_ns) { return 0.5 * std::sin(seconds_between(start_ns, time_ns)); };
+    for (auto* imu : test::each<ImuSample>(events)) {
+      imu->angular_velocity_body_radps.z() += rate_radps(imu->sensor_time_ns);
+    }
+    for (int i = 0; i < 200; ++i) {
+      TwistSample twist;
+      twist.emission_time_ns = twist.received_time_ns = start_ns + i * 50'000'000LL;
+      twist.angular_velocity_body_radps.z() = gain * rate_radps(twist.emission_time_ns);
+      twist.axes = twist_velocity_x | twist_angular_velocity_z;
+      events.emplace_back(twist);
+    }
+    const auto findings = input_findings("log", events);
+    THEN("the other sense of rotation is a finding, and slip and wheels that measure no turn are none") {
+      CHECK(findings.size() == (gain < 0 ? 1 : 0));
+      if (gain < 0) CHECK_THAT(findings.at(0), Contains("are left and right wheels swapped"));
     }
   }
 }

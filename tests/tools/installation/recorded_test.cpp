@@ -2,6 +2,7 @@
 
 #include "sim/simulator.hpp"
 #include "support/events.hpp"
+#include <sonopose/geometry/rotation.hpp>
 #include <sonopose/settings/settings_table.hpp>
 
 #include <catch2/catch.hpp>
@@ -134,6 +135,25 @@ SCENARIO("A wrong mount is found where most of a recording is at rest") {
   std::vector<Event> parked = after;
   parked.insert(parked.begin(), events.begin(), events.end());
   CHECK_THAT(text_of(findings_in(parked, turned, Search::brief)), Contains("its mount offset is wrong"));
+}
+
+SCENARIO("Headings of a compass that is turned are named, whatever the mount of a pair") {
+  const double turned_deg = GENERATE(0.0, 30.0, 90.0);
+  CAPTURE(turned_deg);
+  settings::Settings settings;
+  settings::set(settings, "heading.mount_offset_deg", 45.0);
+  auto events = events_of("forklift", 2191);
+  for (auto* heading : test::each<PairHeading>(events)) {
+    heading->flags |= heading_flag_of_body;
+    heading->heading_world_rad += turned_deg * geometry::radians_per_degree;
+  }
+  const std::string text = text_of(findings_in(events, settings, Search::brief));
+  CAPTURE(text);
+  const std::string begin = "its headings are ";
+  REQUIRE(text.starts_with(begin) == (turned_deg > 0));
+  if (text.empty()) return;
+  CHECK(std::stod(text.substr(begin.size())) == Approx(turned_deg).margin(3));
+  CHECK_THAT(text, Contains("not from north") && !Contains("heading.mount_offset_deg"));
 }
 
 SCENARIO("An accelerometer in g says nothing about the installation") {

@@ -124,12 +124,12 @@ void BeaconProbe::on(const PairHeading& heading, const Arrival& arrival) {
   if (heading.sequence != unnumbered) sequences_.add(arrival.time_ns, heading.sequence);
   if (!in_window() || (heading.flags & heading_flag_set_pose) != 0U) return;
   heading_.count(arrival);
-  if ((heading.flags & heading_flag_of_body) != 0U) return;  // says nothing about a pair or its mount
+  if (heading.valid) headings_.add(arrival.time_ns, heading);
+  if ((heading.flags & heading_flag_of_body) != 0U) return;
   ++pair_headings_;
   if (!heading.valid) return;
   ++valid_pair_headings_;
   pair_losses_.on_heading(arrival.time_ns);
-  headings_.add(arrival.time_ns, heading);
 }
 
 void BeaconProbe::on(const TwistSample& twist, const Arrival& arrival) {

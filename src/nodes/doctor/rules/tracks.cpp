@@ -100,6 +100,9 @@ std::optional<FixAdvice> advice_for(motion::FixFaultKind kind) {
       return FixAdvice{Severity::warning, "let the driver send each position once"};
     case motion::FixFaultKind::headings_in_radians:
       return FixAdvice{Severity::error, "correct the unit in their driver: they seem to be in rad"};
+    case motion::FixFaultKind::headings_constant:
+      return FixAdvice{Severity::error,
+                       "use a source that measures them, or none: many drivers fill an unknown orientation"};
     case motion::FixFaultKind::frozen:
       break;
   }
