@@ -7,6 +7,7 @@
 #include "support/ros2.hpp"
 #include "support/wait_until.hpp"
 #include <sonopose/dds/psm/discovery.hpp>
+#include <sonopose/ros2/messages/service_types.hpp>
 
 #include <algorithm>
 #include <atomic>
