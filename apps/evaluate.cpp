@@ -96,6 +96,7 @@ int evaluate(const Options& options) {
   apps::Progress progress;
   std::optional<evaluation::SummaryTable> table;
   bool is_only_case = false;
+  std::size_t left_out = 0;
   const auto begin = [&](const apps::CasePlace& place) {
     is_only_case = place.count == 1;
     if (!table) table.emplace(place.name_columns);
@@ -107,14 +108,14 @@ int evaluate(const Options& options) {
       if (is_only_case) waiting.emplace(runs.front().name);
       const auto results = evaluation::evaluate_all(runs, settings);
       waiting.reset();
-      const std::string lines = table->add(evaluation::summarise(results));
-      if (options.json) continue;
       progress.clear();
-      apps::print("{}", lines);
+      if (apps::is_left_out(results, left_out)) continue;
+      const std::string lines = table->add(evaluation::summarise(results));
+      if (!options.json) apps::print("{}", lines);
       apps::flush_output();
     }
   };
-  const std::size_t left_out = apps::for_each_case(options.cases, engines.front(), score, begin);
+  left_out += apps::for_each_case(options.cases, engines.front(), score, begin);
   progress.clear();
   apps::print("{}", options.json ? evaluation::json_of(table->rows()) : table->predictions());
   return left_out == 0 ? 0 : 1;

@@ -207,4 +207,12 @@ std::size_t for_each_case(const CaseOptions& options, const settings::Settings& 
   return named_unreadable;
 }
 
+bool is_left_out(const std::vector<evaluation::CaseResult>& runs, std::size_t& count) {
+  const std::string& fault = runs.front().fix_fault;
+  if (fault.empty()) return false;
+  report_left_out(fmt::format("{}: {}", runs.front().name, fault));
+  ++count;
+  return true;
+}
+
 }  // namespace sonopose::apps

@@ -3,8 +3,10 @@
 
 #include "command_line.hpp"
 #include "evaluation/replay/cases.hpp"
+#include "evaluation/replay/evaluation.hpp"
 #include "recording/log_folder.hpp"
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -43,5 +45,8 @@ struct CasePlace {
 std::size_t for_each_case(const CaseOptions& options, const settings::Settings& settings,
                           const std::function<void(std::vector<evaluation::Case>)>& use,
                           const std::function<void(const CasePlace&)>& begin = {});
+
+/// Reports a case of which no fix was used, and adds one to `count`. Returns false for others.
+bool is_left_out(const std::vector<evaluation::CaseResult>& runs, std::size_t& count);
 
 }  // namespace sonopose::apps

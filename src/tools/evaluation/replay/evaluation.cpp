@@ -1,6 +1,7 @@
 #include "evaluation/replay/evaluation.hpp"
 
 #include "evaluation/score/comparison.hpp"
+#include <sonopose/estimation/aiding/fix_refusals.hpp>
 #include <sonopose/estimation/any_estimator.hpp>
 #include <sonopose/settings/settings_table.hpp>
 #include <sonopose/text/count_text.hpp>
@@ -224,12 +225,25 @@ CaseResult evaluate(const Case& test_case, const settings::Settings& settings) {
                                  [](const TruthSample& truth) { return truth.position_world_m.allFinite(); });
   estimation::AnyEstimator estimator(settings);
   CaseRun run(test_case, settings);
+  estimation::aiding::RefusedFixes refusals;
   for (const Event& event : test_case.events) {
     run.add(event, estimator);
-    run.add(estimation::process(estimator, event));
+    const auto& admission = estimator.settings().admission;
+    if (const auto* imu = std::get_if<ImuSample>(&event)) refusals.on(*imu, admission);
+    if (const auto* fix = std::get_if<UltrasonicFix>(&event)) refusals.on(*fix, admission);
+    const auto output = estimation::process(estimator, event);
+    if (const auto* report = std::get_if<FixReport>(&output)) refusals.on(*report);
+    run.add(output);
   }
   result.fixes_used = estimator.counters().fixes_used;
   result.fixes_rejected = estimator.counters().fixes_rejected;
+  if (result.fixes_used == 0) {
+    result.fix_fault = result.fixes_rejected == 0
+                           ? "has no fix"
+                           : fmt::format("no fix was used, {} rejected: {}",
+                                         text::count_text(result.fixes_rejected, "fix was", "fixes were"),
+                                         refusals.reason());
+  }
   run.finish(test_case, estimator.settings(), result);
   if (result.has_truth && result.fused.poses == 0 && result.fused.poses_without_truth > 0) {
     result.has_truth = false;
@@ -291,6 +305,7 @@ Summary summarise(const std::vector<CaseResult>& runs) {
 std::optional<double> cost_of(const std::vector<CaseResult>& runs, const std::vector<CaseResult>& reference) {
   std::vector<double> costs_m;
   for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (!runs[i].fix_fault.empty()) return std::nullopt;
     const double cost_m = reference[i].has_truth
                               ? runs[i].fused.position_m.rmse
                               : evaluation::cost_of(runs[i].prediction, reference[i].prediction);
@@ -306,8 +321,10 @@ CostFunction::CostFunction(std::vector<std::vector<Case>> cases, const settings:
     if (std::isfinite(cost_of(results, results).value_or(never))) {
       rows_.push_back({std::move(runs), std::move(results)});
     } else {
-      left_out_.push_back(
-          fmt::format("{}: nothing to score after {:g} s", runs.front().name, runs.front().score_after_s));
+      const std::string& fault = results.front().fix_fault;
+      left_out_.push_back(fmt::format(
+          "{}: {}", runs.front().name,
+          fault.empty() ? fmt::format("nothing to score after {:g} s", runs.front().score_after_s) : fault));
     }
   }
 }

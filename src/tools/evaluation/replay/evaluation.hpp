@@ -47,6 +47,7 @@ struct CaseResult {
   std::string name;
   std::string engine;         ///< value of fusion.engine
   std::string truth_fault{};  ///< fault of an unusable truth; empty if usable or absent
+  std::string fix_fault{};    ///< reason why no fix was used; empty if one was
   bool has_truth = false;     ///< true position is known; otherwise `fused` and the next two errors are NaN
   Score fused;
   ClearErrors clear;

@@ -163,6 +163,20 @@ TEST_CASE("recorded flights: the position error is below 2 cm, and below 4 cm wi
   }
 }
 
+TEST_CASE("a case of which no fix is used has a reason instead of a cost") {
+  evaluation::Case far = standing(0.0);
+  for (auto* fix : test::each<UltrasonicFix>(far.events)) fix->position_world_m.x() += 5e6;  // as in UTM
+  evaluation::Case without = standing(0.0);
+  std::erase_if(without.events,
+                [](const Event& event) { return std::holds_alternative<UltrasonicFix>(event); });
+  const evaluation::CostFunction cost({{standing(0.0)}, {far}, {without}}, {});
+  REQUIRE(cost.left_out().size() == 2);
+  CHECK_THAT(cost.left_out()[0], Catch::Contains("no fix was used") &&
+                                     Catch::Contains("a coordinate is above admission.max_position_m"));
+  CHECK_THAT(cost.left_out()[1], Catch::Contains("has no fix"));
+  CHECK(evaluation::evaluate(standing(0.0), {}).fix_fault.empty());
+}
+
 TEST_CASE("an offset of 10 cm of all fixes gives an error of 10 cm, in the pose and in the last fix") {
   const CaseResult right = evaluation::evaluate(standing(0.0), {});
   const CaseResult aside = evaluation::evaluate(standing(0.1), {});
