@@ -209,6 +209,17 @@ SCENARIO("with simulated time, messages have the time of /clock") {
   }
 }
 
+SCENARIO("simulated time that nobody publishes is named") {
+  GIVEN("a relay that uses simulated time, without a simulator") {
+    const Bus bus;
+    const auto relay = bus.ros2({"--use-sim-time"});
+    THEN("it says so, with the remedy") {
+      CHECK(
+          relay->wait_for_line(Stream::error, "no message on /clock yet, though --use-sim-time follows it"));
+    }
+  }
+}
+
 SCENARIO("fixes of another clock than the IMU's are refused with the reason") {
   GIVEN("a fusion, and drivers whose fixes are stamped an hour before their IMU samples") {
     const Bus bus;

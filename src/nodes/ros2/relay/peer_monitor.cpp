@@ -77,4 +77,11 @@ void PeerMonitor::check_processes(bool has_bridge, bool has_fusion) {
       missing, domain_id_));
 }
 
+void PeerMonitor::check_clock(bool is_waiting) {
+  if (!is_waiting || ++waiting_periods_ != periods_to_find_others) return;
+  logging::warning(
+      "no message on /clock yet, though --use-sim-time follows it: until then messages without a stamp are "
+      "not used, and /diagnostics has the time 0. Play the recording with --clock, or leave the option out");
+}
+
 }  // namespace sonopose::ros2::relay

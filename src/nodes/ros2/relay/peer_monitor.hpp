@@ -27,6 +27,9 @@ public:
   /// Logs missing processes, and their later appearance. Call it once per second.
   void check_processes(bool has_bridge, bool has_fusion);
 
+  /// Logs once that simulated time is missing. Call it once per second.
+  void check_clock(bool is_waiting);
+
 private:
   void select_layout(const ros2::Graph& graph);
   void offer_services(const ros2::Graph& graph);
@@ -40,8 +43,9 @@ private:
   ros2::GraphObserver graph_;
   bool services_withdrawn_ = false;
   bool has_namesake_ = false;
-  int periods_ = 0;      ///< number of periods since the start
-  std::string missing_;  ///< processes, as last logged
+  int periods_ = 0;          ///< number of periods since the start
+  std::string missing_;      ///< processes, as last logged
+  int waiting_periods_ = 0;  ///< number of them without simulated time
 };
 
 }  // namespace sonopose::ros2::relay

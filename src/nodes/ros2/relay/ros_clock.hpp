@@ -28,6 +28,9 @@ public:
     return use_sim_time_ ? simulated_ns_.load(std::memory_order_relaxed) : clocks::host_now();
   }
 
+  /// True while it follows /clock and has no message of it.
+  [[nodiscard]] bool is_waiting() const noexcept { return use_sim_time_ && now_ns() == 0; }
+
 private:
   bool use_sim_time_;
   std::atomic<TimeNs> simulated_ns_ = 0;
