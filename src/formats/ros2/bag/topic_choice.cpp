@@ -109,9 +109,10 @@ std::size_t find_topic(const Storage& storage, std::string_view option, std::str
     throw files::IoError(fmt::format(R"({}: {} has the encoding "{}" instead of "cdr")", storage.name(), name,
                                      text::escaped(other->encoding)));
   }
-  throw files::IoError(fmt::format("{}: {} is of type {}; {} takes {}", storage.name(), name,
+  throw files::IoError(fmt::format("{}: {} is of type {}; {} takes {}{}", storage.name(), name,
                                    other->type.empty() ? "unknown" : text::escaped(other->type), option,
-                                   fmt::join(types, ", ")));
+                                   fmt::join(types, ", "),
+                                   option == "--fix-in" ? advice_on_type(name, other->type) : ""));
 }
 
 /// Finds the only topic of these types that has messages, and is not in `except`; empty if there is none.

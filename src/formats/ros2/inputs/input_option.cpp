@@ -179,4 +179,12 @@ void check(const std::vector<Input>& inputs) {
   }
 }
 
+std::string advice_on_type(std::string_view topic, std::string_view type) {
+  for (const std::string_view pose : {"PoseStamped", "Odometry"}) {
+    if (type.ends_with("/" + std::string(pose)))
+      return fmt::format("; --pose-in {}:{} takes it, with its orientation", topic, pose);
+  }
+  return {};
+}
+
 }  // namespace sonopose::ros2

@@ -59,4 +59,8 @@ std::optional<FixType> fix_type_named(std::string_view dds_type_name);
 /// accelerometer and one of its gyroscope.
 void check(const std::vector<Input>& inputs);
 
+/// Advice on a topic of fixes whose type another option takes, as "geometry_msgs/msg/PoseStamped"; otherwise
+/// empty.
+std::string advice_on_type(std::string_view topic, std::string_view type);
+
 }  // namespace sonopose::ros2

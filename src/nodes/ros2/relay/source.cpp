@@ -146,11 +146,12 @@ private:
     }
     const std::string used = message_type_of(input.option);
     if (type == used || !input.other_types.insert(type).second) return;
-    log_(logging::Level::warning,
-         fmt::format(
-             "beacon {}: a publisher of {} is ignored, because its type is {}, not {}", input.option.address,
-             input.option.topic, ros2::type_name_in_ros(type),
-             used.empty() ? "PointStamped or PoseWithCovarianceStamped" : ros2::type_name_in_ros(used)));
+    log_(
+        logging::Level::warning,
+        fmt::format("beacon {}: a publisher of {} is ignored, because its type is {}, not {}{}",
+                    input.option.address, input.option.topic, ros2::type_name_in_ros(type),
+                    used.empty() ? "PointStamped or PoseWithCovarianceStamped" : ros2::type_name_in_ros(used),
+                    input.is_imu ? "" : advice_on_type(input.option.topic, ros2::type_name_in_ros(type))));
   }
 
   void subscribe(InputState& input) {

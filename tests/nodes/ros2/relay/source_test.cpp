@@ -221,6 +221,7 @@ SCENARIO("a topic of fixes has one reader, of the type of its publisher") {
         };
         CHECK(logs("geometry_msgs/msg/PoseWithCovarianceStamped"));
         CHECK(logs("nav_msgs/msg/Odometry"));
+        CHECK(rig.has_logged("PointStamped; --pose-in /tag:Odometry takes it, with its orientation"));
         CHECK(reader_types(rig, "/tag") == std::vector{point_type});
       }
     }
