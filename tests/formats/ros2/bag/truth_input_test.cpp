@@ -2,6 +2,7 @@
 
 #include "ros2/bag/truth_input.hpp"
 
+#include <sonopose/ros2/messages/borrow.hpp>
 #include <sonopose/ros2/messages/messages.hpp>
 #include <sonopose/ros2/messages/static_transforms.hpp>
 
