@@ -34,7 +34,7 @@ std::optional<std::string> VelocityCheck::unit(
   constexpr double max_span_s = 4.0;
   constexpr double min_m = 0.5;
   constexpr double max_factor = 2.0;  // slip, curves and wrong radii
-  constexpr std::size_t min_count = 5;
+  constexpr std::size_t min_spans = 5;
   constexpr std::array<std::pair<const char*, double>, 3> units{
       {{"km h^-1", 3.6}, {"cm s^-1", 100}, {"mm s^-1", 1000}}};
   std::vector<double> factors;
@@ -55,7 +55,7 @@ std::optional<std::string> VelocityCheck::unit(
       factors.push_back(sum_mps / count / (moved_m / span_s));
     last = i;
   }
-  if (factors.size() < min_count) return std::nullopt;
+  if (factors.size() < min_spans) return std::nullopt;
   const double factor = statistics::quantile(factors, 0.5);
   if (factor <= max_factor && factor * max_factor >= 1.0) return std::nullopt;
   const std::string text =
@@ -69,8 +69,8 @@ std::optional<std::string> VelocityCheck::unit(
 
 std::optional<std::string> VelocityCheck::sign_of_turns(const std::vector<motion::Reading>& imu) const {
   constexpr double min_rate_radps = 0.1;
-  constexpr double max_apart_s = 0.02;
-  constexpr std::size_t min_count = 50;
+  constexpr double max_distance_s = 0.02;
+  constexpr std::size_t min_turns = 50;
   constexpr double max_correlation = -0.7;
   std::size_t count = 0;
   double product = 0;
@@ -81,7 +81,7 @@ std::optional<std::string> VelocityCheck::sign_of_turns(const std::vector<motion
     const double rate_radps = turn.rate_body_radps.norm();
     while (reading != imu.end() && reading->time_ns < turn.time_ns) ++reading;
     if (reading == imu.end()) break;
-    if (rate_radps < min_rate_radps || seconds_between(turn.time_ns, reading->time_ns) > max_apart_s)
+    if (rate_radps < min_rate_radps || seconds_between(turn.time_ns, reading->time_ns) > max_distance_s)
       continue;
     const double along_radps = turn.rate_body_radps.dot(reading->rate_body_radps) / rate_radps;
     product += rate_radps * along_radps;
@@ -90,7 +90,7 @@ std::optional<std::string> VelocityCheck::sign_of_turns(const std::vector<motion
     ++count;
   }
   const double correlation = product / std::sqrt(by_velocities * by_gyroscope);
-  if (count < min_count || !(correlation < max_correlation)) return std::nullopt;
+  if (count < min_turns || !(correlation < max_correlation)) return std::nullopt;
   return fmt::format(
       "the velocities turn against the gyroscope (correlation {:.2f}): are left and right wheels swapped, or "
       "is their angular velocity clockwise?",
