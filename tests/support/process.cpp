@@ -1,7 +1,5 @@
 #include "support/process.hpp"
 
-#include <catch2/catch.hpp>
-
 #include <array>
 #include <cerrno>
 #include <csignal>
@@ -206,23 +204,6 @@ Result run(const std::filesystem::path& program, const std::vector<std::string>&
   Process process(program, arguments, environment);
   const auto code = process.wait_for_exit();
   return {code, process.text(Process::Stream::output), process.text(Process::Stream::error)};
-}
-
-std::string output_of(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-                      const Environment& environment) {
-  const Result result = run(program, arguments, environment);
-  CAPTURE(program, arguments, result.output, result.error);
-  REQUIRE(result.code == 0);
-  return result.output;
-}
-
-std::string refusal_of(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-                       const Environment& environment) {
-  const Result result = run(program, arguments, environment);
-  CAPTURE(program, arguments, result.output, result.error);
-  REQUIRE(result.code);  // not killed
-  CHECK(*result.code > 0);
-  return result.error;
 }
 
 }  // namespace sonopose::test

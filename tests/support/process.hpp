@@ -115,11 +115,5 @@ struct Result {
 };
 Result run(const std::filesystem::path& program, const std::vector<std::string>& arguments,
            const Environment& environment = {});
-/// Runs a program that must succeed. Returns its output.
-std::string output_of(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-                      const Environment& environment = {});
-/// Runs a program that must end with an error. Returns its message.
-std::string refusal_of(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-                       const Environment& environment = {});
 
 }  // namespace sonopose::test

@@ -1,5 +1,6 @@
 /// The program sonopose-attitude.
 
+#include "support/checked_run.hpp"
 #include "support/process.hpp"
 #include "support/temporary_folder.hpp"
 

@@ -1,5 +1,6 @@
 /// The programs sonopose-evaluate and sonopose-tune: effective settings, seeds and errors.
 
+#include "support/checked_run.hpp"
 #include "support/process.hpp"
 #include "support/temporary_folder.hpp"
 

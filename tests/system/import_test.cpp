@@ -1,6 +1,7 @@
 /// The program sonopose-import.
 
 #include "sim/simulator.hpp"
+#include "support/checked_run.hpp"
 #include "support/matches.hpp"
 #include "support/process.hpp"
 #include "support/temporary_folder.hpp"

@@ -4,6 +4,7 @@
 #include "recording/log_meta.hpp"
 #include "support/bits.hpp"
 #include "support/bus.hpp"
+#include "support/checked_run.hpp"
 #include "support/matches.hpp"
 #include "support/temporary_folder.hpp"
 #include "system/replay_rows.hpp"

@@ -3,6 +3,7 @@
 #include "bus_log/recorded.hpp"
 #include "mcap/reader.hpp"
 #include "sim/simulator.hpp"
+#include "support/checked_run.hpp"
 #include "support/process.hpp"
 #include "support/temporary_folder.hpp"
 

@@ -5,6 +5,7 @@
 #include "recorder/messages.hpp"
 #include "support/bits.hpp"
 #include "support/bus.hpp"
+#include "support/checked_run.hpp"
 #include "support/poses_of.hpp"
 #include "support/temporary_folder.hpp"
 #include "system/recorded_part.hpp"

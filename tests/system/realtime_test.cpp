@@ -1,6 +1,7 @@
 /// --realtime: programs report what is applied and what is refused, and run in both cases.
 
 #include "support/bus.hpp"
+#include "support/checked_run.hpp"
 
 #include <algorithm>
 #include <filesystem>

@@ -3,6 +3,7 @@
 #include "mcap/file_sink.hpp"
 #include "mcap/writer.hpp"
 #include "support/bus.hpp"
+#include "support/checked_run.hpp"
 #include "support/temporary_folder.hpp"
 
 #include <algorithm>

@@ -4,6 +4,7 @@
 
 #include "recording/log_writer.hpp"
 #include "sim/simulator.hpp"
+#include "support/checked_run.hpp"
 #include "support/process.hpp"
 #include "support/temporary_folder.hpp"
 

@@ -1,6 +1,7 @@
 /// Programs as services: options in files, readiness, watchdog and settings that are read again.
 
 #include "support/bus.hpp"
+#include "support/checked_run.hpp"
 #include "support/notify_socket.hpp"
 #include "support/temporary_folder.hpp"
 #include <sonopose/estimation/aiding/known_sensors.hpp>

@@ -2,6 +2,7 @@
 
 #include "recording/log_folder.hpp"
 #include "sim/simulator.hpp"
+#include "support/checked_run.hpp"
 #include "support/process.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/wait_until.hpp"
