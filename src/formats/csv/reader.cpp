@@ -46,7 +46,11 @@ bool has_values(std::string_view line) {
     if (is_value) ++values;
     if (index == 0) begins_with_value = is_value;
   });
-  return begins_with_value || 2 * values > cells;
+  return begins_with_value || 2 * values > cells || cells == 0;
+}
+
+std::size_t cells_in(std::string_view line) {
+  return split_cells(separator_of(line), line, [](auto, auto) {});
 }
 
 }  // namespace
@@ -74,16 +78,22 @@ void Reader::read_header() {
     // Reads on before it judges: an error of the file ends the search, a line that is no header does not.
     line = next_line();
     const bool has_units = line && is_line_of_units(names, *line);
-    if (layout_.given_names != nullptr && line && !has_units && !is_marked(*line) && !has_values(*line)) {
-      ++titles;
+    const bool is_title =
+        layout_.given_names != nullptr && line && !has_units && !is_marked(*line) && !has_values(*line);
+    const auto skip = [&] {
+      if (!is_marked(names)) ++titles;
+    };
+    if (is_title && cells_in(*line) > cells_in(names)) {
+      skip();
       continue;
     }
     try {
       header_ = Header(layout_, names, where, has_units ? *line : std::string_view{});
       is_found = true;
     } catch (const files::IoError&) {
-      if (!is_marked(names)) throw;
-      refusal = std::current_exception();
+      if (!is_marked(names) && !is_title) throw;
+      if (is_marked(names)) refusal = std::current_exception();
+      skip();
     }
     if (is_found && has_units) line = next_line();
   }

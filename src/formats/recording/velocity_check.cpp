@@ -23,6 +23,7 @@ void VelocityCheck::add(const TwistSample& twist) {
   const bool is_measured = (twist.axes & (axes[0] | axes[1] | axes[2])) != 0;
   if (is_measured && velocity_mps.allFinite()) {
     speeds_mps_.emplace_back(twist.emission_time_ns, velocity_mps.norm());
+    are_horizontal_ = are_horizontal_ && (twist.axes & (twist_velocity_x | twist_velocity_y)) != 0;
   }
   if (rate_radps.allFinite()) rates_.push_back({twist.emission_time_ns, rate_radps, {}});
 }
@@ -58,6 +59,7 @@ std::optional<std::string> VelocityCheck::unit(
   if (factors.size() < min_spans) return std::nullopt;
   const double factor = statistics::quantile(factors, 0.5);
   if (factor <= max_factor && factor * max_factor >= 1.0) return std::nullopt;
+  if (factor < 1.0 && !are_horizontal_) return std::nullopt;  // few bodies rise as they drive
   const std::string text =
       fmt::format("the velocities are {:.3g} times the speed of the fixes (median)", factor);
   for (const auto& [unit, of_unit] : units) {

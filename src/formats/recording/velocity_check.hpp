@@ -30,6 +30,7 @@ public:
 private:
   std::vector<std::pair<TimeNs, double>> speeds_mps_;  ///< along the measured axes, with their stamps
   std::vector<motion::Reading> rates_;                 ///< measured turns
+  bool are_horizontal_ = true;                         ///< false if axis z alone was measured
 };
 
 }  // namespace sonopose::recording

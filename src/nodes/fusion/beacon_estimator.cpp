@@ -1,7 +1,6 @@
 #include "fusion/beacon_estimator.hpp"
 
 #include "presence/beacon_admission.hpp"
-#include <sonopose/estimation/aiding/reading_limits.hpp>
 #include <sonopose/estimation/prediction.hpp>
 
 #include <algorithm>

@@ -85,6 +85,16 @@ SCENARIO("Titles and comments above the names of the columns are no names") {
       CHECK_THAT(tables.log.warnings.front(), Contains("imu.csv: not read: 2 lines above the names"));
     }
   }
+  GIVEN("a comment above the names, and a first row of words") {
+    write_text(folder / "imu.csv", "# exported\n" + imu_rows);
+    write_text(folder / "positions.csv",
+               "x,y,z,status,text,timestamp\n,,,no,fix,\n1,2,3,ok,fix,1000000000\n");
+    THEN("nothing is taken for a title") {
+      const Tables tables = read_tables({folder / "imu.csv", folder / "positions.csv", {}}, names, 7);
+      CHECK(tables.log.events.size() == 2);
+      CHECK(names.titles_by_file.empty());
+    }
+  }
   GIVEN("names of which one is missing, above rows that begin with a date and end with a separator") {
     write_text(folder / "imu.csv", imu_rows);
     write_text(folder / "positions.csv", "stamp,east,side\n2026-01-31 12:00:00,1,2,\n");

@@ -19,6 +19,9 @@ void SlowErrorDetector::add(TimeNs time_ns, const Vector3d& innovation_world_m,
   if (dt_s > max_interval_s) {  // the innovation shows what happened meanwhile
     mean_world_m.setZero();
     mean_m2 = 0.0;
+    const double kept = moves ? std::exp(-dt_s / power_memory_s) : 1.0;
+    power_m2 *= kept;
+    power_m4 *= kept * kept;
     return;
   }
   const auto gain = [dt_s](double memory_s) { return 1.0 - std::exp(-dt_s / memory_s); };

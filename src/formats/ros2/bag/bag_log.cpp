@@ -168,7 +168,7 @@ private:
       is_valid = add(*taken.fix);
       if (fix_frame_.empty()) fix_frame_ = without_slash(position.header.frame_id);
       // A recording shows latencies, and so an age, but no stamps after the arrival.
-      if (input.offset.value_s() < 0) beacon_.check_clocks(input, moment.now, lines_);
+      if (beacon_.older_s(input) < 0) beacon_.check_clocks(input, moment.now, lines_);
     };
     if (input.option.kind == Input::Kind::imu) {
       is_decoded = decode<Imu>(message, [&](const Imu& imu) {

@@ -86,7 +86,7 @@ std::vector<std::string> TruthInput::assumptions(const std::string& fix_frame) c
                                 text::count_text(unstamped_, "message")));
   }
   for (const std::string& frame : stated_) {
-    if (fix_frame.empty() || frame == fix_frame) continue;
+    if (frame.empty() || fix_frame.empty() || frame == fix_frame) continue;  // empty: the map
     texts.push_back(fmt::format("is in frame '{}', the fixes in '{}': they count as one frame",
                                 text::escaped(frame), text::escaped(fix_frame)));
   }

@@ -69,10 +69,10 @@ AidingSamples of_twist(const std::string& frame, const AidingInput& input, const
 /// Says that an axis is left out because its variance is no number.
 AidingSamples with_variances(AidingSamples samples, const double* covariance) {
   constexpr std::size_t next_diagonal = 7;
-  bool are_finite = true;
+  bool are_numbers = true;
   for (std::size_t axis = 0; axis < 3; ++axis)
-    are_finite = are_finite && std::isfinite(covariance[axis * next_diagonal]);
-  if (!are_finite && samples.twist) samples.unused = "a variance is not finite: its axis is not measured";
+    are_numbers = are_numbers && !std::isnan(covariance[axis * next_diagonal]);
+  if (!are_numbers && samples.twist) samples.unused = "a variance is no number: its axis is not measured";
   return samples;
 }
 

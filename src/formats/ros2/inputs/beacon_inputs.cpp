@@ -123,10 +123,14 @@ void BeaconInputs::check_clocks(MonitoredInput& input, SteadyTime now, Lines& li
   constexpr TimeNs settled_ns = 3'000'000'000;
   constexpr double max_apart_s = 0.05;
   if (!input.since || now - *input.since < settled_ns || !imu_topic_) return;
-  const double older_s = input.offset.value_s() - offset_.value_s();
-  if (std::abs(older_s) < max_apart_s) return;
+  const double apart_s = older_s(input);
+  if (std::abs(apart_s) < max_apart_s) return;
   input.monitor.on_notice(
-      Notice::clocks, [&] { return clocks_text(older_s, input.option.kind, *imu_topic_); }, lines);
+      Notice::clocks, [&] { return clocks_text(apart_s, input.option.kind, *imu_topic_); }, lines);
+}
+
+double BeaconInputs::older_s(const MonitoredInput& input) const {
+  return input.offset.value_s() - offset_.value_s();
 }
 
 void BeaconInputs::update(SteadyTime now, std::vector<ImuSample>& ready, Lines& lines) {

@@ -82,6 +82,8 @@ public:
   /// Warns of stamps that are of another clock than those of the IMU: each arrives soon after its
   /// stamp, and the least delay of the last second is compared.
   void check_clocks(MonitoredInput& input, SteadyTime now, Lines& lines) const;
+  /// Time by which an input's messages arrive later after their stamps than those of the IMU.
+  [[nodiscard]] double older_s(const MonitoredInput& input) const;
 
   /// Number of samples that lack a specific force, which are not used.
   [[nodiscard]] std::uint64_t dropped() const { return joiner_.dropped(); }

@@ -23,7 +23,8 @@ public:
     if (publisher == 0 || publisher == latest_) return false;
     latest_ = publisher;
     if (std::ranges::find(known_, publisher) == known_.end()) {
-      if (known_.size() < max_known) known_.push_back(publisher);
+      if (known_.size() == max_known) known_.erase(known_.begin());
+      known_.push_back(publisher);
       return false;
     }
     if (returns_ == 0 || now - since_ > span_ns) {

@@ -3,7 +3,6 @@
 #include "estimation/digest.hpp"
 #include "evaluation/score/comparison.hpp"
 #include <sonopose/estimation/aiding/height_check.hpp>
-#include <sonopose/estimation/aiding/reading_limits.hpp>
 #include <sonopose/estimation/aiding/twist_problem.hpp>
 #include <sonopose/estimation/sensor_fault_detector.hpp>
 #include <sonopose/estimation/snapshot_fields.hpp>
