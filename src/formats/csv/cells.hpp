@@ -26,7 +26,7 @@ inline std::string_view unmarked(std::string_view line) {
   return line;
 }
 
-/// What separates the cells of a line.
+/// Separator of the cells of a line.
 inline char separator_of(std::string_view line) {
   for (const char separator : {',', ';', '\t'}) {
     if (line.find(separator) != std::string_view::npos) return separator;

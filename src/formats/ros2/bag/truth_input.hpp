@@ -26,7 +26,7 @@ public:
                                 TimeNs received_ns);
   std::optional<TruthSample> on(const Odometry& message, BeaconAddress address, TimeNs received_ns);
 
-  /// What is assumed about the messages. `fix_frame`: that of the fixes; empty if there are none.
+  /// Assumptions about the messages. `fix_frame`: that of the fixes; empty if there are none.
   [[nodiscard]] std::vector<std::string> assumptions(const std::string& fix_frame) const;
 
 private:
