@@ -8,6 +8,9 @@
 namespace sonopose::estimation::kalman {
 namespace {
 
+/// Above it, a fix does not correct a hypothesis.
+constexpr double chi2_miss_threshold = 2.0 * chi2_reject_threshold;
+
 /// Begins or ends the estimation of the delay, as the settings demand. Models that do not rely on the clock
 /// or the IMU keep their estimate.
 void estimate_delay(State& state, const settings::DelaySettings& settings) {
@@ -36,7 +39,7 @@ void correct_followed(State& state, const JudgedFix& judged, const Matrix3d& mor
     const Innovation& innovation = judged.innovation_of(state.bank, each);
     if (state.phase == Phase::tracking) each.score *= 1.0 - forgetting;
     each.score += log_likelihood(innovation);
-    const bool missed = innovation.squared_norm > 2.0 * chi2_reject_threshold;
+    const bool missed = innovation.squared_norm > chi2_miss_threshold;
     each.missed_in_row = missed ? each.missed_in_row + 1 : 0;
     each.explained_in_row =
         innovation.squared_norm <= chi2_explain_threshold ? std::min(each.explained_in_row + 1, 10000) : 0;
@@ -79,7 +82,7 @@ void observe_slow_error(State& state, const JudgedFix& judged) {
   const Hypothesis& best = state.bank.best();
   const Hypothesis* const stiff = best.imu <= ImuModel::rough ? state.bank.find(ImuModel::quiet) : &best;
   const Innovation& innovation = judged.innovation_of(state.bank, *stiff);
-  if (innovation.squared_norm > 2.0 * chi2_reject_threshold) return;  // the fix does not correct it
+  if (innovation.squared_norm > chi2_miss_threshold) return;
   state.slow_error.add(judged.fix.time_ns, innovation.value_world_m, innovation.covariance_m2,
                        judged.covariance_m2, best.filter.velocity_world_mps.norm() > moving_mps);
 }
