@@ -121,7 +121,10 @@ void judge(State& state, const JudgedTwist& twist) {
     }
     is_used = is_used || (!rejected && twist.is_scaled(axis));
     for (Hypothesis& each : state.bank) {
-      if (each.track != Track::followed || (rejected && !is_distrustful(each.imu))) continue;
+      // The one that follows the fixes alone has no direction.
+      if (each.track != Track::followed || each.imu == ImuModel::distrusts_imu ||
+          (rejected && !is_distrustful(each.imu)))
+        continue;
       const bool is_best = &each == &state.bank.best();
       const VelocityInnovation own = is_best ? of_best : twist.innovation(each.filter, axis);
       if (squared_norm(own) <= axis_chi2_reject_threshold) correct(each.filter, twist, axis, own);
