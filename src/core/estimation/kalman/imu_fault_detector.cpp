@@ -130,9 +130,10 @@ void choose_model(State& state) {
                                 : each.imu == ImuModel::drifting_gyro ? drift_score_margin
                                 : each.imu > bank.best().imu          ? noisier_score_margin
                                                                       : quieter_score_margin;
-    const bool is_better = best_is_distrustful && !is_distrustful(each.imu)
-                               ? trusts_imu_again(each, state)
-                               : each.score > bank.best().score + score_margin;
+    const bool trusts_more =
+        best_is_distrustful && (!is_distrustful(each.imu) || bank.best().imu == ImuModel::distrusts_imu);
+    const bool is_better =
+        trusts_more ? trusts_imu_again(each, state) : each.score > bank.best().score + score_margin;
     if (is_better) bank.best_index = bank.index_of(each);
   }
   const Hypothesis& best = bank.best();
