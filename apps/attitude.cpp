@@ -125,9 +125,15 @@ int run_logs(const Options& options) {
     throw;
   }
   print_results();
-  const bool are_used = std::all_of(results.begin(), results.end(), [](const auto& result) {
-    return 2 * result.rejected <= result.samples;  // the score says how many are rejected
-  });
+  bool are_used = true;
+  for (const evaluation::AttitudeResult& result : results) {
+    if (result.scored == 0) {
+      logging::warning(fmt::format("{}: not scored: no sample has a true attitude{}", result.name,
+                                   options.out ? "" : "; --out writes that of the filter"));
+    }
+    // The score says how many are rejected.
+    are_used = are_used && 2 * result.rejected <= result.samples && (result.scored > 0 || options.out);
+  }
   return are_used ? 0 : 1;
 }
 

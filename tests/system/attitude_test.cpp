@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -74,6 +75,16 @@ SCENARIO("each filter processes a log, is scored and writes its trajectory") {
     CHECK(std::abs(x) + std::abs(y) + std::abs(z) == 0.0);
     CHECK(std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3])) == Approx(1.0));
   }
+}
+
+SCENARIO("a log without a true attitude is named") {
+  const TemporaryFolder folder;
+  const std::string log = walk_in(folder);
+  std::filesystem::remove(folder / "walk/truth.csv");
+  const Result result = run(SONOPOSE_TEST_ATTITUDE, {log});
+  CHECK(result.code == 1);
+  CHECK_THAT(result.error, Contains("walk: not scored: no sample has a true attitude; --out"));
+  CHECK(run(SONOPOSE_TEST_ATTITUDE, {log, "--out", (folder / "out").string()}).code == 0);
 }
 
 SCENARIO("sonopose-attitude refuses invalid requests") {
