@@ -16,19 +16,21 @@ namespace sonopose::estimation::kalman {
 enum class ImuModel : std::uint8_t {
   quiet,
   rough_gyro,
-  rough,            ///< vibration also shakes the accelerometer
-  drifting_gyro,    ///< the bias of the gyroscope changes within seconds
-  other_clock,      ///< IMU stamps are from another clock than those of fixes and headings
-  wrong_headings,   ///< headings are wrong: its yaw follows from the motion alone
-  distrusts_gyro,   ///< hardly trusts the gyroscope
-  distrusts_accel,  ///< hardly trusts the accelerometer
-  distrusts_imu,    ///< hardly trusts either: follows the fixes alone
-  jumped            ///< its attitude or bias has jumped; trusts it again from then on
+  rough,             ///< vibration also shakes the accelerometer
+  drifting_gyro,     ///< the bias of the gyroscope changes within seconds
+  other_clock,       ///< IMU stamps are from another clock than those of fixes and headings
+  wrong_headings,    ///< headings are wrong: its yaw follows from the motion alone
+  wrong_velocities,  ///< velocities of the body are wrong: it uses none
+  distrusts_gyro,    ///< hardly trusts the gyroscope
+  distrusts_accel,   ///< hardly trusts the accelerometer
+  distrusts_imu,     ///< hardly trusts either: follows the fixes alone
+  jumped             ///< its attitude or bias has jumped; trusts it again from then on
 };
 
-constexpr std::array<std::string_view, 10> choices_of(ImuModel /*model*/) {
-  return {"quiet",          "rough_gyro",     "rough",           "drifting_gyro", "other_clock",
-          "wrong_headings", "distrusts_gyro", "distrusts_accel", "distrusts_imu", "jumped"};
+constexpr std::array<std::string_view, 11> choices_of(ImuModel /*model*/) {
+  return {"quiet",          "rough_gyro",       "rough",          "drifting_gyro",   "other_clock",
+          "wrong_headings", "wrong_velocities", "distrusts_gyro", "distrusts_accel", "distrusts_imu",
+          "jumped"};
 }
 
 constexpr bool is_distrustful(ImuModel model) {

@@ -26,6 +26,12 @@ struct TwistGate {
   TimeNs rejected_since_ns = 0;  ///< beginning of the current run of contradictions; 0: none
   TimeNs rejected_ns = 0;        ///< time of the last contradiction
   bool rejected = false;         ///< true if the latest one was: the wheels slip
+  /// Time of a motion over which they agreed with the filter that uses none, less that over which they did
+  /// not; 0 … 20 s.
+  double agreed_s = 0;
+
+  /// True if they agreed for long: then other fixes or headings are wrong rather than they.
+  [[nodiscard]] bool are_proven() const { return agreed_s > 4.0; }
 
   bool operator==(const TwistGate&) const = default;
 };
@@ -45,6 +51,7 @@ void for_each_field(IsFieldsOf<TwistGate> auto& gate, const auto& visit) {
   visit("rejected_since_ns", gate.rejected_since_ns);
   visit("rejected_ns", gate.rejected_ns);
   visit("rejected", gate.rejected);
+  visit("agreed_s", gate.agreed_s);
 }
 
 }  // namespace sonopose::estimation::kalman

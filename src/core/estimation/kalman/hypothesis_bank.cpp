@@ -18,7 +18,7 @@ const ImuModelParameters& parameters_of(ImuModel model) {
   // A wrong sensor has been wrong for some tenths of a second before it is found.
   constexpr double wrong_mps = 0.2;
   // The rougher the IMU proves to be, the sooner its integral is worthless.
-  static constexpr std::array<ImuModelParameters, 10> models{{
+  static constexpr std::array<ImuModelParameters, 11> models{{
       {.noise = {}, .inflation = {}, .dead_reckoning_mps_rts = 1.5},
       {.noise = {.gyro_radps_rthz = 2.4e-3, .gyro_bias_radps_rts = 1e-3},
        .inflation = {},
@@ -35,6 +35,9 @@ const ImuModelParameters& parameters_of(ImuModel model) {
        .clock_offset_std_s = 0.15},
       {.noise = {.gyro_radps_rthz = 2.4e-3, .gyro_bias_radps_rts = 1e-3},
        .inflation = {},
+       .dead_reckoning_mps_rts = 1.0},
+      {.noise = {.gyro_radps_rthz = 2.4e-3, .gyro_bias_radps_rts = 1e-3},
+       .inflation = {.velocity_mps = 0.5, .yaw_rad = radians(20.0)},
        .dead_reckoning_mps_rts = 1.0},
       {.noise = {.accel_mps2_rthz = 0.15, .gyro_radps_rthz = 0.2, .gyro_bias_radps_rts = 0.2},
        .inflation = {.velocity_mps = wrong_mps,
@@ -128,7 +131,7 @@ void HypothesisBank::follow(const Filter& track) {
   for (int i = 0; i < closed_model_count; ++i) {
     set_imu_model(spawn(followed), static_cast<ImuModel>(i));
   }
-  if (model == ImuModel::wrong_headings) set_imu_model(spawn(followed), model);
+  if (static_cast<int>(model) >= closed_model_count) set_imu_model(spawn(followed), model);
   best_index = index_of(*find(model));
 }
 

@@ -47,6 +47,44 @@ bool contradicts_headings(const State& state, const Filter& filter) {
          square(state.headings.offset_rad) > square(sigmas) * (filter.yaw_variance_rad2() + noise_rad2);
 }
 
+/// True if a model may be chosen by its score.
+bool may_be_best(const State& state, const Hypothesis& hypothesis) {
+  const bool best_is_distrustful = is_distrustful(state.bank.best().imu);
+  switch (hypothesis.imu) {
+    case ImuModel::other_clock:
+      return has_other_clock(hypothesis.filter);
+    case ImuModel::wrong_headings:
+      // A wrong gyroscope also contradicts the headings.
+      return !best_is_distrustful && contradicts_headings(state, hypothesis.filter);
+    case ImuModel::wrong_velocities:
+      return state.twist && !state.twist->are_proven();
+    default:
+      return best_is_distrustful || !is_distrustful(hypothesis.imu);
+  }
+}
+
+/// Lead that the score of a model needs over that of the best one.
+double score_margin(const State& state, ImuModel model) {
+  constexpr double noisier = 1.0;
+  constexpr double quieter = 3.0;  // too much trust in an IMU costs more than too little
+  constexpr double drift = 12.0;   // most biases change slowly
+  constexpr double input = 8.0;    // most headings and velocities are right
+  const ImuModel best = state.bank.best().imu;
+  if (model == ImuModel::wrong_headings || model == ImuModel::wrong_velocities) return input;
+  if (best == ImuModel::wrong_velocities && state.twist && state.twist->are_proven()) return -input;
+  if (model == ImuModel::drifting_gyro) return drift;
+  return model > best ? noisier : quieter;
+}
+
+/// True if it explains the fixes better than the best one.
+bool is_better(const State& state, const Hypothesis& hypothesis) {
+  const Hypothesis& best = state.bank.best();
+  const bool trusts_more =
+      is_distrustful(best.imu) && (!is_distrustful(hypothesis.imu) || best.imu == ImuModel::distrusts_imu);
+  return trusts_more ? trusts_imu_again(hypothesis, state)
+                     : hypothesis.score > best.score + score_margin(state, hypothesis.imu);
+}
+
 /// Continues with this distrustful model. One that jumped is trusted at once.
 void adopt_distrustful_model(State& state, Hypothesis& chosen) {
   constexpr double memory_s = 60.0;
@@ -109,32 +147,13 @@ void forget_judgement(State& state) {
 }
 
 void choose_model(State& state) {
-  constexpr double noisier_score_margin = 1.0;
-  constexpr double quieter_score_margin = 3.0;   // too much trust in an IMU costs more than too little
-  constexpr double headings_score_margin = 8.0;  // most headings are right
-  constexpr double drift_score_margin = 12.0;    // most biases change slowly
-  constexpr double max_score_deficit = 8.0;      // the noise may change at any time
+  constexpr double max_score_deficit = 8.0;  // the noise may change at any time
   constexpr int restart_after_misses = 6;
   HypothesisBank& bank = state.bank;
   for (Hypothesis& each : bank) {
     if (each.track != Track::followed || &each == &bank.best()) continue;
     if (each.missed_in_row >= restart_after_misses) restart(each, bank.best(), state);
-    const bool best_is_distrustful = is_distrustful(bank.best().imu);
-    if (is_distrustful(each.imu) && !best_is_distrustful) continue;
-    if (each.imu == ImuModel::other_clock && !has_other_clock(each.filter)) continue;
-    // A wrong gyroscope also contradicts the headings.
-    if (each.imu == ImuModel::wrong_headings &&
-        (best_is_distrustful || !contradicts_headings(state, each.filter)))
-      continue;
-    const double score_margin = each.imu == ImuModel::wrong_headings  ? headings_score_margin
-                                : each.imu == ImuModel::drifting_gyro ? drift_score_margin
-                                : each.imu > bank.best().imu          ? noisier_score_margin
-                                                                      : quieter_score_margin;
-    const bool trusts_more =
-        best_is_distrustful && (!is_distrustful(each.imu) || bank.best().imu == ImuModel::distrusts_imu);
-    const bool is_better =
-        trusts_more ? trusts_imu_again(each, state) : each.score > bank.best().score + score_margin;
-    if (is_better) bank.best_index = bank.index_of(each);
+    if (may_be_best(state, each) && is_better(state, each)) bank.best_index = bank.index_of(each);
   }
   const Hypothesis& best = bank.best();
   for (Hypothesis& each : bank) {

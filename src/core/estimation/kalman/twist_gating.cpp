@@ -92,7 +92,8 @@ void doubt_scale(State& state, const JudgedTwist& twist, const VelocityInnovatio
     return;
   gate.rejected_since_ns = now_ns;
   for (Hypothesis& each : state.bank) {
-    if (each.filter.scale) each.filter.scale->variance += square(error);
+    if (each.filter.scale && each.imu != ImuModel::wrong_velocities)
+      each.filter.scale->variance += square(error);
   }
 }
 
@@ -106,14 +107,29 @@ void note_contradiction(TwistGate& gate, TimeNs time_ns) {
   gate.rejected = true;
 }
 
-/// Corrects all filters of the followed track, axis by axis.
+/// Compares a velocity along an axis with that of the filter that uses none, if the body moves fast enough.
+void compare(TwistGate& gate, const VelocityInnovation& independent) {
+  constexpr double max_agreed_s = 20.0;
+  constexpr double max_relative_std = 0.15;
+  constexpr double chi2_agree_threshold = 9.0;
+  if (independent.variance_m2ps2 > square(max_relative_std * independent.estimated_mps)) return;
+  const bool agrees = squared_norm(independent) <= chi2_agree_threshold;
+  gate.agreed_s = std::clamp(gate.agreed_s + (agrees ? 1.0 : -1.0) * gate.interval_s, 0.0, max_agreed_s);
+}
+
+/// Corrects the filters of the followed track, axis by axis.
 void judge(State& state, const JudgedTwist& twist) {
   TwistGate& gate = *state.twist;
+  if (state.bank.find(ImuModel::wrong_velocities) == nullptr && !is_distrustful(state.bank.best().imu))
+    set_imu_model(state.bank.spawn(state.bank.best()), ImuModel::wrong_velocities);
+  const Hypothesis* const independent = state.bank.find(ImuModel::wrong_velocities);
   bool is_used = false;
   gate.rejected = false;
   for (int axis = 0; axis < 3; ++axis) {
     if (!twist.has(axis)) continue;
     const VelocityInnovation of_best = twist.innovation(state.filter(), axis);
+    if (independent != nullptr && twist.is_scaled(axis))
+      compare(gate, twist.innovation(independent->filter, axis));
     const bool rejected = contradicts(gate, twist, axis, of_best);
     if (rejected && twist.is_scaled(axis)) {
       note_contradiction(gate, twist.measured.time_ns);
@@ -123,7 +139,7 @@ void judge(State& state, const JudgedTwist& twist) {
     for (Hypothesis& each : state.bank) {
       // The one that follows the fixes alone has no direction.
       if (each.track != Track::followed || each.imu == ImuModel::distrusts_imu ||
-          (rejected && !is_distrustful(each.imu)))
+          each.imu == ImuModel::wrong_velocities || (rejected && !is_distrustful(each.imu)))
         continue;
       const bool is_best = &each == &state.bank.best();
       const VelocityInnovation own = is_best ? of_best : twist.innovation(each.filter, axis);

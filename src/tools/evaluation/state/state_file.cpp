@@ -15,7 +15,7 @@ namespace {
 using OrderedJson = nlohmann::ordered_json;
 
 constexpr std::string_view format_name = "sonopose estimator state";
-constexpr int format_version = 17;
+constexpr int format_version = 18;
 
 double finite(const char* name, double value) {
   if (std::isfinite(value)) return value;

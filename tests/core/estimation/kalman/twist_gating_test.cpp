@@ -128,6 +128,21 @@ SCENARIO("wheel speeds along headings of a wrong mount do not draw the pose off 
   }
 }
 
+SCENARIO("wheel speeds of a wrong scale do not draw a pose of unknown yaw off the fixes") {
+  GIVEN("a walk from an unknown direction whose wheel speeds are off by more than the scale may be") {
+    sim::Scenario scenario = sim::find_scenario("walk");
+    scenario.sensors.pair_heading = false;
+    scenario.random_start_yaw = true;
+    scenario.sensors.wheel_rate_hz = 50.0;
+    scenario.sensors.wheel_scale_error = GENERATE(-0.4, 0.3, 0.5, 0.7);
+    const Result result = run(scenario, GENERATE(45001U, 45002U), {});
+    CAPTURE(scenario.sensors.wheel_scale_error);
+    THEN("the error is less than the noise of a fix") {
+      CHECK(result.rms_m < 0.03);
+    }
+  }
+}
+
 SCENARIO("slipping wheels are rejected") {
   GIVEN("a kart on a circle whose wheels slip by 30 % for two seconds") {
     constexpr double slip_begin_s = 20.0;
