@@ -82,7 +82,8 @@ SCENARIO("an unusable covariance is named with its value") {
     Rig rig({{Kind::fix, "/tag", 7}});
     auto fixes = rig.driver<ros2::PoseWithCovarianceStamped>("/tag");
     rig.run();
-    auto pose = ros2::position_as_pose({1, 2, 3}, ros2::Covariance3::Identity(), clocks::host_now(), {});
+    const ros2::FrameNames frames;
+    auto pose = ros2::position_as_pose({1, 2, 3}, ros2::Covariance3::Identity(), clocks::host_now(), frames);
     WHEN("it states a variance of 1e308") {
       pose.pose.covariance[0] = 1e308;
       fixes.write(pose);

@@ -14,6 +14,7 @@ using namespace sonopose;
 using namespace sonopose::ros2::relay;
 using ros2::borrow_string;
 
+/// A parameter that borrows `name`.
 ros2::Parameter integer(const std::string& name, std::int64_t value) {
   static const std::string none;
   ros2::Parameter parameter{};
@@ -30,7 +31,8 @@ SCENARIO("a request for parameters is bounded by names and bytes") {
   CHECK(excess_of(1, 262'145) ==
         "the names and values of the request have 262145 bytes, the limit is 262144");
   const std::string text(300'000, 'x');
-  std::vector<ros2::Parameter> parameters{integer("a", 1)};
+  const std::string name = "a";
+  std::vector<ros2::Parameter> parameters{integer(name, 1)};
   CHECK(excess_of(parameters).empty());
   parameters.front().value.string_value = borrow_string(text);
   CHECK_FALSE(excess_of(parameters).empty());
