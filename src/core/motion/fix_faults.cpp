@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <map>
 #include <optional>
 #include <span>
@@ -119,6 +120,28 @@ bool accelerates(std::span<const Reading> imu, TimeNs from_ns, TimeNs to_ns) {
   return summary_of({from, to}).turned_deviation_mps2 >= min_acceleration_mps2;
 }
 
+/// True if a tag that rounds its positions explains repetitions: most of its steps are to the next value.
+bool are_rounded(const std::vector<Position>& fixes) {
+  constexpr double tolerance = 0.02;  // of a step, for inexact decimals
+  constexpr std::size_t min_steps = 4;
+  constexpr double unknown_m = std::numeric_limits<double>::infinity();
+  Vector3d resolution_m = Vector3d::Constant(unknown_m);
+  std::vector<Vector3d> steps_m;
+  for (std::size_t i = 1; i < fixes.size(); ++i) {
+    const Vector3d step_m = (fixes[i].position_world_m - fixes[i - 1].position_world_m).cwiseAbs();
+    if (step_m.isZero(0.0)) continue;
+    steps_m.push_back(step_m);
+    resolution_m = resolution_m.cwiseMin((step_m.array() > 0.0).select(step_m, unknown_m));
+  }
+  std::size_t to_next = 0;
+  for (const Vector3d& step_m : steps_m) {
+    const Eigen::Array3d count = step_m.cwiseQuotient(resolution_m);
+    if (((count - count.round()).abs() > tolerance).any()) return false;
+    if (count.maxCoeff() < 1.0 + tolerance) ++to_next;
+  }
+  return steps_m.size() >= min_steps && 2 * to_next > steps_m.size();
+}
+
 /// Finds a driver that sends its last position again, or beacons that do, while the IMU accelerates. At rest
 /// positions may be equal.
 std::optional<FixFault> repetitions_in(const Window& window) {
@@ -141,7 +164,8 @@ std::optional<FixFault> repetitions_in(const Window& window) {
     repeated += run - 1;
     longest_run = std::max(longest_run, run);
   }
-  if (window.imu.empty() || judged < min_fixes || 2 * repeated <= judged) return std::nullopt;
+  if (window.imu.empty() || judged < min_fixes || 2 * repeated <= judged || are_rounded(fixes))
+    return std::nullopt;
   if (!accelerates(window.imu, window.imu.front().time_ns, window.imu.back().time_ns)) return std::nullopt;
   constexpr std::size_t longest_share = 4;  // of the window, of which each position is a small part
   return FixFault{longest_share * longest_run > judged ? FixFaultKind::frozen : FixFaultKind::repeated,

@@ -99,6 +99,23 @@ SCENARIO("positions that are sent again are told from frozen ones") {
   CHECK(frozen[0].kind == FixFaultKind::frozen);
 }
 
+SCENARIO("positions that a tag rounds are not taken for repetitions of a slow body") {
+  const double resolution_m = GENERATE(0.05, 0.1, 0.2);
+  const auto rounded = [=](const Vector3d& position_m) -> Vector3d {
+    return resolution_m * (position_m / resolution_m).array().round();
+  };
+  CHECK(faults_of(circling([&](Position& fix, int) {
+          fix.position_world_m = rounded(0.1 * fix.position_world_m);
+        })).empty());
+  Vector3d last_m = Vector3d::Zero();
+  const auto again = faults_of(circling([&](Position& fix, int i) {
+    if (i % 4 == 0) last_m = rounded(fix.position_world_m);
+    fix.position_world_m = last_m;
+  }));
+  REQUIRE(again.size() == 1);
+  CHECK(again[0].kind == FixFaultKind::repeated);
+}
+
 SCENARIO("a vehicle that stops and goes repeats no positions") {
   // Positions are equal while it stands. It stands for nine seconds of each twelve.
   Window window = circling([](Position&, int) {});
