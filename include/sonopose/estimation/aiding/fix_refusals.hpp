@@ -32,6 +32,13 @@ public:
 
   [[nodiscard]] std::uint64_t count() const;
 
+  /// The IMU samples without the fixes.
+  [[nodiscard]] RefusedFixes imu_alone() const {
+    RefusedFixes alone;
+    alone.imu_ = imu_;
+    return alone;
+  }
+
   /// The most frequent cause; empty without a refused fix.
   [[nodiscard]] std::string reason() const;
 

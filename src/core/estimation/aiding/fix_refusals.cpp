@@ -73,7 +73,7 @@ void FixRefusals::on(const Event& event, const settings::AdmissionSettings& sett
   const auto* const fix = std::get_if<UltrasonicFix>(&event);
   if (fix == nullptr) return;
   is_set_pose_ = (fix->flags & ultrasonic_flag_set_pose) != 0U;
-  if (is_set_pose_) set_pose_ = {};
+  if (is_set_pose_) set_pose_ = refused_.imu_alone();
   (is_set_pose_ ? set_pose_ : refused_).on(*fix, settings);
 }
 

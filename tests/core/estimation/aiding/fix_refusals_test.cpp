@@ -106,6 +106,17 @@ SCENARIO("refused fixes are reported once, after a second") {
       refusals.on(ImuSample{}, limits);
       CHECK_THAT(reason_of(one), Contains("1 IMU sample was refused, with a specific force of zero"));
     }
+    THEN("an accelerometer that reads zero is named for a pose that the user sets too") {
+      UltrasonicFix start;
+      start.flags = ultrasonic_flag_set_pose;
+      FixReport one = report(fix_invalid, 0.1);
+      one.applied_time_ns = 0;
+      refusals.on(ImuSample{}, limits);
+      refusals.on(start, limits);
+      refusals.on(one);
+      CHECK_THAT(at(20).value_or(""), Contains("the pose that the user has set is refused") &&
+                                          Contains("with a specific force of zero"));
+    }
     THEN("positions as of UTM are named with the limit") {
       UltrasonicFix far;
       far.position_world_m = {452'345, 5'411'234, 230};
