@@ -217,6 +217,16 @@ SCENARIO("simulated time that nobody publishes is named") {
       CHECK(
           relay->wait_for_line(Stream::error, "no message on /clock yet, though --use-sim-time follows it"));
     }
+    WHEN("a simulator is paused at its start") {
+      RosWriter<ros2::Clock> clock(bus, "/clock");
+      THEN("the relay says that the time stays at 0") {
+        CHECK(repeat_until([&] { clock.write({ros2::to_ros(0)}); },
+                           [&] {
+                             return relay->wait_for_line(Stream::error, "no time after 0 on /clock yet",
+                                                         std::chrono::milliseconds(100));
+                           }));
+      }
+    }
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include "ros2/relay/parameter_server.hpp"
 #include "ros2/relay/relay.hpp"
+#include "ros2/relay/ros_clock.hpp"
 #include <sonopose/ros2/node/graph.hpp>
 
 #include <atomic>
@@ -27,8 +28,8 @@ public:
   /// Logs missing processes, and their later appearance. Call it once per second.
   void check_processes(bool has_bridge, bool has_fusion);
 
-  /// Logs once that simulated time is missing. Call it once per second.
-  void check_clock(bool is_waiting);
+  /// Logs once that simulated time is missing or stays at 0. Call it once per second.
+  void check_clock(const RosClock& clock);
 
 private:
   void select_layout(const ros2::Graph& graph);

@@ -295,7 +295,7 @@ void Relay::Impl::serve(const process::StopSignal& stop, const std::atomic<bool>
     next_status = clocks::steady_now() + status_period_ns;
     if (!source_) readers_due = next_status;
     peers_.check_processes(receiver_->has_bridge(), receiver_->has_fusion());
-    peers_.check_clock(clock_.is_waiting());
+    peers_.check_clock(clock_);
     log_transitions();
     if (source_) source_->log_changes();
     if (autopilot_) autopilot_->log_changes();

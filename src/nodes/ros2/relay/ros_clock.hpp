@@ -28,13 +28,18 @@ public:
     return use_sim_time_ ? simulated_ns_.load(std::memory_order_relaxed) : clocks::host_now();
   }
 
-  /// True while it follows /clock and has no message of it.
+  /// True while it follows /clock and has no time after 0 of it.
   [[nodiscard]] bool is_waiting() const noexcept { return use_sim_time_ && now_ns() == 0; }
+
+  /// True after the first message of /clock.
+  [[nodiscard]] bool has_message() const noexcept { return has_message_.load(std::memory_order_relaxed); }
 
 private:
   bool use_sim_time_;
   std::atomic<TimeNs> simulated_ns_ = 0;
+  std::atomic<bool> has_message_ = false;
   dds::ext::SampleListener<ros2::Clock> listener_{[this](const ros2::Clock& message, const auto&) {
+    has_message_ = true;
     if (const auto time_ns = ros2::from_ros(message.clock)) simulated_ns_ = *time_ns;
   }};
   dds::sub::DataReader<ros2::Clock> reader_ = dds::core::null;  ///< last, so that it is destroyed first
