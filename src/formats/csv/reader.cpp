@@ -32,6 +32,12 @@ bool is_comment(std::string_view line) {
   return is_marked(line) && !is_absent(line.substr(0, line.find_first_of(",;\t ")));
 }
 
+/// True for a line such as `Start: 2026-01-31 12:00:00`.
+bool has_key(std::string_view line) {
+  const std::size_t colon = line.find(':');
+  return colon != std::string_view::npos && colon < line.find_first_of("0123456789,;\t");
+}
+
 /// True for a row of values: its first cell, or most, begin as numbers and dates do, or are missing. Names
 /// and titles are words.
 bool has_values(std::string_view line) {
@@ -46,7 +52,7 @@ bool has_values(std::string_view line) {
     if (is_value) ++values;
     if (index == 0) begins_with_value = is_value;
   });
-  return begins_with_value || 2 * values > cells || cells == 0;
+  return begins_with_value || (2 * values > cells && !has_key(line)) || cells == 0;
 }
 
 std::size_t cells_in(std::string_view line) {

@@ -85,6 +85,16 @@ SCENARIO("Titles and comments above the names of the columns are no names") {
       CHECK_THAT(tables.log.warnings.front(), Contains("imu.csv: not read: 2 lines above the names"));
     }
   }
+  GIVEN("lines of a key and its value") {
+    const std::string value =
+        GENERATE("Start: 2026-01-31 12:00:00", "Rate: 100 Hz", "Sensor offset: 0, 0, 0");
+    write_text(folder / "imu.csv", "Device: X\n" + value + "\nRange: 16 g\n" + imu_rows);
+    write_text(folder / "positions.csv", "Tag: 7\n" + value + "\ntime,x,y,z\n1.5,1,2,3\n");
+    const Tables tables = read_tables({folder / "imu.csv", folder / "positions.csv", {}}, names, 7);
+    THEN("the rows below them are read") {
+      CHECK(tables.log.events.size() == 2);
+    }
+  }
   GIVEN("a comment above the names, and a first row of words") {
     write_text(folder / "imu.csv", "# exported\n" + imu_rows);
     write_text(folder / "positions.csv",
