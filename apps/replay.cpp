@@ -17,7 +17,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,7 +24,6 @@
 namespace {
 
 using namespace sonopose;
-using Path = std::filesystem::path;
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point begin) {
@@ -81,7 +79,7 @@ void draw(std::optional<plots::Plot>& plot) {
 /// Runs the log with each of the two files; --set applies to both.
 int compare(const apps::ReplayOptions& options) {
   std::vector<config::FusionConfig> configs;
-  for (const Path& file : options.compared) {
+  for (const auto& file : options.compared) {
     apps::ReplayOptions one = options;
     one.config.file = file;
     configs.push_back(configuration(one));
@@ -103,8 +101,9 @@ int compare(const apps::ReplayOptions& options) {
     apps::print("{}", report(results.back(), timing, options.json));
   }
   draw(plot);
+  apps::Warnings warnings;
   for (std::size_t i = 0; i < results.size(); ++i)
-    require_result(options, log, apps::settings_of(configs[i], log.address), results[i]);
+    require_result(options, log, apps::settings_of(configs[i], log.address), results[i], warnings);
   return 0;
 }
 
@@ -136,7 +135,8 @@ int replay_log(const apps::ReplayOptions& options) {
   if (options.save_state) evaluation::save_state(*options.save_state, result.end);
   draw(plot);
   apps::print("{}", report(result, timing, options.json));
-  require_result(options, log, run.settings, result);
+  apps::Warnings warnings;
+  require_result(options, log, run.settings, result, warnings);
   return 0;
 }
 

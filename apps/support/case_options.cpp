@@ -199,7 +199,9 @@ std::size_t for_each_case(const CaseOptions& options, const settings::Settings& 
       if (is_named(recording.front(), options)) ++named_unreadable;
       continue;
     }
-    warn_of_installation(runs.front().name, runs.front().events, settings, installation::Search::brief);
+    Warnings warnings;
+    warn_of_installation(runs.front().name, runs.front().events, settings, installation::Search::brief,
+                         warnings);
     use(std::move(runs));
   }
   if (chosen.scenarios.empty() && unreadable == chosen.recordings.size())

@@ -4,8 +4,6 @@
 #include "bus_log/recording_files.hpp"
 #include "choice.hpp"
 #include "expanded_option.hpp"
-#include "installation_warning.hpp"
-#include "logging/log.hpp"
 #include "ros2/bag/topic_choice.hpp"
 #include "run.hpp"
 #include <sonopose/samples/status_meanings.hpp>
@@ -120,7 +118,8 @@ std::span<const Event> until(std::span<const Event> events, const std::optional<
 
 /// Warns of faults of the installation, and of contradictions that they do not explain.
 void warn_of_contradictions(const std::string& name, std::span<const Event> events,
-                            const settings::Settings& settings, const evaluation::RunResult& result) {
+                            const settings::Settings& settings, const evaluation::RunResult& result,
+                            Warnings& warnings) {
   const auto exceeds = [&result](PoseStatus bit, double share) {
     const auto found = result.warned.find(bit);
     return found != result.warned.end() &&
@@ -132,17 +131,18 @@ void warn_of_contradictions(const std::string& name, std::span<const Event> even
   const bool are_fixes_wrong = exceeds(status_fixes_inconsistent, 0.5);
   const bool is_contradicted = is_imu_wrong || are_fixes_wrong;
   if (warn_of_installation(name, events, settings,
-                           is_contradicted ? installation::Search::thorough : installation::Search::brief)) {
+                           is_contradicted ? installation::Search::thorough : installation::Search::brief,
+                           warnings)) {
     return;
   }
   if (is_imu_wrong) {
-    logging::warning(fmt::format(
+    warnings.add(fmt::format(
         "{0}: the IMU contradicts fixes, headings or gravity: check its units, signs, axes and mount. "
         "`sonopose-calibrate mount {0}` measures the mount",
         name));
   }
   if (are_fixes_wrong) {
-    logging::warning(fmt::format(
+    warnings.add(fmt::format(
         "{0}: fixes are inconsistent at most poses: {1}. `sonopose-calibrate delay {0}` measures how far "
         "the clocks are apart",
         name, fixes_inconsistent_meaning));
@@ -152,15 +152,16 @@ void warn_of_contradictions(const std::string& name, std::span<const Event> even
 }  // namespace
 
 void require_result(const ReplayOptions& options, const recording::SensorLog& log,
-                    const settings::Settings& settings, const evaluation::RunResult& result) {
+                    const settings::Settings& settings, const evaluation::RunResult& result,
+                    Warnings& warnings) {
   const std::string name = bus_log::name_of(options.logs);
-  for (const std::string& text : result.remarks) logging::warning(fmt::format("{}: {}", name, text));
+  for (const std::string& text : result.remarks) warnings.add(fmt::format("{}: {}", name, text));
   for (const evaluation::UnusedInput& input : result.unused_inputs) {
     const std::string text = fmt::format("{}: {}", name, input.text);
     if (is_chosen(input) && !options.run.until_s) throw std::runtime_error(text);
-    logging::warning(text);
+    warnings.add(text);
   }
-  warn_of_contradictions(name, until(log.events, options.run.until_s), settings, result);
+  warn_of_contradictions(name, until(log.events, options.run.until_s), settings, result, warnings);
   if (result.poses > 0 && result.judged_poses == 0) {
     throw std::runtime_error(fmt::format("{}: no score: no pose comes {} s (--after) after the first event",
                                          name, options.run.after_s));
@@ -170,7 +171,7 @@ void require_result(const ReplayOptions& options, const recording::SensorLog& lo
     if (has_fixes || options.engine == ReplayEngine::strapdown) return;
     const std::string text = fmt::format("{}: has no fix until {} s (--until)", name, *options.run.until_s);
     if (!options.save_state) throw std::runtime_error(text);
-    logging::warning(text);
+    warnings.add(text);
     return;
   }
   if (options.engine != ReplayEngine::strapdown && result.counters.fixes_used == 0) {
@@ -192,7 +193,7 @@ void require_result(const ReplayOptions& options, const recording::SensorLog& lo
     // Some are refused as the user wants it.
     constexpr std::uint64_t min_use = 10;
     if (is_other_clock || min_use * result.counters.fixes_used < fixes) throw std::runtime_error(text);
-    logging::warning(text);
+    warnings.add(text);
   }
   const evaluation::Score& score = result.fused;
   if (!result.has_truth || score.poses > 0 || std::isfinite(score.tilt_rmse_deg)) return;

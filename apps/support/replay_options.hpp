@@ -4,6 +4,7 @@
 #include "command_line.hpp"
 #include "config_options.hpp"
 #include "evaluation/replay/run.hpp"
+#include "installation_warning.hpp"
 
 #include <filesystem>
 #include <optional>
@@ -38,7 +39,8 @@ config::FusionConfig configuration(const ReplayOptions& options);
 /// Throws std::runtime_error with the cause if the run used no fix, unless it is strapdown integration, or if
 /// it has truth and no score. A run that ends early needs neither.
 void require_result(const ReplayOptions& options, const recording::SensorLog& log,
-                    const settings::Settings& settings, const evaluation::RunResult& result);
+                    const settings::Settings& settings, const evaluation::RunResult& result,
+                    Warnings& warnings);
 
 /// Options of a run with these settings.
 evaluation::RunOptions run_options(const ReplayOptions& options, const settings::Settings& settings);

@@ -91,6 +91,14 @@ SCENARIO("two files of settings are compared, in one picture") {
         CHECK_THAT(read_text(picture), Contains("<svg") && Contains("good.toml") && Contains("turned.toml"));
       }
     }
+    WHEN("the wrong one is compared with itself") {
+      const Result twice = replay({recording.log(), "--after", "6", "--compare", turned, turned});
+      THEN("what both show is said once") {
+        const auto first = twice.error.find("mount offset is wrong");
+        REQUIRE(first != std::string::npos);
+        CHECK(twice.error.find("mount offset is wrong", first + 1) == std::string::npos);
+      }
+    }
     WHEN("they are compared as JSON") {
       const Result json_text = replay({recording.log(), "--after", "6", "--json", "--compare", good, turned});
       THEN("there is an object for each, and the right mount has the smaller error") {
