@@ -105,6 +105,10 @@ Metadata read_metadata(const fs::path& folder) {
       fail_if_compressed(
           fmt::format(" (compression_mode {} of metadata.yaml)", scalar_of(bag["compression_mode"])));
     }
+    for (const fs::path& found : compressed_in(folder)) {
+      metadata.missing.push_back(fmt::format(
+          "{}: is compressed as a whole, and is not read: expand it with zstd -d", found.string()));
+    }
   } catch (const YAML::Exception& error) {
     throw files::IoError(fmt::format("{}, line {}: {}", file.string(), error.mark.line + 1, error.msg));
   } catch (const fs::filesystem_error& error) {

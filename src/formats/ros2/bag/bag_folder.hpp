@@ -18,7 +18,7 @@ std::vector<std::filesystem::path> sqlite_files_in(const std::filesystem::path& 
 /// Files and messages of a folder, by its metadata.yaml.
 struct Metadata {
   std::vector<std::filesystem::path> files{};  ///< those that it lists and that are there, normal
-  std::vector<std::string> missing{};          ///< descriptions of the others that it lists
+  std::vector<std::string> missing{};          ///< descriptions of those that are not there, or compressed
   std::uint64_t messages = 0;                  ///< number of all messages; 0 if it does not say
 };
 

@@ -77,6 +77,13 @@ SCENARIO("the folder of a recording says what belongs to it") {
       CHECK_THROWS_WITH(bus_log::read_sensor_log(folder / "drive_0.mcap.zstd"),
                         Contains("is compressed as a whole") && Contains("zstd -d "));
     }
+    THEN("one that the metadata do not list is not left out silently") {
+      write_text(folder / "metadata.yaml", metadata("    - drive_1.mcap\n"));
+      test::write_bag(folder / "drive_1.mcap", test::messages_of(events));
+      const auto unread = read_metadata(folder.path()).missing;
+      REQUIRE(unread.size() == 1);
+      CHECK_THAT(unread.front(), Contains("drive_0.mcap.zstd: is compressed") && Contains("not read"));
+    }
     THEN("an empty file is said to be empty") {
       write_text(folder / "drive_1.db3", "");
       CHECK_THROWS_WITH(bus_log::read_sensor_log(folder / "drive_1.db3"), Contains("drive_1.db3: is empty"));
