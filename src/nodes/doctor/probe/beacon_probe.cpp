@@ -9,6 +9,7 @@
 #include "motion/turn_gain.hpp"
 #include "observation/beacon_observer.hpp"
 #include "observation/status_words.hpp"
+#include "recording/velocity_check.hpp"
 #include <sonopose/estimation/aiding/height_check.hpp>
 #include <sonopose/settings/settings_table.hpp>
 
@@ -134,6 +135,7 @@ void BeaconProbe::on(const PairHeading& heading, const Arrival& arrival) {
 
 void BeaconProbe::on(const TwistSample& twist, const Arrival& arrival) {
   if (twist.sequence != unnumbered) sequences_.add(arrival.time_ns, twist.sequence);
+  if (in_window()) twists_.add(arrival.time_ns, twist);
 }
 
 void BeaconProbe::on(const FusedPose& pose, const Arrival& arrival) {
@@ -255,6 +257,9 @@ rules::BeaconObservation BeaconProbe::observation(TimeNs now_ns, const settings:
   beacon.imu_summary = motion::summary_of(window.imu);
   beacon.turn_gain = motion::turn_gain_of(window);
   beacon.fix_faults = motion::fix_faults_of(window, beacon.turn_gain);
+  recording::VelocityCheck velocities;
+  for (const auto& [received_ns, twist] : twists_.entries()) velocities.add(twist);
+  beacon.velocity_fault = velocities.unit(window.fixes, [](const char*) { return "Topics have m s^-1"; });
   window.imu = motion_window({}).imu;  // the sensor's own axes: a misalignment mixes them
   beacon.imu_faults = motion::imu_faults_of(window);
   beacon.rest = longest_rest(readings_, fixes_, settings.calibration);

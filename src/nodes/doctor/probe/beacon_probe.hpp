@@ -121,6 +121,7 @@ private:
   Latest<UltrasonicFix> fixes_;         ///< of one tag: several do not move alike
   std::optional<Vector3d> tag_body_m_;  ///< its place
   Latest<PairHeading> headings_;        ///< valid headings
+  Latest<TwistSample> twists_;
   std::optional<BeaconStatus> status_before_;
   std::optional<BeaconStatus> status_;
   struct FusionObservation {

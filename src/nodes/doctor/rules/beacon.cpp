@@ -154,6 +154,10 @@ public:
   }
 
   void velocities() const {
+    if (beacon_.velocity_fault && are_samples_right()) {
+      add(Severity::error, *beacon_.velocity_fault, "correct the velocities in their driver");
+      return;
+    }
     const EstimatorCounters counted{.twists_used = increase_of(&FusionStatus::velocities_used),
                                     .twists_rejected = increase_of(&FusionStatus::velocities_rejected),
                                     .twists_unused = increase_of(&FusionStatus::velocities_unused)};

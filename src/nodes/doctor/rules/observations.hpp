@@ -159,7 +159,8 @@ struct BeaconObservation {
   motion::TurnGain turn_gain;              ///< gain of the calibrated gyroscope
   std::vector<std::string> imu_faults;     ///< texts of motion::imu_faults_of
   std::vector<motion::FixFault> fix_faults;
-  std::optional<RestObservation> rest;  ///< empty if it does not rest
+  std::optional<std::string> velocity_fault;  ///< text of recording::VelocityCheck::unit
+  std::optional<RestObservation> rest;        ///< empty if it does not rest
 };
 
 struct Observations {

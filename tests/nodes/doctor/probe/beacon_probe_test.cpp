@@ -106,6 +106,29 @@ TEST_CASE("A pair that is lost for a part of the window is observed") {
   CHECK(lost_s([](double t) { return t > 3 && t < 7; }) > 0);
 }
 
+TEST_CASE("Velocities in another unit are observed beside the fixes") {
+  const auto fault = [](double unit) {
+    BeaconProbe probe;
+    probe.begin(begin_ns, {});
+    for (double t = 0.05; t < 12; t += 0.1) {
+      UltrasonicFix fix;
+      fix.emission_time_ns = begin_ns + to_ns(t);
+      fix.received_time_ns = fix.emission_time_ns + to_ns(0.07);
+      fix.position_world_m = {1.5 * t, 0, 0};
+      probe.on(fix, fix.emission_time_ns);
+      TwistSample twist;
+      twist.emission_time_ns = fix.emission_time_ns;
+      twist.axes = twist_velocity_x;
+      twist.velocity_body_mps = {1.5 * unit, 0, 0};
+      probe.on(twist, twist.emission_time_ns);
+    }
+    return probe.observation(begin_ns + to_ns(12), {}).velocity_fault.value_or("");
+  };
+  CHECK(fault(1.0).empty());
+  CHECK_THAT(fault(1000.0), Catch::Contains("1e+03 times") && Catch::Contains("mm s^-1"));
+  CHECK_THAT(fault(3.6), Catch::Contains("km h^-1"));
+}
+
 TEST_CASE("Headings of the body, as of a compass, do not show a pair that could be lost") {
   BeaconProbe probe;
   probe.begin(begin_ns, {});

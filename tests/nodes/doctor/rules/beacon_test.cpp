@@ -352,6 +352,15 @@ TEST_CASE("Velocities that are not used, or mostly rejected, are a problem") {
         }) == Severity::ok);
 }
 
+TEST_CASE("Velocities in another unit are no slip of wheels") {
+  const auto in_mm = [](auto& b) {
+    b.velocity_fault = "the velocities are 990 times the speed of the fixes (median); are they in mm s^-1?";
+    b.fusion->velocities_rejected = 90;
+  };
+  CHECK(severity("990 times the speed of the fixes", in_mm) == Severity::error);
+  CHECK(severity("as when wheels slip", in_mm) == Severity::ok);
+}
+
 TEST_CASE("Status bits of the poses in the window are reported") {
   struct Case {
     std::uint32_t bits;
