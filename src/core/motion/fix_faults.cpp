@@ -192,7 +192,8 @@ std::optional<FixFault> heading_fault_of(const Window& window, const TurnGain& t
   if (are_within(resolution_rad, first_rad)) {
     return FixFault{FixFaultKind::headings_constant, "all headings are equal although the gyroscope turns"};
   }
-  if (!are_within(max_angle_in_radians * geometry::radians_per_degree, 0.0)) return std::nullopt;
+  if (!are_within(max_angle_in_radians * geometry::radians_per_degree, window.heading_zero_rad))
+    return std::nullopt;
   return FixFault{FixFaultKind::headings_in_radians,
                   "all headings are below 6.3 deg although the gyroscope turns"};
 }

@@ -39,7 +39,8 @@ struct Window {
   std::vector<Reading> imu;
   std::vector<Position> fixes;
   std::vector<Direction> headings;
-  double mount_rad = 0;  ///< configured angle from body X to the axis of the pair
+  double mount_rad = 0;         ///< configured angle from body X to the axis of the pair
+  double heading_zero_rad = 0;  ///< heading here that the source gives as 0: not 0 for one of the body
 };
 
 /// Sorts each stream, and leaves out repeated stamps.

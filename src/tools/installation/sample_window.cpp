@@ -30,8 +30,9 @@ void SampleWindow::add(const PairHeading& heading) {
   if (is_of_body && !are_headings_of_body_ && !window_.headings.empty()) return;
   if (!is_of_body && are_headings_of_body_) window_.headings.clear();
   are_headings_of_body_ = is_of_body;
+  window_.heading_zero_rad = is_of_body ? window_.mount_rad : 0.0;
   window_.headings.push_back({estimation::aiding::measured_at(delay_, heading),
-                              heading.heading_world_rad + (is_of_body ? window_.mount_rad : 0.0)});
+                              heading.heading_world_rad + window_.heading_zero_rad});
 }
 
 }  // namespace sonopose::installation

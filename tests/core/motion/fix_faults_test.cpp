@@ -140,7 +140,11 @@ SCENARIO("headings before a turn are right though they are small") {
 
 SCENARIO("headings in radians that are read as degrees are found") {
   Window window = circling([](Position&, int) {});
-  for (Direction& heading : window.headings) heading.heading_world_rad *= geometry::radians_per_degree;
+  window.heading_zero_rad = GENERATE(0.0, 1.6);  // those of a compass are turned by the mount of a pair
+  for (Direction& heading : window.headings) {
+    heading.heading_world_rad =
+        heading.heading_world_rad * geometry::radians_per_degree + window.heading_zero_rad;
+  }
   const auto faults = faults_of(window);
   REQUIRE(faults.size() == 1);
   CHECK(faults[0].kind == FixFaultKind::headings_in_radians);

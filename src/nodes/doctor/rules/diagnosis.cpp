@@ -28,7 +28,8 @@ installation::Evidence evidence_of(const BeaconObservation& beacon) {
           .pieces = beacon.pieces,
           .imu_summary = beacon.imu_summary,
           .turn_gain = beacon.turn_gain,
-          .are_headings_of_body = beacon.pair_headings == 0 && beacon.heading.samples > 0,
+          .are_headings_of_body =
+              beacon.valid_pair_headings == 0 && beacon.heading.samples > beacon.pair_headings,
           .are_fixes_timed = 2 * beacon.timed_fixes > beacon.fix.samples,
           .min_fix_delay_s = beacon.min_fix_delay_s};
 }

@@ -125,4 +125,23 @@ TEST_CASE("Stamps that the fusion does not use are not corrected") {
   CHECK_THAT(problems, !Contains("mirrored") && !Contains("wrong sign") && !Contains("mount offset"));
 }
 
+TEST_CASE("A turned compass is named beside a pair that gives no valid heading") {
+  std::vector<Event> events;
+  for (const Event& event : events_of("forklift", 2713, 20.5)) {
+    events.push_back(event);
+    auto* const pair = std::get_if<PairHeading>(&events.back());
+    if (pair == nullptr) continue;
+    PairHeading compass = *pair;
+    pair->valid = false;
+    compass.sequence = unnumbered;
+    compass.flags |= heading_flag_of_body;
+    compass.heading_world_rad += 1.0;
+    events.emplace_back(compass);
+  }
+  const std::string problems = problems_of(observed(events, {}, {8, 12}));
+  CAPTURE(problems);
+  CHECK_THAT(problems, Contains("its headings are 57") && Contains("not from north"));
+  CHECK_THAT(problems, !Contains("mount offset"));
+}
+
 }  // namespace changes_test
