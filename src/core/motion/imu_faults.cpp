@@ -112,6 +112,19 @@ std::vector<Row> repeated_rows(const Window& window) {
   return rows;
 }
 
+/// True if samples are less like those beside them than like the next but one. Motion and noise do not
+/// alternate so, not even where something taps on the IMU.
+bool alternates(const std::vector<Reading>& imu, Vector3d Reading::*reading) {
+  constexpr double min_ratio = 4.0;
+  double to_last = 0;
+  double to_last_but_one = 0;
+  for (std::size_t i = 2; i < imu.size(); ++i) {
+    to_last += (imu[i].*reading - imu[i - 1].*reading).squaredNorm();
+    to_last_but_one += (imu[i].*reading - imu[i - 2].*reading).squaredNorm();
+  }
+  return to_last > min_ratio * to_last_but_one;
+}
+
 /// A sensor's axes: their medians, and the shares of the readings that are the median.
 struct Sensor {
   const char* name;
@@ -168,6 +181,11 @@ std::vector<std::string> imu_faults_of(const Window& window) {
   }
   if (const auto repeated = repeated_rows(window); !repeated.empty()) {
     return {"the IMU repeats one sample " + duration_text_of(repeated, imu)};
+  }
+  if (alternates(imu, &Reading::rate_body_radps) || alternates(imu, &Reading::force_body_mps2)) {
+    return {
+        "IMU samples alternate, as where two IMUs publish on one topic (keep one), or where one vibrates at "
+        "half of its rate"};
   }
   std::array<Sensor, 2> sensors{{{"gyroscope", "rad/s", &Reading::rate_body_radps},
                                  {"accelerometer", "m/s^2", &Reading::force_body_mps2}}};

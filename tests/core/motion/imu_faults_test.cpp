@@ -105,6 +105,35 @@ SCENARIO("an accelerometer that reads nothing is found, moving or not") {
   }
 }
 
+SCENARIO("two IMUs on one topic are found by samples that alternate") {
+  const double speed_mps = GENERATE(0.0, 3.0);
+  int i = 0;
+  WHEN("one has a bias") {
+    const std::string faults = faults_of(speed_mps, [&](Reading& reading, double) {
+      if (++i % 2 == 0) reading.force_body_mps2 += Vector3d(0.1, -0.05, 0.05);
+    });
+    THEN("they are named") {
+      CHECK_THAT(faults, Contains("two IMUs publish on one topic"));
+    }
+  }
+  WHEN("one is turned and something vibrates") {
+    const std::string faults = faults_of(speed_mps, [&](Reading& reading, double time_s) {
+      reading.force_body_mps2.x() += std::sin(2.0 * std::numbers::pi * 17.0 * time_s);
+      if (++i % 2 == 0) reading.force_body_mps2 = reading.force_body_mps2.reverse().eval();
+    });
+    THEN("they are named") {
+      CHECK_THAT(faults, Contains("two IMUs publish on one topic"));
+    }
+  }
+}
+
+SCENARIO("vibration is no second IMU") {
+  const double frequency_hz = GENERATE(5.0, 17.0, 30.0, 38.0, 61.0);
+  CHECK(faults_of(3.0, [&](Reading& reading, double time_s) {
+          reading.force_body_mps2.x() += 3.0 * std::sin(2.0 * std::numbers::pi * frequency_hz * time_s);
+        }).empty());
+}
+
 SCENARIO("a sensor that is stuck as a whole is found while the body moves") {
   const auto without_rates = [](Reading& reading, double) { reading.rate_body_radps.setZero(); };
   CHECK(faults_of(1.0, without_rates) == "the gyroscope is stuck at 0.00 0.00 0.00 rad/s; ");
