@@ -127,12 +127,12 @@ int run_logs(const Options& options) {
   print_results();
   bool are_used = true;
   for (const evaluation::AttitudeResult& result : results) {
-    if (result.scored == 0) {
-      logging::warning(fmt::format("{}: not scored: no sample has a true attitude{}", result.name,
-                                   options.out ? "" : "; --out writes that of the filter"));
+    const bool is_useless = result.scored == 0 && !options.out;
+    if (is_useless) {
+      logging::warning(fmt::format(
+          "{}: not scored: no sample has a true attitude; --out writes that of the filter", result.name));
     }
-    // The score says how many are rejected.
-    are_used = are_used && 2 * result.rejected <= result.samples && (result.scored > 0 || options.out);
+    are_used = are_used && !is_useless && 2 * result.rejected <= result.samples;
   }
   return are_used ? 0 : 1;
 }

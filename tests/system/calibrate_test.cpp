@@ -55,7 +55,8 @@ SCENARIO("other programs accept the written configuration, and name settings of 
   const std::string out = (folder / "calibration.toml").string();
   for (const char* const beacon : {"7", "9"}) {
     REQUIRE(calibrate({"imu", log, "--out", out, "--beacon", beacon}).code == 0);
-    const Result taken = run(SONOPOSE_TEST_ATTITUDE, {log, "--config", out, "--beacon", "7"});
+    const Result taken = run(SONOPOSE_TEST_ATTITUDE, {log, "--config", out, "--beacon", "7", "--out",
+                                                      (folder / "orientations").string()});
     CHECK(taken.code == 0);
     CHECK(taken.error.empty() == (std::string(beacon) == "7"));
     if (!taken.error.empty()) CHECK_THAT(taken.error, Contains("not used: the settings of beacon 9"));
