@@ -26,12 +26,15 @@ struct TwistGate {
   TimeNs rejected_since_ns = 0;  ///< beginning of the current run of contradictions; 0: none
   TimeNs rejected_ns = 0;        ///< time of the last contradiction
   bool rejected = false;         ///< true if the latest one was: the wheels slip
-  /// Time of a motion over which they agreed with the filter that uses none, less that over which they did
+  /// Time of motion over which they agreed with the filter that uses none, less that over which they did
   /// not; 0 … 20 s.
   double agreed_s = 0;
 
   /// True if they agreed for long: then other fixes or headings are wrong rather than they.
-  [[nodiscard]] bool are_proven() const { return agreed_s > 4.0; }
+  [[nodiscard]] bool are_proven() const {
+    constexpr double proven_after_s = 4.0;
+    return agreed_s > proven_after_s;
+  }
 
   bool operator==(const TwistGate&) const = default;
 };

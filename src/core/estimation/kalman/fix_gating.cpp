@@ -16,7 +16,8 @@ constexpr double chi2_miss_threshold = 2.0 * chi2_reject_threshold;
 void estimate_delay(State& state, const settings::DelaySettings& settings) {
   constexpr double initial_std_s = 0.02;
   for (Hypothesis& each : state.bank) {
-    if (each.imu >= ImuModel::other_clock || each.filter.estimates_delay() == settings.estimate) continue;
+    const bool keeps = each.imu == ImuModel::other_clock || is_distrustful(each.imu);
+    if (keeps || each.filter.estimates_delay() == settings.estimate) continue;
     each.filter.estimate_delay(settings.estimate ? square(initial_std_s) : 0.0);
   }
 }

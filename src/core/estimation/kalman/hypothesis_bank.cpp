@@ -37,7 +37,7 @@ const ImuModelParameters& parameters_of(ImuModel model) {
        .inflation = {},
        .dead_reckoning_mps_rts = 1.0},
       {.noise = {.gyro_radps_rthz = 2.4e-3, .gyro_bias_radps_rts = 1e-3},
-       .inflation = {.velocity_mps = 0.5, .yaw_rad = radians(20.0)},
+       .inflation = {},
        .dead_reckoning_mps_rts = 1.0},
       {.noise = {.accel_mps2_rthz = 0.15, .gyro_radps_rthz = 0.2, .gyro_bias_radps_rts = 0.2},
        .inflation = {.velocity_mps = wrong_mps,
@@ -64,6 +64,7 @@ const ImuModelParameters& parameters_of(ImuModel model) {
 void set_imu_model(Hypothesis& hypothesis, ImuModel model) {
   hypothesis.imu = model;
   hypothesis.filter.ignores_force = model == ImuModel::distrusts_imu;
+  if (model == ImuModel::wrong_velocities) hypothesis.filter.scale = {};  // learned from velocities
   inflate(hypothesis.filter, parameters_of(model).inflation);
   hypothesis.filter.apply_past_errors(parameters_of(model).wrong_for_s);
   const double offset_std_s = parameters_of(model).clock_offset_std_s;

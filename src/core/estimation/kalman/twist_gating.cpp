@@ -107,21 +107,30 @@ void note_contradiction(TwistGate& gate, TimeNs time_ns) {
   gate.rejected = true;
 }
 
+/// False for the model that follows the fixes alone, which has no direction, and for the one that uses none.
+bool uses_velocities(ImuModel model) {
+  return model != ImuModel::distrusts_imu && model != ImuModel::wrong_velocities;
+}
+
 /// Compares a velocity along an axis with that of the filter that uses none, if the body moves fast enough.
 void compare(TwistGate& gate, const VelocityInnovation& independent) {
   constexpr double max_agreed_s = 20.0;
-  constexpr double max_relative_std = 0.15;
-  constexpr double chi2_agree_threshold = 9.0;
-  if (independent.variance_m2ps2 > square(max_relative_std * independent.estimated_mps)) return;
-  const bool agrees = squared_norm(independent) <= chi2_agree_threshold;
+  constexpr double max_relative_std = 0.1;
+  const double speed_mps = std::abs(independent.estimated_mps);
+  if (independent.variance_m2ps2 > square(max_relative_std * speed_mps)) return;
+  const bool agrees = std::abs(independent.value_mps) <= max_scale_error * speed_mps;
   gate.agreed_s = std::clamp(gate.agreed_s + (agrees ? 1.0 : -1.0) * gate.interval_s, 0.0, max_agreed_s);
 }
 
 /// Corrects the filters of the followed track, axis by axis.
 void judge(State& state, const JudgedTwist& twist) {
   TwistGate& gate = *state.twist;
-  if (state.bank.find(ImuModel::wrong_velocities) == nullptr && !is_distrustful(state.bank.best().imu))
-    set_imu_model(state.bank.spawn(state.bank.best()), ImuModel::wrong_velocities);
+  if (state.bank.find(ImuModel::wrong_velocities) == nullptr && !is_distrustful(state.bank.best().imu)) {
+    Hypothesis& without = state.bank.spawn(state.bank.best());
+    set_imu_model(without, ImuModel::wrong_velocities);
+    inflate(without.filter,
+            {.velocity_mps = 0.5, .yaw_rad = radians(20.0)});  // velocities shaped them until now
+  }
   const Hypothesis* const independent = state.bank.find(ImuModel::wrong_velocities);
   bool is_used = false;
   gate.rejected = false;
@@ -135,11 +144,11 @@ void judge(State& state, const JudgedTwist& twist) {
       note_contradiction(gate, twist.measured.time_ns);
       doubt_scale(state, twist, of_best);
     }
-    is_used = is_used || (!rejected && twist.is_scaled(axis));
+    is_used = is_used || (!rejected && twist.is_scaled(axis) && !is_distrustful(state.bank.best().imu) &&
+                          uses_velocities(state.bank.best().imu));
     for (Hypothesis& each : state.bank) {
-      // The one that follows the fixes alone has no direction.
-      if (each.track != Track::followed || each.imu == ImuModel::distrusts_imu ||
-          each.imu == ImuModel::wrong_velocities || (rejected && !is_distrustful(each.imu)))
+      if (each.track != Track::followed || !uses_velocities(each.imu) ||
+          (rejected && !is_distrustful(each.imu)))
         continue;
       const bool is_best = &each == &state.bank.best();
       const VelocityInnovation own = is_best ? of_best : twist.innovation(each.filter, axis);

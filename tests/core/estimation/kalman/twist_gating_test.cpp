@@ -44,6 +44,8 @@ struct Result {
   std::optional<double> slip_found_s;
   double scale_error = 0;
   double rms_m = 0;  ///< error after 6 s
+  double agreed_s = 0;
+  bool are_proven = false;
   EstimatorCounters counters;
 };
 
@@ -90,6 +92,10 @@ Result run(const sim::Scenario& scenario, std::uint64_t seed, const settings::Se
   }
   if (engine.state().filter().scale) result.scale_error = engine.state().filter().scale->error;
   result.rms_m = std::sqrt(sum_m2 / std::max(scored, 1));
+  if (engine.state().twist) {
+    result.agreed_s = engine.state().twist->agreed_s;
+    result.are_proven = engine.state().twist->are_proven();
+  }
   result.counters = engine.counters();
   return result;
 }
@@ -139,6 +145,36 @@ SCENARIO("wheel speeds of a wrong scale do not draw a pose of unknown yaw off th
     CAPTURE(scenario.sensors.wheel_scale_error);
     THEN("the error is less than the noise of a fix") {
       CHECK(result.rms_m < 0.03);
+    }
+  }
+}
+
+SCENARIO("wheel speeds along wrong headings do not prolong dead reckoning") {
+  GIVEN("a walk with a wrong mount offset, whose fixes pause for eight seconds") {
+    sim::Scenario scenario = sim::find_scenario("walk");
+    scenario.disturbances.outages = {{outage_begin_s, outage_s}};
+    settings::Settings settings;
+    settings.heading.mount_offset_deg = GENERATE(90.0, 180.0);
+    const Result without = run(scenario, 46001, settings);
+    scenario.sensors.wheel_rate_hz = 50.0;
+    const Result with = run(scenario, 46001, settings);
+    THEN("the pose stops as it does without them") {
+      CHECK(with.outage_end_m < without.outage_end_m + 2.0);
+    }
+  }
+}
+
+SCENARIO("wheels that have agreed are right, and those of a wrong scale never agree") {
+  GIVEN("a walk from an unknown direction") {
+    sim::Scenario scenario = sim::find_scenario("walk");
+    scenario.sensors.pair_heading = false;
+    scenario.random_start_yaw = true;
+    scenario.sensors.wheel_rate_hz = 50.0;
+    scenario.sensors.wheel_scale_error = GENERATE(0.0, 0.1, 0.3, -0.3);
+    const Result result = run(scenario, 47001, {});
+    CAPTURE(scenario.sensors.wheel_scale_error, result.agreed_s);
+    THEN("a scale that the estimate can have is proven, another one not") {
+      CHECK(result.are_proven == (std::abs(scenario.sensors.wheel_scale_error) < 0.15));
     }
   }
 }
