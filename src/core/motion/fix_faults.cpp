@@ -164,11 +164,12 @@ std::optional<FixFault> repetitions_in(const Window& window) {
     repeated += run - 1;
     longest_run = std::max(longest_run, run);
   }
-  if (window.imu.empty() || judged < min_fixes || 2 * repeated <= judged || are_rounded(fixes))
-    return std::nullopt;
-  if (!accelerates(window.imu, window.imu.front().time_ns, window.imu.back().time_ns)) return std::nullopt;
   constexpr std::size_t longest_share = 4;  // of the window, of which each position is a small part
-  return FixFault{longest_share * longest_run > judged ? FixFaultKind::frozen : FixFaultKind::repeated,
+  const bool is_frozen = longest_share * longest_run > judged;
+  if (window.imu.empty() || judged < min_fixes || 2 * repeated <= judged) return std::nullopt;
+  if (!is_frozen && are_rounded(fixes)) return std::nullopt;
+  if (!accelerates(window.imu, window.imu.front().time_ns, window.imu.back().time_ns)) return std::nullopt;
+  return FixFault{is_frozen ? FixFaultKind::frozen : FixFaultKind::repeated,
                   std::to_string(repeated) + " of " + std::to_string(fixes.size()) +
                       " fixes repeat the position of the one before, although the IMU moves"};
 }
