@@ -112,17 +112,21 @@ std::vector<Row> repeated_rows(const Window& window) {
   return rows;
 }
 
-/// True if samples are less like those beside them than like the next but one. Motion and noise do not
-/// alternate so, not even where something taps on the IMU.
+/// True if samples are less like those beside them than like the next but one, by a difference that keeps its
+/// sign. Motion and noise do not alternate so, and a vibration near half of the rate beats.
 bool alternates(const std::vector<Reading>& imu, Vector3d Reading::*reading) {
   constexpr double min_ratio = 4.0;
+  constexpr double min_constant_share = 0.25;
   double to_last = 0;
   double to_last_but_one = 0;
+  Vector3d sum = Vector3d::Zero();
   for (std::size_t i = 2; i < imu.size(); ++i) {
     to_last += (imu[i].*reading - imu[i - 1].*reading).squaredNorm();
     to_last_but_one += (imu[i].*reading - imu[i - 2].*reading).squaredNorm();
+    sum += (i % 2 == 0 ? 1.0 : -1.0) * (imu[i].*reading - imu[i - 1].*reading);
   }
-  return to_last > min_ratio * to_last_but_one;
+  const auto count = static_cast<double>(imu.size());
+  return to_last > min_ratio * to_last_but_one && sum.squaredNorm() > min_constant_share * count * to_last;
 }
 
 /// A sensor's axes: their medians, and the shares of the readings that are the median.
