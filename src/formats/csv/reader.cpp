@@ -35,7 +35,8 @@ bool is_comment(std::string_view line) {
 /// True for a line such as `Start: 2026-01-31 12:00:00`.
 bool has_key(std::string_view line) {
   const std::size_t colon = line.find(':');
-  return colon != std::string_view::npos && colon < line.find_first_of("0123456789,;\t");
+  if (colon == std::string_view::npos || colon > line.find_first_of("0123456789,;\t")) return false;
+  return colon + 1 == line.size() || line[colon + 1] == ' ';
 }
 
 /// True for a row of values: its first cell, or most, begin as numbers and dates do, or are missing. Names
