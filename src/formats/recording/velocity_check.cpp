@@ -1,5 +1,6 @@
 #include "recording/velocity_check.hpp"
 
+#include "motion/fix_faults.hpp"
 #include <sonopose/statistics/quantile.hpp>
 
 #include <fmt/format.h>
@@ -29,8 +30,7 @@ void VelocityCheck::add(const TwistSample& twist) {
 }
 
 std::optional<std::string> VelocityCheck::unit(
-    const std::vector<motion::Position>& fixes,
-    const std::function<std::string(const char*)>& how_to_name) const {
+    std::vector<motion::Position> fixes, const std::function<std::string(const char*)>& how_to_name) const {
   constexpr double min_span_s = 1.0;
   constexpr double max_span_s = 4.0;
   constexpr double min_m = 0.5;
@@ -38,7 +38,9 @@ std::optional<std::string> VelocityCheck::unit(
   constexpr std::size_t min_spans = 5;
   constexpr std::array<std::pair<const char*, double>, 3> units{
       {{"km h^-1", 3.6}, {"cm s^-1", 100}, {"mm s^-1", 1000}}};
+  motion::remove_default_position(fixes);
   std::vector<double> factors;
+  std::size_t spans = 0;
   std::size_t last = 0;
   auto next = speeds_mps_.begin();
   for (std::size_t i = 1; i < fixes.size(); ++i) {
@@ -52,6 +54,7 @@ std::optional<std::string> VelocityCheck::unit(
       ++count;
     }
     const double moved_m = (fixes[i].position_world_m - fixes[last].position_world_m).norm();
+    if (span_s < max_span_s && count > 0) ++spans;
     if (span_s < max_span_s && moved_m > min_m && count > 0)
       factors.push_back(sum_mps / count / (moved_m / span_s));
     last = i;
@@ -59,7 +62,8 @@ std::optional<std::string> VelocityCheck::unit(
   if (factors.size() < min_spans) return std::nullopt;
   const double factor = statistics::quantile(factors, 0.5);
   if (factor <= max_factor && factor * max_factor >= 1.0) return std::nullopt;
-  if (factor < 1.0 && !are_horizontal_) return std::nullopt;  // few bodies rise as they drive
+  if (factor < 1.0 && !are_horizontal_) return std::nullopt;            // few bodies rise as they drive
+  if (factor < 1.0 && 2 * factors.size() < spans) return std::nullopt;  // outliers move a body that stands
   const std::string text =
       fmt::format("the velocities are {:.3g} times the speed of the fixes (median)", factor);
   for (const auto& [unit, of_unit] : units) {

@@ -21,8 +21,7 @@ public:
   /// Suspects another unit if measured speeds are a multiple of those that the fixes show over a second or
   /// more. `how_to_name`: sentence about where to name a unit.
   [[nodiscard]] std::optional<std::string> unit(
-      const std::vector<motion::Position>& fixes,
-      const std::function<std::string(const char*)>& how_to_name) const;
+      std::vector<motion::Position> fixes, const std::function<std::string(const char*)>& how_to_name) const;
 
   /// Suspects swapped wheels, or another sense of rotation, if measured turns are against the gyroscope's.
   [[nodiscard]] std::optional<std::string> sign_of_turns(const std::vector<motion::Reading>& imu) const;
