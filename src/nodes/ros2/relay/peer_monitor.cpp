@@ -78,12 +78,14 @@ void PeerMonitor::check_processes(bool has_bridge, bool has_fusion) {
 }
 
 void PeerMonitor::check_clock(const RosClock& clock) {
-  if (!clock.is_waiting() || ++waiting_periods_ != periods_to_find_others) return;
+  const bool has_message = clock.has_message();
+  if (!clock.is_waiting() || ++waiting_periods_ < periods_to_find_others || named_clock_ == has_message) return;
+  named_clock_ = has_message;
   logging::warning(fmt::format(
       "no {} on /clock yet, though --use-sim-time follows it: until then messages without a stamp are not "
       "used, and /diagnostics has the time 0. {}, or leave the option out",
-      clock.has_message() ? "time after 0" : "message",
-      clock.has_message() ? "Start the simulation, which may be paused" : "Play the recording with --clock"));
+      has_message ? "time after 0" : "message",
+      has_message ? "Start the simulation, which may be paused" : "Play the recording with --clock"));
 }
 
 }  // namespace sonopose::ros2::relay

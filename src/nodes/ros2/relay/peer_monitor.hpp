@@ -9,6 +9,7 @@
 
 #include <atomic>
 #include <functional>
+#include <optional>
 #include <string>
 
 namespace sonopose::ros2::relay {
@@ -44,9 +45,10 @@ private:
   ros2::GraphObserver graph_;
   bool services_withdrawn_ = false;
   bool has_namesake_ = false;
-  int periods_ = 0;          ///< number of periods since the start
-  std::string missing_;      ///< processes, as last logged
-  int waiting_periods_ = 0;  ///< number of them without simulated time
+  int periods_ = 0;                  ///< number of periods since the start
+  std::string missing_;              ///< processes, as last logged
+  int waiting_periods_ = 0;          ///< number of them without simulated time
+  std::optional<bool> named_clock_;  ///< true if /clock had messages when it was last named
 };
 
 }  // namespace sonopose::ros2::relay
