@@ -79,7 +79,8 @@ void PeerMonitor::check_processes(bool has_bridge, bool has_fusion) {
 
 void PeerMonitor::check_clock(const RosClock& clock) {
   const bool has_message = clock.has_message();
-  if (!clock.is_waiting() || ++waiting_periods_ < periods_to_find_others || named_clock_ == has_message) return;
+  if (!clock.is_waiting() || ++waiting_periods_ < periods_to_find_others || named_clock_ == has_message)
+    return;
   named_clock_ = has_message;
   logging::warning(fmt::format(
       "no {} on /clock yet, though --use-sim-time follows it: until then messages without a stamp are not "
