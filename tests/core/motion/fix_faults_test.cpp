@@ -114,6 +114,12 @@ SCENARIO("positions that a tag rounds are not taken for repetitions of a slow bo
   }));
   REQUIRE(again.size() == 1);
   CHECK(again[0].kind == FixFaultKind::repeated);
+  const auto frozen = faults_of(circling([&](Position& fix, int i) {
+    if (i < 60) last_m = rounded(0.4 * fix.position_world_m);
+    fix.position_world_m = last_m;
+  }));
+  REQUIRE(frozen.size() == 1);
+  CHECK(frozen[0].kind == FixFaultKind::frozen);
 }
 
 SCENARIO("a vehicle that stops and goes repeats no positions") {

@@ -95,6 +95,14 @@ SCENARIO("Titles and comments above the names of the columns are no names") {
       CHECK(tables.log.events.size() == 2);
     }
   }
+  GIVEN("rows that begin with an address and are wider than the names") {
+    write_text(folder / "imu.csv", imu_rows);
+    write_text(folder / "positions.csv", "tag,time,x,y,z\nDE:CA:11,1.5,1,2,3,\nDE:CA:11,1.6,1,2,3,\n");
+    const Tables tables = read_tables({folder / "imu.csv", folder / "positions.csv", {}}, names, 7);
+    THEN("they are rows") {
+      CHECK(tables.log.events.size() == 3);
+    }
+  }
   GIVEN("a comment above the names, and a first row of words") {
     write_text(folder / "imu.csv", "# exported\n" + imu_rows);
     write_text(folder / "positions.csv",

@@ -132,6 +132,8 @@ void judge(State& state, const JudgedTwist& twist) {
             {.velocity_mps = 0.5, .yaw_rad = radians(20.0)});  // velocities shaped them until now
   }
   const Hypothesis* const independent = state.bank.find(ImuModel::wrong_velocities);
+  const ImuModel best = state.bank.best().imu;
+  const bool shape_best = uses_velocities(best) && !is_distrustful(best);
   bool is_used = false;
   gate.rejected = false;
   for (int axis = 0; axis < 3; ++axis) {
@@ -144,8 +146,7 @@ void judge(State& state, const JudgedTwist& twist) {
       note_contradiction(gate, twist.measured.time_ns);
       doubt_scale(state, twist, of_best);
     }
-    is_used = is_used || (!rejected && twist.is_scaled(axis) && !is_distrustful(state.bank.best().imu) &&
-                          uses_velocities(state.bank.best().imu));
+    is_used = is_used || (shape_best && !rejected && twist.is_scaled(axis));
     for (Hypothesis& each : state.bank) {
       if (each.track != Track::followed || !uses_velocities(each.imu) ||
           (rejected && !is_distrustful(each.imu)))

@@ -129,6 +129,23 @@ TEST_CASE("Velocities in another unit are observed beside the fixes") {
   CHECK_THAT(fault(3.6), Catch::Contains("km h^-1"));
 }
 
+TEST_CASE("Outliers of a body that stands do not make its velocities wrong") {
+  BeaconProbe probe;
+  probe.begin(begin_ns, {});
+  for (int i = 0; i < 400; ++i) {
+    UltrasonicFix fix;
+    fix.emission_time_ns = begin_ns + to_ns(0.1 * i);
+    fix.received_time_ns = fix.emission_time_ns + to_ns(0.07);
+    fix.position_world_m = {i % 60 == 30 ? 1.0 : 0.0, 0, 0};
+    probe.on(fix, fix.received_time_ns);
+    TwistSample twist;
+    twist.emission_time_ns = fix.emission_time_ns;
+    twist.axes = twist_velocity_x;
+    probe.on(twist, twist.emission_time_ns);
+  }
+  CHECK_FALSE(probe.observation(begin_ns + to_ns(41), {}).velocity_fault);
+}
+
 TEST_CASE("Headings of the body, as of a compass, do not show a pair that could be lost") {
   BeaconProbe probe;
   probe.begin(begin_ns, {});
