@@ -10,6 +10,7 @@
 namespace sonopose::estimation::kalman {
 
 inline constexpr double max_heading_interval_s = 10.0;  ///< upper limit of a counted interval
+inline constexpr int proven_offset_samples = 40;        ///< headings that prove a constant offset
 
 struct HeadingGate {
   TimeNs used_ns = 0;            ///< time of the last heading used
@@ -22,7 +23,7 @@ struct HeadingGate {
   TimeNs seen_ns = 0;      ///< time of the last heading, used or not
   double interval_s = 0;   ///< usual interval between headings, up to max_heading_interval_s
   double offset_rad = 0;   ///< mean difference of headings from the yaw of ImuModel::wrong_headings
-  int offset_samples = 0;  ///< number of headings in this mean, up to eight
+  int offset_samples = 0;  ///< number of headings in a row with this offset, up to `proven_offset_samples`
 
   /// Registers a heading, used or not.
   void add(TimeNs time_ns);

@@ -38,10 +38,16 @@ double evidence_of_offset(State& state, const Filter::HeadingInnovation& innovat
   return log_likelihood({.value_rad = *deviation, .variance_rad2 = innovation.variance_rad2});
 }
 
-/// True if the motion alone shows the yaw.
-bool motion_shows_yaw(const Hypothesis& hypothesis) {
-  constexpr double max_std_rad = radians(5.0);
-  return hypothesis.filter.yaw_variance_rad2() < square(max_std_rad);
+/// True if the motion proves headings wrong. Fixes that are rejected with them may show a turned map.
+bool overrules_headings(const State& state, const Hypothesis& without_headings) {
+  return state.fixes.rejected_in_row == 0 && !is_distrustful(state.bank.best().imu) &&
+         contradicts_headings(state, without_headings.filter);
+}
+
+bool is_same_yaw(const Filter& filter, const Filter& other) {
+  constexpr double max_apart_rad = radians(5.0);
+  return std::abs(geometry::wrap_angle(geometry::yaw_of(filter.q_body_to_world) -
+                                       geometry::yaw_of(other.q_body_to_world))) < max_apart_rad;
 }
 
 /// Keeps a heading for a start, turned to the time of the latest sample.
@@ -81,9 +87,19 @@ HeadingOutcome judge(State& state, const settings::Settings& settings, const Hea
   const auto innovation = heading_innovation(state, state.filter(), settings, heading);
   if (!innovation.observable) return outcome;
   const bool rejected = squared_norm(innovation) > heading_chi2_reject_threshold;
+  Hypothesis* without_headings = state.bank.find(ImuModel::wrong_headings);
+  if (rejected && without_headings != nullptr && overrules_headings(state, *without_headings)) {
+    const auto own = heading_innovation(state, without_headings->filter, settings, heading);
+    if (own.observable) evidence_of_offset(state, own);
+    if (is_same_yaw(state.filter(), without_headings->filter)) {
+      state.headings.accept();
+    } else {
+      state.headings.reject(heading.time_ns);
+    }
+    return outcome;
+  }
   update_distrustful_models(state, squared_norm(innovation) > chi2_explain_threshold);
   state.imu_fault.shifted.evidence += evidence_of(innovation);
-  Hypothesis* without_headings = state.bank.find(ImuModel::wrong_headings);
   if (without_headings == nullptr && !is_distrustful(state.bank.best().imu)) {
     without_headings = &state.bank.spawn(state.bank.best());
     set_imu_model(*without_headings, ImuModel::wrong_headings);
@@ -109,7 +125,7 @@ HeadingOutcome judge(State& state, const settings::Settings& settings, const Hea
     keep_heading(state, settings, heading);
     return outcome;
   }
-  const bool may_be_believed = without_headings == nullptr || !motion_shows_yaw(*without_headings);
+  const bool may_be_believed = without_headings == nullptr || !motion_shows_yaw(without_headings->filter);
   if (rejected && !(state.headings.reject(heading.time_ns) && may_be_believed)) {
     judge_turned_map(state, settings, heading, innovation.value_rad);
     return outcome;
@@ -195,15 +211,15 @@ void HeadingGate::add(TimeNs time_ns) {
 }
 
 std::optional<double> HeadingGate::add_offset(double difference_rad, double max_rad) {
-  constexpr int max_offset_samples = 8;
+  constexpr int max_mean_samples = 8;
   const double deviation_rad = geometry::wrap_angle(difference_rad - offset_rad);
   if (offset_samples == 0 || std::abs(deviation_rad) > max_rad) {
     offset_rad = difference_rad;
     offset_samples = 1;
     return std::nullopt;
   }
-  offset_samples = std::min(offset_samples + 1, max_offset_samples);
-  offset_rad = geometry::wrap_angle(offset_rad + deviation_rad / offset_samples);
+  offset_samples = std::min(offset_samples + 1, proven_offset_samples);
+  offset_rad = geometry::wrap_angle(offset_rad + deviation_rad / std::min(offset_samples, max_mean_samples));
   return deviation_rad;
 }
 

@@ -11,40 +11,45 @@ namespace {
 
 constexpr TimeNs fault_memory_ns = 3'000'000'000;  // an IMU that was wrong a moment ago may be wrong again
 
+/// Turns a filter about the vertical through the tracked point.
+void turn_to(Filter& filter, double yaw_rad) {
+  const Vector3d tracked_world_m = filter.tracked_position_world_m();
+  filter.q_body_to_world = geometry::level_with(geometry::up_in_body(filter.q_body_to_world), yaw_rad);
+  filter.position_world_m = tracked_world_m + filter.q_body_to_world * filter.lever_arm_body_m;
+}
+
 /// Restarts a hypothesis from the best one. If that is distrustful, the new one trusts the IMU as before the
-/// fault.
+/// fault, and one without headings tries another yaw.
 void restart(Hypothesis& hypothesis, const Hypothesis& best, const State& state) {
   constexpr double restart_penalty = 2.0;
+  constexpr double next_yaw_rad = radians(135.0);  // reaches eight directions in turn
   const ImuModel model = hypothesis.imu;
+  const double failed_yaw_rad = geometry::yaw_of(hypothesis.filter.q_body_to_world);
   hypothesis = best;
   set_imu_model(hypothesis, model);
   hypothesis.score -= restart_penalty;
   hypothesis.missed_in_row = hypothesis.explained_in_row = 0;
   if (!is_distrustful(best.imu) || is_distrustful(model)) return;
   restore_trusted_biases(state.imu_fault, hypothesis.filter);
-  if (best.imu == ImuModel::distrusts_imu) level_by_mean_force(state, hypothesis.filter);
+  if (best.imu == ImuModel::distrusts_imu || model == ImuModel::wrong_headings)
+    level_by_mean_force(state, hypothesis.filter);
+  if (model != ImuModel::wrong_headings) return;
+  turn_to(hypothesis.filter, failed_yaw_rad + next_yaw_rad);
+  hypothesis.filter.add_yaw_variance(square(radians(20.0)));
 }
 
 /// True if it has explained enough fixes in a row to trust the IMU again; each fault doubles their number.
 bool trusts_imu_again(const Hypothesis& hypothesis, const State& state) {
   constexpr int min_explained = 20;
-  return hypothesis.explained_in_row >= min_explained << std::min(state.imu_fault.faults, 4) &&
-         hypothesis.score > state.bank.best().score;
+  // Wrong headings are no fault of the IMU, and their offset must prove itself besides.
+  const int faults = hypothesis.imu == ImuModel::wrong_headings ? 1 : std::min(state.imu_fault.faults, 4);
+  return hypothesis.explained_in_row >= min_explained << faults && hypothesis.score > state.bank.best().score;
 }
 
 /// True if the clocks of IMU and fixes certainly differ.
 bool has_other_clock(const Filter& filter) {
   constexpr double sigmas = 6.0;
   return square(filter.delay_error_s) > square(sigmas) * filter.delay_variance_s2;
-}
-
-/// True if the yaw of a filter without headings certainly differs from theirs.
-bool contradicts_headings(const State& state, const Filter& filter) {
-  constexpr double sigmas = 5.0;
-  constexpr int min_offset_samples = 3;
-  const double noise_rad2 = std::max(state.noise.heading_rad2.variance, square(state.headings.std_rad));
-  return state.headings.offset_samples >= min_offset_samples &&
-         square(state.headings.offset_rad) > square(sigmas) * (filter.yaw_variance_rad2() + noise_rad2);
 }
 
 /// True if a model may be chosen by its score.
@@ -55,12 +60,19 @@ bool may_be_best(const State& state, const Hypothesis& hypothesis) {
       return has_other_clock(hypothesis.filter);
     case ImuModel::wrong_headings:
       // A wrong gyroscope also contradicts the headings.
-      return !best_is_distrustful && contradicts_headings(state, hypothesis.filter);
+      return contradicts_headings(state, hypothesis.filter) &&
+             (!best_is_distrustful || state.headings.offset_samples >= proven_offset_samples);
     case ImuModel::wrong_velocities:
       return state.twist && !state.twist->are_proven();
     default:
       return best_is_distrustful || !is_distrustful(hypothesis.imu);
   }
+}
+
+/// True if the yaw that a filter without headings tries is wrong.
+bool has_wrong_yaw(const Hypothesis& hypothesis, const Hypothesis& best) {
+  return hypothesis.imu == ImuModel::wrong_headings && is_distrustful(best.imu) &&
+         hypothesis.score < best.score - max_start_score_deficit;
 }
 
 /// Lead that the score of a model needs over that of the best one.
@@ -118,6 +130,14 @@ void adopt_distrustful_model(State& state, Hypothesis& chosen) {
 
 }  // namespace
 
+bool contradicts_headings(const State& state, const Filter& filter) {
+  constexpr double sigmas = 5.0;
+  constexpr int min_offset_samples = 3;
+  const double noise_rad2 = std::max(state.noise.heading_rad2.variance, square(state.headings.std_rad));
+  return motion_shows_yaw(filter) && state.headings.offset_samples >= min_offset_samples &&
+         square(state.headings.offset_rad) > square(sigmas) * (filter.yaw_variance_rad2() + noise_rad2);
+}
+
 void restore_trusted_biases(const ImuFaultDetector& detector, Filter& filter) {
   if (detector.faults > 0) {
     filter.gyro_bias_body_radps = detector.trusted_gyro_bias_body_radps;
@@ -152,7 +172,8 @@ void choose_model(State& state) {
   HypothesisBank& bank = state.bank;
   for (Hypothesis& each : bank) {
     if (each.track != Track::followed || &each == &bank.best()) continue;
-    if (each.missed_in_row >= restart_after_misses) restart(each, bank.best(), state);
+    const bool has_failed = each.missed_in_row >= restart_after_misses || has_wrong_yaw(each, bank.best());
+    if (has_failed) restart(each, bank.best(), state);
     if (may_be_best(state, each) && is_better(state, each)) bank.best_index = bank.index_of(each);
   }
   const Hypothesis& best = bank.best();

@@ -23,6 +23,7 @@ inline constexpr int min_rejected_in_row = 3;              // fewer may be outli
 inline constexpr int min_track_fixes = 3;                  // number of fixes that make a track
 inline constexpr double min_evidence_margin = 10.0;        // prior odds: most IMUs are right
 inline constexpr double min_margin_over_tracks = 4.0;      // wrong tracks are more frequent
+inline constexpr double max_start_score_deficit = 14.0;    // of a yaw that is tried
 inline constexpr int min_rest_fixes = 2;  // enough to distinguish a rest from a smooth cruise
 
 constexpr double square(double x) {
@@ -105,6 +106,15 @@ bool restart_search(State& state);
                                                            const HeadingMeasurement& heading);
 void correct_by_heading(const State& state, Filter& filter, const settings::Settings& settings,
                         const HeadingMeasurement& heading, double variance_rad2);
+
+/// True if the motion alone shows the yaw of a filter that headings do not correct.
+[[nodiscard]] inline bool motion_shows_yaw(const Filter& filter) {
+  constexpr double max_std_rad = radians(5.0);
+  return filter.yaw_variance_rad2() < square(max_std_rad);
+}
+
+/// True if the yaw that the motion shows to a filter without headings certainly differs from theirs.
+[[nodiscard]] bool contradicts_headings(const State& state, const Filter& filter);
 
 // Other tracks.
 [[nodiscard]] Hypothesis* find_other_track(State& state);

@@ -156,7 +156,6 @@ void start_at(State& state, const FixMeasurement& fix, const settings::Settings&
 /// Removes starts that fixes and headings contradict, and those that became equal to another one. The best
 /// one changes only if another is much more likely: the yaw must not jump while nothing is learned.
 void prune_starts(State& state) {
-  constexpr double max_score_deficit = 14.0;
   constexpr double merge_angle_rad = radians(4.0);
   constexpr double min_score_margin = 2.0;
   HypothesisBank& bank = state.bank;
@@ -175,7 +174,7 @@ void prune_starts(State& state) {
   };
   for (int i = bank.size() - 1; i >= 0; --i) {
     if (!is_start(bank[i])) continue;
-    if (!(bank[i].score > max_score - max_score_deficit && bank[i].filter.is_finite())) {
+    if (!(bank[i].score > max_score - max_start_score_deficit && bank[i].filter.is_finite())) {
       end(i);
       continue;
     }

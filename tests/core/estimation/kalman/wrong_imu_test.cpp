@@ -332,16 +332,39 @@ SCENARIO("a pair that is swapped for some seconds turns nothing") {
   }
 }
 
-SCENARIO("a mount that is off by 20 degrees is overruled by the motion") {
+SCENARIO("headings of a wrong mount are overruled by the motion") {
+  const std::string name = GENERATE("walk", "kart");
+  const double error_deg = GENERATE(20.0, -60.0);
   const std::uint64_t seed = GENERATE(7091U, 7092U);
-  GIVEN("a walk whose headings are all 20 degrees too large, seed " << seed) {
-    const auto moments = moments_of("walk", seed, [](sim::Scenario& scenario) {
+  GIVEN("a " << name << " whose headings are all off by " << error_deg << " degrees, seed " << seed) {
+    const auto moments = moments_of(name, seed, [&](sim::Scenario& scenario) {
       scenario.disturbances.heading_errors = {
-          {0.0, without_end_s, 20.0 * geometry::radians_per_degree, true}};
+          {0.0, without_end_s, error_deg * geometry::radians_per_degree, true}};
     });
-    THEN("yaw is right after 15 s of motion") {
+    THEN("yaw and position are right after 15 s of motion") {
       for (const Moment& moment : moments) {
-        if (moment.time_s > 15.0)
+        if (moment.time_s > 18.0)
+          REQUIRE(std::abs(moment.yaw_error_rad) < 6.0 * geometry::radians_per_degree);
+      }
+      CHECK(largest_error_m(moments, 18.0) < 0.1);
+    }
+  }
+}
+
+SCENARIO("a yaw that is off by a quarter or half turn is found from the motion") {
+  const std::string name = GENERATE("moving_start", "hard_stops");
+  const double error_deg = GENERATE(90.0, 180.0);
+  GIVEN("a drive, " << name << ", whose headings are all off by " << error_deg << " degrees") {
+    const auto moments = moments_of(
+        name, 7093,
+        [&](sim::Scenario& scenario) {
+          scenario.disturbances.heading_errors = {
+              {0.0, without_end_s, error_deg * geometry::radians_per_degree, true}};
+        },
+        60.0);
+    THEN("it is right in the end") {
+      for (const Moment& moment : moments) {
+        if (moment.time_s > 45.0)
           REQUIRE(std::abs(moment.yaw_error_rad) < 6.0 * geometry::radians_per_degree);
       }
     }
